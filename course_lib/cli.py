@@ -1,25 +1,566 @@
-"""`course …`: every command calls one function of the library."""
+"""`course …`: the command line. Each command calls one function of the library.
 
+The functions are imported inside the commands, because most commands need only a small part of the
+kit and should start quickly.
+"""
+
+import os
+import signal
 import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from math import inf
 from pathlib import Path
-from typing import Annotated, NoReturn
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 from typer.exceptions import TyperException
 
-from course_lib.cli_robot import Call, Domain, Robot, Send, address, robots
-from course_lib.cli_staff import need_fork_for, staff
+from course_lib import usual_commands
 from course_lib.errors import CourseError
+from course_lib.usual_commands import fix_hash_seed
 
-NOT_PASSED, UNUSABLE, INTERRUPTED = 1, 2, 130  # exit codes
-RUN_SECONDS = 5.0  # [s] of robot time, where no --seconds says otherwise
-LONG = 1e6  # [s] of robot time, where something else ends the run
+if TYPE_CHECKING:
+    from course_lib.grading.jail.filters import Need
+    from course_lib.ros.robot.connect import RobotAddress
+
+Robot = Annotated[
+    str | None,
+    typer.Option(help="An unmodified robot, dds/192.168.1.5, or its Zenoh router, tcp/192.168.1.5:7447."),
+]
+Domain = Annotated[int | None, typer.Option(help="The robot's ROS_DOMAIN_ID.")]
+Send = Annotated[list[str] | None, typer.Option(help="A topic that may be sent to the robot.")]
+Call = Annotated[list[str] | None, typer.Option(help="A service or action of the robot that may be called.")]
+
+robots = typer.Typer()
+
+
+def address(
+    robot: str | None, domain: int | None, send: list[str] | None, call: list[str] | None
+) -> "RobotAddress | None":
+    """Return the robot's address and what may be sent to it, or None without a robot.
+
+    Raises:
+        CourseError: There are options for a robot, but no robot.
+    """
+    from course_lib.ros.robot.connect import RobotAddress
+
+    if robot is not None:
+        return RobotAddress(robot, domain, send or (), call or ())
+    if domain is not None or send or call:
+        raise CourseError(
+            "--domain, --send and --call need a robot: add --robot dds/HOST or --robot tcp/HOST:7447."
+        )
+    return None
+
+
+@robots.command()
+def robot(
+    kind: Annotated[
+        str, typer.Argument(help="driving: a base with a laser scanner; unknown: the robot of week 6.")
+    ] = "driving",
+    listen: Annotated[str, typer.Option(help="Address for connections over Zenoh.")] = "tcp/127.0.0.1:7447",
+    dds: Annotated[bool, typer.Option("--dds", help="Use DDS instead of Zenoh, without a router.")] = False,
+    ros: Annotated[
+        bool, typer.Option("--ros", help="Run it on the real ROS 2 (course ros --install), over DDS.")
+    ] = False,
+    domain: Annotated[int, typer.Option(min=0, max=232, help="The robot's ROS_DOMAIN_ID.")] = 0,
+    with_parent: Annotated[bool, typer.Option("--with-parent", hidden=True)] = False,
+) -> None:
+    """Run a simulated robot, whose topics, services and actions are available over the network."""
+    from course_lib.gateway.robot import THIS_COMPUTER, RobotPlace
+    from course_lib.gateway.robot import robot as run_robot
+
+    place = RobotPlace(THIS_COMPUTER if dds or ros else listen, domain, ros)
+    raise typer.Exit(run_robot(kind, place, typer.echo, with_parent=with_parent))
+
+
+@robots.command()
+def router(
+    robot: Annotated[
+        str,
+        typer.Option(help="The robot's router, tcp/192.168.1.5:7447, or a robot over DDS, dds/192.168.1.5."),
+    ] = "",
+    send: Annotated[
+        list[str] | None, typer.Option(help="A topic that the driver may publish; may be given again.")
+    ] = None,
+    call: Annotated[
+        list[str] | None,
+        typer.Option(help="A service or an action that students may call; may be given again."),
+    ] = None,
+    students: Annotated[
+        Path | None, typer.Option(help="The platform's CSV; each student gets a token.")
+    ] = None,
+    id_column: Annotated[
+        str, typer.Option(help="The heading of the IDs in --students; default: detected by its content.")
+    ] = "",
+    driver: Annotated[
+        str, typer.Option(help="The student who drives, or nobody; also changes a running gateway.")
+    ] = "",
+    listen: Annotated[str, typer.Option(help="Address for the students' connections.")] = "tcp/0.0.0.0:7448",
+    certificate: Annotated[Path | None, typer.Option(help="PEM file for --listen tls/…, with --key.")] = None,
+    key: Annotated[Path | None, typer.Option(help="The certificate's private key, PEM.")] = None,
+    domain: Annotated[int, typer.Option(min=0, max=232, help="The robot's ROS_DOMAIN_ID.")] = 0,
+    robot_port: Annotated[
+        int, typer.Option(min=1, max=65535, help="Without --robot: the port for a robot on this computer.")
+    ] = 7447,
+    folder: Annotated[Path, typer.Option(help="The folder that stores the tokens.")] = Path("course_router"),
+) -> None:
+    """Run a gateway: all students receive a robot's messages, and one at a time drives the robot."""
+    from course_lib.gateway.access import relative_names
+    from course_lib.gateway.gateway import Settings
+    from course_lib.gateway.router import router as run
+
+    sends, calls = relative_names(send or (), "--send"), relative_names(call or (), "--call")
+    there = f"tcp/127.0.0.1:{robot_port}"
+    settings = Settings(listen, robot, sends, calls, domain, certificate, key, there)
+    run(settings, folder, students, id_column, driver, typer.echo)
+
+
+# Exit code.
+NOT_READY = 1
+
+authors = typer.Typer()
+
+
+@authors.command()
+def new(
+    kind: Annotated[str, typer.Argument(help="week09, or the word course.")],
+    title: Annotated[str, typer.Argument(help='The title, such as "Occupancy maps".')],
+) -> None:
+    """Write the files of a week, or of a course of your own, which already run."""
+    from course_lib.authoring.new import new_course, new_week
+    from course_lib.grading.store import this_course
+
+    if kind == "course":
+        root = new_course(title, Path.cwd())
+        typer.echo(
+            f"{root} is a course. Go on there: pip install -e '.[test]' && course verify && course lab"
+        )
+        return
+    for path in new_week(kind, title, this_course()):
+        typer.echo(path)
+    typer.echo(f"The files already run. Replace each REPLACE, and check your work with: course verify {kind}")
+
+
+@authors.command()
+def verify(
+    weeks: Annotated[list[str] | None, typer.Argument(help="week09 …; default: all.")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Number of notebooks that run in parallel.")] = None,
+) -> None:
+    """Test each week's answers, checks, quiz and lesson before students use them."""
+    from rich.console import Console
+
+    from course_lib.authoring.verify import lines, save_digests, table
+    from course_lib.authoring.verify import verify as look
+    from course_lib.grading.store import this_course
+
+    course, reports = this_course(), []
+    for report in look(course, weeks or (), jobs):
+        typer.echo(f"{report.week}: {len(report.flaws) or 'nothing'} to correct", err=True)
+        reports.append(report)
+    save_digests(course, reports)
+    Console().print(table(reports))
+    typer.echo("\n".join(lines(reports, course)))
+    raise typer.Exit(NOT_READY if any(report.flaws for report in reports) else 0)
+
+
+@authors.command()
+def release(
+    out: Annotated[Path, typer.Argument(help="An empty or new folder.")],
+    solution: Annotated[
+        list[str] | None,
+        typer.Option(help="A week like week01 whose solution is released, too; may be given again."),
+    ] = None,
+) -> None:
+    """Write the students' copy: installable, without solutions and hidden checks. Verify first.
+
+    A solution is released only after the last submission of its week that can get points.
+    """
+    from course_lib.authoring.verify import refuse_broken, report_placeholders
+    from course_lib.course.student_folder import free_folder, renew_exercises, require_closed
+    from course_lib.course.student_folder import release as write
+    from course_lib.grading.store import this_course
+
+    free_folder(out)
+    require_closed(solution or ())
+    renew_exercises()
+    refuse_broken(this_course(), lambda line: typer.echo(line, err=True))
+    paths = write(out, solution or ())
+    for line in report_placeholders(this_course()):
+        typer.echo(f"note: {line}")
+    typer.echo(f"Released {len(paths)} parts into {out}. Students run there: pip install -e . && course lab")
+
+
+@authors.command()
+def book(out: Annotated[Path, typer.Argument(help="A new or empty folder, or a former book.")]) -> None:
+    """Build the course's lessons and guides as web pages, with their scenes; they need no network."""
+    from course_lib.book.book import build
+
+    made = build(out, typer.echo)
+    typer.echo(f"{made.index}: {made.pages} pages")
+    typer.echo("\n".join(made.warnings), err=True, nl=bool(made.warnings))
+    raise typer.Exit(NOT_READY if made.warnings else 0)
+
+
+# Exit code.
+NOT_PASSED = 1
+
+classes = typer.Typer()
+
+Roster = Annotated[Path | None, typer.Option(help="The class list: id,name,email,section,group,login.")]
+Graded = Annotated[Path, typer.Argument(help="The folder in which `course grade` wrote gradebook.csv.")]
+
+
+@classes.command()
+def feedback(
+    out: Graded,
+    lms: Annotated[str, typer.Option(help="moodle or canvas.")],
+    exercise: Annotated[str, typer.Option(help="Only this exercise, week01_exercise.")] = "",
+    section: Annotated[str, typer.Option(help="Only this section; with --roster.")] = "",
+    roster: Roster = None,
+) -> None:
+    """Pack the reports for Moodle's or Canvas's bulk upload, a zip per exercise."""
+    from course_lib.grading.reports.feedback import feedback as write
+    from course_lib.grading.submissions.roster import ids_of_section
+
+    for line in write(out, lms, exercise=exercise, students=ids_of_section(roster, section)):
+        typer.echo(line)
+
+
+@classes.command()
+def report(
+    out: Graded,
+    exercise: Annotated[str, typer.Option(help="The exercise of the reports, week01_exercise.")],
+    final: Annotated[
+        bool, typer.Option(help="Show hidden checks, as marks are final; --no-final hides them again.")
+    ] = True,
+) -> None:
+    """Write the reports of an exercise again, with its hidden checks."""
+    from course_lib.grading.reports.feedback import show_hidden_checks
+
+    typer.echo(show_hidden_checks(out, exercise, is_final=final))
+
+
+@classes.command()
+def gradescope(
+    week: Annotated[str, typer.Argument(help="week01.")],
+    out: Annotated[Path, typer.Option(help="The zip to upload to Gradescope.")] = Path("autograder.zip"),
+    roster: Roster = None,
+    hidden: Annotated[
+        str, typer.Option(help="When students see hidden checks: after_published, after_due_date, hidden.")
+    ] = "after_published",
+    show_total: Annotated[
+        bool,
+        typer.Option("--show-total", help="Show the total at an upload, although it reveals hidden checks."),
+    ] = False,
+    run: Annotated[Path | None, typer.Option(help="Grade the submission in Gradescope's folder.")] = None,
+    require_sandbox: Annotated[
+        bool, typer.Option("--require-sandbox", help="Run submissions only in a full sandbox.")
+    ] = False,
+    trust: Annotated[
+        bool,
+        typer.Option(
+            "--i-trust-these-submissions",
+            help="Run submissions with the user's permissions if no sandbox works.",
+        ),
+    ] = False,
+) -> None:
+    """Write an autograder for one week, for Gradescope."""
+    from course_lib.grading.platforms.gradescope import grade_upload, write_autograder
+
+    need: Need = "full" if require_sandbox else "any" if trust else "partial"
+    if run is not None:
+        typer.echo(f"Wrote {grade_upload(week, run, hidden=hidden, need=need, show_total=show_total)}")
+        return
+    for line in write_autograder(week, out, hidden=hidden, need=need, roster=roster, show_total=show_total):
+        typer.echo(line)
+
+
+@classes.command()
+def classroom(
+    copy: Annotated[
+        Path | None, typer.Argument(help="The students' copy, which gets a workflow of GitHub Actions.")
+    ] = None,
+    clones: Annotated[Path | None, typer.Option(help="The clones of students' repositories.")] = None,
+    roster: Roster = None,
+    pushes: Annotated[Path | None, typer.Option(help="With --clones: JSON of GitHub's activity.")] = None,
+    out: Annotated[Path, typer.Option(help="With --clones: the folder for the submissions.")] = Path(
+        "submissions"
+    ),
+    check: Annotated[Path | None, typer.Option(help="Run the public checks of changed exercises.")] = None,
+) -> None:
+    """Check each push to GitHub, or sort clones into submissions."""
+    from course_lib.grading.platforms.classroom import check_changed, collect_clones, write_workflow
+
+    if check is not None and copy is None and clones is None:
+        raise typer.Exit(0 if check_changed(check) else NOT_PASSED)
+    if clones is not None and roster is not None and copy is None and check is None:
+        lines = collect_clones(clones, out, roster, pushes)
+    elif copy is not None and clones is None and check is None:
+        lines = write_workflow(copy)
+    else:
+        raise CourseError(
+            "write: course classroom COPY; or: course classroom --clones DIR --roster roster.csv "
+            "--pushes pushes.json --out submissions"
+        )
+    for line in lines:
+        typer.echo(line)
+    raise typer.Exit(NOT_PASSED if any(line.startswith("refused") for line in lines) else 0)
+
+
+# Commands that run or store submissions.
+_FORKING = {"check", "classroom", "collect", "grade", "mark", "verify"}
+
+staff = typer.Typer()
+staff.add_typer(authors)
+staff.add_typer(classes)
+
+
+def require_fork(command: str) -> None:
+    """Raise an error for a command that forks processes if the system cannot, like native Windows.
+
+    Raises:
+        CourseError: The command runs or stores submissions, and processes cannot fork here.
+    """
+    if command in _FORKING and not hasattr(os, "fork"):
+        instead = " In the exercise itself check() works without." if command == "check" else ""
+        raise CourseError(
+            f"course {command} needs Linux, macOS or WSL2: on this system ({sys.platform}) a process can't "
+            f"fork.{instead}"
+        )
+
+
+@staff.command()
+def collect(
+    source: Annotated[Path, typer.Argument(help="The folder or zip downloaded from the learning platform.")],
+    out: Annotated[Path, typer.Option(help="The folder for the submissions, with one folder per student.")],
+    roster: Annotated[
+        Path | None, typer.Option(help="The platform's CSV, to name students by an ID in it.")
+    ] = None,
+    id_column: Annotated[
+        str, typer.Option(help="The heading of that ID in --roster; default: detected by its content.")
+    ] = "",
+    times: Annotated[
+        list[Path] | None,
+        typer.Option(help="More times of submission: CSV, or JSON of Canvas's API; may be given again."),
+    ] = None,
+    time_zone: Annotated[
+        str, typer.Option(help="The zone of the platform's times; default: the course's.")
+    ] = "",
+    exercise: Annotated[
+        str, typer.Option(help="The exercise that counts, week01_exercise; default: the only one in it.")
+    ] = "",
+    layout: Annotated[
+        str,
+        typer.Option(
+            help="The layout of the download's names; default: detected by the names. See the guide."
+        ),
+    ] = "",
+) -> None:
+    """Sort the download of a learning platform into submissions; unsafe files are refused one by one."""
+    from course_lib.course.course_file import find_zone, shipped_course_file
+    from course_lib.grading.submissions.collect import collect as sort
+
+    course = shipped_course_file()
+    zone = find_zone(time_zone) if time_zone else course.zone
+    done = sort(source, out, zone, roster, id_column, times or (), exercise=exercise, layout=layout)
+    if course.zone_note and not time_zone:
+        typer.echo(course.zone_note)
+    for line in (*done.refused, *done.aside, *sorted(done.notes), done.summary(out)):
+        typer.echo(line)
+    raise typer.Exit(NOT_PASSED if done.refused else 0)
+
+
+@staff.command()
+def grade(
+    submissions: Annotated[Path, typer.Argument(help="The folder with the submissions.")],
+    out: Annotated[Path, typer.Option(help="The folder for results, gradebook and reports.")],
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Number of submissions that run in parallel.")
+    ] = None,
+    only: Annotated[str, typer.Option(help="What to grade, a pattern like 'ada/*'.")] = "*",
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Skip submissions that are already graded.")
+    ] = False,
+    rejudge: Annotated[
+        bool, typer.Option("--rejudge", help="Judge stored evidence again, without running anything.")
+    ] = False,
+    dask: Annotated[str | None, typer.Option(help="Run on the workers of this Dask scheduler.")] = None,
+    require_sandbox: Annotated[
+        bool, typer.Option("--require-sandbox", help="Run submissions only in a full sandbox.")
+    ] = False,
+    trust: Annotated[
+        bool,
+        typer.Option(
+            "--i-trust-these-submissions", help="Run submissions with your permissions if no sandbox works."
+        ),
+    ] = False,
+) -> None:
+    """Grade a folder of submissions: results, gradebook.csv and one report per student."""
+    from course_lib.grading.grade import grade as grade_all
+
+    need: Need = "full" if require_sandbox else "any" if trust else "partial"
+    with _second_interrupt_ends_at_once():
+        passed = grade_all(
+            submissions, out, jobs=jobs, dask=dask, only=only, resume=resume, rejudge=rejudge, need=need
+        )
+    raise typer.Exit(0 if passed else NOT_PASSED)
+
+
+@contextmanager
+def _second_interrupt_ends_at_once() -> Iterator[None]:
+    """Let a second Ctrl+C terminate this process by the signal itself.
+
+    After the first one, grading needs a moment to stop. An exception during that time, or while
+    Python waits for threads at exit, would print a traceback. No file is left incomplete, because
+    files are replaced as a whole.
+    """
+
+    def on_interrupt(number: int, frame: FrameType | None) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.default_int_handler(number, frame)
+
+    before = signal.signal(signal.SIGINT, on_interrupt)
+    try:
+        yield
+    finally:
+        if signal.getsignal(signal.SIGINT) is on_interrupt:
+            signal.signal(signal.SIGINT, before)
+
+
+@staff.command()
+def mark(
+    out: Annotated[Path, typer.Argument(help="The folder in which `course grade` wrote gradebook.csv.")],
+    given: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[STUDENT EXERCISE TASK POINTS]", help="Points entered manually."),
+    ] = None,
+    row: Annotated[str, typer.Option(help="A row of the rubric: its number, or its first words.")] = "",
+    comment: Annotated[str, typer.Option(help="A comment in the student's report.")] = "",
+    withdraw: Annotated[
+        bool, typer.Option("--withdraw", help="Withdraw the manual points of STUDENT EXERCISE TASK.")
+    ] = False,
+    without_file: Annotated[
+        bool,
+        typer.Option(
+            "--without-file", help="STUDENT EXERCISE POINTS, for paper, an oral exam or a rejected file."
+        ),
+    ] = False,
+    lms: Annotated[
+        Path | None, typer.Option(help="The CSV that Canvas, Moodle or another platform exported, to fill.")
+    ] = None,
+    exercise: Annotated[
+        str, typer.Option(help="With --lms: the exercise of the marks, week01_exercise.")
+    ] = "",
+    column: Annotated[str, typer.Option(help="With --lms: the heading of the column to fill.")] = "",
+    id_column: Annotated[str, typer.Option(help="With --lms: the heading of the students' IDs.")] = "",
+    to: Annotated[
+        Path | None, typer.Option(help="With --lms: the file to write; its other columns are unchanged.")
+    ] = None,
+    raw: Annotated[bool, typer.Option("--raw", help="Fill in the scores before the late policy.")] = False,
+    cap: Annotated[
+        bool, typer.Option("--cap", help="Limit marks to the platform's maximum, if it rejects a bonus.")
+    ] = False,
+    comment_column: Annotated[
+        str, typer.Option(help='With --lms: the heading for comments, "Feedback comments" of Moodle.')
+    ] = "",
+    section: Annotated[str, typer.Option(help="With --lms: only rows of this section; with --roster.")] = "",
+    roster: Annotated[
+        Path | None, typer.Option(help="With --section: the class list: id,name,email,section,group,login.")
+    ] = None,
+    serve: Annotated[bool, typer.Option("--serve", help="Mark in the browser, on this machine.")] = False,
+    port: Annotated[int | None, typer.Option(min=0, help="With --serve: the port.")] = None,
+    browser: Annotated[bool, typer.Option(help="With --serve: open the page.")] = True,
+) -> None:
+    """Enter points by hand, which grading again keeps, or fill a column of a learning platform's CSV."""
+    if serve and lms is None and not given:
+        from course_lib.grading.marking.server import serve as serve_page
+
+        serve_page(out, port=port, browser=browser)
+        return
+    if lms is not None and not given:
+        from course_lib.grading.submissions.lms import fill_lms
+        from course_lib.grading.submissions.roster import ids_of_section
+
+        names = {"exercise": exercise, "column": column, "id_column": id_column}
+        _require_lms_options(lms, {**names, "to": to})
+        assert to is not None
+        students = ids_of_section(roster, section)
+        lines = fill_lms(
+            out, lms, to, **names, raw=raw, cap=cap, comment_column=comment_column, students=students
+        )
+    elif without_file:
+        lines = [_mark_without_file(out, given or (), row, comment, withdraw=withdraw)]
+    else:
+        lines = [_mark(out, given or (), row, comment, withdraw=withdraw, is_lms=lms is not None)]
+    for line in lines:
+        typer.echo(line)
+
+
+def _mark_without_file(out: Path, given: Sequence[str], row: str, comment: str, *, withdraw: bool) -> str:
+    from course_lib.grading.marking.marking_queue import mark_without_file
+
+    if row or len(given) != len(("STUDENT", "EXERCISE")) + (not withdraw):
+        raise CourseError(
+            "write: course mark OUT STUDENT EXERCISE POINTS --without-file [--comment TEXT]; "
+            "or: course mark OUT STUDENT EXERCISE --without-file --withdraw"
+        )
+    return mark_without_file(out, *given, comment=comment, withdraw=withdraw)
+
+
+LMS_OPTIONS = {
+    "exercise": "whose marks: week01_exercise",
+    "column": "the heading of the column to fill",
+    "id_column": "the heading of the students' IDs",
+    "to": "the file to write",
+}
+
+
+def _require_lms_options(lms: Path, given: Mapping[str, object]) -> None:
+    """Raise an error if --lms is used without the options it requires.
+
+    Raises:
+        CourseError: Options are missing. The message contains them and the headings of the CSV.
+    """
+    from course_lib.grading.submissions.platform_files import LmsFile
+
+    missing = [name for name in LMS_OPTIONS if not given[name]]
+    if missing:
+        needs = "; ".join(f"--{name.replace('_', '-')}, {LMS_OPTIONS[name]}" for name in missing)
+        headings = ", ".join(map(repr, LmsFile.read(lms).headings))
+        raise CourseError(f"--lms also needs {needs}. {lms} has the headings {headings}")
+
+
+def _mark(out: Path, given: Sequence[str], row: str, comment: str, *, withdraw: bool, is_lms: bool) -> str:
+    """Store the given points.
+
+    Without points, update reports and gradebook from the stored marks.
+    """
+    from course_lib.grading.marking.marking_queue import mark_by_hand
+    from course_lib.grading.marking.server import follow_marks
+
+    if not is_lms and not (given or row or comment or withdraw):
+        return follow_marks(out, waiting=typer.echo)
+    if not is_lms and withdraw and not comment and len(given) == len(("STUDENT", "EXERCISE", "TASK")):
+        return mark_by_hand(out, *given, row=row, withdraw=True)
+    if not is_lms and not withdraw and len(given) == len(("STUDENT", "EXERCISE", "TASK", "POINTS")):
+        return mark_by_hand(out, *given, row=row, comment=comment)
+    raise CourseError(
+        "write: course mark OUT --serve; or: course mark OUT STUDENT EXERCISE TASK POINTS [--row ROW] "
+        "[--comment TEXT]; or: course mark OUT STUDENT EXERCISE TASK --withdraw [--row ROW]; "
+        "or: course mark OUT --lms CSV --exercise E --column C --id-column I --to CSV"
+    )
+
+
+# Limit in robot time [s] for runs that another condition ends.
+LONG = 1e6
 
 app = typer.Typer(
     no_args_is_help=True, rich_markup_mode=None, add_completion=False, pretty_exceptions_enable=False
 )
-bag = typer.Typer(help="Look into recordings.", rich_markup_mode=None)
+bag = typer.Typer(help="Inspect recordings.", rich_markup_mode=None)
 app.add_typer(bag, name="bag")
 app.add_typer(staff)
 app.add_typer(robots)
@@ -29,28 +570,43 @@ Browser = Annotated[bool, typer.Option(help="Open a browser.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"course_lib {version('course_lib')}, Python {sys.version.split()[0]}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
+]
+
+
 @app.callback()
-def course(context: typer.Context, debug: Debug = False) -> None:
+def course(context: typer.Context, debug: Debug = False, version: Version = False) -> None:
     """Learn robot visualization and ROS 2 tooling in JupyterLab, with nothing but pip."""
-    need_fork_for(context.invoked_subcommand or "")
+    require_fork(context.invoked_subcommand or "")
 
 
 @app.command()
 def lab(
-    work_dir: Annotated[Path, typer.Argument(help="Your folder; made if missing.")] = Path("my_course"),
+    work_dir: Annotated[Path, typer.Argument(help="Your folder; created if it is missing.")] = Path(
+        "my_course"
+    ),
     port: Annotated[int | None, typer.Option(help="The port to listen on.")] = None,
     browser: Browser = True,
-    server: Annotated[bool, typer.Option(help="Start JupyterLab; without, the folder is all.")] = True,
+    server: Annotated[bool, typer.Option(help="Start JupyterLab; otherwise only write the folder.")] = True,
 ) -> None:
     """Open JupyterLab on your course folder."""
-    from course_lib.course.lab import lab as open_lab
+    from course_lib.course.student_folder import lab as open_lab
 
     open_lab(work_dir, port=port, browser=browser, serves=server)
 
 
 @app.command()
 def demo(
-    out: Annotated[Path, typer.Option(help="Where the picture and the page go.")] = Path("course_demo"),
+    out: Annotated[Path, typer.Option(help="The folder for the picture and the page.")] = Path("course_demo"),
 ) -> None:
     """Show the whole idea in 20 seconds, without a browser."""
     from course_lib.demo import demo as show
@@ -71,46 +627,67 @@ def run(
     seconds: Annotated[
         float | None, typer.Option(min=0, help="Robot time to run; default 5, notebooks: to their end.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seeds every source of chance.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of all random number generators.")] = 0,
     bag: Annotated[Path | None, typer.Option(help="Record everything into this new folder.")] = None,
     params_file: Annotated[
         Path | None, typer.Option(exists=True, dir_okay=False, help="Parameters of the nodes, YAML.")
     ] = None,
-    real_time: Annotated[bool, typer.Option("--real-time", help="As fast as the wall clock.")] = False,
+    real_time: Annotated[
+        bool, typer.Option("--real-time", help="Run at the speed of the wall clock.")
+    ] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="End a launch that contains unsupported parts.")
+    ] = False,
     show_args: ShowArgs = False,
     robot: Robot = None,
     domain: Domain = None,
     send: Send = None,
     call: Call = None,
+    ros: Annotated[bool, typer.Option("--ros", help="Run on the real rclpy: see course ros.")] = False,
+    view: Annotated[
+        bool | None,
+        typer.Option(
+            "--view/--no-view", help="With --ros: show the run in a browser; default: only without --seconds."
+        ),
+    ] = None,
 ) -> None:
     """Run programs on robot time, or on a robot. What follows `--` is passed on to them."""
-    from course_lib.tools.run import run as run_programs
-    from course_lib.tools.run import show_arguments, with_fixed_hashes
+    if ros:
+        from course_lib.real.run import run_on_ros
 
-    with_fixed_hashes()
-    args = _arguments(files, params_file) + context.obj
-    files = [file for file in files if ":=" not in str(file)]
+        if robot is not None or real_time or show_args or strict or seed or params_file:
+            raise CourseError(
+                "--ros runs programs on the real ROS 2 of this computer, in real time: leave out --robot, "
+                "--seed, --params-file, --real-time, --strict and --show-args."
+            )
+        shows = seconds is None if view is None else view
+        raise typer.Exit(run_on_ros(files, seconds=seconds, bag=bag, arguments=context.obj, shows=shows))
+    if view is not None:
+        raise CourseError("--view and --no-view need --ros. To view a recording, use: course view --bag DIR")
     if show_args:
-        typer.echo(show_arguments(files))
+        from course_lib.tools.run import show_arguments
+
+        typer.echo(show_arguments([file for file in files if ":=" not in str(file)]))
         return
-    if seconds is None and not (real_time or robot) and all(file.suffix != ".ipynb" for file in files):
-        seconds = RUN_SECONDS
-    to = address(robot, domain, send, call)
-    code = run_programs(files, seconds=seconds, seed=seed, bag=bag, args=args, real_time=real_time, robot=to)
+    code = usual_commands.run(
+        files,
+        context.obj,
+        seconds=seconds,
+        seed=seed,
+        bag=bag,
+        params_file=params_file,
+        real_time=real_time,
+        robot=address(robot, domain, send, call),
+        is_strict=strict,
+    )
     raise typer.Exit(code)
-
-
-def _arguments(words: list[Path], params_file: Path | None) -> list[str]:
-    """Return the arguments of programs: a file of parameters, and the settings among the words."""
-    for_ros = ["--ros-args", "--params-file", str(params_file), "--"] if params_file else []
-    return for_ros + [str(word) for word in words if ":=" in str(word)]
 
 
 @app.command(context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False})
 def ros2(
-    words: Annotated[list[str] | None, typer.Argument(help="What follows `ros2`: topic list -t")] = None,
+    words: Annotated[list[str] | None, typer.Argument(help="The arguments of `ros2`: topic list -t")] = None,
     run: Annotated[list[Path] | None, typer.Option(help="A program to run; may be given again.")] = None,
-    bag: Annotated[Path | None, typer.Option(help="A recording to look into instead.")] = None,
+    bag: Annotated[Path | None, typer.Option(help="A recording to use instead.")] = None,
     seconds: Annotated[
         float | None, typer.Option(min=0, help="Robot time to run; default 5, robots: to its end.")
     ] = None,
@@ -119,21 +696,24 @@ def ros2(
     send: Send = None,
     call: Call = None,
 ) -> None:
-    """Do what `ros2` does, over programs, a recording or a robot; options for `course` come first."""
-    from course_lib.tools.run import ros2_over, with_fixed_hashes
-
-    if run:
-        with_fixed_hashes()
-    if seconds is None and robot is None:
-        seconds = RUN_SECONDS
+    """Run a `ros2` command on programs, a recording or a robot; options of `course` come first."""
     to = address(robot, domain, send, call)
-    raise typer.Exit(ros2_over(words or [], files=run or [], bag=bag, seconds=seconds, robot=to))
+    code = usual_commands.ros2(words or [], files=run or [], bag=bag, seconds=seconds, robot=to)
+    raise typer.Exit(code)
+
+
+def _find_packages_of(layout: Path | None) -> None:
+    """Let `package://` find the packages of the layout's workspace, whatever the working folder is."""
+    from course_lib.ros.programs.packages import source
+
+    if layout is not None and layout.is_file():
+        source(layout)
 
 
 @app.command()
 def render(
     bag: Annotated[Path, typer.Option(help="The recording to draw.")],
-    rviz: Annotated[Path | None, typer.Option(help="The layout to draw it through.")] = None,
+    rviz: Annotated[Path | None, typer.Option(help="The layout to draw it with.")] = None,
     at: Annotated[
         float | None, typer.Option(help="Seconds after the first message; default: its end.")
     ] = None,
@@ -151,34 +731,41 @@ def render(
         raise CourseError(f"--at {at:g}: write seconds after the first message, like --at 2.5.")
     for file, kind in ((png, ".png"), (html, ".html")):
         if file is not None and file.suffix.lower() != kind:
-            raise CourseError(f"{file} would hold something else; call it {file.with_suffix(kind).name}.")
+            raise CourseError(f"{file} has the wrong suffix; call it {file.with_suffix(kind).name}.")
     if (png is None) == (html is None):
-        raise CourseError("Say what to write: --png picture.png or --html page.html.")
+        raise CourseError("Choose the output: --png picture.png or --html page.html.")
+    _find_packages_of(rviz)
     typer.echo(render_bag(bag, rviz=rviz, at=at, size=(int(width), int(height)), png=png, html=html))
 
 
 @app.command()
 def view(
     bag: Annotated[Path | None, typer.Option(help="The recording to play.")] = None,
-    rviz: Annotated[Path | None, typer.Option(help="The layout to show it through.")] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="The port; 0: any that is free.")] = 0,
-    token: Annotated[str | None, typer.Option(help="The address's secret part; default: by chance.")] = None,
+    rviz: Annotated[Path | None, typer.Option(help="The layout to show it with.")] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="The port; 0: any free port.")] = 0,
+    token: Annotated[
+        str | None, typer.Option(help="The secret part of the address; default: random.")
+    ] = None,
     browser: Browser = True,
     robot: Robot = None,
     domain: Domain = None,
     send: Send = None,
     use_sim_time: Annotated[bool, typer.Option(help="Follow the robot's /clock.")] = False,
 ) -> None:
-    """Show a layout, play a recording or see a robot through it, in a browser's tab."""
-    from course_lib.displays import render, robot_view
+    """Show a layout in a browser tab, by itself or with a recording or a robot."""
+    from course_lib.displays import render
 
     to = address(robot, domain, send, None)
+    _find_packages_of(rviz)
     if to is None and not use_sim_time:
         render.view(bag, rviz, port=port, token=token, browser=browser)
-    elif to is None or bag is not None:  # --use-sim-time follows a robot's /clock
-        raise CourseError("Say what to show: --bag folder, or --robot tcp/HOST:7447, for --use-sim-time too.")
+    # --use-sim-time uses the /clock of a robot.
+    elif to is None or bag is not None:
+        raise CourseError(
+            "Choose what to display: --bag folder, or --robot dds/HOST (also for --use-sim-time)."
+        )
     else:
-        robot_view.view_robot(to, rviz, port=port, token=token, browser=browser, use_sim_time=use_sim_time)
+        render.view_robot(to, rviz, port=port, token=token, browser=browser, use_sim_time=use_sim_time)
 
 
 @bag.command()
@@ -193,32 +780,56 @@ def info(folder: Annotated[Path, typer.Argument(help="The recording's folder.")]
 def play(
     words: Annotated[list[str], typer.Argument(help="The recording's folder, then as in `ros2 bag play`.")],
     run: Annotated[
-        list[Path] | None, typer.Option(help="A program that listens; may be given again.")
+        list[Path] | None, typer.Option(help="A program that subscribes; may be given again.")
     ] = None,
 ) -> None:
     """Play a recording to programs, which end with it."""
-    from course_lib.tools.run import ros2_over, with_fixed_hashes
+    from course_lib.tools.run import ros2_over
 
-    with_fixed_hashes()
     nobody = None if run else Path(words[0])
     raise typer.Exit(ros2_over(["bag", "play", *words], files=run or [], bag=nobody, seconds=LONG))
 
 
 @app.command()
-def check(file: Annotated[Path, typer.Argument(help="Your exercise notebook.")]) -> None:
+def check(
+    file: Annotated[Path, typer.Argument(help="Your exercise notebook.")],
+    ros: Annotated[
+        bool, typer.Option("--ros", help="Check what the nodes publish on the real rclpy.")
+    ] = False,
+) -> None:
     """Run the public checks of an exercise."""
+    if ros:
+        from course_lib.real.check import check_on_ros
+
+        raise typer.Exit(0 if check_on_ros(file) else NOT_PASSED)
     from course_lib.grading.check_file import check_file
 
     raise typer.Exit(0 if check_file(file) else NOT_PASSED)
 
 
 @app.command()
+def ros(
+    installs: Annotated[
+        bool, typer.Option("--install", help="Install it into your data folder, separately from the course.")
+    ] = False,
+) -> None:
+    """Show or install the real rclpy, on which run --ros and check --ros run your programs."""
+    from course_lib.real import environment
+
+    if installs:
+        environment.install(typer.echo)
+    else:
+        found = environment.find_environment()
+        typer.echo(f"{found} is in {found.folder}. Run a program on it: course run my_node.py --ros")
+
+
+@app.command()
 def submit(
     file: Annotated[Path, typer.Argument(help="Your exercise notebook.")],
-    out: Annotated[Path | None, typer.Option(help="Where the file to hand in goes.")] = None,
+    out: Annotated[Path | None, typer.Option(help="The path of the file to hand in.")] = None,
 ) -> None:
     """Pack an exercise into one file to hand in, with a receipt."""
-    from course_lib.grading.handin.submit import submit as pack
+    from course_lib.grading.submissions.submit import submit as pack
 
     typer.echo(pack(file, out).text())
 
@@ -227,10 +838,10 @@ def submit(
 def status(
     work_dir: Annotated[Path | None, typer.Argument(help="Your folder; default: ./my_course.")] = None,
 ) -> None:
-    """Show how far you are, and what comes next."""
+    """Show your progress and the next step."""
     from rich.console import Console
 
-    from course_lib.course.progress import status as look
+    from course_lib.course.student_folder import status as look
 
     table, then = look(work_dir)
     Console().print(table)
@@ -241,19 +852,19 @@ def status(
 def export(
     file: Annotated[Path | None, typer.Argument(help="A notebook, or a Python file.")] = None,
     package: Annotated[str, typer.Option(help="The package's name.")] = "",
-    out: Annotated[Path | None, typer.Option(help="The folder that the package's folder goes into.")] = None,
+    out: Annotated[Path | None, typer.Option(help="The parent folder of the package.")] = None,
     node: Annotated[
-        list[str] | None, typer.Option(help="A class to start; default: all nodes that can be.")
+        list[str] | None, typer.Option(help="A class to start; default: all startable nodes.")
     ] = None,
     extra: Annotated[
-        list[Path] | None, typer.Option("--with", help="A .rviz, .yaml, .urdf or launch file to go along.")
+        list[Path] | None, typer.Option("--with", help="A .rviz, .yaml, .urdf or launch file to include.")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite what is there.")] = False,
-    check: Annotated[Path | None, typer.Option(help="Only say what this package lacks.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
+    check: Annotated[Path | None, typer.Option(help="Only list what this package lacks.")] = None,
 ) -> None:
-    """Export the nodes in a notebook as a ROS 2 package: of cells marked # export, or of all."""
-    from course_lib.export.check import lacks
+    """Export a notebook's nodes as a ROS 2 package: from the cells marked # export, or from all."""
     from course_lib.export.export import export as write
+    from course_lib.export.export import lacks
 
     if check is not None:
         report = lacks(check)
@@ -265,28 +876,34 @@ def export(
 
 
 def main() -> None:
-    """Run the command line; an error is one line that says what to type next."""
+    """Run the command line. Print an error as one line with the next step."""
+    fix_hash_seed(sys.argv[1:])
     arguments, for_programs = _split(sys.argv[1:])
     debug = "--debug" in arguments
     try:
         code = app(args=arguments or ["--help"], obj=for_programs, standalone_mode=False, prog_name="course")
     except CourseError as error:
         _fail(str(error), debug)
-    except TyperException as error:  # wrong words on the command line
+    # An invalid option or argument.
+    except TyperException as error:
         context = getattr(error, "ctx", None)
         what = error.format_message().rstrip(".").replace("Input should be", "expected")
-        depth = 2 if arguments[:1] == ["bag"] else 1  # words of a command
+        # Number of words in the command's name.
+        depth = 2 if arguments[:1] == ["bag"] else 1
         words = ["course", *(word for word in arguments if not word.startswith("-"))][: depth + 1]
         _fail(f"{what}. See: {context.command_path if context else ' '.join(words)} --help", debug)
     except OSError as error:
-        _fail(f"{error.filename}: {error.strerror}. Correct that, or name another file or folder.", debug)
+        _fail(f"{error.filename}: {error.strerror}. Correct this, or choose another file or folder.", debug)
     except (KeyboardInterrupt, typer.Abort):
-        sys.exit(INTERRUPTED)
+        sys.exit(usual_commands.INTERRUPTED)
     sys.exit(code or 0)
 
 
 def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Part what is for the command from what is for its programs: behind `--`, or from `--ros-args` on."""
+    """Split the command's arguments from those of its programs.
+
+    The latter follow `--` or begin at `--ros-args`.
+    """
     starts = ("--", "--ros-args") if arguments[:1] == ["run"] else ("--",)
     place = next((at for at, word in enumerate(arguments) if word in starts), len(arguments))
     rest = arguments[place:]
@@ -296,5 +913,4 @@ def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
 def _fail(message: str, debug: bool) -> NoReturn:
     if debug:
         raise
-    typer.echo(f"error: {' '.join(message.split())}", err=True)
-    sys.exit(UNUSABLE)
+    usual_commands.fail(message)

@@ -1,4 +1,4 @@
-"""The kit's one exception, and phrases that many of its messages share."""
+"""The kit's exception, and phrases shared by many of its messages."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -6,22 +6,22 @@ from pathlib import Path
 
 
 class CourseError(Exception):
-    """An error that the user can fix; the message names the input, the expectation and the next step."""
+    """An error that the user can fix. The message states the input, the expectation and the next step."""
 
 
 def did_you_mean(name: str, there: Iterable[str], most: int = 1) -> str:
-    """Return a suggestion of the nearest names, to append to a text without a full stop, or ""."""
+    """Return a suggestion of the closest names to append to a sentence without period, or ""."""
     close = get_close_matches(name, list(there), n=most, cutoff=0.5)
     return f". Did you mean {' or '.join(close)}?" if close else ""
 
 
-def counted(count: int, noun: str) -> str:
+def format_count(count: int, noun: str) -> str:
     """Return a number with its noun: "1 message", "2 messages"."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def place_of(path: Path, text: str) -> str:
-    """Return "path line 12" for the first line of a file with a text in it, else the path."""
+def location_of(path: Path, text: str) -> str:
+    """Return "path line 12" for the first line of a file that contains a string, else the path."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""`%load_ext course_lib`: the stand-in, robot time and the magics in a kernel."""
+"""`%load_ext course_lib`: installs the stand-in, robot time and the magics in a kernel."""
 
 import asyncio
 import gc
@@ -7,33 +7,34 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
-from course_lib.ros import standin_path, virtual_time, wall
-from course_lib.ros.baton import baton
-from course_lib.ros.cells import cell
-from course_lib.ros.driving import drive_in_cell
-from course_lib.ros.graph import current_graph
-from course_lib.ros.idle_loops import IdleLoops
-from course_lib.ros.live import drive_threads
+from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.notices import repeated_lines, replacements
+from course_lib.ros.programs import import_path
+from course_lib.ros.time import virtual_time, wall
+from course_lib.ros.time.busy_loops import BusyWaitTransformer, cell
+from course_lib.ros.time.driving import drive_in_cell, drive_threads
+from course_lib.ros.time.time_lock import time_lock
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
 
 
-_GARBAGE = (50_000, 20, 20)  # of gc.set_threshold: with Python's own, a million points take twice as long
+# Argument of gc.set_threshold. With Python's default, a million points take twice as long.
+_GARBAGE = (50_000, 20, 20)
 
 
 def load(shell: "InteractiveShell") -> None:
-    """Install the stand-in, robot time and the magics; a second call changes nothing."""
-    standin_path.install()
+    """Install the stand-in, robot time and the magics. A second call has no effect."""
+    import_path.install()
     virtual_time.install()
-    from course_lib.tools.notebook import register, shorten_tracebacks  # imports the stand-in's rclpy
+    # Not at the head, because this imports the stand-in's rclpy.
+    from course_lib.tools.notebook import register, shorten_tracebacks
 
     current_graph().notebook = True
     gc.set_threshold(*_GARBAGE)
     _prepare_jupyters_loop()
-    if not any(isinstance(one, IdleLoops) for one in shell.ast_transformers):
-        shell.ast_transformers.append(IdleLoops())
+    if not any(isinstance(one, BusyWaitTransformer) for one in shell.ast_transformers):
+        shell.ast_transformers.append(BusyWaitTransformer())
     cell.drive = drive_in_cell
     register(shell)
     shorten_tracebacks(shell)
@@ -42,35 +43,41 @@ def load(shell: "InteractiveShell") -> None:
 
 
 def _begin_cell(*_: object) -> None:
-    cell.runs = True
-    replacements.waits = True
+    cell.is_running = True
+    replacements.is_deferred = True
 
 
 def _end_cell(*_: object) -> None:
-    cell.runs = False
+    cell.is_running = False
     drive_threads()
     repeated_lines.end()
-    replacements.tell()
-    replacements.waits = False
+    replacements.report()
+    replacements.is_deferred = False
 
 
 def _prepare_jupyters_loop() -> None:
-    """Set the loop's clock: its thread, the main one, is on robot time during a call of the kit.
+    """Set the clock and the signal handling of Jupyter's event loop.
 
-    A thread for which robot time stands still asks the loop to drive it.
+    During a call of the kit, the main thread, which runs the loop, is in robot time, but the loop
+    needs real time. A thread for which robot time stands still asks the loop to advance it.
 
-    Any signal wakes it. ipykernel 7.4's handler for ■ in cells that await only adds to the loop's queue.
+    Any signal must wake the loop, because ipykernel 7.4's handler of ■ only adds to the loop's
+    queue while a cell awaits.
     """
     try:
         loop = asyncio.get_running_loop()
-    except RuntimeError:  # no kernel: IPython's terminal, or the grader's worker
+    # Without a kernel: IPython in a terminal, or a worker of the grader.
+    except RuntimeError:
         return
-    baton.stalled = partial(_drive_soon, loop)
-    loop.time = wall.monotonic  # type: ignore[method-assign]  # one loop's clock, not every loop's
-    if hasattr(signal, "SIGURG"):  # with a handler asyncio asks for its wake-up; Windows has none
+    time_lock.on_stall = partial(_drive_soon, loop)
+    # Only this loop's clock is changed.
+    loop.time = wall.monotonic  # type: ignore[method-assign]
+    # Signal handlers of asyncio are not available on Windows.
+    if hasattr(signal, "SIGURG"):
         loop.add_signal_handler(signal.SIGURG, lambda: None)
 
 
 def _drive_soon(loop: asyncio.AbstractEventLoop) -> None:
-    with suppress(RuntimeError):  # the kernel ends
+    # The loop is closed when the kernel ends.
+    with suppress(RuntimeError):
         loop.call_soon_threadsafe(drive_threads)

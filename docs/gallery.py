@@ -40,8 +40,8 @@ from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, 
 from course_lib import Viewer, load_robot, sensors, spin_for
 from course_lib.displays import Orbit
 from course_lib.robots import JointStatePublisher, RobotStatePublisher
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.viewer import zbuffer
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.viewer import renderer
 
 SIZE = (320, 240)  # [px]
 SECONDS = 1.0  # [s] of robot time
@@ -77,7 +77,7 @@ def pose(x: float, y: float, yaw: float = 0.0) -> Pose:
     return made
 
 
-def uncertain(message: Any) -> Any:
+def uncertain_pose(message: Any) -> Any:
     """Fill in a pose with a covariance."""
     message.pose.pose = pose(0.0, 0.0, 0.5)
     message.pose.covariance = np.diag([0.3, 0.1, 0.05, 0.01, 0.01, 0.1]).ravel()
@@ -185,7 +185,7 @@ ENTRIES: dict[str, Entry] = {
         marker(kind, 4 * row + column, row - 1.0, column - 1.5)
         for row, kind in enumerate(KINDS) for column in range(4)]), 5.0),
     "Odometry": Entry("An arrow with an ellipsoid and a cone of uncertainty", "/odom",
-                      lambda: uncertain(Odometry()), 4.0),
+                      lambda: uncertain_pose(Odometry()), 4.0),
     "Path": Entry("A green spiral", "/path", lambda: along(Path())),
     "PointCloud": Entry("A ball of points in many colours", "/ball", ball, 4.0, {"Size (m)": 0.05}),
     "PointCloud2": Entry("Points of a 3D scanner on a box, a ball and a column", "/points", None, 8.0,
@@ -195,7 +195,7 @@ ENTRIES: dict[str, Entry] = {
     "Pose": Entry("A red arrow", "/pose", lambda: PoseStamped(pose=pose(0.0, 0.0, 0.5)), 3.0),
     "PoseArray": Entry("Small red arrows along a spiral", "/poses", lambda: along(PoseArray())),
     "PoseWithCovariance": Entry("An arrow with an ellipsoid of uncertainty", "/estimate",
-                                lambda: uncertain(PoseWithCovarianceStamped()), 4.0),
+                                lambda: uncertain_pose(PoseWithCovarianceStamped()), 4.0),
     "Range": Entry("A white cone from a range finder to a wall", "/range", None, 6.0),
     "RelativeHumidity": Entry("One coloured ball", "/humidity",
                               lambda: RelativeHumidity(relative_humidity=0.6), 3.0, SPOT),
@@ -281,7 +281,7 @@ def pictures() -> Iterator[tuple[str, str, bytes]]:
         spin_for(SECONDS, Everything(), *robot_nodes())
         for name, viewer in viewers.items():
             viewer.look()
-            yield name, ENTRIES[name].alt, zbuffer.draw(viewer.scene, SIZE)
+            yield name, ENTRIES[name].alt, renderer.draw(viewer.scene, SIZE)
         rclpy.shutdown()
 
 

@@ -4,9 +4,9 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from unittest.mock import patch
 
+from course_lib.displays.display import DrawnDisplay
 from course_lib.displays.properties import Limited, Property, PropertyHolder
 from course_lib.displays.registry import REGISTRY, short_name
-from course_lib.displays.topic_display import DrawnDisplay
 from course_lib.displays.views import VIEWS
 from course_lib.recording import Recording
 from course_lib.tools.ros2 import VERBS, ros2

@@ -8,15 +8,20 @@ import os
 import signal
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import hypothesis
 import pytest
 
-from course_lib.ros.standin_path import install
+from course_lib.ros.programs.import_path import install
 from tests.kernels import listen_on_files
+from tests.patience import PATIENCE
+
+if TYPE_CHECKING:
+    from tests.once import Once
 
 # What tests and the processes they start import is compiled once, also where images forbid to keep it.
 sys.dont_write_bytecode = False
@@ -41,16 +46,43 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.enable()
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the parameter sets of a test as slow that are beyond its sample.
+
+    First, as pytest selects by marks in the same hook.
+    """
+    seen = Counter[str]()
+    for item in items:
+        sample = item.get_closest_marker("sample")
+        if sample is not None:
+            name = item.nodeid.partition("[")[0]
+            seen[name] += 1
+            if seen[name] > sample.args[0]:
+                item.add_marker(pytest.mark.slow)
+
+
+@pytest.fixture(scope="session")
+def once(tmp_path_factory: pytest.TempPathFactory) -> "Once":
+    """Results that the workers of this session share."""
+    from tests.once import Once
+
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "once"
+    folder.mkdir(exist_ok=True)
+    return Once(folder)
+
+
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
     """A disk of 160 kB."""
     place = tmp_path / "disk"
     place.mkdir()
     mount = ("mount", "-t", "tmpfs", "-o", "size=160k", "tmpfs", str(place))
-    if subprocess.run(mount, capture_output=True, check=False).returncode:
+    if subprocess.run(mount, capture_output=True, check=False, timeout=PATIENCE).returncode:
         pytest.skip("no disk can be mounted here")
     yield place
-    subprocess.run(("umount", "-l", str(place)), check=True)
+    subprocess.run(("umount", "-l", str(place)), check=True, timeout=PATIENCE)
 
 
 class Typed(NamedTuple):
@@ -66,7 +98,7 @@ def in_process(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str
     """Run `course WORDS` in this process: most of a second cheaper than in one of its own."""
 
     from course_lib import cli
-    from course_lib.tools.run import HASH_SEED
+    from course_lib.usual_commands import HASH_SEED
 
     def run(*words: str, cwd: Path) -> Typed:
         monkeypatch.chdir(cwd)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import course_lib
-from course_lib.tools.run import HASH_SEED
+from course_lib.usual_commands import HASH_SEED
 from tests.conftest import Typed
 
 PROGRAM = Path(__file__).parent / "programs" / "timer.py"
@@ -84,7 +84,7 @@ def bad_inputs(tmp_path: Path) -> Path:
         "demo --out full",
     ],
 )
-def test_unusable_input_is_one_line_and_exit_code_2(
+def test_invalid_input_gives_a_one_line_error_and_exit_code_2(
     bad_inputs: Path, in_process: Callable[..., Typed], words: str
 ) -> None:
     done = in_process(*words.format(program=PROGRAM).split(), cwd=bad_inputs)
@@ -94,12 +94,13 @@ def test_unusable_input_is_one_line_and_exit_code_2(
     assert line.startswith("error: ")
 
 
-def test_the_program_itself_refuses_unusable_input_so(bad_inputs: Path) -> None:
+def test_installed_command_rejects_invalid_input_with_exit_code_2(bad_inputs: Path) -> None:
     done = course("run", "folder", cwd=bad_inputs)
     assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
 
 
-def test_debug_shows_the_traceback(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_debug_option_shows_the_traceback(tmp_path: Path) -> None:
     assert "Traceback" in course("--debug", "run", "missing.py", cwd=tmp_path).stderr
 
 
@@ -124,20 +125,21 @@ def test_every_command_has_help(tmp_path: Path, in_process: Callable[..., Typed]
         ("--out", "course"),
     ],
 )
-def test_wrong_words_point_to_the_help_of_their_command(
+def test_invalid_arguments_point_to_the_help_of_their_command(
     tmp_path: Path, in_process: Callable[..., Typed], words: str, command: str
 ) -> None:
     done = in_process(*words.split(), cwd=tmp_path)
     assert done.stderr.endswith(f". See: {command} --help\n")
 
 
-def test_sim_time_without_a_robot_is_refused(tmp_path: Path, in_process: Callable[..., Typed]) -> None:
+def test_sim_time_without_a_robot_is_rejected(tmp_path: Path, in_process: Callable[..., Typed]) -> None:
     done = in_process("view", "--bag", "somewhere", "--use-sim-time", cwd=tmp_path)
     assert done.returncode == 2
-    assert "--robot tcp/HOST:7447" in done.stderr
+    assert "--robot dds/HOST" in done.stderr
 
 
-def test_the_exit_code_of_a_program_is_that_of_the_run(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_exit_code_of_run_is_the_exit_code_of_the_program(tmp_path: Path) -> None:
     (tmp_path / "fails.py").write_text("raise ValueError('no')")
     (tmp_path / "leaves.py").write_text("import sys\nsys.exit(3)")
     assert course("run", "fails.py", cwd=tmp_path).returncode == 1
@@ -145,14 +147,14 @@ def test_the_exit_code_of_a_program_is_that_of_the_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("before", [[], ["--"]])
-def test_ros_args_and_what_follows_two_dashes_reach_the_program(tmp_path: Path, before: list[str]) -> None:
+def test_ros_args_and_arguments_after_two_dashes_reach_the_program(tmp_path: Path, before: list[str]) -> None:
     (tmp_path / "says.py").write_text("import sys\nprint(sys.argv)")
     done = course("run", "says.py", *before, "--ros-args", "-r", "a:=b", cwd=tmp_path)
     assert done.stdout == "['says.py', '--ros-args', '-r', 'a:=b']\n"
 
 
 @pytest.mark.parametrize("content", ["raise ImportError('a broken ROS')", "import _rclpy_pybind11"])
-def test_an_rclpy_on_the_python_path_changes_nothing(tmp_path: Path, content: str) -> None:
+def test_rclpy_on_the_python_path_is_ignored(tmp_path: Path, content: str) -> None:
     foreign = tmp_path / "ros" / "rclpy"
     foreign.mkdir(parents=True)
     (foreign / "__init__.py").write_text(content)
@@ -162,7 +164,7 @@ def test_an_rclpy_on_the_python_path_changes_nothing(tmp_path: Path, content: st
     assert str(Path(course_lib.__file__).parent) in done.stderr
 
 
-def test_two_programs_share_one_graph_and_each_has_its_own_main(tmp_path: Path) -> None:
+def test_programs_run_together_share_one_graph_with_separate_main_modules(tmp_path: Path) -> None:
     (tmp_path / "hears.py").write_text(
         "import rclpy\nfrom std_msgs.msg import Int32\n"
         "rclpy.init()\nnode = rclpy.create_node('hears')\n"
@@ -174,7 +176,8 @@ def test_two_programs_share_one_graph_and_each_has_its_own_main(tmp_path: Path) 
     assert "[INFO] [1700000000.401000000] [hears]: heard 4" in done.stderr
 
 
-def test_ros2_looks_at_programs_and_at_recordings(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_ros2_command_inspects_programs_and_bags(tmp_path: Path) -> None:
     done = course("ros2", "--run", str(PROGRAM), "--seconds", "0.35", "topic", "echo", "/count", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("---\n") == 3

@@ -10,10 +10,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE
+
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
 RECIPES = re.findall(r"^### (Add .+)\n((?:(?!###).*\n)+)", PAGE, re.MULTILINE)
 BLOCK = re.compile(r"^```(\w+)(?: (file)=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+# Words of the rooms' pages that stand for any name.
+ANY_NAME = {"SomeClass", "transform_x_to_world", "week01_exercise_ID"}
 LEFT_OUT = shutil.ignore_patterns(".*", "*.pyc.*", "build", "dist")  # what is compiled goes along
 
 
@@ -55,13 +59,21 @@ def run(line: str, folder: Path) -> None:
     program, *words = shlex.split(line)
     command = [sys.executable, *(["-m", program] if program != "python" else []), *words]
     environment = {**os.environ, "PYTHONPATH": str(folder)}
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=5 * PATIENCE,
+    )
     assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("title", "text"), RECIPES, ids=[title for title, _ in RECIPES])
-def test_a_recipe_works_as_it_is_written(title: str, text: str, copy: Path) -> None:
+def test_recipe_works_as_documented(title: str, text: str, copy: Path) -> None:
     for language, _, name, content in BLOCK.findall(text):
         path = copy / name
         if language == "console":
@@ -74,7 +86,18 @@ def test_a_recipe_works_as_it_is_written(title: str, text: str, copy: Path) -> N
             path.write_text(content, "utf-8")
 
 
-def test_every_recipe_is_there_and_ends_with_a_test() -> None:
+def test_every_recipe_diff_applies_to_its_file_or_is_already_applied() -> None:
+    for title, text in RECIPES:
+        for language, _, name, content in BLOCK.findall(text):
+            if language != "diff":
+                continue
+            # The repository holds the display of the first recipe already.
+            code = (ROOT / name).read_text("utf-8")
+            applied = "".join(line[1:] for line in content.splitlines(keepends=True) if line[0] != "-")
+            assert applied in code or edit(code, content), f"{title}: {name}"
+
+
+def test_every_recipe_exists_and_ends_with_a_test() -> None:
     titles = [title.removeprefix("Add a ") for title, _ in RECIPES]
     assert titles == ["display", "`ros2` verb", "check", "hint"]
     assert all("pytest" in BLOCK.findall(text)[-1][3] for _, text in RECIPES)
@@ -83,7 +106,24 @@ def test_every_recipe_is_there_and_ends_with_a_test() -> None:
 def test_every_link_and_file_of_the_page_exists() -> None:
     links = re.findall(r"\]\(([^)#:]+)\)", PAGE)
     in_rooms = re.findall(
-        r"`((?:ros|recording|viewer|displays|robots|sensors|tools|course|export|grading)/[\w/.-]+)`", PAGE
+        r"`((?:ros|recording|viewer|controls|displays|robots|sensors|tools|course|export|authoring|book|"
+        r"grading|gateway|real|demo)/[\w/.-]+)`",
+        PAGE,
     )
     missing = [link for link in links if not (ROOT / link).exists()]
     assert missing + [name for name in in_rooms if not (ROOT / "course_lib" / name).exists()] == []
+
+
+def test_every_name_mentioned_in_a_room_readme_exists_in_the_code() -> None:
+    kit = ROOT / "course_lib"
+    code = [path for path in kit.rglob("*") if path.suffix in {".py", ".pyi", ".js", ".toml"}]
+    code.append(ROOT / "tests" / "hostile" / "judging.py")
+    known = set(re.findall(r"\w+", " ".join(path.read_text("utf-8") for path in code))) | ANY_NAME
+    known |= {path.stem for path in (*kit.rglob("*"), *ROOT.glob("*.md"))}
+    missing = [
+        f"{page.parent.name}: {name}"
+        for page in kit.rglob("README.md")
+        for name in re.findall(r"`([A-Za-z]\w*(?:\.\w+)?)(?:\(.*?\))?`", page.read_text("utf-8"))
+        if not set(name.split(".")) - {"md"} <= known
+    ]
+    assert missing == []

@@ -1,4 +1,4 @@
-"""JSON that others wrote: what is nested too deeply is refused like any other damaged text."""
+"""JSON and Python of others: what is nested too deeply is refused like any other damaged text."""
 
 import asyncio
 from collections.abc import Callable
@@ -7,13 +7,15 @@ from pathlib import Path
 import pytest
 from tornado.websocket import websocket_connect
 
-from course_lib.authoring.memory import MEMORY, _known
+from course_lib.authoring.verify import DIGESTS_FILE, _read_digests
 from course_lib.course.state import State
 from course_lib.errors import CourseError
-from course_lib.foreign import read_json
-from course_lib.grading.handin.copies import FOLDER, alike_in
-from course_lib.grading.records import Course
-from course_lib.ros.process import NotebookProgram
+from course_lib.export.module import Cell, statements
+from course_lib.grading.store import Course
+from course_lib.grading.submissions.copies import FOLDER, read_similar
+from course_lib.grading.submissions.notebook import CodeCell
+from course_lib.ros.programs.process import NotebookProgram, Program
+from course_lib.third_party import compile_python, read_json
 from course_lib.viewer.page_server import PageServer
 from course_lib.viewer.scene import Scene
 
@@ -23,17 +25,17 @@ DEEP = "[" * 100_000
 READERS: list[tuple[Callable[[Path], object], str, str]] = [
     (lambda top: State(top).section("hints"), ".course/hints.json", r"hints\.json is broken .* Delete it"),
     (lambda top: NotebookProgram(top / "a.ipynb"), "a.ipynb", r"a\.ipynb is not a notebook of format 4"),
-    (alike_in, f"{FOLDER}/week01_exercise.json", r"week01_exercise\.json can't be read: .* Remove it"),
+    (read_similar, f"{FOLDER}/week01_exercise.json", r"week01_exercise\.json can't be read: .* Remove it"),
 ]
 
 
-def test_a_text_that_is_nested_too_deeply_is_not_json() -> None:
+def test_too_deeply_nested_json_is_rejected() -> None:
     with pytest.raises(ValueError, match="nested too deeply"):
         read_json(DEEP)
 
 
 @pytest.mark.parametrize(("read", "name", "said"), READERS, ids=[name for _, name, _ in READERS])
-def test_a_file_that_is_nested_too_deeply_is_named(
+def test_too_deeply_nested_file_is_reported(
     read: Callable[[Path], object], name: str, said: str, tmp_path: Path
 ) -> None:
     (tmp_path / name).parent.mkdir(exist_ok=True)
@@ -43,14 +45,14 @@ def test_a_file_that_is_nested_too_deeply_is_named(
 
 
 @pytest.mark.parametrize("text", [DEEP, "5", "{", '{"a": 1}'])
-def test_a_damaged_memory_of_verified_weeks_is_an_empty_one(tmp_path: Path, text: str) -> None:
-    (tmp_path / MEMORY).parent.mkdir(exist_ok=True)
-    (tmp_path / MEMORY).write_text(text)
-    assert _known(Course(tmp_path / "exercises", tmp_path / "solutions")) == []
+def test_damaged_record_of_verified_weeks_is_treated_as_empty(tmp_path: Path, text: str) -> None:
+    (tmp_path / DIGESTS_FILE).parent.mkdir(exist_ok=True)
+    (tmp_path / DIGESTS_FILE).write_text(text)
+    assert _read_digests(Course(tmp_path / "exercises", tmp_path / "solutions")) == []
 
 
 @pytest.mark.parametrize("message", [DEEP, "{"])
-def test_a_page_that_sends_no_json_is_told_so(message: str) -> None:
+def test_invalid_json_from_a_page_gives_an_error_response(message: str) -> None:
     async def closed() -> tuple[int | None, str | None]:
         server = PageServer(Scene())
         server.listen()
@@ -63,3 +65,31 @@ def test_a_page_that_sends_no_json_is_told_so(message: str) -> None:
         return page.close_code, page.close_reason
 
     assert asyncio.run(closed()) == (1003, "not JSON")
+
+
+DEEP_PYTHON = {
+    "operators": "x = " + "-" * 10_000 + "1",
+    "attributes": "x = 1\nx = x" + ".real" * 20_000,
+    "sum": "x = " + " + ".join(["1"] * 20_000),
+    "conditions": "x = " + "1 if 1 else " * 5_000 + "1",
+}
+
+
+@pytest.mark.parametrize("code", DEEP_PYTHON.values(), ids=list(DEEP_PYTHON))
+def test_too_deeply_nested_python_is_a_syntax_error_with_its_line(code: str, tmp_path: Path) -> None:
+    with pytest.raises(SyntaxError, match="nested too deeply") as raised:
+        compile_python(f"first = (\n1)\n{code}\nlast = 2\n")
+    assert raised.value.lineno == 2 + len(code.splitlines())
+    cell = CodeCell(1, code, ran=True)
+    assert "nested too deeply for Python: split the expression" in cell.syntax_error
+    assert cell.bindings == frozenset()
+    with pytest.raises(CourseError, match=r"Cell 3, line \d: it is nested too deeply"):
+        statements([Cell(3, code, marked=False)])
+    (tmp_path / "deep.py").write_text(code)
+    with pytest.raises(CourseError, match=r"deep\.py, line \d: it is nested too deeply"):
+        Program(tmp_path / "deep.py", ())
+
+
+def test_sum_of_many_terms_compiles_as_in_python(tmp_path: Path) -> None:
+    (tmp_path / "sum.py").write_text("x = 1\ny = " + " + ".join(["x"] * 2_000))
+    assert Program(tmp_path / "sum.py", ())

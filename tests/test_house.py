@@ -3,11 +3,13 @@ import json
 import re
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import pytest
 
 from tests.checkout import ROOT, tracked
+from tests.patience import PATIENCE
 
 TOP_LEVEL = {
     "notebooks", "course_lib", "exercises", "solutions", "tests", "pyproject.toml", "README.md", "LICENSE",
@@ -18,63 +20,81 @@ PUBLIC = {"course_lib"} | {
 }
 ROOMS = sorted(path.parent for path in (ROOT / "course_lib").glob("*/__init__.py"))
 WRITTEN_BY_EXPORT = {"setup.py"}
-MAX_FILE, MAX_FUNCTION, MAX_README = 300, 40, 60  # lines
-# Of course_lib's Python: lower them when it shrinks, raise them for what an issue names.
-MOST_FILES, MOST_LINES, MOST_LONG_LINES = 538, 68_150, 3_000
-LONG = 100  # characters
+LONG_FILE = 900  # lines
 
 
-def test_the_top_level_holds_what_the_design_names() -> None:
+def test_top_level_folder_contains_only_the_documented_entries() -> None:
     assert {p.parts[0] for p in tracked() if not p.parts[0].startswith(".")} <= TOP_LEVEL
 
 
-def test_no_file_is_over_300_lines_and_no_function_over_40() -> None:
-    too_long = []
+def test_file_over_900_lines_raises_a_warning() -> None:
     for path in tracked():
-        if path.suffix != ".py":
-            continue
-        source = (ROOT / path).read_text()
-        if len(source.splitlines()) > MAX_FILE:
-            too_long.append(str(path))
-        for node in ast.walk(ast.parse(source)):
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-                lines = (node.end_lineno or 0) - node.lineno + 1  # from its def, signature included
-                too_long += [f"{path}:{node.name}"] if lines > MAX_FUNCTION else []
-    assert too_long == []
+        if path.suffix == ".py" and (count := len((ROOT / path).read_text("utf-8").splitlines())) > LONG_FILE:
+            warnings.warn(f"{path} has {count} lines: does it hold two subjects?", stacklevel=1)
 
 
-def test_course_lib_grows_neither_in_files_nor_in_lines_nor_in_long_ones() -> None:
-    files = [path for path in tracked() if path.parts[0] == "course_lib" and path.suffix == ".py"]
-    lines = [line for path in files for line in (ROOT / path).read_text("utf-8").splitlines()]
-    assert len(files) <= MOST_FILES
-    assert len(lines) <= MOST_LINES
-    assert sum(len(line) > LONG for line in lines) <= MOST_LONG_LINES
-
-
-def test_no_class_name_occurs_twice_outside_the_standin() -> None:
-    places: dict[str, list[str]] = {}
+def test_each_class_name_is_unique_within_its_room() -> None:
+    places: dict[tuple[str, str], list[str]] = {}
     for path in sorted((ROOT / "course_lib").rglob("*.py")):
-        if "standin" not in path.parts:
-            for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-                if isinstance(node, ast.ClassDef):
-                    places.setdefault(node.name, []).append(path.name)
+        if "standin" in path.parts:
+            # ROS itself repeats class names between its packages.
+            continue
+        room = path.relative_to(ROOT / "course_lib").parts[0]
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                places.setdefault((room, node.name), []).append(path.name)
     assert {name: files for name, files in places.items() if len(files) > 1} == {}
 
 
 @pytest.mark.parametrize("room", ROOMS, ids=lambda room: room.name)
-def test_every_room_has_a_page_whose_files_exist(room: Path) -> None:
+def test_every_room_has_a_readme_with_existing_files(room: Path) -> None:
     page = (room / "README.md").read_text("utf-8")
-    assert len(page.splitlines()) <= MAX_README
     named = set(re.findall(r"`([\w/]+\.(?:py|js|ts))`", page)) - WRITTEN_BY_EXPORT
     rooms = ROOT / "course_lib"
     assert [name for name in named if not (ROOT / name).exists() and not any(rooms.rglob(name))] == []
+
+
+# Benchmarks are run by hand; what the probes of the real rclpy wait for is bounded by `renew.py`.
+RUN_BY_HAND = {"benchmarks", "probes", "renew.py", "processes.py"}
+# In a run, waits are in robot time: they end with the run or in a DeadlockError.
+IN_ROBOT_TIME = {
+    "test_clock.py", "test_executors.py", "test_locks.py", "test_processes.py", "test_sim_time.py",
+    "test_virtual_time.py",
+}  # fmt: skip
+# Methods of the kit or of tests with these names, which have limits of their own.
+BOUNDED = {"handlers", "kits"}
+RUNS = {"run", "call", "check_call", "check_output"}
+
+
+def unbounded_waits(path: Path) -> list[str]:
+    """List the calls of a file of tests that can wait for ever."""
+    text, found = path.read_text("utf-8"), []
+    has_threads = path.name not in IN_ROBOT_TIME and re.search("^(import|from) (threading|queue)", text, re.M)
+    for call in ast.walk(ast.parse(text)):
+        if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)):
+            continue
+        owner, name = ast.unparse(call.func.value), call.func.attr
+        if any(keyword.arg == "timeout" for keyword in call.keywords):
+            continue
+        is_process = owner == "subprocess" and (name == "Popen" or name in RUNS)
+        is_thread = has_threads and not call.args and name in {"join", "wait", "get"} and owner not in BOUNDED
+        if is_process or is_thread or name == "urlopen":
+            found.append(f"{path.name}:{call.lineno}: {ast.unparse(call)}")
+    return found
+
+
+def test_every_wait_of_a_test_has_a_time_limit() -> None:
+    files = [path for path in tracked() if path.parts[0] == "tests" and path.suffix == ".py"]
+    looked_at = [ROOT / path for path in files if not RUN_BY_HAND & set(path.parts)]
+    found = [wait for path in looked_at for wait in unbounded_waits(path)]
+    assert found == [], "tests/processes.py starts programs with a limit, tests/patience.py joins threads"
 
 
 FOR_USERS = [*ROOT.glob("*s/*.ipynb"), *ROOT.glob("*s/checks/*.py"), ROOT / "README.md"]
 
 
 @pytest.mark.parametrize("path", sorted(FOR_USERS), ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_users_import_only_the_public_modules(path: Path) -> None:
+def test_documents_and_notebooks_import_only_public_modules(path: Path) -> None:
     code = path.read_text("utf-8")
     if path.suffix == ".ipynb":
         cells = json.loads(code)["cells"]
@@ -86,6 +106,8 @@ def test_users_import_only_the_public_modules(path: Path) -> None:
 @pytest.mark.parametrize("module", sorted(PUBLIC))
 def test_public_modules_can_be_imported_alone_and_load_all_their_names(module: str) -> None:
     code = f"import {module} as public; print(*[getattr(public, name).__class__ for name in public.__all__])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=PATIENCE
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip()

@@ -5,7 +5,10 @@ import sys
 from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
-from course_lib.ros import standin_path
+import pytest
+
+from course_lib.ros.programs import import_path
+from tests.patience import PATIENCE
 
 COURSE_LIB = Path(__file__).parents[1] / "course_lib"
 UNLISTED = {
@@ -26,10 +29,14 @@ HEAVY = (
 )
 
 
-def test_importing_the_kit_loads_nothing_heavy() -> None:
+def test_importing_the_kit_loads_no_heavy_modules() -> None:
     code = "import sys, course_lib; print(*sorted(sys.modules))"
     loaded = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=PATIENCE,
     ).stdout.split()
     assert not [name for name in HEAVY if name in loaded]
 
@@ -55,24 +62,27 @@ NOT_DRAWN_WITH = (
 )  # fmt: skip
 
 
-def test_a_kernel_with_the_dashboard_of_week_seven_loads_only_what_it_needs() -> None:
+@pytest.mark.slow
+def test_kernel_with_the_dashboard_of_week_seven_imports_only_the_required_modules() -> None:
     ran = subprocess.run(
         [sys.executable, "-c", DASHBOARD],
         capture_output=True,
         text=True,
         check=True,
         cwd=COURSE_LIB.parent,
+        timeout=PATIENCE,
     )
     assert "course_lib.viewer.widget" in ran.stdout.split()
     assert not [name for name in NOT_DRAWN_WITH if name in ran.stdout.split()]
 
 
+@pytest.mark.slow
 def test_every_imported_distribution_is_declared() -> None:
     declared = {_name(line) for line in requires("course-lib") or []}
     provided = {
         "course_lib",
         "compression",
-        *standin_path.provided(),
+        *import_path.provided_packages(),
         *sys.stdlib_module_names,
     }  # 3.14 has it
     distributions = packages_distributions()

@@ -5,6 +5,7 @@ import sys
 import pytest
 
 from tests.checkout import ROOT
+from tests.patience import PATIENCE
 
 BEGUN_BEHIND_AMPERSAND = """\
 import signal
@@ -14,8 +15,9 @@ print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="only POSIX hands ignored signals on")
-def test_what_tests_start_can_be_interrupted_although_they_run_in_the_background() -> None:
+def test_background_test_processes_can_be_interrupted() -> None:
     command = (sys.executable, "-c", BEGUN_BEHIND_AMPERSAND)
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=PATIENCE)
     assert done.stdout == "True\n"

@@ -13,8 +13,9 @@ SHOW = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="sockets in files")
-def test_a_kernel_that_a_test_starts_takes_no_port(tmp_path: Path) -> None:
+def test_test_kernel_uses_ipc_instead_of_a_port(tmp_path: Path) -> None:
     path = write_notebook(tmp_path / "a.ipynb", [SHOW])
     notebook = nbformat.reads(path.read_text(), 4)  # type: ignore[no-untyped-call]  # its own
     NotebookClient(notebook).execute()

@@ -18,12 +18,13 @@ def copy(api: griffe.Module) -> griffe.Module:
     return copied
 
 
-def test_only_a_new_minor_version_breaks_programs_of_the_last_release(api: griffe.Module) -> None:
+@pytest.mark.slow
+def test_breaking_changes_since_the_last_release_require_a_new_minor_version(api: griffe.Module) -> None:
     last, old = released()
     assert breakages(old, api) == [] or Version(version()).release[:2] > Version(last).release[:2]
 
 
-def test_removed_names_methods_and_parameters_are_breakages(api: griffe.Module) -> None:
+def test_removed_names_methods_and_parameters_are_breaking_changes(api: griffe.Module) -> None:
     new = copy(api)
     new["robots"].del_member("load_robot")
     new["displays.Viewer"].del_member("look")
@@ -35,7 +36,7 @@ def test_removed_names_methods_and_parameters_are_breakages(api: griffe.Module) 
     ]
 
 
-def test_a_new_optional_parameter_breaks_nothing(api: griffe.Module) -> None:
+def test_new_optional_parameter_is_not_a_breaking_change(api: griffe.Module) -> None:
     new = copy(api)
     more = griffe.Parameter("more", kind=griffe.ParameterKind.keyword_only, default="0")
     new["displays.Viewer.__init__"].parameters.add(more)

@@ -34,7 +34,9 @@ def lasting(session: RvizSession) -> list[StatusRow]:
 
 
 @pytest.mark.parametrize("path", LAYOUTS, ids=lambda path: f"{path.parent.name}/{path.name}")
-def test_a_layout_of_others_is_saved_alike_twice_with_the_same_statuses(path: Path, tmp_path: Path) -> None:
+def test_public_layout_is_unchanged_after_saving_twice_with_equal_statuses(
+    path: Path, tmp_path: Path
+) -> None:
     once, twice = tmp_path / "once.rviz", tmp_path / "twice.rviz"
     session = opened(path)
     save_rviz(session, once)
@@ -48,7 +50,7 @@ def test_a_layout_of_others_is_saved_alike_twice_with_the_same_statuses(path: Pa
 
 
 @pytest.mark.skipif(not DOCUMENTS, reason="COURSE_SEEDS names no folder with the documents")
-def test_the_layout_in_the_documents_opens_as_it_is_shown(tmp_path: Path) -> None:
+def test_layout_in_the_documents_opens_as_documented(tmp_path: Path) -> None:
     shown = (re.search(r"^Panels:\n.*?^ +Yaw: [\d.]+\n", text.read_text(), re.M | re.S) for text in DOCUMENTS)
     path = tmp_path / "view.rviz"
     path.write_text(next(found[0] for found in shown if found))

@@ -2,7 +2,6 @@
 
 import csv
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -13,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.authoring.test_new_course import BUILT_HERE
+from tests.processes import Program
 
 ROOT = Path(__file__).parents[1]
 SOLUTION = ROOT / "solutions" / "week01_solution.ipynb"
@@ -34,7 +34,9 @@ def student(instructors: Path) -> Path:
     """A student's machine: the released project, installed in an environment of its own."""
     home = instructors.parent / "student"
     # `course release` would verify all weeks before, which tests/notebooks/test_answers.py does.
-    write = "import pathlib; from course_lib.course.hand_out import release; release(pathlib.Path({!r}))"
+    write = (
+        "import pathlib; from course_lib.course.student_folder import release; release(pathlib.Path({!r}))"
+    )
     run(sys.executable, "-c", write.format(str(home / "course")), cwd=ROOT)
     venv.create(home / "venv", with_pip=False)
     # pip and the dependencies, which take a minute to download, come from this environment; not the kit.
@@ -51,7 +53,7 @@ def course(student: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_the_release_runs_from_its_own_copy_and_holds_no_answers(student: Path) -> None:
+def test_release_runs_from_its_own_copy_and_contains_no_answers(student: Path) -> None:
     code = "import course_lib; print(course_lib.__file__)"
     used = run(student / "venv" / "bin" / "python", "-c", code, cwd=student)
     assert used.startswith(str(student / "course"))
@@ -59,19 +61,18 @@ def test_the_release_runs_from_its_own_copy_and_holds_no_answers(student: Path) 
 
 
 @pytest.mark.slow
-def test_course_lab_opens_the_students_folder(student: Path) -> None:
+def test_course_lab_opens_the_student_folder(student: Path) -> None:
     command = [str(course(student)), "lab", "--no-browser"]
-    process = subprocess.Popen(command, cwd=student, stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    address = next(filter(None, (re.search(r"http://\S+", line) for line in process.stdout)))
+    process = Program(command, cwd=student, stdout=subprocess.PIPE)
+    address = process.find(r"http://\S+")
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=120)
-    assert "token=" in address.group()
+    assert "token=" in address
     assert (student / "my_course" / "week01_exercise.ipynb").is_file()
 
 
 @pytest.mark.slow
-def test_a_solved_exercise_is_checked_handed_in_and_gets_full_marks(student: Path, instructors: Path) -> None:
+def test_solved_exercise_is_checked_submitted_and_gets_full_marks(student: Path, instructors: Path) -> None:
     folder = student / "my_course"
     (folder / "week01_exercise.ipynb").write_bytes(SOLUTION.read_bytes())
     assert "all public checks passed" in run(course(student), "check", "week01_exercise.ipynb", cwd=folder)

@@ -30,7 +30,7 @@ def cut(beginning: str, ending: str) -> str:
     return found[0]
 
 
-def test_the_dashboard_s_launch_file_starts_the_exported_package(
+def test_dashboard_launch_file_starts_the_exported_package(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     start = '#!/usr/bin/env python3\n"""\nLaunch file for Perception Dashboard'
@@ -48,7 +48,7 @@ def test_the_dashboard_s_launch_file_starts_the_exported_package(
 
 
 @pytest.mark.parametrize(("settings", "topic"), [((), ""), (("use_namespace:=True", "namespace:=a"), "/a")])
-def test_the_painting_launch_file_opens_its_layout_and_starts_the_node(
+def test_painting_launch_file_opens_its_layout_and_starts_the_node(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], settings: tuple[str, ...], topic: str
 ) -> None:
     bringup = tmp_path / "neo_nav2_bringup"

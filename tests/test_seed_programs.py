@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from course_lib.recording import Recording, read_bag
-from course_lib.ros.clock import START_NS
+from course_lib.ros.graph.graph import START_NS
 from tests.programs import painting_robot
 
 SECONDS = 5.0  # [s] of robot time
@@ -64,12 +64,15 @@ def run(bag: Path, *files: Path, seconds: float = SECONDS) -> Recording:
     options = ["--seconds", f"{seconds}", "--bag", str(bag)]
     command = [sys.executable, "-m", "course_lib", "run", *map(str, files), *options]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-    assert done.returncode == 0, done.stderr
+    # Programs that call rclpy.shutdown() after Ctrl+C end with this error on the real rclpy as well.
+    assert done.returncode == 0 or "rcl_shutdown already called" in done.stderr, done.stderr
     return read_bag(bag)
 
 
+@pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_a_program_of_the_documents_keeps_its_rate_and_repeats_its_bag(tmp_path: Path, name: str) -> None:
+def test_documented_program_keeps_its_rate_and_records_reproducible_bags(tmp_path: Path, name: str) -> None:
     topic, rate, at_once = PROGRAMS[name]
     (tmp_path / "program.py").write_text(program(name))
     recording, again = (run(tmp_path / bag, tmp_path / "program.py") for bag in ("one", "two"))
@@ -81,6 +84,7 @@ def test_a_program_of_the_documents_keeps_its_rate_and_repeats_its_bag(tmp_path:
     assert (tmp_path / "one/recording.mcap").read_bytes() == (tmp_path / "two/recording.mcap").read_bytes()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("rate", "level", "message"),
     [
@@ -89,7 +93,7 @@ def test_a_program_of_the_documents_keeps_its_rate_and_repeats_its_bag(tmp_path:
         (15, b"\x01", "Frame rate above normal: avg 14.8Hz"),  # it is below: the document errs
     ],
 )
-def test_the_diagnostic_node_of_the_documents_runs_once_its_indentation_is_back(
+def test_documented_diagnostic_node_runs_with_restored_indentation(
     tmp_path: Path, rate: int, level: bytes, message: str
 ) -> None:
     lines = program(DIAGNOSTIC_NODE).splitlines()
@@ -103,7 +107,8 @@ def test_the_diagnostic_node_of_the_documents_runs_once_its_indentation_is_back(
     assert (status.name, status.level, status.message) == ("Front Camera System", level, message)
 
 
-def test_the_dashboard_of_the_documents_keeps_all_its_rates(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_documented_dashboard_keeps_all_its_rates(tmp_path: Path) -> None:
     (tmp_path / "dashboard.py").write_text(program("PerceptionDashboard"))
     recording, again = (run(tmp_path / bag, tmp_path / "dashboard.py") for bag in ("one", "two"))
     counts = {topic.name: topic.count for topic in recording.topics()}
@@ -113,7 +118,8 @@ def test_the_dashboard_of_the_documents_keeps_all_its_rates(tmp_path: Path) -> N
     assert recording.digest() == again.digest()
 
 
-def test_the_paint_node_of_the_documents_paints_two_stripes_and_nothing_while_driving(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_documented_paint_node_paints_two_stripes_and_nothing_while_driving(tmp_path: Path) -> None:
     (tmp_path / "paint.py").write_text(program("PaintPathNode"))
     recording = run(tmp_path / "bag", tmp_path / "paint.py", ROBOT, seconds=12.0)
     markers: list[tuple[float, Any]] = [

@@ -14,9 +14,9 @@ def windows(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "platform", "win32")
 
 
-@pytest.mark.parametrize("command", ["check", "classroom", "collect", "grade", "mark", "regrade", "verify"])
+@pytest.mark.parametrize("command", ["check", "classroom", "collect", "grade", "mark", "verify"])
 @pytest.mark.usefixtures("windows")
-def test_a_command_for_submissions_is_refused_in_one_line(
+def test_submission_command_without_fork_is_rejected_in_one_line(
     command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["course", command, "some", "words"])

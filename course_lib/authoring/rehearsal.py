@@ -1,43 +1,161 @@
-"""Rehearsals: notebooks of the author's, run in the jail and judged as submissions are."""
+"""Rehearsals: an author's notebooks, run in the sandbox and judged like submissions."""
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from array import array
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import partial
 from pathlib import Path
+from typing import Any
 
-from course_lib.authoring.hollow import HOLLOWINGS, Hollowing
-from course_lib.course.course_file import Limits
+import numpy as np
+
 from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.grading.catalog import Catalog
-from course_lib.grading.handin.archives import working_files
-from course_lib.grading.judge import TaskResult, judge, judge_task
-from course_lib.grading.records import Course, catalog_of
-from course_lib.grading.run.job import Job, Run, plan
-from course_lib.grading.run.run import run, unpack
+from course_lib.grading.evidence import Evidence
+from course_lib.grading.judge import judge, judge_task
+from course_lib.grading.records import TaskResult
+from course_lib.grading.run.run import Job, Run, plan_scenarios, run, unpack
+from course_lib.grading.store import Course, catalog_of
+from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.task import Task
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.messages import serialize, type_name
+
+HEADER = "std_msgs/msg/Header"
+# Not set to zero, because its default is the identity rotation.
+ORIENTATION = "geometry_msgs/msg/Quaternion"
+NAMED = ("type", "ns", "id", "name", "joint_names", "child_frame_id", "action", "lifetime")
+Change = Callable[[Any], None]
+
+
+@dataclass(frozen=True)
+class Hollowing:
+    """A way to remove the content of messages while they are still published at the right times.
+
+    Args:
+        name: A description for messages.
+        left: Returns the hollowed samples.
+        remedy: Advice for the author if the hollowed samples still earn points.
+    """
+
+    name: str
+    left: Callable[[Sequence[Sample]], list[Sample]]
+    remedy: str = "let these checks require the check of the content: check.requiring(content)"
+
+    def of(self, evidence: Evidence) -> Evidence:
+        """Return the evidence with hollowed samples."""
+        return replace(evidence, samples=tuple(self.left(evidence.samples)))
+
+
+def _nested_messages(message: Any) -> list[Any]:
+    """Return the messages nested in the fields of a message."""
+    values = [getattr(message, name) for name in message._KINDS]
+    nested = [item for value in values for item in (value if isinstance(value, list) else [value])]
+    return [item for item in nested if hasattr(item, "_KINDS")]
+
+
+def _reset_fields(message: Any, *, names: Sequence[str]) -> None:
+    """Set all fields to their defaults, except headers and the fields in `names`.
+
+    Lists of messages keep their length.
+    """
+    if type_name(message) == HEADER:
+        return
+    default = type(message)()
+    for name in message._KINDS:
+        value = getattr(message, name)
+        nested = isinstance(value, list) and any(hasattr(item, "_KINDS") for item in value)
+        if not nested and not hasattr(value, "_KINDS") and name not in names:
+            setattr(message, name, _blank_value(value, getattr(default, name)))
+    for part in _nested_messages(message):
+        _reset_fields(part, names=names)
+
+
+def _blank_value(value: Any, default: Any) -> Any:
+    """Return an array of zeros of the same length for an array, and else the default."""
+    if isinstance(value, np.ndarray):
+        return np.zeros_like(value)
+    return array(value.typecode, [0] * len(value)) if isinstance(value, array) else default
+
+
+def _zero_floats(message: Any) -> None:
+    """Set all floating-point numbers to 0."""
+    if type_name(message) in (HEADER, ORIENTATION):
+        return
+    for name in message._KINDS:
+        value = getattr(message, name)
+        if isinstance(value, float):
+            setattr(message, name, 0.0)
+        elif isinstance(value, array) and value.typecode in "fd":
+            setattr(message, name, array(value.typecode, [0.0] * len(value)))
+    for part in _nested_messages(message):
+        _zero_floats(part)
+
+
+def _zero_components(message: Any, *, field: str, parts: str) -> None:
+    """Set components of a field to 0 in a message and all nested messages."""
+    for part in parts:
+        if field in message._KINDS and part in getattr(message, field)._KINDS:
+            setattr(getattr(message, field), part, 0.0)
+    for item in _nested_messages(message):
+        _zero_components(item, field=field, parts=parts)
+
+
+def _change_samples(samples: Sequence[Sample], change: Change) -> list[Sample]:
+    made = []
+    for sample in samples:
+        message = sample.message()
+        change(message)
+        made.append(replace(sample, cdr=serialize(message)))
+    return made
+
+
+def _last_samples(samples: Sequence[Sample]) -> list[Sample]:
+    return [sample for sample in samples if sample.stamp_ns == samples[-1].stamp_ns]
+
+
+def _make_hollowing(name: str, change: Change) -> Hollowing:
+    return Hollowing(name, partial(_change_samples, change=change))
+
+
+ALL_THE_TIME = (
+    "let these checks require messages all the time: check.requiring(expect_throughout(topic).worth(0)), "
+    "or expect_topic(topic, type, at_least=5)"
+)
+HOLLOWINGS = (
+    _make_hollowing("headers only", partial(_reset_fields, names=())),
+    _make_hollowing("types, names and headers only", partial(_reset_fields, names=NAMED)),
+    _make_hollowing("zeros for numbers", _zero_floats),
+    _make_hollowing("invisible: alpha 0", partial(_zero_components, field="color", parts="a")),
+    _make_hollowing("invisible: scale 0", partial(_zero_components, field="scale", parts="xyz")),
+    Hollowing("one message at the end", _last_samples, ALL_THE_TIME),
+)
+
 
 STUDENT = "author"
-MOST = 100  # combinations of one task's personal options that are tried
-PATIENCE = 10.0  # times the course's limits of time: an author's machine has much else to do
+# Maximum number of combinations of a task's personal options that are tried.
+MOST = 100
 DEFINES = re.compile(r'(class|def|import|from|[A-Z_]+ =|"""|#|@|%load_ext)')
 CHECKS = re.compile(r"^check\(", re.MULTILINE)
-ONLY_DEFINED = ("node", "function")  # kinds of tasks that need no cell but those that define something
+TRACEBACK = "Traceback (most recent call last)"
+# Kinds of tasks that only need cells with definitions.
+ONLY_DEFINED = ("node", "function", "launch")
 
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """A notebook to be run and judged.
+    """A notebook to run and judge.
 
     Args:
         week: The week.
-        name: "the solution", "the stub".
-        cells: Its code.
-        tasks: The ids of the tasks that are run.
-        hidden: Whether the hidden scenarios are run, too.
-        option: The row of the personal options; each task's own number of options comes round.
-        hollow: Whether what it published is judged once more, emptied of its content.
+        name: A description, like "the solution" or "the stub".
+        cells: The source of the code cells.
+        tasks: The ids of the tasks to run.
+        hidden: Whether the hidden scenarios are run as well.
+        option: Index of the personal options, modulo each task's number of options.
+        hollow: Whether the hollowed samples are judged as well.
     """
 
     week: str
@@ -50,38 +168,48 @@ class Rehearsal:
 
 
 @dataclass(frozen=True)
-class Rehearsed:
+class RehearsalResult:
     """The results of a rehearsal.
 
     Args:
-        results: Of its tasks, in order.
-        cell_errors: What its cells raised.
-        hollow: By the way of emptying and its remedy, the results of the tasks that it changes.
-        types: By task and topic, the type of message that was published.
+        results: The results of the tasks, in order.
+        cell_errors: The exceptions raised by cells.
+        hollow: (hollowing, remedy, result) for each task whose samples a hollowing changes.
+        types: (task, topic, message type) of the published topics.
+        tracebacks: The tasks whose code printed a traceback, for example from a thread.
+        limit: The resource whose limit a cell or a scenario exceeded, or "".
     """
 
     results: tuple[TaskResult, ...]
     cell_errors: tuple[str, ...]
     hollow: tuple[tuple[str, str, TaskResult], ...]
     types: tuple[tuple[str, str, str], ...]
+    tracebacks: frozenset[str] = frozenset()
+    limit: str = ""
 
 
 def cells_of(path: Path) -> tuple[str, ...]:
-    """Return the code cells of a notebook, or a Python file as one cell."""
+    """Return the source of a notebook's code cells, or of a Python file as a single cell."""
     if path.suffix == ".py":
         return (path.read_text(encoding="utf-8"),)
     return tuple(source(cell) for _, cell in code_cells(read_notebook(path)))
 
 
-def rehearse(rehearsal: Rehearsal, course: Course) -> Rehearsed:
-    """Run a rehearsal in the jail of this process, and judge it."""
-    catalog = patient(course)
+def rehearse(rehearsal: Rehearsal, course: Course) -> RehearsalResult:
+    """Run a rehearsal in the sandbox, and judge it."""
+    catalog = catalog_of(course)
     tasks = [with_option(catalog.task(name), rehearsal.option) for name in rehearsal.tasks]
-    steps = plan(tasks, catalog, hidden=rehearsal.hidden)
-    cells = _needed(rehearsal.cells, tasks)
+    steps = plan_scenarios(tasks, catalog, hidden=rehearsal.hidden)
+    # Cells that show views or run live are left out if the tasks only need definitions, to save
+    # time.
+    cells = (
+        tuple(rehearsal.cells)
+        if any(task.kind not in ONLY_DEFINED for task in tasks)
+        else tuple(cell for cell in rehearsal.cells if DEFINES.match(cell) or CHECKS.search(cell))
+    )
     files = working_files(course.solutions / f"{rehearsal.week}_solution.ipynb", cells)
-    unjudged = tuple(step.unjudged() for step in steps)
-    job = Job(cells, STUDENT, unjudged, catalog.course.limits, files, course.sandbox, course.refused)
+    without_checks = tuple(step.without_checks() for step in steps)
+    job = Job(cells, STUDENT, without_checks, catalog.course.limits, files, course.sandbox, course.refused)
     made = unpack(run(job).evidence, steps)
     judgement = judge(made, tasks, catalog)
     types = {
@@ -89,48 +217,38 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> Rehearsed:
         for one in made.runs
         for topic, type_name in one.evidence.topics.items()
     }
-    emptied = _hollowed(tasks, made.runs, catalog) if rehearsal.hollow else ()
+    broken = any(check.broken for result in judgement.tasks for check in result.checks)
+    # A check that raises an exception or exceeds its time limit does not show whether messages
+    # matter.
+    emptied = _hollow_results(tasks, made.runs, catalog) if rehearsal.hollow and not broken else ()
     hollow = tuple((way.name, way.remedy, result) for way, result in emptied)
-    return Rehearsed(judgement.tasks, judgement.cell_errors, hollow, tuple(sorted(types)))
+    printed = frozenset(one.evidence.task for one in made.runs if TRACEBACK in one.evidence.output)
+    return RehearsalResult(
+        judgement.tasks, judgement.cell_errors, hollow, tuple(sorted(types)), printed, judgement.limit
+    )
 
 
-@lru_cache(maxsize=4)
-def patient(course: Course) -> Catalog:
-    """Return the catalog with limits for a machine that has much else to do."""
-    catalog = catalog_of(course)
-    limits = catalog.course.limits
-    seconds = {name: PATIENCE * value for name, value in vars(limits).items() if name.endswith("_seconds")}
-    slow: Limits = replace(limits, **seconds)
-    return replace(catalog, course=replace(catalog.course, limits=slow))
-
-
-def options(tasks: Iterable[Task]) -> int:
-    """Return how many combinations of personal options a task has, of several the most, up to MOST."""
-    return max((min(_combinations(task), MOST) for task in tasks), default=1)
+def count_options(tasks: Iterable[Task]) -> int:
+    """Return the largest number of combinations of options of any task, at most MOST."""
+    return max((min(_count_combinations(task), MOST) for task in tasks), default=1)
 
 
 def with_option(task: Task, row: int) -> Task:
-    """Return the task with one option of each personal value, so that every student gets these."""
-    rows, own = options([task]), {}
-    number = row % rows * _combinations(task) // rows  # all of them, or some from begin to end
+    """Return the task with only one option for each personal value, so that all students have the same."""
+    rows, own = count_options([task]), {}
+    # With more than MOST combinations, the rows are spread evenly over them.
+    number = row % rows * _count_combinations(task) // rows
     for name, choices in task.personal.items():
         number, index = divmod(number, len(choices))
         own[name] = (choices[index],)
     return replace(task, personal=own)
 
 
-def _combinations(task: Task) -> int:
+def _count_combinations(task: Task) -> int:
     return math.prod(len(choices) for choices in task.personal.values())
 
 
-def _needed(cells: Sequence[str], tasks: Sequence[Task]) -> tuple[str, ...]:
-    """Return the cells that these tasks need: views and live runs are left out where nothing reads them."""
-    if any(task.kind not in ONLY_DEFINED for task in tasks):
-        return tuple(cells)
-    return tuple(cell for cell in cells if DEFINES.match(cell) or CHECKS.search(cell))
-
-
-def _hollowed(
+def _hollow_results(
     tasks: Sequence[Task], runs: Sequence[Run], catalog: Catalog
 ) -> Iterable[tuple[Hollowing, TaskResult]]:
     for task in (task for task in tasks if task.kind == "node"):

@@ -1,41 +1,140 @@
-"""Rules for all notebooks of a course: layout, headings, sentences, pictures."""
+"""Rules for notebooks: layout, headings, sentences and pictures.
 
+Additional rules for lessons, reviews and extras concern their sections, minutes, predictions and
+quizzes.
+"""
+
+import ast
+import importlib
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from pathlib import Path
 
-from course_lib.authoring.page import NotebookPage, parsed
-from course_lib.course.exercise import notebook_text
+from course_lib.course.exercise import BEGIN, END, Notebook, code_cells, notebook_text, read_notebook, source
+from course_lib.course.questions import Question, read_questions
+from course_lib.errors import CourseError, did_you_mean
+
+# Keys of every cell and their types.
+PARTS = {"id": str, "cell_type": str, "metadata": dict}
+QUESTIONS = ("quiz", "predict", "compare")
+
+
+def parse_cell(cell: str) -> ast.Module:
+    """Parse a cell. Magics and shell commands are treated as comments.
+
+    Raises:
+        SyntaxError: The cell is not valid Python.
+    """
+    return ast.parse(re.sub(r"^([%!])", r"# \1", cell, flags=re.MULTILINE))
+
+
+@dataclass(frozen=True)
+class NotebookPage:
+    """A notebook of the course.
+
+    Args:
+        path: The file.
+        exercises: The folder of the exercises, with `quizzes/`.
+    """
+
+    path: Path
+    exercises: Path
+
+    @cached_property
+    def notebook(self) -> Notebook:
+        """The notebook as plain data, in which each cell has the keys that Jupyter writes."""
+        notebook = read_notebook(self.path)
+        for number, cell in enumerate(notebook["cells"], 1):
+            if wrong := [name for name, kind in PARTS.items() if not isinstance(cell.get(name), kind)]:
+                raise CourseError(f"cell {number} has no {wrong[0]!r}: write it again in JupyterLab")
+        return notebook
+
+    @property
+    def cells(self) -> Sequence[dict[str, object]]:
+        """All cells."""
+        cells: list[dict[str, object]] = self.notebook["cells"]
+        return cells
+
+    @cached_property
+    def markdown(self) -> str:
+        """The text of all Markdown cells."""
+        return "\n\n".join(source(c) for c in self.cells if c["cell_type"] == "markdown")
+
+    @cached_property
+    def code_cells(self) -> list[str]:
+        """The source of each code cell."""
+        return [source(c) for c in self.cells if c["cell_type"] == "code"]
+
+    @cached_property
+    def code(self) -> str:
+        """The source of all code cells."""
+        return "\n".join(self.code_cells)
+
+    @cached_property
+    def questions(self) -> list[tuple[str, str]]:
+        """The questions in the code, in order, like ("predict", "week01.top") or ("quiz", "week01")."""
+        return [question for cell in self.code_cells for question in _questions(cell)]
+
+    @cached_property
+    def headings(self) -> list[tuple[int, str]]:
+        """The headings as (level, title)."""
+        return [(len(m[1]), m[2]) for m in re.finditer(r"^(#+) (.+)$", self.markdown, re.MULTILINE)]
+
+    @property
+    def week(self) -> str:
+        """The week in the file's name, like "week01"."""
+        return self.path.stem.split("_")[0]
+
+
+def _questions(cell: str) -> Iterator[tuple[str, str]]:
+    try:
+        tree = parse_cell(cell)
+    # The rule about syntax reports it.
+    except SyntaxError:
+        return
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+    for call in sorted(calls, key=lambda node: (node.lineno, node.col_offset)):
+        match call:
+            case ast.Call(ast.Name(name), [ast.Constant(str(asked)), *_]) if name in QUESTIONS:
+                yield name, asked
+
 
 Rule = Callable[[NotebookPage], Iterator[str]]
-MAX_CELL = 25  # lines
-AVERAGE_SENTENCE, LONGEST_SENTENCE = 12, 30  # words
+# Maximum number of lines in a code cell.
+MAX_CELL = 25
+# Maximum average length and maximum length of a sentence, in words.
+AVERAGE_SENTENCE, LONGEST_SENTENCE = 12, 30
 IMPORT = "from course_lib import "
 VAGUE = {"here", "this", "link", "click here"}
 
 
-def stripped(page: NotebookPage) -> Iterator[str]:
-    """Yield cells with outputs, ids that occur twice, another kernel, another layout."""
+def unclean_cells(page: NotebookPage) -> Iterator[str]:
+    """Yield cells with outputs, duplicate cell ids, a wrong kernel, and JSON in another format."""
     full = [cell["id"] for cell in page.cells if cell.get("outputs") or cell.get("execution_count")]
     if full:
         yield f"the cells {full} have outputs: clear all outputs"
     if len({cell["id"] for cell in page.cells}) < len(page.cells):
-        yield "two cells have one id"
+        yield "two cells have the same id"
     if page.notebook["metadata"].get("kernelspec", {}).get("name") != "python3":
         yield "its kernel is not python3"
     if page.path.read_text(encoding="utf-8") != notebook_text(page.notebook):
-        yield "its JSON has another layout: open it in JupyterLab and save it"
+        yield "its JSON is formatted differently: open it in JupyterLab and save it"
 
 
-def short_cells(page: NotebookPage) -> Iterator[str]:
-    """Yield cells that are too long to be read at once."""
+def overlong_cells(page: NotebookPage) -> Iterator[str]:
+    """Yield a flaw for each code cell with too many lines."""
     for cell in page.code_cells:
-        if len(cell.splitlines()) > MAX_CELL:
-            yield f"the cell {_first(cell)!r} has {len(cell.splitlines())} lines, expected at most {MAX_CELL}"
+        count = len(cell.splitlines())
+        if count > MAX_CELL:
+            yield f"the cell {_first_line(cell)!r} has {count} lines, expected at most {MAX_CELL}"
 
 
-def first_cell(page: NotebookPage) -> Iterator[str]:
-    """Yield a first cell without the extension, and imports that nothing uses."""
+def first_cell_flaws(page: NotebookPage) -> Iterator[str]:
+    """Yield a first cell that does not load the extension, and unused imports from course_lib."""
     first, *rest = page.code_cells or [""]
     if first.splitlines()[:1] != ["%load_ext course_lib"]:
         yield "the first code cell must begin with: %load_ext course_lib"
@@ -48,55 +147,55 @@ def first_cell(page: NotebookPage) -> Iterator[str]:
             yield f"{name} is imported from course_lib, but not used"
 
 
-def parses(page: NotebookPage) -> Iterator[str]:
-    """Yield code cells that are not Python with magics."""
+def syntax_errors(page: NotebookPage) -> Iterator[str]:
+    """Yield code cells with syntax errors."""
     for cell in page.code_cells:
         try:
-            parsed(cell)
+            parse_cell(cell)
         except SyntaxError as error:
-            yield f"the cell {_first(cell)!r}, line {error.lineno}: SyntaxError: {error.msg}"
+            yield f"the cell {_first_line(cell)!r}, line {error.lineno}: SyntaxError: {error.msg}"
 
 
-def headings_in_order(page: NotebookPage) -> Iterator[str]:
-    """Yield headings of more than one title, or below a level that is left out."""
+def misplaced_headings(page: NotebookPage) -> Iterator[str]:
+    """Yield a missing or second title, and headings that skip a level."""
     levels = [level for level, _ in page.headings]
     if levels[:1] != [1] or levels.count(1) != 1:
-        yield "expected one title (# …), above all other headings"
+        yield "expected one title (# …) above all other headings"
     for (above, _), (level, title) in pairwise(page.headings):
         if level > above + 1:
-            yield f"the heading {title!r} is of level {level}, below one of level {above}"
+            yield f"the heading {title!r} has level {level}, but follows one of level {above}"
 
 
-def described_links(page: NotebookPage) -> Iterator[str]:
-    """Yield pictures without a description, and links whose words do not name where they lead."""
+def undescribed_links(page: NotebookPage) -> Iterator[str]:
+    """Yield pictures without a description, and links whose text does not describe their target."""
     for bang, text, _ in re.findall(r"(!?)\[([^\]]*)\]\(([^)]+)\)", page.markdown):
         if len(text) <= (30 if bang else 3) or text.lower() in VAGUE:
             kind = "picture" if bang else "link"
-            yield f"the {kind} {text!r} needs words for those who do not see where it leads"
+            yield f"the {kind} {text!r} needs a description for readers who use a screen reader"
     if "<img" in page.markdown:
         yield "<img is HTML: write ![a description](attachment:picture.png)"
 
 
-def present_pictures(page: NotebookPage) -> Iterator[str]:
-    """Yield pictures that are neither attached nor a file."""
+def missing_pictures(page: NotebookPage) -> Iterator[str]:
+    """Yield pictures that are neither attachments nor existing files."""
     cells = page.notebook["cells"]
     attached = {f"attachment:{name}" for cell in cells for name in cell.get("attachments", {})}
     for target in re.findall(r"!\[[^\]]*\]\(([^)\s]+)", page.markdown):
         is_file = "://" in target or (page.path.parent / target).is_file()
         if target not in attached and not is_file:
-            yield f"the picture {target!r} is not there: drag it into the cell once more"
+            yield f"the picture {target!r} is missing: drag it into the cell again"
 
 
 def sentences(text: str) -> list[list[str]]:
-    """Return the words of each sentence of the prose: no tables, no code, no pictures."""
+    """Return the words of each sentence in Markdown, without tables, code and pictures."""
     prose = re.sub(r"^\|[^\n]*$|^```.*?^```|!\[.*?\]\(.*?\)", "", text, flags=re.MULTILINE | re.DOTALL)
     prose = re.sub(r"^(#+|[-*>]|\d+\.) ", "\n", re.sub(r"`[^`]*`", "x", prose), flags=re.MULTILINE)
     parts = re.split(r"[.:?!;](?=\s)|\n\n", prose)
     return [words for part in parts if len(words := re.findall(r"\w+", part)) > 1]
 
 
-def short_sentences(page: NotebookPage) -> Iterator[str]:
-    """Yield sentences that a tired reader loses, and an average that is too high."""
+def long_sentences(page: NotebookPage) -> Iterator[str]:
+    """Yield sentences that are too long, and an average length that is too high."""
     found = sentences(page.markdown)
     average = sum(map(len, found)) / max(len(found), 1)
     if average > AVERAGE_SENTENCE:
@@ -104,20 +203,219 @@ def short_sentences(page: NotebookPage) -> Iterator[str]:
     for words in found:
         if len(words) > LONGEST_SENTENCE:
             begin = " ".join(words[:8])
-            yield f"a sentence has {len(words)} words, at most {LONGEST_SENTENCE}: {begin} …"
+            yield f"a sentence has {len(words)} words, expected at most {LONGEST_SENTENCE}: {begin} …"
 
 
-def _first(cell: str) -> str:
+def _first_line(cell: str) -> str:
     return (cell.splitlines() or [""])[0][:50]
 
 
 FOR_ALL: tuple[Rule, ...] = (
-    stripped,
-    short_cells,
-    first_cell,
-    parses,
-    headings_in_order,
-    described_links,
-    present_pictures,
-    short_sentences,
+    unclean_cells,
+    overlong_cells,
+    first_cell_flaws,
+    syntax_errors,
+    misplaced_headings,
+    undescribed_links,
+    missing_pictures,
+    long_sentences,
 )
+
+
+MINUTES = re.compile(r"^## .*\((\d+) min\)$", re.MULTILINE)
+LESSON_PARTS = ("When it goes wrong", "Recap", "Quiz", "Your turn")
+# Number of lines that the true story may have.
+STORY = range(3, 11)
+# Minimum number of links for further reading.
+LINKS = 3
+WRITES = re.compile(r'(?:save_\w+\("|record -o |^%ros2 .* > )([\w./]+)', re.MULTILINE)
+ANSWER = re.compile(
+    r":\*\*[^\n]+\n\n<details><summary>Answer</summary>\n\n.{20,}?\n\n</details>(\n|$)", re.DOTALL
+)
+
+
+def missing_parts(page: NotebookPage) -> Iterator[str]:
+    """Yield the required parts of a lesson that are missing."""
+    if not re.search(r"!\[.+\]\(attachment:.+\)", source(page.cells[0])):
+        yield "the first cell has no picture: ![a description](attachment:picture.png)"
+    titles = " | ".join(title for _, title in page.headings)
+    missing = [
+        p for p in ("**After this lesson you can**", "**Before you start:**") if p not in page.markdown
+    ]
+    missing += [f"a heading with {part!r}" for part in LESSON_PARTS if part not in titles]
+    missing += [f"a cell with {call}" for call in ("quiz(", "predict(", "compare(") if call not in page.code]
+    for part in missing:
+        yield f"missing: {part}"
+
+
+def missing_story(page: NotebookPage) -> Iterator[str]:
+    """Yield a missing true story at the beginning, and a missing source of the story."""
+    opening, _, rest = page.markdown.partition("## Do you remember?")
+    story = opening.partition("> **A true story.**")[2]
+    lines = sum(line.startswith("> ") for line in story.splitlines())
+    if not rest or lines not in STORY:
+        yield f"above '## Do you remember?': expected 3 to 10 lines of '> **A true story.** …', found {lines}"
+    if not re.search(r"^> Source: \S+", story, re.MULTILINE):
+        yield "the true story has no line '> Source: …'"
+
+
+def missing_quizzes(page: NotebookPage) -> Iterator[str]:
+    """Yield missing quizzes. The quiz about earlier weeks must be in the first section."""
+    titles = [title for level, title in page.headings if level == 2]
+    if not titles or not titles[0].startswith("Do you remember?"):
+        yield "the first section must be '## Do you remember?'"
+    quizzes = [cell.strip() for cell in page.code_cells if cell.startswith("quiz(")]
+    expected = [f'quiz("{page.week}_recall")', f'quiz("{page.week}")']
+    if quizzes != expected:
+        yield f"the cells with quizzes are {quizzes}, expected {expected}"
+
+
+def missing_page(page: NotebookPage) -> Iterator[str]:
+    """Yield missing sections at the end, a missing page to show, and too few links for further reading."""
+    titles = [re.sub(r"^\d+\. | \(\d+ min\)$", "", title) for _, title in page.headings]
+    ends = [title for title in titles if title in ("Show it", "Recap", "Further reading")]
+    if ends != ["Show it", "Recap", "Further reading"]:
+        yield f"expected the headings 'Show it', 'Recap', 'Further reading' in this order, found {ends}"
+    file = f"my_files/my_week{int(page.week[4:6])}.html"
+    if f'save_html("{file}"' not in page.code:
+        yield f'no cell saves the page to show: viewer.save_html("{file}")'
+    if len(re.findall(r"\]\(https://", page.markdown.partition("## Further reading")[2])) < LINKS:
+        yield f"'Further reading' needs at least {LINKS} links with https://"
+
+
+def missing_answers(page: NotebookPage) -> Iterator[str]:
+    """Yield each "Try it" without a collapsed answer below it."""
+    for tried in re.split(r"^\*\*Try it", page.markdown, flags=re.MULTILINE)[1:]:
+        if not ANSWER.match(tried):
+            yield f"'**Try it{tried[:40]}…' has no <details><summary>Answer</summary> … </details> below it"
+
+
+def misplaced_files(page: NotebookPage) -> Iterator[str]:
+    """Yield files that a lesson writes outside of my_files/."""
+    for name in WRITES.findall(page.code):
+        if not name.startswith("my_files/"):
+            yield f"it writes {name}, expected a file in my_files/"
+
+
+def missing_references(page: NotebookPage) -> Iterator[str]:
+    """Yield missing references to RViz2, to the real robot and to the exercise."""
+    for phrase in ("> **In RViz2**", "> **On the robot**", "Try it", "_exercise.ipynb`"):
+        if phrase not in page.markdown:
+            yield f"missing: {phrase!r}"
+
+
+def wrong_minutes(page: NotebookPage) -> Iterator[str]:
+    """Yield a stated total time that is not the sum of the sections' minutes."""
+    total = sum(map(int, MINUTES.findall(page.markdown)))
+    if f"**Time: {total} minutes in total.**" not in page.markdown:
+        yield f"the sections sum to {total} min, expected a line **Time: {total} minutes in total.**"
+
+
+def wrong_minutes_in_metadata(page: NotebookPage) -> Iterator[str]:
+    """Yield a total time in the metadata (for the table of contents) that is not the sum."""
+    total = sum(map(int, MINUTES.findall(page.markdown)))
+    stored = page.notebook["metadata"].get("course", {}).get("minutes")
+    if stored != total:
+        yield f"metadata: course.minutes is {stored}, the sections sum to {total}"
+
+
+def wrong_predictions(page: NotebookPage) -> Iterator[str]:
+    """Yield predictions that are not requested or not compared, and answers shown too early."""
+    name = page.week if "your_review" not in page.path.stem else page.path.stem.replace("_your", "")
+    asked, compared = ([key for call, key in page.questions if call == c] for c in ("predict", "compare"))
+    quizzes = page.exercises / "quizzes"
+    known = {f"{name}.{q.key}": q for q in _predictions(quizzes / f"{name}.toml")}
+    if asked != compared:
+        yield f"it asks to predict {asked}, but compares {compared}"
+    if set(asked) != set(known):
+        yield f"it asks to predict {sorted(asked)}, but {name}.toml has {sorted(known)}"
+    for key in (key for key in asked if key in known and "your_review" not in page.path.stem):
+        quoted = f"[\"']{re.escape(key)}[\"']"
+        between = re.search(rf"predict\(\s*{quoted}.*?compare\(\s*{quoted}[^\n]*", page.code, re.DOTALL)
+        if between and known[key].right.text in between[0]:
+            yield f"a cell before the comparison shows the answer to {key}: {known[key].right.text!r}"
+
+
+def unknown_questions(page: NotebookPage) -> Iterator[str]:
+    """Yield quizzes and predictions that the code uses and no file defines."""
+    for call, name in page.questions:
+        file, _, key = name.partition(".")
+        path = page.exercises / "quizzes" / f"{file}.toml"
+        if not path.is_file():
+            yield f"it asks {call}({name!r}): there is no {file}.toml"
+        elif call != "quiz":
+            known = [question.key for question in _predictions(path)]
+            if key not in known:
+                suggestion = did_you_mean(key, known)
+                problem = f"{file}.toml has no prediction with key = {key!r}{suggestion}"
+                yield f"it asks {call}({name!r}): {problem}"
+
+
+def _predictions(path: Path) -> tuple[Question, ...]:
+    return read_questions(path, "prediction") if path.is_file() else ()
+
+
+def missing_review_quiz(page: NotebookPage) -> Iterator[str]:
+    """Yield a missing quiz of a review."""
+    name = page.path.stem.replace("_your", "")
+    if f'quiz("{name}")' not in page.code:
+        yield f'no cell with quiz("{name}")'
+
+
+FOR_LESSONS: tuple[Rule, ...] = (
+    missing_parts,
+    missing_answers,
+    misplaced_files,
+    wrong_minutes,
+    wrong_minutes_in_metadata,
+    wrong_predictions,
+)
+WITH_EXERCISE: tuple[Rule, ...] = (missing_story, missing_quizzes, missing_page, missing_references)
+FOR_REVIEWS: tuple[Rule, ...] = (missing_review_quiz, missing_answers, wrong_minutes, wrong_predictions)
+FOR_EXTRAS: tuple[Rule, ...] = (missing_answers, wrong_minutes, wrong_minutes_in_metadata)
+
+
+OURS = re.compile(r"(rclpy|tf2_\w+|\w+_msgs|launch\w*|course_lib|ament_index_python|rcl_interfaces)(\.|$)")
+
+
+def untaught_names(solution: Path, lessons: Sequence[Path]) -> Iterator[str]:
+    """Yield each name from ROS or the kit that an answer uses and that does not occur in these lessons."""
+    taught = "\n".join(source(cell) for path in lessons for cell in read_notebook(path)["cells"])
+    for name in dict.fromkeys(names_in_answers(code_of(solution))):
+        if not re.search(rf"\b{re.escape(name)}\b", taught):
+            yield f"an answer uses {name}, which no lesson up to this week shows"
+
+
+def code_of(path: Path) -> str:
+    """Return the code of a solution without cells tagged `solution`, which replace manual work."""
+    cells = (cell for _, cell in code_cells(read_notebook(path)))
+    kept = (source(cell) for cell in cells if "solution" not in cell.get("metadata", {}).get("tags", []))
+    return "\n".join(re.sub(r"^([%!])", r"# \1", cell, flags=re.MULTILINE) for cell in kept)
+
+
+def names_in_answers(code: str) -> Iterator[str]:
+    """Yield the names imported from ROS and the kit, and their members, that an answer uses."""
+    tree, lines = ast.parse(code), lines_of_answers(code)
+    imported = dict[str, object]()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module and OURS.match(node.module):
+            # An import that fails is reported when the solution is run.
+            with suppress(ImportError):
+                module = importlib.import_module(node.module)
+                imported |= {a.name: getattr(module, a.name) for a in node.names if hasattr(module, a.name)}
+    members = {name for thing in imported.values() for name in dir(thing) if not name.startswith("_")}
+    for node in ast.walk(tree):
+        match node:
+            case ast.Attribute(attr=name) if node.lineno in lines and name in members:
+                yield name
+            case ast.Name(id=name) if node.lineno in lines and name in imported:
+                yield name
+
+
+def lines_of_answers(code: str) -> set[int]:
+    """Return the numbers of the lines between `# solution:` and its end mark."""
+    found, inside = set[int](), False
+    for number, line in enumerate(code.splitlines(), 1):
+        inside = (inside or bool(BEGIN.match(line))) and END not in line
+        found |= {number} if inside else set()
+    return found

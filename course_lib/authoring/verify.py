@@ -1,43 +1,373 @@
-"""`course verify`: everything of a week that a command can see before students do."""
+"""`course verify`: check everything about a week that can be checked before students use it."""
 
+import hashlib
+import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, Future
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
 
-from course_lib.authoring.fields import unbuildable
-from course_lib.authoring.flaw import ASPECTS, Flaw
-from course_lib.authoring.lesson_rules import (
+from course_lib.authoring.edits import (
+    RIGHT,
+    Code,
+    Edit,
+    failure_text,
+    find_false_passes,
+    group_edits,
+    idle_operators,
+    make_edits,
+    make_rehearsal,
+    operators,
+    read_answers,
+)
+from course_lib.authoring.fields import (
+    ASPECTS,
+    Flaw,
+    invalid_messages,
+    misspelled_names,
+    misspelled_topics,
+    names_in,
+)
+from course_lib.authoring.new import template_picture, unchanged_files
+from course_lib.authoring.rehearsal import (
+    Rehearsal,
+    RehearsalResult,
+    cells_of,
+    count_options,
+    rehearse,
+    with_option,
+)
+from course_lib.authoring.rules import (
+    FOR_ALL,
     FOR_EXTRAS,
     FOR_LESSONS,
     FOR_REVIEWS,
     WITH_EXERCISE,
+    NotebookPage,
+    Rule,
     unknown_questions,
-    untaught,
+    untaught_names,
 )
-from course_lib.authoring.mutants import idle_operators
-from course_lib.authoring.new_week import template_picture, unchanged_files
-from course_lib.authoring.page import NotebookPage
-from course_lib.authoring.rehearsal import cells_of
-from course_lib.authoring.rules import FOR_ALL, Rule
-from course_lib.authoring.week import WeekRehearsals, missing_files
 from course_lib.course.course_file import read_course_file
-from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
+from course_lib.course.exercise import code_cells, exercise_from, notebook_text, read_notebook, source
 from course_lib.course.questions import read_questions
-from course_lib.errors import CourseError, counted, did_you_mean, place_of
-from course_lib.grading.executors import executors
-from course_lib.grading.records import Course, catalog_of
+from course_lib.course.state import CHOICE, course_package, lessons_dir, write_atomically
+from course_lib.errors import CourseError, did_you_mean, format_count, location_of
+from course_lib.grading.judge import NEEDS_ANOTHER, executors
+from course_lib.grading.records import CheckResult, TaskResult
+from course_lib.grading.store import Course, catalog_of, kit_digest
+from course_lib.grading.task import Scenario, Task
+from course_lib.third_party import read_json
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-LEFT = "REPLACE"  # in the texts of templates
-EXTRAS = "extras"  # the row of what belongs to no week
-OF_EXTRAS = {"lesson", "quiz", "wrong"}  # aspects
+# Maximum fraction of a task's points that a publisher without content may earn.
+MOST = 0.1
+# Minimum number of wrong answers per task.
+MIN_WRONG_ANSWERS = 2
+Look = Callable[[RehearsalResult], Iterable[Flaw]]
+# Identifies a check: task, scenario, number.
+Key = tuple[str, str, int]
+
+
+class WeekRehearsals:
+    """The rehearsals of one week.
+
+    Args:
+        week: The week, like "week01".
+        course: The course.
+        pool: Executor that runs and judges the rehearsals.
+    """
+
+    def __init__(self, week: str, course: Course, pool: Executor) -> None:
+        self._week, self._course, self._pool = week, course, pool
+        self._tasks = [task for task in catalog_of(course).of_week(week) if not task.rubric]
+        self._solution = course.solutions / f"{week}_solution.ipynb"
+        self._exercise = course.exercises / f"{week}_exercise.ipynb"
+        self._cells = cells_of(self._solution)
+        self._answers = read_answers(course.solutions, week)
+        # Fraction of the task's points that each wrong answer earns.
+        self.kept: dict[str, float] = {}
+        self._failed: set[Key] = set()
+        self._checks: dict[Key, CheckResult] = {}
+        self._locations = {
+            (task.id, scenario.name, number): check.origin.place
+            for task in self._tasks
+            for scenario in self._scenarios(task)
+            for number, check in enumerate(scenario.checks)
+            if check.origin
+        }
+
+    def flaws(self) -> Iterator[Flaw]:
+        """Run all rehearsals and yield the flaws."""
+        checks = r"^check\(\s*[\"'](\w+\.\w+)[\"']"
+        checked = set(re.findall(checks, "\n".join(self._cells), re.MULTILINE))
+        known = {task.id for task in catalog_of(self._course).of_week(self._week)}
+        for name in sorted(checked - known):
+            text = f"check({name!r}, …): there is no such task{did_you_mean(name, known, 3)}"
+            yield Flaw("solution", text, str(self._solution))
+        for name in sorted(known - checked):
+            yield Flaw("solution", f"no cell calls check({name!r}, …)", str(self._solution))
+        ids = tuple(task.id for task in self._tasks)
+        solution = Rehearsal(self._week, "the solution", self._cells, ids, hollow=True)
+        (made,) = self._run_rehearsals([solution])
+        self._record_checks(made.results)
+        yield from self._check_solution(made)
+        broken = any(check.broken for result in made.results for check in result.checks)
+        if made.limit == "time" or broken:
+            # Every other answer would take as long, or fail by the same check.
+            return
+        edits = list(make_edits(self._tasks, self._answers, self._cells, operators(self._course.solutions)))
+        yield from (one for one in edits if isinstance(one, Flaw))
+        groups = group_edits([one for one in edits if isinstance(one, Edit)], self._cells, self._week)
+        rehearsals = [*self._option_rehearsals(), *self._file_rehearsals()]
+        rehearsals += [(rehearsal, partial(self._check_edits, group)) for group, rehearsal in groups]
+        done = self._run_rehearsals([rehearsal for rehearsal, _ in rehearsals])
+        for (_, look), made in zip(rehearsals, done, strict=True):
+            self._record_checks(made.results)
+            yield from look(made)
+        yield from self._find_idle_checks()
+        yield from self._find_missing_answers()
+        yield from self._find_crashes()
+
+    def _run_rehearsals(self, rehearsals: Sequence[Rehearsal]) -> Iterator[RehearsalResult]:
+        return self._pool.map(rehearse, rehearsals, [self._course] * len(rehearsals))
+
+    def _option_rehearsals(self) -> Iterator[tuple[Rehearsal, Look]]:
+        """Yield the rehearsals of the solution with all other personal options, and of the stub."""
+        ids = tuple(task.id for task in self._tasks)
+        plain = Rehearsal(self._week, "the solution", self._cells, ids, hollow=True)
+        for row in range(1, count_options(self._tasks)):
+            own = [task for task in self._tasks if count_options([task]) > row]
+            some = replace(plain, tasks=tuple(task.id for task in own), option=row, hollow=False)
+            yield some, partial(self._check_option, own, row)
+        yield Rehearsal(self._week, "the stub", cells_of(self._exercise), ids), self._check_stub
+
+    def _file_rehearsals(self) -> Iterator[tuple[Rehearsal, Look]]:
+        ids = tuple(task.id for task in self._tasks)
+        for name in [*[RIGHT] * bool(self._answers.other_right), *self._answers.files]:
+            path = self._answers.file(name)
+            look = self._check_right_answer if name == RIGHT else partial(self._check_wrong_answer, name)
+            yield Rehearsal(self._week, path.name, cells_of(path), ids), look
+
+    def _record_checks(self, results: Iterable[TaskResult]) -> None:
+        for key, check in (row for result in results for row in _checks_by_key(result)):
+            self._checks.setdefault(key, check)
+            if not check.passed and check.mistake != NEEDS_ANOTHER:
+                self._failed.add(key)
+
+    def _check_solution(self, made: RehearsalResult) -> Iterator[Flaw]:
+        for error in made.cell_errors:
+            yield Flaw("solution", f"a cell raises {error}", str(self._solution))
+        for result in made.results:
+            yield from self._check_full_marks("solution", "the solution", result, str(self._solution))
+        types = {(task, topic): type_name for task, topic, type_name in made.types}
+        for task in self._tasks:
+            yield from misspelled_names(task, self._scenarios(task), types)
+        self._record_checks(result for _, _, result in made.hollow)
+        for way, remedy, result in made.hollow:
+            if result.fraction > MOST:
+                earned = ", ".join(check.title for check in result.checks if check.passed and check.weight)
+                text = f"{result.task}: {way}: {result.score:g} of {result.points:g} points, for: {earned}"
+                yield Flaw("empty", f"{text}. Remedy: {remedy}", self._checks_file)
+
+    def _check_option(self, tasks: Sequence[Task], row: int, made: RehearsalResult) -> Iterator[Flaw]:
+        for task, result in zip(tasks, made.results, strict=True):
+            own = {name: choice for name, (choice,) in with_option(task, row).personal.items()}
+            yield from self._check_full_marks(
+                "solution", f"the solution with {own}", result, str(self._solution)
+            )
+
+    def _check_full_marks(self, aspect: str, what: str, result: TaskResult, place: str) -> Iterator[Flaw]:
+        """Yield a flaw for a task without full marks, located at the first failing check."""
+        if result.score < result.points or not result.passed:
+            failing = [(key, check) for key, check in _checks_by_key(result) if not check.passed]
+            why = [
+                f"{_visibility(c)} {c.scenario!r}, {c.title!r}: {c.broken or c.message}"
+                for _, c in failing[:2]
+            ]
+            text = "; ".join([*result.errors[:1], *why])
+            at = place if result.errors or not failing else self._location(failing[0][0])
+            score = f"{result.score:g} of {result.points:g} points"
+            yield Flaw(aspect, f"{result.task}: {what} has {score}: {text}", at)
+
+    def _location(self, key: Key) -> str:
+        return self._locations.get(key, self._checks_file)
+
+    def _check_stub(self, made: RehearsalResult) -> Iterator[Flaw]:
+        for result in made.results:
+            earned = [check.title for check in result.checks if check.score and check.weight]
+            if result.score:
+                text = (
+                    f"{result.task}: the empty exercise has {result.score:g} points, for: {', '.join(earned)}"
+                )
+                yield Flaw("stub", text, str(self._exercise))
+            elif "NotImplementedError" not in "".join(result.errors):
+                text = f"{result.task}: the stub does not raise NotImplementedError: is # solution: missing?"
+                yield Flaw("stub", text, str(self._solution))
+
+    def _check_right_answer(self, made: RehearsalResult) -> Iterator[Flaw]:
+        path = self._answers.file(RIGHT)
+        for result in made.results:
+            yield from self._check_full_marks("second", path.name, result, str(path))
+
+    def _check_wrong_answer(self, name: str, made: RehearsalResult) -> Iterator[Flaw]:
+        for result in made.results:
+            says = self._answers.files[name].get(result.task)
+            place = location_of(self._answers.path, says or "")
+            if says is None:
+                continue
+            self.kept[f"{result.task}: {name}"] = result.fraction
+            if result.errors or result.score >= result.points or not failure_text(result, hidden=True):
+                came = [*result.errors, f"{result.score:g} of {result.points:g} points"][0]
+                text = f"{result.task}: {name}: {came}, expected failing public and hidden checks"
+                yield Flaw("wrong", text, place)
+            elif says not in failure_text(result):
+                text = f"{result.task}: {name}: expected a message with {says!r}, the checks say: "
+                yield Flaw("wrong", text + failure_text(result).splitlines()[0], place)
+
+    def _check_edits(self, group: Sequence[Edit], made: RehearsalResult) -> Iterator[Flaw]:
+        """Yield the flaws of each edit in a notebook.
+
+        An edit with flaws is run again on its own first, because the other edits may have affected
+        it.
+        """
+        for edit, result in zip(group, made.results, strict=True):
+            found, last = list(edit.look(result)), result
+            if found and len(group) > 1:
+                (alone,) = self._run_rehearsals([make_rehearsal([edit], self._cells, self._week)])
+                self._record_checks(alone.results)
+                (last,) = alone.results
+                found = list(edit.look(last))
+            if not edit.is_right:
+                self.kept[edit.name] = last.fraction
+            yield from found
+
+    def _find_crashes(self) -> Iterator[Flaw]:
+        """Yield a flaw for each deletion with which the solution crashes but passes all public checks."""
+        code = Code.read(self._solution)
+        found = find_false_passes(code, self._tasks, self._week, self._run_rehearsals)
+        for name, task, why in found:
+            text = f"{task}: {name} the solution crashes ({why}), and all public checks pass"
+            yield Flaw("wrong", f"{text}. Add a call or an input that needs it", str(self._solution))
+
+    def _find_idle_checks(self) -> Iterator[Flaw]:
+        for key, check in self._checks.items():
+            if check.weight and key not in self._failed:
+                text = f"{key[0]}, {_visibility(check)} {check.scenario!r}, {check.title!r}"
+                yield Flaw("can fail", f"{text}: no answer fails it. Add one that does", self._location(key))
+
+    def _find_missing_answers(self) -> Iterator[Flaw]:
+        ways = {variant.task for variant in self._answers.variants if variant.way}
+        hints = {(variant.task, variant.hint) for variant in self._answers.variants}
+        for task in self._tasks:
+            count, path = self._answers.wrong_answers_to(task.id), str(self._answers.path)
+            if count < MIN_WRONG_ANSWERS:
+                text = f"{task.id}: {count} wrong answers, expected at least {MIN_WRONG_ANSWERS}"
+                yield Flaw("wrong", text, path)
+            if self._answers.other_right is None and task.id not in ways:
+                yield Flaw("second", f"{task.id}: no alternative correct answer: add one with way = …", path)
+            for kind in task.mistakes:
+                if (task.id, kind) not in hints:
+                    text = f"{task.id}: no wrong answer with hint = {kind!r}: is this hint ever shown?"
+                    yield Flaw("wrong", text, path)
+            titles = Counter(check.title for scenario in task.scenarios for check in scenario.checks)
+            for title in (title for title, number in titles.items() if number > 1):
+                yield Flaw("files", f"{task.id}: two public checks are titled {title!r}", self._checks_file)
+
+    def _scenarios(self, task: Task) -> tuple[Scenario, ...]:
+        return task.scenarios + catalog_of(self._course).hidden.get(task.id, ())
+
+    @property
+    def _checks_file(self) -> str:
+        return str(self._course.exercises / "checks" / f"{self._week}.py")
+
+
+def _checks_by_key(result: TaskResult) -> Iterator[tuple[Key, CheckResult]]:
+    """Yield the checks of a task with their keys. The number is the index in the scenario."""
+    numbers = Counter[str]()
+    for check in result.checks:
+        yield (result.task, check.scenario, numbers[check.scenario]), check
+        numbers[check.scenario] += 1
+
+
+def _visibility(check: CheckResult) -> str:
+    return "hidden" if check.hidden else "public"
+
+
+def missing_files(week: str, course: Course) -> Iterator[Flaw]:
+    """Yield a flaw for each missing notebook of a week that has tasks."""
+    for path, how in (
+        (course.solutions / f"{week}_solution.ipynb", f"write it, or begin with: course new {week}"),
+        (course.exercises / f"{week}_exercise.ipynb", "python -m course_lib.course.exercise generates it"),
+    ):
+        if not path.is_file():
+            yield Flaw("files", f"missing: {how}", str(path))
+
+
+# Wall-clock limit of one lesson [s]. The kit's longest lesson takes 20 s.
+SECONDS = 300
+COLOR = re.compile(r"\x1b\[[0-9;]*m")
+ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception|Interrupt|Exit|Warning)\b.*|error: .*)$", re.MULTILINE)
+# IPython's mark of the line that raised an exception.
+FAILED_LINE = re.compile(r"^-+> (\d+) (.*)$", re.MULTILINE)
+
+
+def run_lesson(path: Path, seconds: float = SECONDS) -> list[Flaw]:
+    """Run a lesson in a separate process and return its error, if any.
+
+    Args:
+        path: The notebook. Modules in its folder are copied with it.
+        seconds: Time limit, [s].
+    """
+    with tempfile.TemporaryDirectory(prefix="lesson_") as folder:
+        for file in (path, *path.parent.glob("week*.py")):
+            shutil.copy(file, folder)
+        command = [sys.executable, "-m", "course_lib", "run", path.name]
+        environment = {**os.environ, "COURSE_STRICT": "0", CHOICE: course_package().name}
+        try:
+            done = subprocess.run(
+                command, cwd=folder, env=environment, capture_output=True, text=True, timeout=seconds
+            )
+        except subprocess.TimeoutExpired:
+            text = f"it does not end within {seconds:g} s: is there an infinite loop?"
+            return [Flaw("lesson", text, str(path))]
+    output = COLOR.sub("", f"{done.stdout}\n{done.stderr}")
+    if done.returncode == 0 and "Traceback (most recent call last)" not in output:
+        return []
+    return [Flaw("lesson", _reason(path, output, done.returncode), str(path))]
+
+
+def _reason(path: Path, output: str, code: int) -> str:
+    """Return the last error in a lesson's output, with its cell (numbered as in JupyterLab) and line."""
+    errors = ERROR.findall(output)
+    error = errors[-1] if errors else f"exit code {code}"
+    for line, text in reversed(FAILED_LINE.findall(output)):
+        for number, cell in code_cells(read_notebook(path)):
+            lines = source(cell).splitlines()
+            if int(line) <= len(lines) and lines[int(line) - 1].strip() == text.strip():
+                return f"cell {number}, line {line} ({text.strip()}) ends with {error}"
+    return f"a cell ends with {error}"
+
+
+# Placeholder in the templates.
+LEFT = "REPLACE"
+# The row of notebooks that do not belong to a week, and the aspects that are checked for it.
+EXTRAS = "extras"
+OF_EXTRAS = {"lesson", "quiz", "wrong"}
+# Aspects that cannot be checked if files of the week are missing or invalid.
 UNKNOWN = frozenset({"fields", "solution", "stub", "empty", "second", "wrong", "can fail"})
 
 
@@ -46,11 +376,11 @@ class WeekReport:
     """One row of the table.
 
     Args:
-        week: "week01", or the extras.
-        flaws: What is wrong.
-        unknown: Aspects that could not be looked at.
-        left: Files with places of a template, and how many each has.
-        kept: By wrong answer, its share of the task's points.
+        week: "week01", or EXTRAS.
+        flaws: The flaws that were found.
+        unknown: The aspects that could not be checked.
+        left: Number of remaining template placeholders by file.
+        kept: Fraction of the task's points that each wrong answer earns.
     """
 
     week: str
@@ -61,54 +391,69 @@ class WeekReport:
 
     @property
     def replace(self) -> int:
-        """Count the places of a template."""
+        """The number of remaining template placeholders."""
         return sum(self.left.values())
 
     def cell(self, aspect: str) -> str:
-        """Return the mark of one aspect."""
+        """Return the symbol for an aspect: passed, failed or skipped."""
         if any(flaw.aspect == aspect for flaw in self.flaws):
             return "✘"
         return "." if aspect in self.unknown else "✔"
 
 
 def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -> Iterator[WeekReport]:
-    """Verify weeks, one after the other; a broken one does not keep the others from it.
+    """Verify weeks one after the other. A broken week does not affect the others.
 
     Args:
-        course: Where the files are.
+        course: The course.
         weeks: "week01", …; default: all weeks of course.toml, then the extras.
-        jobs: Notebooks that run at a time; default: the number of processors.
+        jobs: Number of notebooks run in parallel; default: the number of processors.
 
     Raises:
-        CourseError: course.toml can't be read, or there is no such week.
+        CourseError: course.toml cannot be read, or a week does not exist.
     """
     known = weeks_of(course)
     for week in weeks:
         if week not in known:
-            meant = did_you_mean(week, known) or f", known: {', '.join(known)}"
-            raise CourseError(f"there is no {week} in {course.exercises / 'course.toml'}{meant}")
+            suggestion = did_you_mean(week, known) or f", known: {', '.join(known)}"
+            raise CourseError(f"there is no {week} in {course.exercises / 'course.toml'}{suggestion}")
     with executors(jobs or os.cpu_count() or 1, None) as (_, pool, _):
         for week in weeks or known:
-            yield replace(_report(week, course, pool), left=_left_of_template(week, course))
-    if not weeks and (found := [*page_flaws(EXTRAS, course), *_idle_mutants(course)]):
+            runs = _start_lessons(f"{week}_*.ipynb", course, pool)
+            report = _verify_week(week, course, pool)
+            flaws = (*report.flaws, *(flaw for run in runs for flaw in run.result()))
+            yield replace(report, flaws=flaws, left=_count_placeholders(week, course))
+        runs = [] if weeks else _start_lessons("extra_*.ipynb", course, pool)
+        ran = [flaw for run in runs for flaw in run.result()]
+    if not weeks and (found := [*page_flaws(EXTRAS, course), *_idle_mutants(course), *ran]):
         yield WeekReport(EXTRAS, tuple(found), frozenset(ASPECTS) - OF_EXTRAS)
 
 
+def _start_lessons(pattern: str, course: Course, pool: Executor) -> list["Future[list[Flaw]]"]:
+    """Start the lessons that match a pattern, if the course is the installed one.
+
+    Lessons of another course would use the quizzes of the installed one.
+    """
+    if not course.lessons.is_dir() or course.lessons.resolve() != lessons_dir().resolve():
+        return []
+    return [pool.submit(run_lesson, path) for path in sorted(course.lessons.glob(pattern))]
+
+
 def weeks_of(course: Course) -> list[str]:
-    """Return the weeks of course.toml, and those that have a check file only."""
+    """Return the weeks in course.toml, and the weeks that only have a check file."""
     named = read_course_file(course.exercises / "course.toml")
     written = (path.stem for path in (course.exercises / "checks").glob("week*.py"))
     return sorted({*named.weeks, *named.faults, *written})
 
 
-def _report(week: str, course: Course, pool: Executor) -> WeekReport:
-    found = [*page_flaws(week, course), *_quizzes(week, course), *_fresh(week, course)]
+def _verify_week(week: str, course: Course, pool: Executor) -> WeekReport:
+    found = [*page_flaws(week, course), *_check_quizzes(week, course), *_check_exercise(week, course)]
     try:
         tasks = catalog_of(course).of_week(week)
         if not tasks:
             return WeekReport(week, tuple(found), UNKNOWN)
         broken = list(missing_files(week, course))
-        broken += _inputs(week, course)
+        broken += _check_inputs(week, course)
         if not broken:
             rehearsals = WeekRehearsals(week, course, pool)
             found += rehearsals.flaws()
@@ -118,52 +463,62 @@ def _report(week: str, course: Course, pool: Executor) -> WeekReport:
     return WeekReport(week, (*broken, *found), UNKNOWN)
 
 
-def _inputs(week: str, course: Course) -> Iterator[Flaw]:
+def _check_inputs(week: str, course: Course) -> Iterator[Flaw]:
     catalog = catalog_of(course)
+    solution = course.solutions / f"{week}_solution.ipynb"
+    names = names_in(cells_of(solution)) if solution.is_file() else frozenset[str]()
     for task in catalog.of_week(week):
-        yield from unbuildable(task, task.scenarios, course.exercises / "checks" / f"{week}.py")
+        yield from invalid_messages(task, task.scenarios, course.exercises / "checks" / f"{week}.py")
         hidden = catalog.hidden.get(task.id, ())
-        yield from unbuildable(replace(task, ghost=()), hidden, course.solutions / "checks" / f"{week}.py")
+        yield from invalid_messages(
+            replace(task, ghost=()), hidden, course.solutions / "checks" / f"{week}.py"
+        )
+        if task.kind == "node":
+            for scenarios, top in ((task.scenarios, course.exercises), (hidden, course.solutions)):
+                yield from misspelled_topics(task, scenarios, names, top / "checks" / f"{week}.py")
 
 
 def page_flaws(week: str, course: Course) -> Iterator[Flaw]:
-    """Yield what the rules say of a week's notebooks, or of the extras."""
+    """Yield the violations of the rules in a week's notebooks, or in the extras."""
     if week == EXTRAS:
         for path in sorted(course.lessons.glob("extra_*.ipynb")):
-            yield from _obeys(path, course, [*FOR_ALL, *FOR_EXTRAS])
+            yield from _apply_rules(path, course, [*FOR_ALL, *FOR_EXTRAS])
         return
     reviews = sorted(course.lessons.glob(f"{week}_your_review.ipynb"))
     pages = sorted(set(course.lessons.glob(f"{week}_*.ipynb")) - set(reviews))
     solution = course.solutions / f"{week}_solution.ipynb"
     if len(pages) != 1:
-        text = f"{counted(len(pages), 'lesson')}, expected one"
+        text = f"{format_count(len(pages), 'lesson')}, expected one"
         yield Flaw("lesson", text, str(course.lessons / f"{week}_*.ipynb"))
     for path in pages:
         rules = [*FOR_ALL, *FOR_LESSONS, *(WITH_EXERCISE if solution.is_file() else ())]
-        yield from _obeys(path, course, rules)
+        yield from _apply_rules(path, course, rules)
     for path in reviews:
-        yield from _obeys(path, course, [*FOR_ALL, *FOR_REVIEWS])
+        yield from _apply_rules(path, course, [*FOR_ALL, *FOR_REVIEWS])
     for path in (solution, course.exercises / f"{week}_exercise.ipynb"):
         if path.is_file():
-            yield from _obeys(path, course, FOR_ALL)
+            yield from _apply_rules(path, course, FOR_ALL)
     if solution.is_file():
         known = [path for path in sorted(course.lessons.glob("week*.ipynb")) if path.name[:6] <= week]
-        with suppress(CourseError, SyntaxError):  # the rules name that
-            yield from (Flaw("lesson", text, str(solution)) for text in untaught(solution, known))
+        # The rules report unreadable notebooks and syntax errors.
+        with suppress(CourseError, SyntaxError):
+            yield from (Flaw("lesson", text, str(solution)) for text in untaught_names(solution, known))
 
 
-def _obeys(path: Path, course: Course, rules: Iterable[Rule]) -> Iterator[Flaw]:
+def _apply_rules(path: Path, course: Course, rules: Iterable[Rule]) -> Iterator[Flaw]:
     page = NotebookPage(path, course.exercises)
-    with suppress(CourseError):  # what cannot be read is named elsewhere
+    # Unreadable quizzes and notebooks are reported elsewhere.
+    with suppress(CourseError):
         yield from (Flaw("quiz", text, str(path)) for text in unknown_questions(page))
     try:
         for rule in rules:
             yield from (Flaw("lesson", text, str(path)) for text in rule(page))
-    except (CourseError, KeyError) as error:  # no notebook; a cell without its parts
+    # The file is not a notebook, or a cell lacks a key.
+    except (CourseError, KeyError) as error:
         yield Flaw("lesson", f"it can't be read as a notebook: {error}", str(path))
 
 
-def _quizzes(week: str, course: Course) -> Iterator[Flaw]:
+def _check_quizzes(week: str, course: Course) -> Iterator[Flaw]:
     for path in sorted((course.exercises / "quizzes").glob(f"{week}*.toml")):
         for kind in ("question", "prediction"):
             try:
@@ -173,16 +528,21 @@ def _quizzes(week: str, course: Course) -> Iterator[Flaw]:
 
 
 def _idle_mutants(course: Course) -> Iterator[Flaw]:
-    """Yield mutants of the course's own that change no solution."""
+    """Yield a flaw for each of the course's own mutation operators that does not match any solution."""
     path = course.solutions / "answers" / "mutants.toml"
-    with suppress(CourseError):  # each week names what cannot be read
+    # Each week reports its unreadable files.
+    with suppress(CourseError):
         cells = [cell for one in course.solutions.glob("*_solution.ipynb") for cell in cells_of(one)]
         for name in idle_operators(course.solutions, cells):
-            yield Flaw("wrong", f"the pattern of the mutant {name!r} is in no solution", place_of(path, name))
+            yield Flaw(
+                "wrong",
+                f"the pattern of the mutant {name!r} does not match any solution",
+                location_of(path, name),
+            )
 
 
-def _fresh(week: str, course: Course) -> Iterator[Flaw]:
-    """Yield an exercise that differs from what is made of its solution."""
+def _check_exercise(week: str, course: Course) -> Iterator[Flaw]:
+    """Yield a flaw if the exercise differs from the one that its solution generates."""
     solution = course.solutions / f"{week}_solution.ipynb"
     exercise = course.exercises / f"{week}_exercise.ipynb"
     if not (solution.is_file() and exercise.is_file()):
@@ -194,21 +554,25 @@ def _fresh(week: str, course: Course) -> Iterator[Flaw]:
         return
     if exercise.read_text(encoding="utf-8") != made:
         how = "python -m course_lib.course.exercise writes it again"
-        yield Flaw("fresh", f"it is not what the solution gives: {how}", str(exercise))
+        yield Flaw("fresh", f"it differs from the exercise that the solution generates: {how}", str(exercise))
 
 
 def table(reports: Sequence[WeekReport]) -> "Table":
-    """Return one table: a row per week, a column per aspect."""
+    """Return the results as a table: a row per week, a column per aspect."""
     from rich.table import Table
 
-    made = Table("week", *ASPECTS, box=None, padding=(0, 1, 0, 0), pad_edge=False)  # fits 80 columns
+    # The padding is chosen so that the table fits into 80 columns.
+    made = Table("week", *ASPECTS, box=None, padding=(0, 1, 0, 0), pad_edge=False)
     for report in reports:
         made.add_row(report.week, *(report.cell(aspect) for aspect in ASPECTS))
     return made
 
 
-def _left_of_template(week: str, course: Course) -> dict[str, int]:
-    """Return how often each file says REPLACE, or is the template's; JupyterLab does not show metadata."""
+def _count_placeholders(week: str, course: Course) -> dict[str, int]:
+    """Count the remaining template placeholders by file.
+
+    Placeholders in metadata are counted separately, because JupyterLab does not show metadata.
+    """
     tops = [course.lessons, course.exercises / "quizzes", course.exercises / "mistakes", course.solutions]
     tops += [course.exercises / "checks", course.solutions / "checks", course.solutions / "answers"]
     files = [path for top in tops for path in top.glob(f"{week}*") if path.is_file()]
@@ -225,38 +589,99 @@ def _left_of_template(week: str, course: Course) -> dict[str, int]:
 
 
 def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
-    """Return every flaw as one line, with paths from the top of the course, and a summary."""
+    """Return each flaw as one line, with paths relative to the course's folder, and a summary."""
     top = f"{course.exercises.parent}{os.sep}"
     flaws = [f"{report.week}, {flaw.aspect}: {flaw}" for report in reports for flaw in report.flaws]
     found = [flaw.replace(top, "") for flaw in flaws]
-    found += _left_lines(reports)
+    found += _open_question_lines(reports)
     found += [f"{place}: {count} {LEFT}".replace(top, "") for r in reports for place, count in r.left.items()]
     found += [_kept_line(report) for report in reports if report.kept]
-    meant: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
-    said = [f"{aspect}: {text}" for aspect, text in meant.items()]
+    aspects: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
+    requirements = [f"{aspect}: {text}" for aspect, text in aspects.items()]
     bad = sum(bool(report.flaws) for report in reports)
-    end = f"{counted(bad, 'week')} of {len(reports)} not ready." if bad else "All of it is right."
-    return [*found, *["What must hold:"] * bool(said), *said, end]
+    end = f"{format_count(bad, 'week')} of {len(reports)} not ready." if bad else "Everything is correct."
+    return [*found, *["What must hold:"] * bool(requirements), *requirements, end]
 
 
-def _left_lines(reports: Iterable[WeekReport]) -> list[str]:
+def _open_question_lines(reports: Iterable[WeekReport]) -> list[str]:
     return [
-        f"{r.week}: {counted(r.replace, 'place')} of the template left, look for {LEFT}"
+        f"{r.week}: {format_count(r.replace, 'place')} of the template left, look for {LEFT}"
         for r in reports
         if r.replace
     ]
 
 
-def left_in(course: Course) -> list[str]:
-    """Return a line for each week in which places of the template are left."""
-    return _left_lines(
-        [WeekReport(week, (), left=_left_of_template(week, course)) for week in weeks_of(course)]
+def report_placeholders(course: Course) -> list[str]:
+    """Return a line for each week that still contains template placeholders."""
+    return _open_question_lines(
+        [WeekReport(week, (), left=_count_placeholders(week, course)) for week in weeks_of(course)]
     )
 
 
 def _kept_line(report: WeekReport) -> str:
-    """Return what wrong answers of a week still earn, and the one that earns most."""
+    """Return a line with the median and the maximum of the points that wrong answers earn."""
     most = max(report.kept, key=lambda name: report.kept[name])
-    count, middle = counted(len(report.kept), "wrong answer"), median(report.kept.values())
+    count, middle = format_count(len(report.kept), "wrong answer"), median(report.kept.values())
     top = f"{report.kept[most]:.2f} ({most})"
     return f"{report.week}: {count} keep {middle:.2f} of their task's points in the median, at most {top}"
+
+
+# The file next to exercises/ that stores the digests of weeks without flaws.
+DIGESTS_FILE = ".verified.json"
+# Maximum number of lines in the error of `refuse_broken`.
+MOST_SHOWN = 10
+
+
+def save_digests(course: Course, reports: Iterable[WeekReport]) -> None:
+    """Save the digests of the weeks without flaws."""
+    sound = [digest_of_week(course, report.week) for report in reports if not report.flaws]
+    known = [digest for digest in _read_digests(course) if digest not in sound]
+    text = json.dumps([*known, *sound][-200:], indent=0)
+    write_atomically(course.exercises.parent / DIGESTS_FILE, text.encode())
+
+
+def refuse_broken(course: Course, tell: Callable[[str], object] = lambda _: None) -> None:
+    """Verify the weeks that have changed since their last verification.
+
+    Args:
+        course: The course.
+        tell: Called with a line before each week, because a week can take minutes.
+
+    Raises:
+        CourseError: A week has flaws.
+    """
+    known = _read_digests(course)
+    changed = [week for week in weeks_of(course) if digest_of_week(course, week) not in known]
+    reports = list[WeekReport]()
+    for number, week in enumerate(changed, 1):
+        tell(f"verifying {week} ({number} of {len(changed)}), which can take minutes …")
+        for report in verify(course, [week]):
+            reports.append(report)
+            for flaw in report.flaws[:1]:
+                tell(f"{week}: {len(report.flaws)} to correct. {flaw.aspect}: {flaw}")
+    save_digests(course, reports)
+    reports.append(WeekReport(EXTRAS, tuple(page_flaws(EXTRAS, course))))
+    broken = [report for report in reports if report.flaws]
+    if broken:
+        problems = lines(broken, course)
+        shown = " | ".join(problems[:MOST_SHOWN])
+        raise CourseError(f"nothing was released. {shown} … To see all flaws, run: course verify")
+
+
+def digest_of_week(course: Course, week: str) -> str:
+    """Return the digest of all files that a week's verification depends on, including earlier lessons."""
+    lessons = [path for path in course.lessons.glob("week*") if path.name[:6] <= week]
+    own = [path for top in (course.exercises, course.solutions) for path in top.rglob(f"{week}*")]
+    shared = [course.exercises / "course.toml", course.solutions / "answers" / "mutants.toml"]
+    total = hashlib.sha256(f"{kit_digest()} {week}".encode())
+    for path in sorted({*lessons, *own, *shared}):
+        if path.is_file() and path.suffix != ".pyc":
+            total.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    return total.hexdigest()
+
+
+def _read_digests(course: Course) -> list[str]:
+    with suppress(OSError, ValueError):
+        stored = read_json((course.exercises.parent / DIGESTS_FILE).read_text(encoding="utf-8"))
+        return [one for one in stored if isinstance(one, str)] if isinstance(stored, list) else []
+    return []

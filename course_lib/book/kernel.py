@@ -1,117 +1,300 @@
-"""The book in a lesson's kernel: what a cell shows in 3D becomes a scene of the page, kept in a file."""
+"""The part of the book in a lesson's kernel, which saves each 3D view as a scene in a file."""
 
-from collections.abc import Callable
+import base64
+import gzip
+import hashlib
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import msgpack
+import numpy as np
 from IPython.core.getipython import get_ipython
 from PIL import Image
 
-from course_lib.book.compact import compact, script
-from course_lib.course.state import write_whole
+from course_lib.arrays import AnyArray
+from course_lib.course.state import write_atomically
 from course_lib.displays.panel.resting_view import RestingView
 from course_lib.displays.viewer import Viewer
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import current_graph
-from course_lib.ros.live import live_runs
-from course_lib.viewer import encoding, zbuffer
-from course_lib.viewer.film import copied
+from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.time.driving import live_runs, spin_for
+from course_lib.viewer import encoding, renderer
 from course_lib.viewer.scene import Scene, summary
+from course_lib.viewer.scene_recording import copy_of
 from course_lib.viewer.widget import SceneWidget
 
-HEIGHT = 320  # [px] of a scene in the page
-POSTER = (560, 238)  # [px] of the picture that stands there before
-TONES = 32  # colours of that picture
-SECONDS = 20.0  # [s] of robot time that a scene plays at most
-BEFORE = 10.0  # [s] of it that were before its cell was run
-ROOM = 36_000  # bytes of a scene's script
-WATCHED = 2.0  # [s] of robot time that live nodes go on below a view that was just made
-INTERVALS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0)  # [s] between two pictures of a scene: the first that fits
+# Numbers of grid cells along a mesh's longest side that simplification tries.
+CELLS = (256, 192, 128, 96, 64, 48, 32, 24, 20, 16, 12, 10, 8)
+# Number of quantization steps of positions along a mesh's longest side.
+STEPS = 2047
+# Length of a stored normal, whose components are integers.
+TURNS = 16
+# Limit on the number of vertices, because index differences are stored as int16.
+MOST_CORNERS = 2**15
+
+
+@dataclass(frozen=True)
+class PageMesh:
+    """A triangle mesh with a normal and a color per vertex.
+
+    Args:
+        vertices: Shape (V, 3).
+        faces: Vertex indices, shape (F, 3).
+        normals: Unit normals, shape (V, 3).
+        colors: Shape (V, 4), 0 to 255.
+    """
+
+    vertices: AnyArray
+    faces: AnyArray
+    normals: AnyArray
+    colors: AnyArray
+
+
+def read_mesh(mesh: Mapping[str, Any]) -> PageMesh:
+    """Read a mesh of a packed scene. If it has no normals, compute a normal for each triangle."""
+    faces = np.frombuffer(mesh["faces"].data, np.uint32).reshape(-1, 3)
+    vertices = np.frombuffer(mesh["vertices"].data, np.float32).reshape(-1, 3)
+    colors = np.frombuffer(mesh["colors"].data, np.uint8).reshape(-1, 4)
+    colors = np.broadcast_to(colors, (len(vertices), 4))
+    if mesh["normals"] is not None:
+        normals = np.frombuffer(mesh["normals"].data, np.float32).reshape(-1, 3)
+        return PageMesh(vertices, faces, normals, colors)
+    corners = vertices[faces]
+    across = _normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+    apart = np.arange(faces.size).reshape(-1, 3)
+    return PageMesh(corners.reshape(-1, 3), apart, np.repeat(across, 3, axis=0), colors[faces].reshape(-1, 4))
+
+
+def simplify(mesh: PageMesh, most: int) -> PageMesh:
+    """Simplify a mesh to at most `most` triangles, if possible.
+
+    Vertices in the same grid cell are merged if they have the same color and face the same side.
+    """
+    size = float(np.ptp(mesh.vertices, axis=0).max(initial=0.0))
+    if len(mesh.faces) <= most or not 0 < size < np.inf:
+        return mesh
+    shades = np.unique(np.ascontiguousarray(mesh.colors).view(np.uint32), return_inverse=True)[1].reshape(-1)
+    axis = np.abs(mesh.normals).argmax(axis=1)
+    sides = axis + 3 * (mesh.normals[np.arange(len(axis)), axis] < 0) + 6 * shades
+    # Normalized to 0..1.
+    places = (mesh.vertices - mesh.vertices.min(axis=0)) / size
+    for cells in CELLS:
+        key = np.rint(places * cells).astype(np.int64) @ [1, 512, 512**2] + 512**3 * sides
+        _, first, to_new = np.unique(key, return_index=True, return_inverse=True)
+        faces = _unique_triangles(to_new[mesh.faces])
+        if len(faces) <= most:
+            break
+    normals = _normalize(_means(mesh.normals, to_new))
+    return PageMesh(_means(mesh.vertices, to_new), faces, normals, mesh.colors[first])
+
+
+def encode(mesh: PageMesh) -> dict[str, Any]:
+    """Encode a mesh for `static/scenes.js`.
+
+    Arrays are stored by column, and positions and indices as differences, because that compresses
+    better.
+    """
+    used, faces = np.unique(mesh.faces, return_inverse=True)
+    vertices = mesh.vertices[used]
+    corner, size = vertices.min(axis=0), np.ptp(vertices, axis=0).max()
+    step = float(size) / STEPS or 1.0
+    steps = np.rint((vertices - corner) / step)
+    faces = faces.reshape(-1, 3)
+    # Each triangle starts at its smallest index.
+    turn = (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    faces = np.take_along_axis(faces, turn, axis=1)
+    faces = faces[np.lexsort(faces.T[::-1])]
+    corners = np.column_stack([np.diff(faces[:, 0], prepend=0), faces[:, 1:] - faces[:, :1]])
+    return {
+        "corner": corner.tolist(),
+        "step": step,
+        "steps": _bytes(np.diff(steps, axis=0, prepend=0), np.int16),
+        "turns": _bytes(np.rint(mesh.normals[used] * TURNS), np.int8),
+        "corners": _bytes(corners, np.int16),
+        "colors": np.ascontiguousarray(mesh.colors[used]),
+    }
+
+
+def _bytes(rows: AnyArray, kind: Any) -> AnyArray:
+    """Return the bytes of a two-dimensional array in column order."""
+    return np.frombuffer(rows.T.astype(kind).tobytes(), np.uint8)
+
+
+def _unique_triangles(corners: AnyArray) -> AnyArray:
+    """Return the triangles with three different vertices, without duplicates."""
+    ordered = np.sort(corners, axis=1).astype(np.int64)
+    _, first = np.unique(ordered @ [1, 2**20, 2**40], return_index=True)
+    whole = (np.diff(ordered[first], axis=1) > 0).all(axis=1)
+    different: AnyArray = corners[first[whole]]
+    return different
+
+
+def _normalize(vectors: AnyArray) -> AnyArray:
+    """Normalize vectors. Zero vectors are returned unchanged."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    unit: AnyArray = vectors / np.where(lengths, lengths, 1)
+    return unit
+
+
+def _means(values: AnyArray, to_new: AnyArray) -> AnyArray:
+    """Return the means of the rows that are merged into the same new row."""
+    counts = np.bincount(to_new)[:, None]
+    means: AnyArray = np.column_stack([np.bincount(to_new, column) for column in values.T]) / counts
+    return means
+
+
+# Maximum number of triangles of a mesh. A robot has about ten meshes.
+MOST_FACES = 1000
+# The same in a scene with more than MANY meshes.
+MANY, FEWER_FACES = 16, 400
+# Size [bytes] above which a mesh is stored in a file of its own, which scenes share.
+SHARED = 5_000
+Object = dict[str, Any]
+
+
+def compact(packed: bytes) -> tuple[bytes, dict[str, bytes]]:
+    """Move large meshes out of a packed scene or recording.
+
+    Returns:
+        The scene with references in place of these meshes, and the encoded meshes by name.
+    """
+    content = msgpack.unpackb(packed, strict_map_key=False)
+    shared: dict[str, bytes] = {}
+    meshes = list(_meshes(content))
+    most = FEWER_FACES if len({thing["vertices"].data for thing in meshes}) > MANY else MOST_FACES
+    for thing in meshes:
+        mesh = simplify(read_mesh(thing), most)
+        if len(encoding.pack(thing)) > SHARED and len(mesh.vertices) < MOST_CORNERS:
+            part = encoding.pack({"kind": "mesh", "lit": thing["lit"], **encode(mesh)})
+            name = "mesh-" + hashlib.sha256(part).hexdigest()[:12]
+            shared[name] = part
+            thing.clear()
+            thing.update(shared=name)
+    return encoding.pack(content), shared
+
+
+def script(content: bytes) -> bytes:
+    """Return a script that passes the bytes to the page that loads it.
+
+    Pages opened as local files may load scripts, but not other files.
+    """
+    text = base64.b64encode(gzip.compress(content, 9, mtime=0)).decode()
+    return f'document.currentScript.dataset.content="{text}";\n'.encode()
+
+
+def _meshes(content: Any) -> Iterator[Object]:
+    for batch in content.get("batches", [content]):
+        for command in batch.get("commands", ()):
+            thing = command.get("object")
+            if isinstance(thing, dict) and thing.get("kind") == "mesh":
+                yield thing
+
+
+# Height of a scene in the page [px].
+HEIGHT = 320
+# Size of the picture shown before the scene is loaded [px].
+POSTER = (560, 238)
+# Number of colors in the picture shown before the scene is loaded.
+TONES = 32
+# Maximum duration of a scene in robot time [s].
+SECONDS = 20.0
+# Robot time [s] before the run of the cell that the scene may include.
+BEFORE = 10.0
+# Maximum size of a scene's script [bytes].
+ROOM = 36_000
+# Robot time [s] for which live nodes run after a view was created.
+WATCHED = 2.0
+# Candidate intervals [s] between pictures of a scene; the first that fits is used.
+INTERVALS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0)
 PLACE = """\
 <div class="course-scene" style="height:{height}px;overflow:hidden" data-scene="{folder}/{name}.js" \
-data-label="{label}" data-alone="false">\
+data-label="{label}" data-alone="false" data-plays="{plays}">\
 <img src="{folder}/{name}.webp" alt="{label}" loading="lazy"></div>"""
 
 
 @dataclass
 class _Playing:
-    """A viewer in its cell, while the next cells run; times in [s] of its film."""
+    """A viewer that is updated while the following cells run."""
 
     name: str
     viewer: Viewer
+    # Start and end of the scene, in the time of the viewer's recording [s].
     since: float
     until: float
-    scene: Scene  # as the last cell left it
+    # The scene after the last cell.
+    scene: Scene
 
     def follow(self) -> None:
-        """Extend the scene until now, if it is not long enough yet."""
+        """Extend the scene to the current time, unless it has its maximum duration already."""
         film = self.viewer.film
-        if film.time < self.since:  # robot time began again
+        # Robot time was reset.
+        if film.time < self.since:
             self.since = self.until = film.time
         if film.time - self.since <= SECONDS:
             self.viewer.look()
-            self.until, self.scene = film.time, copied(film.scene)
+            self.until, self.scene = film.time, copy_of(film.scene)
 
     def packed(self, interval: float) -> bytes:
-        """Write its film, as pages play it."""
+        """Return its recording, packed for pages, with pictures at an interval [s]."""
         seconds = min(self.until - self.since + BEFORE, SECONDS)
         return self.viewer.film.packed(seconds, self.until, interval)
 
 
 @dataclass(frozen=True)
 class _Scripts:
-    """The script of a scene, and the large meshes that it shares with others, by name."""
+    """The script of a scene, and by name the large meshes that scenes share."""
 
     scene: bytes
     shared: dict[str, bytes]
 
 
 class Scenes:
-    """The scenes of one lesson, in the order of its cells.
+    """The scenes of a lesson, in the order of its cells.
 
-    A viewer goes on in its cell while the next cells run. Its scene ends with the last cell
-    before the next view. The files are written in a cell of their own, so that an error ends the lesson.
+    A viewer is updated while the following cells run. Its scene ends with the last cell before the
+    next view. The files are written by an additional cell, so that an error there fails the lesson.
 
     Args:
-        lesson: The file's name, of which those of its scenes are made.
-        folder: Where the scenes are kept.
-        link: The same folder, as pages address it.
+        lesson: The lesson's file name without suffix, which the names of its scenes begin with.
+        folder: The folder for the scenes.
+        link: The relative URL of this folder in pages.
     """
 
     def __init__(self, lesson: str, folder: Path, link: str) -> None:
         self._lesson, self._folder, self._link = lesson, folder, link
         self._count = 0
         self._playing: _Playing | None = None
-        self._made: list[tuple[str, _Scripts, Scene]] = []
+        self._saved_scenes: list[tuple[str, _Scripts, Scene]] = []
 
-    def of_viewer(self, viewer: Viewer) -> dict[str, Any]:
-        """Begin the scene of a viewer, and return what its cell displays."""
+    def add_viewer(self, viewer: Viewer) -> dict[str, Any]:
+        """Start the scene of a viewer and return the HTML that its cell displays."""
         self.end()
         name, words, film = self._next(), viewer.summary(), viewer.film
-        self._playing = _Playing(name, viewer, film.time, film.time, copied(film.scene))
-        return self._shown(name, words)
+        self._playing = _Playing(name, viewer, film.time, film.time, copy_of(film.scene))
+        return self._scene_html(name, words)
 
-    def of_rest(self, view: RestingView) -> dict[str, Any]:
-        """Keep a view at rest with its film, and return what its cell displays."""
-        return self._at_once(view, _fitting(view.packed))
+    def add_resting_view(self, view: RestingView) -> dict[str, Any]:
+        """Save a finished view with its recording and return the HTML that its cell displays."""
+        return self._save_picture(view, _fit(view.packed), plays=view.plays)
 
-    def of_widget(self, widget: SceneWidget) -> dict[str, Any]:
-        """Keep a scene without a viewer, and return what its cell displays."""
-        return self._at_once(widget, _scripts(encoding.snapshot(widget.scene)))
+    def add_widget(self, widget: SceneWidget) -> dict[str, Any]:
+        """Save a scene without a viewer and return the HTML that its cell displays."""
+        return self._save_picture(widget, _make_scripts(encoding.snapshot(widget.scene)))
 
-    def _at_once(self, widget: SceneWidget, scripts: _Scripts) -> dict[str, Any]:
+    def _save_picture(self, widget: SceneWidget, scripts: _Scripts, *, plays: bool = False) -> dict[str, Any]:
         self.end()
         name = self._next()
-        self._made.append((name, scripts, widget.scene))
-        return self._shown(name, "\n".join([f"{widget.label}.", *summary(widget.scene)]))
+        self._saved_scenes.append((name, scripts, widget.scene))
+        return self._scene_html(name, "\n".join([f"{widget.label}.", *summary(widget.scene)]), plays=plays)
 
     def follow(self, *_: object) -> None:
-        """Extend the scene of the viewer that is shown to the end of this cell.
+        """Extend the scene of the current viewer to the end of this cell.
 
-        Nodes that run live go on while a reader looks at a new view; here they do so for a while.
+        In JupyterLab, live nodes run on while the user looks at a new view. Here they run for
+        WATCHED seconds.
         """
         if self._playing is not None:
             if not self._playing.viewer.film.duration and live_runs(current_graph()):
@@ -119,66 +302,64 @@ class Scenes:
             self._playing.follow()
 
     def end(self) -> None:
-        """Keep the scene of the viewer that was shown."""
+        """Finish the scene of the current viewer."""
         if self._playing is not None:
-            self._made.append((self._playing.name, _fitting(self._playing.packed), self._playing.scene))
+            self._saved_scenes.append((self._playing.name, _fit(self._playing.packed), self._playing.scene))
         self._playing = None
 
     def write(self) -> None:
-        """Write all scenes, and their pictures."""
+        """Write the files of all scenes, with their meshes and preview pictures."""
         self.end()
-        for name, scripts, scene in self._made:
-            write_whole(self._folder / f"{name}.js", scripts.scene)
+        for name, scripts, scene in self._saved_scenes:
+            write_atomically(self._folder / f"{name}.js", scripts.scene)
             for mesh, content in scripts.shared.items():
-                write_whole(self._folder / f"{mesh}.js", script(content))
-            write_whole(self._folder / f"{name}.webp", _poster(scene))
+                write_atomically(self._folder / f"{mesh}.js", script(content))
+            picture = Image.open(BytesIO(renderer.draw(scene, POSTER))).convert("RGB").quantize(TONES)
+            small = BytesIO()
+            # WebP is a fifth smaller than PNG.
+            picture.save(small, "webp", lossless=True, method=6)
+            write_atomically(self._folder / f"{name}.webp", small.getvalue())
 
     def _next(self) -> str:
         self._count += 1
         return f"{self._lesson}-{self._count:02}"
 
-    def _shown(self, name: str, words: str) -> dict[str, Any]:
+    def _scene_html(self, name: str, words: str, *, plays: bool = False) -> dict[str, Any]:
         label = escape(" ".join(words.split()))
-        place = PLACE.format(height=HEIGHT, folder=self._link, name=name, label=label)
+        place = PLACE.format(
+            height=HEIGHT, folder=self._link, name=name, label=label, plays=str(plays).lower()
+        )
         return {"text/html": place, "text/plain": words}
 
 
-def _scripts(packed: bytes) -> _Scripts:
+def _make_scripts(packed: bytes) -> _Scripts:
     small, shared = compact(packed)
     return _Scripts(script(small), shared)
 
 
-def _fitting(pack: Callable[[float], bytes]) -> _Scripts:
-    """Return a film with as many pictures as there is room for."""
+def _fit(pack: Callable[[float], bytes]) -> _Scripts:
+    """Return a recording with the smallest interval between pictures whose script is small enough."""
     for interval in INTERVALS:
-        scripts = _scripts(pack(interval))
+        scripts = _make_scripts(pack(interval))
         if len(scripts.scene) <= ROOM:
             break
     return scripts
 
 
-def _poster(scene: Scene) -> bytes:
-    """Return a picture of a scene in few colours, as WebP."""
-    picture = Image.open(BytesIO(zbuffer.draw(scene, POSTER))).convert("RGB").quantize(TONES)
-    small = BytesIO()
-    picture.save(small, "webp", lossless=True, method=6)  # a fifth smaller than a PNG
-    return small.getvalue()
-
-
 def begin(lesson: str, folder: str, link: str) -> None:
-    """Keep each 3D view of this kernel's cells as a scene of a page, from now on."""
+    """Begin to save the 3D views of this kernel's cells as scenes. Called in the first cell."""
     scenes = Scenes(lesson, Path(folder), link)
     shell: Any = get_ipython()
     formatter = shell.display_formatter.mimebundle_formatter
     shell.events.register("post_run_cell", scenes.follow)
-    formatter.for_type(Viewer, scenes.of_viewer)
-    formatter.for_type(SceneWidget, scenes.of_widget)
-    formatter.for_type(RestingView, scenes.of_rest)
+    formatter.for_type(Viewer, scenes.add_viewer)
+    formatter.for_type(SceneWidget, scenes.add_widget)
+    formatter.for_type(RestingView, scenes.add_resting_view)
     _kept.append(scenes)
 
 
 def end() -> None:
-    """Write the scenes, at the lesson's end."""
+    """Write the scenes. Called in the last cell."""
     _kept.pop().write()
 
 

@@ -1,4 +1,4 @@
-"""Sphinx's settings of a course's book; `docs/conf.py` of a course may import them and change some."""
+"""Sphinx settings for a course's book. A course can import and override them in `docs/conf.py`."""
 
 from pathlib import Path
 
@@ -12,15 +12,19 @@ exclude_patterns = ["conf.py"]
 
 myst_enable_extensions = ["colon_fence", "deflist", "html_image"]
 myst_heading_anchors = 4
-nb_execution_mode = "off"  # `course book` has run the lessons
-suppress_warnings = ["misc.highlighting_failure"]  # blocks of an unusual language stay without colours
+# `course book` has run the lessons already.
+nb_execution_mode = "off"
+# Code blocks in a language that Pygments does not know are shown without colors.
+suppress_warnings = ["misc.highlighting_failure"]
 nb_merge_streams = True
-nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # they come from a network
+# These options would load files from the network.
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}
 
 html_theme = "sphinx_book_theme"
 html_theme_options = {
     "footer_content_items": [],
-    "navbar_persistent": [],  # the search is in the side bar
+    # The sidebar contains the search field.
+    "navbar_persistent": [],
     "show_toc_level": 2,
     "use_download_button": False,
     "use_fullscreen_button": False,
@@ -29,6 +33,7 @@ html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["book.css"]
 html_js_files = ["pages.js"]
 html_extra_path = ["_extra"]
-html_show_search_summary = False  # it would ask a server for pages
+# Search summaries would request pages from a server.
+html_show_search_summary = False
 html_copy_source = False
 html_show_copyright = False

@@ -1,4 +1,4 @@
-// A slider of Python's class of that name: its name, a range of the browser's own, its value as a number.
+// The view of Python's Slider: its name, the browser's range control, and its value as a number.
 
 const TRAITS = ["description", "description_width", "min", "max", "step", "value", "disabled"];
 
@@ -10,11 +10,11 @@ export default {
   render({ model, el }) {
     const name = document.createElement("span");
     const [range, number, label] = [input("range"), input("number"), document.createElement("label")];
-    label.append(name, range); // so it names the range
+    label.append(name, range); // so that the label belongs to the range
     el.append(label, number);
     el.classList.add("course-slider");
     el.addEventListener("keydown", (event) => {
-      if (!event.ctrlKey && !event.metaKey && !event.altKey) event.stopPropagation(); // they are not the notebook's
+      if (!event.ctrlKey && !event.metaKey && !event.altKey) event.stopPropagation(); // these keys must not reach the notebook
     });
 
     const show = () => {
@@ -24,14 +24,14 @@ export default {
       name.style.width = state.description_width;
       number.ariaLabel = `${description}, as a number`;
       for (const one of [range, number]) Object.assign(one, { min, max, step: step || 1, disabled });
-      range.value = value; // after the limits, or they change it
+      range.value = value; // after the limits, which would change it otherwise
       write(value);
     };
     const write = (/** @type {number} */ value) => {
       const decimals = model.get("decimals");
       number.value = range.ariaValueText = (Number(value.toFixed(decimals)) || 0).toFixed(decimals); // never -0
     };
-    /** @param {number} value that somebody has chosen, or no number */
+    /** @param {number} value chosen by the user; it may be NaN */
     const choose = (value) => {
       const whole = Number.isInteger(model.get("step")) ? Math.round(value) : value;
       if (Number.isFinite(whole)) {

@@ -1,17 +1,17 @@
-"""exercises/course.toml: weeks, points, deadlines, late policy, limits."""
+"""exercises/course.toml: weeks, points, deadlines, late policy and limits."""
 
 import math
 import re
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 from zoneinfo import ZoneInfo, available_timezones
 
-from course_lib.course.identity import normalise
-from course_lib.course.installation import exercises_dir
+from course_lib.course.exercise import normalise
+from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError, did_you_mean
 
 POINTS_PER_WEEK = 100
@@ -20,17 +20,53 @@ Counts = Literal["last", "best"]
 
 @dataclass(frozen=True)
 class Late:
-    """The late policy: percent of the mark per started day, after some minutes of grace."""
+    """The late policy: a deduction in percent of the mark for each started day after a grace period.
+
+    Args:
+        percent_per_day: Deduction for each started day.
+        grace_minutes: Minutes after the deadline in which a submission is not late.
+        max_percent: Maximum deduction; 100 is the whole mark.
+        accepted_days: The last started day on which a submission is accepted. A later one gets no
+            points.
+    """
 
     percent_per_day: float = 10.0
     grace_minutes: float = 0.0
+    max_percent: float = 100.0
+    accepted_days: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("percent_per_day", "max_percent"):
+            if getattr(self, name) > 100:
+                raise CourseError(f"{name}: {getattr(self, name):g}, expected 0 to 100")
+        if self.accepted_days is not None and self.accepted_days % 1:
+            raise CourseError(
+                f"accepted_days: {self.accepted_days:g}, expected a whole number of started days"
+            )
+
+    def is_accepted(self, days: int) -> bool:
+        """Return whether a submission is accepted a number of started days after the deadline."""
+        return self.accepted_days is None or days <= self.accepted_days
+
+    @property
+    def last_day(self) -> int | None:
+        """The last started day on which a late submission receives points, or None if there is none."""
+        if self.accepted_days is not None:
+            return int(self.accepted_days)
+        if self.max_percent < 100 or not self.percent_per_day:
+            return None
+        return math.ceil(100 / self.percent_per_day) - 1
+
+    def penalty_percent(self, days: int) -> float:
+        """Return the deduction from a mark [%]."""
+        return min(self.percent_per_day * days, self.max_percent) if self.is_accepted(days) else 100.0
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of a submission at grading: time in [s], output in [kB], memory and files in [MB].
+    """Limits of a submission during grading: time in [s], output in [kB], memory and files in [MB].
 
-    The time is that of the wall clock, without what a submission waits for a processor on a busy machine.
+    Time is wall-clock time, without the time a submission waits for a processor on a busy machine.
     """
 
     cell_seconds: float = 10.0
@@ -48,14 +84,14 @@ class Limits:
 
 @dataclass(frozen=True)
 class WeekSettings:
-    """One week: deadlines in the course's local time, points by the task's short name.
+    """A week: deadlines in the course's local time, and points by the task's short name.
 
     Args:
-        title: Its name.
-        deadline: Of all students.
-        points: By task; they sum to 100.
-        bonus: By task, on top.
-        extensions: Later deadlines, by student; any spelling of an ID.
+        title: The week's title.
+        deadline: Deadline of all students without an extension.
+        points: Points by task, 100 in total.
+        bonus: Additional points by task.
+        extensions: Later deadlines by student or group, in any spelling of an ID.
     """
 
     title: str
@@ -74,101 +110,111 @@ class WeekSettings:
 
 
 @dataclass(frozen=True)
-class Term:
-    """The way from the marks of weeks to a total.
-
-    Args:
-        weights: Of weeks; 1 for each that is not named.
-        drop_lowest: The number of lowest weeks of each student that do not count.
-        group_weeks: In these the hand-in of one student counts for the whole group.
-        quiz_percent: The share of the quizzes in the total.
-    """
-
-    weights: Mapping[str, float] = field(default_factory=dict)
-    drop_lowest: float = 0.0
-    group_weeks: tuple[str, ...] = ()
-    quiz_percent: float = 0.0
-
-    def __post_init__(self) -> None:
-        if self.drop_lowest % 1:
-            raise CourseError(f"drop_lowest: {self.drop_lowest:g}, expected a whole number of weeks")
-        if self.quiz_percent > 100:
-            raise CourseError(f"quiz_percent: {self.quiz_percent:g}, expected 0 to 100")
-
-
-@dataclass(frozen=True)
 class CourseFile:
-    """All of course.toml.
+    """The content of course.toml.
 
     Args:
-        weeks: Those whose part is right.
-        faults: By week, what is wrong with its part, with file and line; the other weeks can be used.
+        weeks: The weeks whose table is valid.
+        groups: The students' IDs by the name of their group, for extensions.
+        faults: The error in each invalid week's table, with file and line. The other weeks can be
+            used.
     """
 
     title: str
     weeks: Mapping[str, WeekSettings]
-    time_zone: ZoneInfo | None = None  # the machine's
+    # None means the time zone of this machine.
+    time_zone: ZoneInfo | None = None
     late: Late = Late()
     limits: Limits = Limits()
-    counts: Counts = "last"  # of several submissions
-    term: Term = Term()
+    # Which of several submissions is used.
+    counts: Counts = "last"
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     faults: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for week in (*self.term.weights, *self.term.group_weeks):
-            if week not in self.faults and not (week in self.weeks and self.weeks[week].points):
-                raise CourseError(f"term: {week!r} is not a week with points")
+        groups = {normalise(name): tuple(map(normalise, ids)) for name, ids in self.groups.items()}
+        for name in groups:
+            if name in (one for ids in groups.values() for one in ids):
+                raise CourseError(f"groups: {name} is the name of a group and the ID of a student in one")
+        object.__setattr__(self, "groups", groups)
         known = (*self.weeks, *self.faults)
         if strange := [week for week in known if not re.fullmatch(r"week\d\d", week)]:
             raise CourseError(f"weeks: {strange[0]}, expected a name like week01")
 
     @property
     def zone(self) -> ZoneInfo:
-        """The zone of deadlines and of local times.
+        """The time zone of deadlines and of local times.
 
         Raises:
-            CourseError: course.toml names none, and this machine does not report its own.
+            CourseError: course.toml does not set it, and this machine does not report its own.
         """
         return self.time_zone or machine_zone()
 
     @property
     def zone_note(self) -> str:
-        """A line on the zone where nobody has chosen it, or ""."""
+        """A line on the time zone if course.toml does not set it, or ""."""
         if self.time_zone is not None:
             return ""
         return f"Local times are {self.zone.key}, this machine's zone: course.toml names no time_zone."
 
-    def demand(self, *weeks: str) -> None:
-        """Refuse what needs weeks of which one has a fault; by default all of the course.
+    def require_valid(self, *weeks: str) -> None:
+        """Raise the error of an invalid week. Without weeks, check all weeks of the course.
 
         Raises:
-            CourseError: The first fault.
+            CourseError: One of the weeks is invalid.
         """
         for week, fault in self.faults.items():
             if week in (weeks or self.faults):
                 raise CourseError(fault)
 
     def deadline(self, week: str, student: str) -> datetime | None:
-        """Return a week's deadline for one student, with the course's time zone."""
-        self.demand(week)
-        local = self.weeks[week].extensions.get(student, self.weeks[week].deadline)
+        """Return a week's deadline for a student, in the course's time zone.
+
+        A student's own extension has priority over those of groups, of which the latest counts.
+        """
+        self.require_valid(week)
+        settings = self.weeks[week]
+        mine = [name for name, ids in self.groups.items() if student in ids]
+        of_groups = [settings.extensions[name] for name in mine if name in settings.extensions]
+        local = settings.extensions.get(student) or max(of_groups, default=settings.deadline)
         return local and local.replace(tzinfo=self.zone)
 
+    def closing_time(self, week: str) -> datetime:
+        """Return when the last student's submission of a week stops getting points.
 
-def zone_named(name: str) -> ZoneInfo:
-    """Return a zone.
+        Raises:
+            CourseError: The week has no deadline, or late submissions get points without end.
+        """
+        self.require_valid(week)
+        if week not in self.weeks:
+            raise CourseError(f"there is no {week} in course.toml{did_you_mean(week, self.weeks)}")
+        settings, days = self.weeks[week], self.late.last_day
+        if settings.deadline is None:
+            raise CourseError(f"{week} has no deadline in course.toml, so it can always be handed in")
+        if days is None:
+            raise CourseError(
+                f"{week} can always be handed in late: set accepted_days below [late] in course.toml"
+            )
+        last = max([settings.deadline, *settings.extensions.values()])
+        # UTC, because a day of the policy has 24 hours even when clocks are changed.
+        end = last.replace(tzinfo=self.zone).astimezone(UTC)
+        return end + timedelta(days=days, minutes=self.late.grace_minutes)
+
+
+def find_zone(name: str) -> ZoneInfo:
+    """Return a time zone by its name.
 
     Raises:
-        CourseError: There is none of this name; the message has the nearest.
+        CourseError: It does not exist. The message suggests the closest name.
     """
     if name not in available_timezones():
-        meant = did_you_mean(name, available_timezones(), 3) or '. Write one like "Europe/Paris".'
-        raise CourseError(f"there is no time zone {name!r}{meant}")
+        suggestion = did_you_mean(name, available_timezones(), 3) or '. Write one like "Europe/Paris".'
+        raise CourseError(f"there is no time zone {name!r}{suggestion}")
     return ZoneInfo(name)
 
 
 def machine_zone() -> ZoneInfo:
-    """Return the zone that the operating system is set to.
+    """Return the time zone of the operating system.
 
     Raises:
         CourseError: The machine does not report it.
@@ -178,34 +224,38 @@ def machine_zone() -> ZoneInfo:
     try:
         zone = get_localzone()
         return zone if isinstance(zone, ZoneInfo) else ZoneInfo(str(zone))
-    except Exception as error:  # tzlocal raises what zoneinfo, the registry or a file of settings does
+    # tzlocal passes on errors of zoneinfo, of the Windows registry and of configuration files.
+    except Exception as error:
         raise CourseError(
-            f'this machine does not tell its time zone ({error}). Write one like time_zone = "Europe/Paris" '
-            "into exercises/course.toml"
+            f"this machine does not report its time zone ({error}). Write one like "
+            'time_zone = "Europe/Paris" into exercises/course.toml'
         ) from error
 
 
 def read_course_file(path: Path) -> CourseFile:
-    """Read and check course.toml; what is wrong with the part of one week is kept as its fault.
+    """Read and validate course.toml.
+
+    An error in a week's table is stored as the fault of that week.
 
     Raises:
-        CourseError: Naming the file, the line and the key that is missing, unknown or of a wrong kind.
+        CourseError: A key is missing, unknown or has an invalid value. The message contains file
+            and line.
     """
     try:
         text = path.read_text(encoding="utf-8")
         content = tomllib.loads(text)
         found = _faulty_weeks(content)
-        faults = {week: _named(path, text, error) for week, error in found.items()}
+        faults = {week: _locate(path, text, error) for week, error in found.items()}
         course: CourseFile = _read(CourseFile, content, faults=faults)
     except (OSError, ValueError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error}") from error
     except _MisfitError as error:
-        raise CourseError(_named(path, text, error)) from error
+        raise CourseError(_locate(path, text, error)) from error
     return course
 
 
 def _faulty_weeks(content: Mapping[str, Any]) -> dict[str, "_MisfitError"]:
-    """Return what is wrong with the part of each week, and take these parts out of the content."""
+    """Return the error of each invalid week's table, and remove these tables from the content."""
     weeks: Any = content.get("weeks")
     found = dict[str, _MisfitError]()
     for week in list(weeks) if isinstance(weeks, dict) else ():
@@ -222,11 +272,7 @@ def shipped_course_file() -> CourseFile:
     return read_course_file(exercises_dir() / "course.toml")
 
 
-def _is_local(value: Any) -> bool:
-    return isinstance(value, datetime) and value.tzinfo is None
-
-
-# By the annotation of a field: whether a value is right, what would be, and what is made of it.
+# By annotation: the test of a value, the expected value in the error message, and the conversion.
 KINDS: dict[Any, tuple[Callable[[Any], bool], str, Callable[[Any], Any]]] = {
     str: (lambda v: isinstance(v, str) and v != "", "a text", str),
     float: (lambda v: type(v) in (int, float) and 0 <= v < math.inf, "a number of at least 0", float),
@@ -237,30 +283,41 @@ KINDS: dict[Any, tuple[Callable[[Any], bool], str, Callable[[Any], Any]]] = {
         "a list of texts",
         tuple,
     ),
-    datetime: (_is_local, "local time, 2026-10-11T23:59:00", lambda v: v),
+    datetime: (
+        lambda v: isinstance(v, datetime) and v.tzinfo is None,
+        "local time, 2026-10-11T23:59:00",
+        lambda v: v,
+    ),
+}
+# Keys of earlier versions, and their replacements.
+REMOVED: dict[tuple[str, ...], str] = {
+    ("term",): "the learning platform adds up the term now. Delete this table and those below it, such as "
+    "[term.weights], and set weights and dropped weeks in the platform's gradebook",
 }
 KINDS[datetime | None] = KINDS[datetime]
+KINDS[float | None] = KINDS[float]
 KINDS[ZoneInfo | None] = KINDS[ZoneInfo]
 
 
 class _MisfitError(CourseError):
-    """A value of course.toml that does not fit, with the keys that lead to it."""
+    """An invalid value in course.toml, with the keys that lead to it."""
 
     def __init__(self, keys: tuple[str, ...], text: str) -> None:
         super().__init__(": ".join((*keys, text)))
         self.keys = keys
 
 
-def _named(path: Path, text: str, error: _MisfitError) -> str:
-    """Return a misfit with its file and line."""
+def _locate(path: Path, text: str, error: _MisfitError) -> str:
+    """Return an error's text with file and line."""
     line = _line_of(text, error.keys)
     return f"{path}{f' line {line}' if line else ''}: {error}"
 
 
 def _line_of(text: str, keys: tuple[str, ...]) -> int:
-    """Return the line of the key, or of the innermost table on the way to it that has one; else 0."""
+    """Return the line of a key or, if it is missing, of the innermost table that contains it; otherwise 0."""
     table: tuple[str, ...] = ()
-    best = (0, 0)  # how many keys fit, and the line
+    # Number of matching keys, and the line.
+    best = (0, 0)
     for number, line in enumerate(text.splitlines(), 1):
         if heading := re.match(r"\s*\[([^\[\]]+)\]", line):
             table = place = tuple(part.strip() for part in heading[1].split("."))
@@ -274,7 +331,10 @@ def _line_of(text: str, keys: tuple[str, ...]) -> int:
 
 
 def _read(kind: Any, value: Any, keys: tuple[str, ...] = (), **found: Any) -> Any:
-    """Convert a value of TOML to the type of an annotation; a table, with what is `found`, the dataclass."""
+    """Convert a TOML value to an annotated type.
+
+    A table becomes a dataclass, with the values `found`.
+    """
     if kind in KINDS:
         is_right, expected, make = KINDS[kind]
         if not is_right(value):
@@ -286,6 +346,8 @@ def _read(kind: Any, value: Any, keys: tuple[str, ...] = (), **found: Any) -> An
     if get_origin(kind) is Mapping:
         return {key: _read(get_args(kind)[1], item, (*keys, key)) for key, item in value.items()}
     hints = {key: hint for key, hint in get_type_hints(kind).items() if key not in found}
+    if removed := next((key for key in value if (*keys, key) in REMOVED), ""):
+        raise _MisfitError((*keys, removed), REMOVED[*keys, removed])
     if strange := sorted(value.keys() - hints.keys()):
         text = f"unknown key {strange[0]!r}, known: {', '.join(sorted(hints))}"
         raise _MisfitError((*keys, strange[0]), text)

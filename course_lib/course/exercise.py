@@ -1,16 +1,24 @@
-"""Exercise notebooks: read, stamped, and made from the solutions."""
+"""Exercise notebooks, which are created from solutions, and the student's ID in them.
+
+A solution marks each answer with a comment. The exercise is the same notebook in which these
+answers raise an exception, so that task and solution cannot differ.
+"""
 
 import copy
+import hashlib
 import json
 import re
+import sys
+import unicodedata
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.installation import exercises_dir, solutions_dir
-from course_lib.course.state import write_whole
-from course_lib.errors import CourseError, did_you_mean
-from course_lib.foreign import read_json
+from course_lib.course.questions import show
+from course_lib.course.state import exercises_dir, solutions_dir, student_state, write_atomically
+from course_lib.errors import CourseError, did_you_mean, format_count
+from course_lib.host import in_notebook
+from course_lib.third_party import read_json
 
 Notebook = dict[str, Any]
 BEGIN = re.compile(r"^(?P<indent>\s*)# solution: (?P<missing>.+)$")
@@ -18,10 +26,10 @@ END = "# end of solution"
 
 
 def find_notebook(path: Path) -> Path:
-    """Return a notebook's path, which may have been typed without .ipynb.
+    """Return a notebook's path, which may be given without .ipynb.
 
     Raises:
-        CourseError: There is no such file, but one of nearly the same name.
+        CourseError: The file does not exist, but one with a similar name does.
     """
     with_suffix = path.with_name(f"{path.name}.ipynb") if path.name else path
     if with_suffix.is_file() and not path.is_file():
@@ -30,8 +38,8 @@ def find_notebook(path: Path) -> Path:
         folder = path.parent
         near = [str(one) for one in (*folder.glob("*.ipynb"), *folder.glob("*/week*_exercise.ipynb"))]
         begun = [one for one in near if Path(one).name.startswith(f"{path.name}_exercise.")]
-        if meant := did_you_mean(begun[0] if begun else str(path), near):
-            raise CourseError(f"there is no {path}{meant}")
+        if suggestion := did_you_mean(begun[0] if begun else str(path), near):
+            raise CourseError(f"there is no {path}{suggestion}")
     return path
 
 
@@ -39,7 +47,7 @@ def read_notebook(path: Path) -> Notebook:
     """Read a notebook as plain data.
 
     Raises:
-        CourseError: it is missing, no JSON, or no notebook of format 4.
+        CourseError: The file is missing, not JSON, or not a notebook of format 4.
     """
     try:
         notebook = read_json(path.read_text(encoding="utf-8"))
@@ -52,25 +60,28 @@ def read_notebook(path: Path) -> Notebook:
 
 
 def notebook_text(notebook: Notebook) -> str:
-    """Return the file's text in Jupyter's own layout: indent 1, keys sorted, non-ASCII as it is."""
+    """Return the file's text in Jupyter's format: indented by 1, with sorted keys and unescaped Unicode."""
     return json.dumps(notebook, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
 
 
 def code_cells(notebook: Notebook) -> list[tuple[int, dict[str, Any]]]:
-    """Return the code cells with their numbers, as JupyterLab counts all cells."""
+    """Return the code cells with their numbers. As in JupyterLab, all cells are counted."""
     numbered = enumerate(notebook["cells"], 1)
     return [(number, cell) for number, cell in numbered if cell.get("cell_type") == "code"]
 
 
 def source(cell: Mapping[str, Any]) -> str:
-    """Return a cell's text; the file format allows a string or a list of lines, a file may hold anything."""
+    """Return a cell's source as one string.
+
+    The file format allows a string or a list of lines. Anything else in a damaged file is ignored.
+    """
     text = cell.get("source", "")
     lines = text if isinstance(text, list) else [text]
     return "".join(line for line in lines if isinstance(line, str)).encode("utf-8", "replace").decode()
 
 
 def stamp(notebook: Notebook, student: str) -> bool:
-    """Store the student's ID in the notebook's metadata; True if that changed it."""
+    """Store the student's ID in the notebook's metadata. Return whether the metadata changed."""
     course = notebook.setdefault("metadata", {}).setdefault("course", {})
     changed = course.get("student") != student
     course["student"] = student
@@ -78,44 +89,46 @@ def stamp(notebook: Notebook, student: str) -> bool:
 
 
 def stamp_exercises(folder: Path, student: str) -> list[Path]:
-    """Store the ID in every exercise of the student's folder; skip files that are not notebooks."""
+    """Store the ID in all exercises of the student's folder, skipping files that are not notebooks."""
     exercises = sorted(folder.glob("week*_exercise*.ipynb"))
     for path in exercises:
         try:
             notebook = read_notebook(path)
         except CourseError:
-            continue  # `course check` names what is wrong with it; an ID can still be given
+            # `course check` reports these errors. They must not prevent a student from setting the
+            # ID.
+            continue
         if stamp(notebook, student):
-            write_whole(path, notebook_text(notebook).encode())
+            write_atomically(path, notebook_text(notebook).encode())
     return exercises
 
 
 def stub(code: str) -> str:
-    """Replace the answers in a code cell by an exception that names the missing part.
+    """Replace the answers in a code cell by an exception whose message describes the missing part.
 
     Raises:
-        CourseError: an answer is opened twice or not closed.
+        CourseError: An answer begins inside another one or does not end.
     """
     lines: list[str] = []
-    opened = False
+    opened = ""
     for line in code.splitlines():
         begin = BEGIN.match(line)
         if (begin and opened) or (line.strip() == END and not opened):
             raise CourseError(f"{line.strip()!r} does not fit: '# solution: …', the answer, then {END!r}.")
         if begin:
-            opened = True
+            opened = line.strip()
             lines.append(f'{begin["indent"]}raise NotImplementedError("{begin["missing"]}")')
         elif line.strip() == END:
-            opened = False
+            opened = ""
         elif not opened:
             lines.append(line)
     if opened:
-        raise CourseError(f"an answer is not closed: write {END!r} after it. The cell:\n{code}")
+        raise CourseError(f"an answer is not closed: write {END!r} after the line {opened!r}")
     return "\n".join(lines)
 
 
 def exercise_from(solution: Notebook) -> Notebook:
-    """Return the exercise of a solution: stubs for answers, no instructors' cells, no outputs."""
+    """Return the exercise of a solution: without answers, outputs and cells for instructors."""
     exercise = copy.deepcopy(solution)
     exercise["cells"] = [
         c for c in exercise["cells"] if "solution" not in c.get("metadata", {}).get("tags", [])
@@ -128,12 +141,12 @@ def exercise_from(solution: Notebook) -> Notebook:
 
 
 def exercise_path(solution: Path) -> Path:
-    """Return the path of a solution's exercise: week01_solution.ipynb -> exercises/week01_exercise.ipynb."""
+    """Return the path of the exercise of a solution, like exercises/week01_exercise.ipynb."""
     return exercises_dir() / solution.name.replace("_solution", "_exercise")
 
 
 def write_exercises() -> list[Path]:
-    """Write every exercise again from its solution; return the files that changed."""
+    """Write all exercises from their solutions. Return the files that changed."""
     changed = []
     for solution in sorted(solutions_dir().glob("week*_solution.ipynb")):
         path = exercise_path(solution)
@@ -142,11 +155,98 @@ def write_exercises() -> list[Path]:
         except CourseError as error:
             raise CourseError(f"{solution}: {error}") from error
         if not path.exists() or path.read_text(encoding="utf-8") != text:
-            write_whole(path, text.encode())
+            write_atomically(path, text.encode())
             changed.append(path)
     return changed
 
 
-if __name__ == "__main__":
-    for made in write_exercises():
+def main() -> None:
+    """Write the exercises and print the files that changed. An error is printed as one line."""
+    try:
+        changed = write_exercises()
+    except CourseError as error:
+        sys.exit(f"error: {error}")
+    for made in changed:
         print(f"wrote {made}")  # noqa: T201  this is the command's answer
+
+
+if __name__ == "__main__":
+    main()
+
+
+MAX_LENGTH = 64
+EXTRA_CHARACTERS = "-_.@"
+
+
+def normalise(text: str) -> str:
+    """Normalize an ID: remove spaces, convert to lower case and digits of any script to 0-9.
+
+    Raises:
+        CourseError: Nothing remains, or a character is not allowed. IDs are also used as names of
+            folders.
+    """
+    plain = unicodedata.normalize("NFKC", str(text)).casefold()
+    student = "".join(str(unicodedata.digit(c, c)) for c in plain if not c.isspace())
+    strange = sorted({c for c in student if not (c.isalnum() or c in EXTRA_CHARACTERS)})
+    if not student or strange or len(student) > MAX_LENGTH or not student[0].isalnum():
+        raise CourseError(
+            f"{text!r} is not a student ID: expected up to {MAX_LENGTH} letters, digits and "
+            f"{' '.join(EXTRA_CHARACTERS)}, the first a letter or a digit. Example: 20231234"
+        )
+    return student
+
+
+def current_identity() -> str | None:
+    """Return the ID stored in the student's folder, or None."""
+    kept = student_state().get("identity", "student")
+    return kept if isinstance(kept, str) else None
+
+
+def set_identity(text: str) -> str:
+    """Store the ID, write it into the exercises of the student's folder, and return a confirmation."""
+    student, state = normalise(text), student_state()
+    state.put("identity", "student", student)
+    where = "while this kernel lives"
+    if state.folder:
+        exercises = format_count(len(stamp_exercises(state.folder, student)), "exercise")
+        where = f"in {state.folder} and in {exercises}"
+    return f"Your ID is {student}, kept {where}. To change it: set_identity('another-id')"
+
+
+def personal_number(student: str | None, key: str, choices: int) -> int:
+    """Return a number from 0 to choices - 1 from a hash of student and `key`. None is a guest."""
+    digest = hashlib.sha256(f"{student or 'guest'}/{key}".encode()).digest()
+    return int.from_bytes(digest[:8], "big") % choices
+
+
+def ask_identity() -> None:
+    """Show a form for the ID unless one is stored. Without a page, print how to set it."""
+    known = current_identity()
+    if known:
+        text = f"Your ID is {known}. To change it: set_identity('another-id')"
+    elif in_notebook():
+        text = "Type your student ID and press Enter or Keep."
+    else:
+        text = "No page to ask in, so your student ID is not set. Type: set_identity('your-id')"
+    show(lambda: _form(known, text), text)
+
+
+def _form(known: str | None, text: str) -> Any:
+    import ipywidgets as widgets
+
+    field = widgets.Text(
+        value=known or "", description="Student ID", placeholder="20231234", continuous_update=False
+    )
+    button = widgets.Button(description="Keep", tooltip="Keep this student ID", button_style="primary")
+    answer = widgets.Label(value=text)
+
+    def keep(_: object) -> None:
+        try:
+            answer.value = set_identity(field.value)
+        except CourseError as error:
+            answer.value = str(error)
+
+    button.on_click(keep)
+    # The value changes on Enter and when the field loses the focus.
+    field.observe(keep, "value")
+    return widgets.VBox([widgets.HBox([field, button]), answer])

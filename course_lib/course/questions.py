@@ -1,24 +1,33 @@
-"""Questions to the student: predictions and quizzes, as a widget or as text."""
+"""Questions to the student, predictions and quizzes, as widgets or as text."""
 
 import textwrap
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.installation import exercises_dir
-from course_lib.course.state import student_state
-from course_lib.errors import CourseError, did_you_mean, place_of
-from course_lib.surroundings import in_notebook
+from course_lib.course.state import exercises_dir, student_state
+from course_lib.errors import CourseError, did_you_mean, location_of
+from course_lib.host import in_notebook
 
 SECTION = "predictions"
-KINDS = ("question", "prediction")  # the tables of a file
-WIDTH = 88  # characters that fit beside the file browser; JupyterLab breaks longer lines inside words
+# The section of the student's state for answers to quizzes.
+ANSWERS = "answers"
+# What `compare` shows before a prediction is made.
+NO_PREDICTION = "No prediction yet. Choose an answer above: what happened then appears here."
+# The tables of a question file.
+KINDS = ("question", "prediction")
+# Columns that fit next to the file browser. JupyterLab would break longer lines inside words.
+WIDTH = 88
 
 
 def show(build_widget: Callable[[], Any], text: str) -> None:
-    """Display the widget that `build_widget()` makes; without widgets its `text`; in a script print that."""
+    """Display the widget that `build_widget()` returns, with `text` for pages without widgets.
+
+    A script prints the text.
+    """
     if not in_notebook():
         print(text)  # noqa: T201  a script's page is its terminal
         return
@@ -29,8 +38,43 @@ def show(build_widget: Callable[[], Any], text: str) -> None:
 
 
 @dataclass(frozen=True)
+class Form:
+    """A widget with questions, and the same questions with the chosen answers as HTML and text.
+
+    Pages without a kernel display the HTML, like nbviewer, GitHub and a notebook reopened on the
+    next day.
+
+    Args:
+        widget: The widget for pages with a kernel.
+        saved: Returns HTML and text with the current answers.
+        on_answer: Functions to call after each answer.
+    """
+
+    widget: Any
+    saved: Callable[[], tuple[str, str]]
+    on_answer: list[Callable[[], None]]
+
+
+def show_form(build: Callable[[], Form], text: str) -> None:
+    """Display a form, and update its saved output after each answer. A script prints `text`."""
+    if not in_notebook():
+        print(text)  # noqa: T201  a script's page is its terminal
+        return
+    from IPython.display import display
+
+    form = build()
+
+    def bundle() -> dict[str, Any]:
+        html, plain = form.saved()
+        return {**form.widget._repr_mimebundle_(), "text/html": html, "text/plain": plain}
+
+    handle: Any = display(bundle(), raw=True, display_id=True)  # type: ignore[no-untyped-call]
+    form.on_answer.append(lambda: handle.update(bundle(), raw=True))
+
+
+@dataclass(frozen=True)
 class Answer:
-    """One answer to choose, and why it is right or wrong."""
+    """A possible answer, and why it is right or wrong."""
 
     text: str
     reason: str
@@ -39,11 +83,12 @@ class Answer:
 
 @dataclass(frozen=True)
 class Question:
-    """A question and its answers in the order shown; exactly one is right."""
+    """A question with its answers in the order of display. Exactly one answer is right."""
 
     text: str
     answers: tuple[Answer, ...]
-    key: str = ""  # of a prediction
+    # Set for predictions only.
+    key: str = ""
 
     @property
     def right(self) -> Answer:
@@ -59,21 +104,21 @@ def load_quiz(name: str) -> tuple[Question, ...]:
     """Read the questions in `exercises/quizzes/<name>.toml`.
 
     Raises:
-        CourseError: no such quiz, or a question without exactly one right answer.
+        CourseError: The quiz does not exist, or a question does not have exactly one right answer.
     """
     return _load(name, "question")
 
 
 def load_predictions(name: str) -> tuple[Question, ...]:
-    """Read the predictions of a lesson, e.g. "week01"."""
+    """Read the predictions of a lesson like "week01"."""
     return _load(name, "prediction")
 
 
 def load_prediction(key: str) -> Question:
-    """Read the prediction "week01.top": the one with key "top" in `exercises/quizzes/week01.toml`.
+    """Read the prediction "week01.top", which has the key "top" in `exercises/quizzes/week01.toml`.
 
     Raises:
-        CourseError: no such prediction, or one without exactly one right answer.
+        CourseError: The prediction does not exist or does not have exactly one right answer.
     """
     name, _, wanted = key.partition(".")
     predictions = {question.key: question for question in load_predictions(name)}
@@ -93,34 +138,35 @@ def _load(name: str, kind: str) -> tuple[Question, ...]:
 
 
 def read_questions(path: Path, kind: str) -> tuple[Question, ...]:
-    """Read the questions of a file, of the kind "question" or "prediction".
+    """Read the questions of a file. `kind` is "question" or "prediction".
 
     Raises:
-        CourseError: The file is malformed, or a question has not exactly one right answer.
+        CourseError: The file is malformed, or a question does not have exactly one right answer.
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise CourseError(f"{path} is not TOML: {error}") from error
     for name, tables in content.items():
-        place = place_of(path, f"[{name}")
+        place = location_of(path, f"[{name}")
         if name not in KINDS:
-            meant = did_you_mean(name, KINDS) or f", known: {', '.join(KINDS)}"
-            raise CourseError(f"{place}: there is no table {name!r}{meant}")
+            suggestion = did_you_mean(name, KINDS) or f", known: {', '.join(KINDS)}"
+            raise CourseError(f"{place}: there is no table {name!r}{suggestion}")
         if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
             raise CourseError(f"{place}: expected [[{name}]] before each {name}")
-    return tuple(_checked(path, kind, table) for table in content.get(kind, []))
+    return tuple(_parse_question(path, kind, table) for table in content.get(kind, []))
 
 
-def _checked(path: Path, kind: str, table: dict[str, Any]) -> Question:
-    place = place_of(path, str(table.get("text", ""))[:40])
+def _parse_question(path: Path, kind: str, table: dict[str, Any]) -> Question:
+    place = location_of(path, str(table.get("text", ""))[:40])
     try:
-        question = _question_of(table)
+        answers = tuple(Answer(a["text"], a["reason"], a.get("right", False)) for a in table["answer"])
+        question = Question(table["text"], answers, table.get("key", ""))
     except (KeyError, TypeError) as error:
         raise CourseError(f"{place}: a {kind} or one of its answers has no {error}") from error
     for text in (question.text, question.key, *(t for a in question.answers for t in (a.text, a.reason))):
         if not isinstance(text, str):
-            raise CourseError(f"{place}: {text!r}, expected a text in quotes")
+            raise CourseError(f"{place}: {text!r}, expected a string in quotes")
     if wrong := [answer.right for answer in question.answers if not isinstance(answer.right, bool)]:
         raise CourseError(f"{place}: right = {wrong[0]!r}, expected true or false")
     count = sum(answer.right for answer in question.answers)
@@ -131,102 +177,197 @@ def _checked(path: Path, kind: str, table: dict[str, Any]) -> Question:
     return question
 
 
-def _question_of(table: dict[str, Any]) -> Question:
-    answers = tuple(Answer(a["text"], a["reason"], a.get("right", False)) for a in table["answer"])
-    return Question(table["text"], answers, table.get("key", ""))
-
-
 def predict(key: str) -> None:
-    """Ask for a guess before the run; `compare` shows the answer.
+    """Show a question to answer before running a cell. Afterwards, `compare` shows the result.
 
     Args:
-        key: The question, "week01.top".
+        key: The prediction's key, like "week01.top".
     """
     question = load_prediction(key)
     kept = student_state().get(SECTION, key)
     lines = [f"Predict: {question.text}", *(f"   ( ) {answer.text}" for answer in question.answers)]
-    show(lambda: _prediction_form(key, question, kept), "\n".join(lines))
-
-
-def keep_prediction(key: str, guess: str) -> None:
-    """Keep a guess in the student's folder."""
-    student_state().put(SECTION, key, guess)
+    show_form(lambda: _prediction_form(key, question, kept), "\n".join(lines))
 
 
 def compare(key: str, measured: str = "") -> None:
-    """Print the guess with its reason, the right answer, and what the cell measured.
+    """Show the prediction with its explanation, the right answer, and the measured value.
+
+    In a notebook without a prediction, the answer is held back until one is chosen.
 
     Args:
-        key: The question, as `predict` takes it.
+        key: The key passed to `predict`.
         measured: A sentence with the values of this run.
     """
     question = load_prediction(key)
     guess = question.answer(student_state().get(SECTION, key))
-    lines = ["You predicted: nothing yet (choose an answer above, then run this cell again)"]
-    if guess is not None:
-        lines = [f"You predicted: {guess.text}. {verdict(guess)}"]
+    if guess is None and in_notebook():
+        show_form(lambda: _comparison_after_choice(key, question, measured), "")
+    else:
+        print(_comparison(question, guess, measured))  # noqa: T201  the cell's output
+
+
+def _comparison(question: Question, guess: Answer | None, measured: str) -> str:
+    lines = [f"You predicted: {guess.text}. {verdict(guess)}" if guess else "You predicted: nothing"]
     if guess is None or not guess.right:
         lines.append(f"What happened: {question.right.text}. {question.right.reason}")
     if measured:
         lines.append(f"Measured: {measured}")
-    print("\n".join(textwrap.fill(line, WIDTH) for line in lines))  # noqa: T201  the cell's output
+    return "\n".join(textwrap.fill(line, WIDTH) for line in lines)
 
 
-def _prediction_form(key: str, question: Question, kept: str | None) -> Any:
+# By the key of a prediction: the function that shows the answer that `compare` holds back.
+_waiting: dict[str, Callable[[], None]] = {}
+
+
+def _comparison_after_choice(key: str, question: Question, measured: str) -> Form:
+    """Return a form that shows a comparison as soon as a prediction is chosen."""
+    import ipywidgets as widgets
+
+    shown = widgets.HTML(f"<b>{NO_PREDICTION}</b>")
+    on_answer: list[Callable[[], None]] = []
+
+    def reveal() -> None:
+        shown.value = f"<pre>{escape(text())}</pre>"
+        for call in on_answer:
+            call()
+
+    def text() -> str:
+        return _comparison(question, question.answer(student_state().get(SECTION, key)), measured)
+
+    def saved() -> tuple[str, str]:
+        if student_state().get(SECTION, key) is None:
+            return f"<p>{NO_PREDICTION}</p>", NO_PREDICTION
+        return f"<pre>{escape(text())}</pre>", text()
+
+    # A cell that runs again replaces its output.
+    _waiting[key] = reveal
+    return Form(shown, saved, on_answer)
+
+
+def _prediction_form(key: str, question: Question, kept: str | None) -> Form:
     import ipywidgets as widgets
 
     options = [answer.text for answer in question.answers]
     choice = widgets.RadioButtons(
         options=options, value=kept if kept in options else None, layout={"width": "max-content"}
     )
-    said = widgets.Label("Kept. Now run the next cell." if kept else "Choose one; it is kept, not marked.")
+    status = widgets.Label("Kept. Now run the next cell." if kept else "Choose one; it is kept, not marked.")
+    on_answer: list[Callable[[], None]] = []
 
     def keep(change: dict[str, Any]) -> None:
         if change["new"] is not None:
-            keep_prediction(key, change["new"])
-            said.value = "Kept. Now run the next cell."
+            student_state().put(SECTION, key, change["new"])
+            status.value = "Kept. Now run the next cell."
+            for call in on_answer:
+                call()
+            if reveal := _waiting.get(key):
+                reveal()
+
+    def saved() -> tuple[str, str]:
+        chosen = question.answer(choice.value)
+        shown = (f"Predict: {question.text}", question, chosen, "")
+        return _as_html([shown]), _as_text([shown])
 
     choice.observe(keep, names="value")
-    return widgets.VBox([widgets.HTML(f"<b>Predict:</b> {question.text}"), choice, said])
+    form = widgets.VBox([widgets.HTML(f"<b>Predict:</b> {question.text}"), choice, status])
+    return Form(form, saved, on_answer)
 
 
 def verdict(answer: Answer) -> str:
-    """Return the text below a chosen answer; colour alone does not reach everybody."""
+    """Return the feedback below a chosen answer.
+
+    It contains a sign and words, because not everybody sees colors.
+    """
     return f"{'✔ Right.' if answer.right else '✘ Not this one.'} {answer.reason}"
 
 
 def quiz(week: str) -> None:
-    """Show the questions of a week, e.g. "week01"; nothing is kept or marked."""
+    """Show the questions of a week like "week01".
+
+    The answers are stored for the student and not marked.
+    """
     questions = load_quiz(week)
-    show(lambda: _quiz_form(questions), as_text(questions))
+    show_form(lambda: _quiz_form(week, questions), as_text(questions))
 
 
 def as_text(questions: tuple[Question, ...]) -> str:
-    """Return the questions for a page without widgets."""
+    """Return the questions as text for pages without widgets."""
+    return _as_text(
+        [(f"{n}. {question.text}", question, None, "") for n, question in enumerate(questions, 1)]
+    )
+
+
+# A title, the question, the chosen answer, and the text below it.
+Shown = tuple[str, Question, Answer | None, str]
+
+
+def _as_text(shown: Iterable[Shown]) -> str:
     lines = []
-    for number, question in enumerate(questions, 1):
-        lines += [f"{number}. {question.text}", *(f"   ( ) {answer.text}" for answer in question.answers)]
+    for title, question, chosen, below in shown:
+        lines.append(title)
+        lines += [f"   ({'x' if answer is chosen else ' '}) {answer.text}" for answer in question.answers]
+        lines += [f"   {below}"] * bool(below)
     return "\n".join(lines)
 
 
-def _quiz_form(questions: tuple[Question, ...]) -> Any:
+def _as_html(shown: Iterable[Shown]) -> str:
+    """Return the questions as HTML without styles and scripts.
+
+    Jupyter removes these from a notebook that is not trusted.
+    """
+    parts = []
+    for title, question, chosen, below in shown:
+        marks = (
+            ("◉", f"<b>{escape(a.text)}</b>") if a is chosen else ("○", escape(a.text))
+            for a in question.answers
+        )
+        answers = "<br>".join(f"{mark} {text}" for mark, text in marks)
+        parts.append(f"<p><b>{title}</b><br>{answers}{f'<br>{escape(below)}' if below else ''}</p>")
+    return "\n".join(parts)
+
+
+def _quiz_form(week: str, questions: tuple[Question, ...]) -> Form:
     import ipywidgets as widgets
 
-    return widgets.VBox([_question(number, question) for number, question in enumerate(questions, 1)])
+    kept = student_state().section(ANSWERS)
+    on_answer: list[Callable[[], None]] = []
+    boxes, choices = [], []
+    for number, question in enumerate(questions, 1):
+        key = f"{week}.{number}"
+        box, choice = _question(number, question, question.answer(kept.get(key)), key, on_answer)
+        boxes.append(box)
+        choices.append(choice)
+
+    def saved() -> tuple[str, str]:
+        shown: list[Shown] = []
+        for number, (question, choice) in enumerate(zip(questions, choices, strict=True), 1):
+            chosen = None if choice.index is None else question.answers[choice.index]
+            shown.append((f"{number}. {question.text}", question, chosen, verdict(chosen) if chosen else ""))
+        return _as_html(shown), _as_text(shown)
+
+    return Form(widgets.VBox(boxes), saved, on_answer)
 
 
-def _question(number: int, question: Question) -> Any:
+def _question(
+    number: int, question: Question, kept: Answer | None, key: str, on_answer: list[Callable[[], None]]
+) -> tuple[Any, Any]:
+    """Return the box of a question, and its radio buttons."""
     import ipywidgets as widgets
 
     texts = [answer.text for answer in question.answers]
-    choice = widgets.RadioButtons(options=texts, index=None, layout={"width": "max-content"})
-    said = widgets.HTML()
+    index = question.answers.index(kept) if kept else None
+    choice = widgets.RadioButtons(options=texts, index=index, layout={"width": "max-content"})
+    feedback = widgets.HTML(verdict(kept) if kept else "")
     wide = {"max_width": "52em"}
 
     def react(change: dict[str, Any]) -> None:
         if change["new"] is not None:
-            said.value = verdict(question.answers[change["new"]])
+            answer = question.answers[change["new"]]
+            feedback.value = verdict(answer)
+            student_state().put(ANSWERS, key, answer.text)
+            for call in on_answer:
+                call()
 
     choice.observe(react, names="index")
     title = widgets.HTML(f"<b>{number}. {question.text}</b>", layout=wide)
-    return widgets.VBox([title, choice, said], layout={"margin": "0 0 1em 0"})
+    return widgets.VBox([title, choice, feedback], layout={"margin": "0 0 1em 0"}), choice

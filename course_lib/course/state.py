@@ -1,68 +1,84 @@
-"""The student's state: small JSON files in the folder's .course/, each written whole or not at all."""
+"""The student's state: small JSON files in the folder's .course/.
+
+A student may close the laptop, fill the disk or open two kernels at any moment. Each file is
+therefore replaced as a whole by renaming a complete draft, so a reader never sees half of one.
+"""
 
 import hashlib
 import json
 import os
-from collections.abc import Iterable
+import platform
+import sys
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import cache, partial
+from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError
-from course_lib.foreign import read_json
+from course_lib.third_party import read_json
 
 STATE_FOLDER = ".course"
-WRITTEN_FOLDER = "my_files"  # for what lessons and exercises write; the cells name it
-CHECKS, PACKED = "checks", "packed_files"  # sections of the state
-DIGITS = 12  # of a cell's digest
+# Folder for files written by lessons and exercises. Their cells contain this name.
+WRITTEN_FOLDER = "my_files"
+# Sections of the state.
+CHECKS, PACKED = "checks", "packed_files"
+# Length of a cell's digest.
+DIGITS = 12
 
 
-def write_whole(path: Path, data: bytes, mode: int = 0o666) -> None:
-    """Write a file aside, on the disk for certain, then rename it; its folder is made.
+def write_atomically(path: Path, data: bytes, mode: int = 0o666) -> None:
+    """Write a file so that it is complete or unchanged. Its folder is created if it is missing.
+
+    The content is written to a draft next to the file and synchronized to the disk, then the draft
+    is renamed.
 
     Args:
         path: The file.
-        data: All of it.
-        mode: Its permissions, less those that the umask takes away.
+        data: The whole content.
+        mode: Its permissions, reduced by the umask.
 
     Raises:
-        OSError: It can't be written; names the file itself.
+        OSError: The file cannot be written. The error contains its path, not the draft's.
     """
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        draft.unlink(missing_ok=True)  # its permissions may be others
+        # A leftover draft may have different permissions.
+        draft.unlink(missing_ok=True)
         with open(draft, "wb", opener=partial(os.open, mode=mode)) as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
         draft.replace(path)
     except BaseException as error:
+        # On a full disk, a partial draft would take up space.
         with suppress(OSError):
-            draft.unlink()  # on a full disk half a file would only be in the way
+            draft.unlink()
         if isinstance(error, OSError):
             raise OSError(error.errno, error.strerror, str(path)) from error
         raise
 
 
 def find_student_folder(start: Path | None = None) -> Path | None:
-    """Return the student's folder that holds `start` (default: the working directory), or None."""
+    """Return the student's folder that contains `start` (default: the working directory), or None."""
     here = (start or Path.cwd()).resolve()
     return next((folder for folder in (here, *here.parents) if (folder / STATE_FOLDER).is_dir()), None)
 
 
 class State:
-    """Sections of keys and plain values. Without a folder it lives as long as the process."""
+    """Sections of keys and plain values. Without a folder they exist until the process ends."""
 
     def __init__(self, folder: Path | None) -> None:
         self.folder = folder
         self._memory: dict[str, dict[str, Any]] = {}
 
     def section(self, name: str) -> dict[str, Any]:
-        """Return all keys of one section, e.g. "predictions"; empty if nothing is stored."""
+        """Return all keys of a section like "predictions"; empty if nothing is stored."""
         path = self._path(name)
         if path is None:
             return dict(self._memory.get(name, {}))
@@ -75,18 +91,18 @@ class State:
         return kept if isinstance(kept, dict) else {}
 
     def get(self, name: str, key: str, default: Any = None) -> Any:
-        """Return one value of a section."""
+        """Return a value of a section."""
         return self.section(name).get(key, default)
 
     def put(self, name: str, key: str, value: Any) -> None:
-        """Keep one plain value (str, number, bool, list or dict of these)."""
+        """Store a plain value (str, number, bool, list or dict of these)."""
         section = self.section(name) | {key: value}
         path = self._path(name)
         if path is None:
             self._memory[name] = section
         else:
             text = json.dumps(section, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
-            write_whole(path, text.encode())
+            write_atomically(path, text.encode())
 
     def _path(self, name: str) -> Path | None:
         return self.folder and self.folder / STATE_FOLDER / f"{name}.json"
@@ -100,33 +116,33 @@ _READ_ONLY = (
 
 
 def student_state() -> State:
-    """Return the state of the student's folder around the working directory, else of this process."""
+    """Return the state of the student's folder around the working directory, or else of this process."""
     return state_of(find_student_folder())
 
 
 def state_of(folder: Path | None) -> State:
-    """Return the state of a student's folder; of this process, where there is none or it is read-only."""
+    """Return the state of a student's folder, or of this process if the folder is missing or read-only."""
     if folder is None:
         return _of_this_process
     if os.access(folder / STATE_FOLDER, os.W_OK):
         return State(folder)
-    _say_once(_READ_ONLY.format(folder))
+    _print_once(_READ_ONLY.format(folder))
     return _of_this_process
 
 
 @cache
-def _say_once(text: str) -> None:
+def _print_once(text: str) -> None:
     print(text)  # noqa: T201  the cell's output, or the terminal's
 
 
 @dataclass(frozen=True)
 class LastCheck:
-    """The last public check of one task.
+    """The last public check of a task.
 
     Args:
-        time: When.
-        passed: Whether every public check passed and something was filled in.
-        cells: Digests of the cells that had been run by then.
+        time: Time of the check.
+        passed: Whether all public checks passed and the task was not empty.
+        cells: Digests of the cells that had been run before.
     """
 
     time: datetime
@@ -136,14 +152,14 @@ class LastCheck:
 
 @dataclass(frozen=True)
 class Packed:
-    """The last file that `course submit` made of an exercise.
+    """The last file that `course submit` wrote for an exercise.
 
     Args:
-        time: When, in ISO format.
-        file: Where it was written.
-        source: The notebook's file.
-        notebook: A digest of the notebook's cells.
-        tasks: Short name of each task and a word for how it stood: "passed", "failed", "empty" …
+        time: Time of packing, in ISO format.
+        file: Path of the packed file.
+        source: Path of the notebook.
+        notebook: Digest of the notebook's cells.
+        tasks: Short name and outcome of each task, like "passed", "failed" or "empty".
     """
 
     time: str
@@ -154,7 +170,7 @@ class Packed:
 
     @property
     def by_outcome(self) -> dict[str, list[str]]:
-        """The tasks, by how they stood."""
+        """The names of the tasks by outcome."""
         found: dict[str, list[str]] = {}
         for name, outcome in self.tasks:
             found.setdefault(outcome, []).append(name)
@@ -162,19 +178,19 @@ class Packed:
 
 
 def cell_digest(text: str) -> str:
-    """Return a short digest of a cell's source; blank lines around it do not count."""
+    """Return a short digest of a cell's source, ignoring blank lines around it."""
     return hashlib.sha256(text.strip().encode("utf-8", "replace")).hexdigest()[:DIGITS]
 
 
-def keep_check(state: State, task_id: str, *, passed: bool, cells: Iterable[str]) -> None:
-    """Remember that a task was checked now, with these cells' sources."""
+def save_check(state: State, task_id: str, *, passed: bool, cells: Iterable[str]) -> None:
+    """Store that a task was checked now, with digests of these cells."""
     time = datetime.now(UTC).isoformat(timespec="seconds")
     digests = sorted({cell_digest(cell) for cell in cells})
     state.put(CHECKS, task_id, {"time": time, "passed": passed, "cells": digests})
 
 
 def last_check(state: State, task_id: str) -> LastCheck | None:
-    """Return the last check of a task; None if there was none, or its entry cannot be read."""
+    """Return the last check of a task, or None if there is none or its entry is unreadable."""
     match state.get(CHECKS, task_id):
         case {"time": str(time), "passed": bool(passed), "cells": list(cells)}:
             try:
@@ -184,13 +200,13 @@ def last_check(state: State, task_id: str) -> LastCheck | None:
     return None
 
 
-def keep_packed(state: State, exercise: str, packed: Packed) -> None:
-    """Remember what `course submit` has packed."""
+def save_packed(state: State, exercise: str, packed: Packed) -> None:
+    """Store what `course submit` has packed."""
     state.put(PACKED, exercise, asdict(packed))
 
 
 def last_packed(state: State, exercise: str) -> Packed | None:
-    """Return what was packed last; None if nothing was, or its entry cannot be read."""
+    """Return the last packed submission, or None if there is none or its entry is unreadable."""
     match state.get(PACKED, exercise):
         case {
             "time": str(time),
@@ -206,5 +222,163 @@ def last_packed(state: State, exercise: str) -> Packed | None:
 
 
 def saved_at(path: Path) -> datetime:
-    """Return when a file was last written."""
+    """Return the time at which a file was last written."""
     return datetime.fromtimestamp(path.stat().st_mtime, UTC)
+
+
+PACKAGE = Path(__file__).resolve().parent.parent
+DISTRIBUTION = "course-lib"
+REPAIR = "pip install -e ."
+# Entry-point group of the packages of courses.
+GROUP = "course_lib.course"
+CHOICE = "COURSE_PACKAGE"
+
+
+def course_package() -> Path:
+    """Return the folder of the course's package.
+
+    Without an installed course, this is the kit itself. If several courses are installed, the one
+    whose project contains the current folder is used, or else the one named by COURSE_PACKAGE.
+
+    Raises:
+        CourseError: Several courses are installed and none is selected.
+    """
+    found = _installed_courses()
+    if len(found) <= 1:
+        return next(iter(found.values()), PACKAGE)
+    chosen = [p for p in found.values() if Path.cwd().is_relative_to(p.parent)]
+    chosen += [p for name, p in found.items() if name == os.environ.get(CHOICE)]
+    if not chosen:
+        raise CourseError(
+            f"several courses are installed: {', '.join(sorted(found))}. Change to the folder of one, or "
+            f"select it: export {CHOICE}={min(found)}"
+        )
+    return chosen[0]
+
+
+@cache
+def _installed_courses() -> dict[str, Path]:
+    """Return the package folders of installed courses by name, without importing the packages."""
+    specs = {e.value: find_spec(e.value) for e in metadata.entry_points(group=GROUP)}
+    return {name: Path(spec.origin).resolve().parent for name, spec in specs.items() if spec and spec.origin}
+
+
+def material_root() -> Path:
+    """Return the folder with `notebooks/` and `exercises/`, in an installed wheel or in the checkout.
+
+    Raises:
+        CourseError: The installation contains neither.
+    """
+    package = course_package()
+    for root in (package / "_course", package.parent):
+        if (root / "notebooks").is_dir() and (root / "exercises").is_dir():
+            return root
+    raise CourseError(
+        f"there are no lessons next to {package}: this installation is incomplete. "
+        "Install again: pip install -e ."
+    )
+
+
+def lessons_dir() -> Path:
+    """Return the folder of the lessons, `weekNN_*.ipynb`."""
+    return material_root() / "notebooks"
+
+
+def lessons() -> list[Path]:
+    """Return the lessons of all weeks in order. Reviews are not lessons."""
+    return sorted(set(lessons_dir().glob("week*.ipynb")) - set(reviews()))
+
+
+def reviews() -> list[Path]:
+    """Return the reviews, `weekNN_your_review.ipynb`, in order.
+
+    Each belongs to the week in its name.
+    """
+    return sorted(lessons_dir().glob("week*_your_review.ipynb"))
+
+
+def first_lesson() -> str:
+    """Return the file name of the first lesson, in which students enter their ID."""
+    return next((path.name for path in lessons()), "the first lesson")
+
+
+def extras() -> list[Path]:
+    """Return the optional lessons, `extra_*.ipynb`, which belong to no week."""
+    return sorted(lessons_dir().glob("extra_*.ipynb"))
+
+
+def exercises_dir() -> Path:
+    """Return the folder of the exercises, `course.toml`, public checks, quizzes and assets."""
+    return material_root() / "exercises"
+
+
+def checkout_root() -> Path:
+    """Return the instructors' checkout, the only place with solutions and hidden checks.
+
+    Raises:
+        CourseError: The installation is a student's copy or a wheel, or the current folder belongs
+            to a course that is not installed.
+    """
+    root = course_package().parent
+    for here in (Path.cwd(), *Path.cwd().parents):
+        if here != root and (here / "exercises" / "course.toml").is_file() and (here / "solutions").is_dir():
+            raise CourseError(
+                f"{here} is a course that is not installed; the installed one is {root}. Run here: "
+                "pip install -e . Or change to that folder."
+            )
+    if (root / "solutions").is_dir() and (root / "pyproject.toml").is_file():
+        return root
+    raise CourseError(
+        f"{root} contains no solutions, which only the instructors' checkout has. "
+        "Clone the course's repository, then run there: pip install -e ."
+    )
+
+
+def solutions_dir() -> Path:
+    """Return the folder of solved exercises and hidden checks, which only instructors have."""
+    return checkout_root() / "solutions"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The required and the installed version of a package."""
+
+    name: str
+    wanted: str
+    installed: str | None
+    fits: bool
+
+    @property
+    def line(self) -> str:
+        """The result as a line of text."""
+        if self.fits:
+            return f"✔ {self.name} {self.installed}"
+        came = f"version {self.installed} is installed" if self.installed else "not installed"
+        return f"✘ {self.name}: {came}, wanted {self.wanted or 'any version'}. In a terminal: {REPAIR}"
+
+
+def find_versions() -> Iterator[Finding]:
+    """Yield the packages that the kit requires on this platform."""
+    from packaging.requirements import Requirement
+
+    for text in metadata.requires(DISTRIBUTION) or []:
+        need = Requirement(text)
+        if need.marker and not need.marker.evaluate({"extra": ""}):
+            # Requirements of other platforms and of extras do not apply.
+            continue
+        try:
+            installed = metadata.version(need.name)
+        except metadata.PackageNotFoundError:
+            yield Finding(need.name, str(need.specifier), None, False)
+        else:
+            yield Finding(need.name, str(need.specifier), installed, need.specifier.contains(installed))
+
+
+def check_versions() -> None:
+    """Print Python and each package with ✔ or ✘, and how to fix each ✘."""
+    findings = list(find_versions())
+    bad = [finding for finding in findings if not finding.fits]
+    print(f"✔ Python {platform.python_version()} on {platform.system()} ({sys.prefix})")  # noqa: T201  output
+    print("\n".join(finding.line for finding in findings))  # noqa: T201  the cell's output
+    verdict = f"{len(bad)} of {len(findings)} need to be fixed" if bad else "Everything is fine."
+    print(verdict)  # noqa: T201  the cell's output

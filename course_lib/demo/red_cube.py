@@ -6,9 +6,10 @@ from visualization_msgs.msg import Marker
 
 
 class RedCubeNode(Node):
-    """Publishes a cube of 1 m that stands on the ground, once a second."""
+    """Publishes a 1 m cube on the ground plane every second."""
 
-    height = 0.5  # [m] of its centre
+    # Height of the centre [m].
+    height = 0.5
 
     def __init__(self) -> None:
         super().__init__("red_cube")

@@ -1,4 +1,4 @@
-"""The demo's own task: it belongs to no course."""
+"""The task of the demo, which does not belong to a course."""
 
 from typing import Any
 
@@ -6,11 +6,11 @@ from course_lib.grading import Scenario, Task, expect_frame, expect_marker, expe
 from course_lib.grading.advice import Advice
 from course_lib.grading.check import table_of
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.job import Run
-from course_lib.grading.run.student_side import run_here
+from course_lib.grading.run.run import Run
+from course_lib.grading.run.student_side import run_in_this_process
 
 TOPIC = "/visualization_marker"
-SHAPE = expect_marker(TOPIC, type="CUBE", scale=(1.0, 1.0, 1.0)).titled("a cube, 1 m large")
+SHAPE = expect_marker(TOPIC, type="CUBE", scale=(1.0, 1.0, 1.0)).titled("a cube with 1 m edges")
 TASK = Task(
     "week00.red_cube",
     title="A red cube on the ground",
@@ -38,7 +38,7 @@ TASK = Task(
 
 
 def look(answer: Any) -> str:
-    """Return the table that a student sees of an answer."""
-    runs = [Run(scenario, run_here(TASK, scenario, answer, {})) for scenario in TASK.scenarios]
+    """Check an answer and return the table of results that a student sees."""
+    runs = [Run(scenario, run_in_this_process(TASK, scenario, answer, {})) for scenario in TASK.scenarios]
     result = judge_task(TASK, 100.0, False, runs)
     return str(table_of(TASK, result, [run.evidence for run in runs], None, Advice()))

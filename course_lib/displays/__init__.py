@@ -1,4 +1,4 @@
-"""RViz's displays and views, layouts (.rviz files), and displays of one's own."""
+"""RViz's displays and views, layouts (.rviz files), and custom displays."""
 
 import lazy_loader
 

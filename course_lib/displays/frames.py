@@ -1,9 +1,13 @@
-"""Poses of frames in the fixed frame, with RViz's words if one is not known.
+"""Transforms from tf frames to the fixed frame, and the time of a view.
 
-The rules are RViz2's FrameManager and TFFrameTransformer, and tf2_geometry_msgs for poses (by way of KDL).
+The rules and texts are those of RViz2's FrameManager and TFFrameTransformer, and of
+tf2_geometry_msgs for
+poses, which uses KDL. Numbers agree with RViz only if each step is the same, so this module repeats
+KDL's
+conversions instead of calling a library of rotations.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -11,32 +15,36 @@ import numpy as np
 from course_lib.arrays import Matrix
 from course_lib.displays.statuses import Level
 from course_lib.errors import CourseError
-from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_transform import Transform, TransformException
+from course_lib.ros.tf2 import BufferCore, Transform, TransformException
 
-NS = 1_000_000_000  # [ns] in a second
-FIXED_FRAME = "<Fixed Frame>"  # as a property's value: the fixed frame, whatever it is
+# Nanoseconds per second.
+NS = 1_000_000_000
+# Value of a property that stands for the current fixed frame.
+FIXED_FRAME = "<Fixed Frame>"
 
 
 def frame_name(frame: str) -> str:
-    """Return the name of a frame without the leading slash that tf2 does not know.
+    """Return the name of a frame without a leading slash, which tf2 does not allow.
 
     Raises:
-        CourseError: If it is not text: the built-in function `map` where the quotes of "map" were forgotten.
+        CourseError: It is not a string; `map` without quotes is a built-in function.
     """
     if not isinstance(frame, str):
         given = getattr(frame, "__name__", repr(frame))
-        raise CourseError(f'the fixed frame {given} is not text. Write its name in quotes: fixed_frame="map"')
+        raise CourseError(
+            f'the fixed frame {given} is not a string. Write its name in quotes: fixed_frame="map"'
+        )
     return frame.removeprefix("/")
 
 
 class Frames:
-    """The transforms that have arrived, and the frame everything is shown in."""
+    """The received transforms, and the fixed frame in which everything is shown."""
 
     def __init__(self, fixed_frame: str) -> None:
         self.buffer = BufferCore()
         self._fixed_frame = frame_name(fixed_frame)
-        self._known: dict[tuple[str, int], Matrix | None] = {}  # answers, until transforms arrive
+        # The cached results, until the next transform.
+        self._known: dict[tuple[str, int], Matrix | None] = {}
 
     @property
     def fixed_frame(self) -> str:
@@ -48,8 +56,8 @@ class Frames:
         self._fixed_frame = frame_name(frame)
         self._known.clear()
 
-    def take(self, transforms: Iterable[Any], is_static: bool) -> tuple[str, ...]:
-        """Remember transforms of a tf2_msgs/msg/TFMessage; returns what tf2 logs of those it ignores."""
+    def add_transforms(self, transforms: Iterable[Any], is_static: bool) -> tuple[str, ...]:
+        """Add the transforms of a TFMessage, and return tf2's log messages about ignored ones."""
         complaints: tuple[str, ...] = ()
         self._known.clear()
         for message in transforms:
@@ -57,11 +65,12 @@ class Frames:
         return complaints
 
     def transform(self, frame: str, stamp_ns: int = 0) -> Matrix | None:
-        """Return the transform from a frame to the fixed frame, shape (4, 4); None if it is not known.
+        """Return the transform from a frame to the fixed frame, shape (4, 4); None if it is unknown.
 
         Args:
-            frame: Its name; RViz strips a leading slash.
-            stamp_ns: [ns]; 0 takes the latest. The same array is returned until transforms arrive.
+            frame: The name of the frame; a leading slash is removed, as in RViz.
+            stamp_ns: The time [ns]; 0 means the latest. The same array is returned until another
+                transform is added.
         """
         key = (frame.removeprefix("/"), stamp_ns)
         if key not in self._known:
@@ -72,7 +81,7 @@ class Frames:
         return self._known[key]
 
     def problem(self, frame: str, stamp_ns: int = 0) -> str | None:
-        """Return RViz's reason for not placing a frame; None if its pose is known."""
+        """Return RViz's reason why a transform is unknown; None if it is known."""
         error = self.buffer.can_transform(self.fixed_frame, frame, stamp_ns)
         if error is None:
             return None
@@ -93,15 +102,15 @@ class Frames:
 
 
 def nanoseconds(time: Any) -> int:
-    """Return a builtin_interfaces Time or Duration in [ns]."""
+    """Convert a builtin_interfaces Time or Duration to [ns]."""
     return int(time.sec) * NS + int(time.nanosec)
 
 
 def placed(transform_frame_to_fixed: Matrix, pose: Any) -> Matrix:
-    """Return the transform from a geometry_msgs/msg/Pose in a frame to the fixed frame, shape (4, 4).
+    """Return the transform from a Pose message in a frame to the fixed frame, shape (4, 4).
 
-    A quaternion (x, y, z, w) that is not of unit length turns as in RViz2: KDL makes a matrix of the raw
-    numbers, reads a quaternion from the product, and only that is normalised.
+    A quaternion (x, y, z, w) without unit length is handled as in RViz2: KDL computes a matrix from
+    the raw numbers, extracts a quaternion from the product, and normalizes only this quaternion.
     """
     q = pose.orientation
     raw = transform_frame_to_fixed[:3, :3] @ _kdl_matrix(q.x, q.y, q.z, q.w)
@@ -113,7 +122,7 @@ def placed(transform_frame_to_fixed: Matrix, pose: Any) -> Matrix:
 
 
 def is_unit(q: Any, tolerance: float = 1e-6) -> bool:
-    """Return whether a geometry_msgs/msg/Quaternion has length 1; the tolerance is that of its square."""
+    """Return whether the squared norm of a geometry_msgs/msg/Quaternion is 1 within a tolerance."""
     return bool(abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) < tolerance)
 
 
@@ -130,7 +139,7 @@ def _kdl_matrix(x: float, y: float, z: float, w: float) -> Matrix:
 
 
 def quaternion_of(matrix: Matrix) -> Matrix:
-    """Return KDL's quaternion (x, y, z, w) of a rotation, shape (3, 3), or more than that, normalised."""
+    """Return KDL's normalized quaternion (x, y, z, w) of a rotation, possibly scaled, shape (3, 3)."""
     m = matrix
     trace = m[0, 0] + m[1, 1] + m[2, 2]
     turns = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
@@ -144,3 +153,82 @@ def quaternion_of(matrix: Matrix) -> Matrix:
         quaternion[i] = 0.25 * s
     unit: Matrix = quaternion / np.linalg.norm(quaternion)
     return unit
+
+
+# Frame rate while all pages are hidden [Hz]. It suffices for recordings without gaps, and keeps
+# message queues from overflowing.
+_HIDDEN_RATE = 10
+
+
+class ViewTime:
+    """Robot time, which paces the frames of a view, and ROS time, which its displays use.
+
+    ROS time equals robot time or, with `use_sim_time`, the last time received on /clock.
+
+    Args:
+        start_ns: Robot time, [ns].
+        use_sim_time: Whether ROS time follows /clock.
+    """
+
+    def __init__(self, start_ns: int, use_sim_time: bool) -> None:
+        self.use_sim_time = use_sim_time
+        self.frame_rate = 30  # frames per second of robot time
+        # Whether the tabs of all pages are hidden.
+        self.is_hidden: Callable[[], bool] = lambda: False
+        self.robot_ns = start_ns
+        # 0 until a message on /clock is received.
+        self._sim_ns = 0
+        # Time of the last message.
+        self._message_ns = start_ns
+        # Time of the last frame.
+        self._frame_ns = start_ns
+        # When the next frame is due, if one was requested.
+        self._due_ns: int | None = None
+
+    @property
+    def now_ns(self) -> int:
+        """ROS time of the last message or frame, [ns]."""
+        return self.ros_ns(self.robot_ns)
+
+    def ros_ns(self, robot_ns: int) -> int:
+        """Convert the current robot time to ROS time, [ns]."""
+        return self._sim_ns if self.use_sim_time else robot_ns
+
+    def is_past(self, stamp_ns: int) -> bool:
+        """Return whether a message is older than the last one, as after a recording was rewound."""
+        return stamp_ns < self._message_ns
+
+    def on_message(self, stamp_ns: int) -> None:
+        """Record the robot time of a message."""
+        self.robot_ns = self._message_ns = stamp_ns
+
+    def on_clock(self, sim_ns: int) -> bool:
+        """Set the time of /clock, and return whether it jumped back."""
+        jumped, self._sim_ns = sim_ns < self._sim_ns, sim_ns
+        return jumped
+
+    def restart(self) -> None:
+        """Discard all times: the next message sets them."""
+        self.robot_ns, self._sim_ns, self._due_ns = 0, 0, None
+
+    def request_frame(self) -> None:
+        """Schedule a frame after the frame interval, unless one is due earlier."""
+        if self._due_ns is None:
+            self._due_ns = self.robot_ns + self._interval_ns
+
+    def overdue_ns(self, robot_ns: int) -> int | None:
+        """Return the time at which a requested frame was due, if not after a robot time; else None."""
+        return self._due_ns if self._due_ns is not None and self._due_ns <= robot_ns else None
+
+    def is_frame_due(self, robot_ns: int) -> bool:
+        """Return whether a frame is due, even if none was requested: objects expire without messages."""
+        return robot_ns >= (self._frame_ns + self._interval_ns if self._due_ns is None else self._due_ns)
+
+    def begin_frame(self, robot_ns: int) -> None:
+        """Record the robot time of a frame."""
+        self.robot_ns = self._frame_ns = max(robot_ns, self.robot_ns)
+        self._due_ns = None
+
+    @property
+    def _interval_ns(self) -> int:
+        return NS // (min(self.frame_rate, _HIDDEN_RATE) if self.is_hidden() else self.frame_rate)

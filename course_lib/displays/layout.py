@@ -1,6 +1,6 @@
-"""RViz's layout files, .rviz, in the YAML that RViz reads and writes (yaml_config_reader.cpp, _writer.cpp).
+"""Reading RViz's layout files, .rviz, in RViz's dialect of YAML (yaml_config_reader.cpp, _writer.cpp).
 
-All values are read as text, so that unknown ones are written as they came: ``1.0`` stays ``1.0``.
+All values are read as strings, so that unknown ones are written unchanged: ``1.0`` stays ``1.0``.
 """
 
 import re
@@ -11,34 +11,39 @@ from pathlib import Path
 from typing import Any, ClassVar, TypeAlias
 
 from course_lib.displays.display import GROUP
-from course_lib.displays.properties import Property, PropertyHolder, color, frame, integer
+from course_lib.displays.properties import Property, PropertyHolder, color, frame, integer, words
 from course_lib.errors import CourseError
 
 _NULLS = ("", "~", "null", "Null", "NULL")
 _NULL = "tag:yaml.org,2002:null"
-_MOST = 1_000_000  # labels of all paths in a file, its aliases written out: 100,000 values ten levels deep
-_Place: TypeAlias = tuple[str | int, ...]  # of keys and indices
+# Limit on path components in a file with expanded aliases: 100,000 values ten levels deep.
+_MOST = 1_000_000
+# The keys and indices that lead to an entry.
+_Place: TypeAlias = tuple[str | int, ...]
 
 
 @dataclass
 class Parsed:
-    """The value of a file, and where its parts are written."""
+    """The value of a file, with the position of each entry."""
 
     value: Any = None
-    places: dict[_Place, tuple[int, int]] = field(default_factory=dict)  # line and column, from 1
-    room: int = _MOST
+    # Line and column of each entry, from 1.
+    places: dict[_Place, tuple[int, int]] = field(default_factory=dict)
+    remaining: int = _MOST
 
     def take(self, node: Any, path: _Place = ()) -> Any:
-        """Return a node of YAML as plain values; of a key that comes twice, the last one counts.
+        """Convert a YAML node to plain values. Of duplicate keys, the last one is used.
 
         Raises:
-            CourseError: With its aliases written out, it is larger than any layout.
+            CourseError: With expanded aliases, it is larger than any layout.
         """
-        self.room -= 1 + len(path)
-        if self.room < 0:
+        self.remaining -= 1 + len(path)
+        if self.remaining < 0:
             line, column = node.start_mark.line + 1, node.start_mark.column + 1
-            what = "with its aliases (*name) written out the file has too many values for a layout"
-            raise CourseError(f"line {line}, column {column}: {what}. RViz writes no aliases: remove them.")
+            what = "with its aliases (*name) expanded, the file has too many values for a layout"
+            raise CourseError(
+                f"line {line}, column {column}: {what}. RViz does not write aliases: remove them."
+            )
         self.places[path] = (node.start_mark.line + 1, node.start_mark.column + 1)
         if node.id == "mapping":
             named = {str(key.value): value for key, value in node.value}
@@ -49,44 +54,46 @@ class Parsed:
 
 
 def parse_yaml(text: str) -> Parsed:
-    """Read the first document of a text.
+    """Parse the first document of a string.
 
     Raises:
-        CourseError: If it is not YAML; the text begins with line and column.
+        CourseError: The text is not YAML; the message begins with line and column.
     """
-    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+    import yaml  # type: ignore[import-untyped]
 
-    parsed, loader = Parsed(), getattr(yaml, "CBaseLoader", yaml.BaseLoader)  # some builds lack libyaml
+    # Some builds of PyYAML lack libyaml.
+    parsed, loader = Parsed(), getattr(yaml, "CBaseLoader", yaml.BaseLoader)
     try:
         node = next(yaml.compose_all(text, Loader=loader), None)
         parsed.value = None if node is None else parsed.take(node)
     except yaml.MarkedYAMLError as error:
         mark, problem = error.problem_mark or error.context_mark, error.problem or error.context
         named = f"found character {text[mark.index : mark.index + 1]!r} that"
-        raise _no_yaml(mark.line, mark.column, problem.replace("found character that", named)) from None
+        raise _syntax_error(mark.line, mark.column, problem.replace("found character that", named)) from None
     except yaml.reader.ReaderError as error:
         before = text[: error.position]
-        character = f"the character {error.character!r} cannot be there"
-        raise _no_yaml(before.count("\n"), len(before) - before.rfind("\n") - 1, character) from None
+        character = f"the character {error.character!r} is not allowed"
+        raise _syntax_error(before.count("\n"), len(before) - before.rfind("\n") - 1, character) from None
     except (RecursionError, UnicodeError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
-        raise _no_yaml(0, 0, reason) from None
+        raise _syntax_error(0, 0, reason) from None
     return parsed
 
 
 def yaml_text(value: Any) -> str:
-    """Write maps, lists and values as yaml-cpp does for RViz."""
+    """Format maps, lists and values as yaml-cpp does for RViz."""
     import yaml
 
     options = {"default_flow_style": False, "sort_keys": False, "allow_unicode": True, "width": 10**9}
-    written: str = yaml.dump(_texts(value), Dumper=_rviz_dumper(), **options)
-    empty = re.compile(r"^([ -]*)(\S.*:) \{\}$", re.M)  # which goes to the next line
+    written: str = yaml.dump(_to_strings(value), Dumper=_rviz_dumper(), **options)
+    # yaml-cpp writes an empty map on the next line.
+    empty = re.compile(r"^([ -]*)(\S.*:) \{\}$", re.M)
     return empty.sub(lambda found: f"{found[0][:-3]}\n{' ' * len(found[1])}  {{}}", written)
 
 
 @cache
 def _rviz_dumper() -> Any:
-    """Return the class of a writer that knows text and nulls only."""
+    """Return the class of a dumper that writes only strings and nulls."""
     import yaml
 
     class RvizDumper(yaml.SafeDumper):  # type: ignore[misc]  # untyped
@@ -97,7 +104,7 @@ def _rviz_dumper() -> Any:
             super().increase_indent(flow, indentless=False)
 
         def choose_scalar_style(self) -> Any:
-            """Quote with two strokes what needs quotes."""
+            """Use double quotes for strings that need quotes."""
             style = super().choose_scalar_style()
             return '"' if style == "'" else style
 
@@ -107,36 +114,37 @@ def _rviz_dumper() -> Any:
     return RvizDumper
 
 
-def _texts(value: Any) -> Any:
-    """Return plain maps and lists of text and nulls; numbers and flags as RViz writes them."""
+def _to_strings(value: Any) -> Any:
+    """Convert values to strings and nulls, with numbers and flags in RViz's notation."""
     if isinstance(value, Mapping):
-        return {str(key): _texts(part) for key, part in value.items()}
+        return {str(key): _to_strings(part) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [_texts(part) for part in value]
+        return [_to_strings(part) for part in value]
     if isinstance(value, bool):
         return str(value).lower()
     return None if value is None else str(value)
 
 
-def _no_yaml(line: int, column: int, reason: str) -> CourseError:
-    return CourseError(f"line {line + 1}, column {column + 1}: this is not YAML: {reason}.")
+def _syntax_error(line: int, column: int, reason: str) -> CourseError:
+    return CourseError(f"line {line + 1}, column {column + 1}: this is not valid YAML: {reason}.")
 
 
-Config: TypeAlias = Mapping[str, Any]  # of one thing in a layout, by RViz's labels
+# The configuration of an object in a layout, by RViz's labels.
+Config: TypeAlias = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The parts of a layout that say what is drawn, but for what has another shape than in RViz's files.
+    """The parts of a layout that determine what is drawn, without entries that have an invalid structure.
 
     Args:
         options: RViz's Global Options, by label.
         displays: The configuration of each display and group, in order.
         view: The configuration of the current view.
-        saved_views: Those of the saved ones.
-        tools: Those of the tools.
+        saved_views: The configurations of the saved views.
+        tools: The configurations of the tools.
         document: The whole file.
-        problems: What was left out, with line and column.
+        problems: Errors about entries that were left out, with line and column.
     """
 
     options: Config = field(default_factory=dict)
@@ -148,19 +156,23 @@ class Layout:
     problems: tuple[str, ...] = ()
 
 
+LOOK = Property("Look", "RViz", words("RViz", "Studio"))
+
+
 class Options(PropertyHolder):
-    """RViz's Global Options.
+    """RViz's Global Options, and the look, which RViz does not have.
 
     Args:
-        values: Of the three properties.
-        config: Their part of the layout that was taken over last.
-        set_option: Called with the label and the value of a property that is changed.
+        values: The values of the properties.
+        config: Their part of the layout that was applied last.
+        set_option: Called with the label and the value of a changed property.
     """
 
     properties = (
         Property("Fixed Frame", "base_link", frame),
         Property("Background Color", (48, 48, 48), color),
         Property("Frame Rate", 30, integer(1)),  # [Hz]
+        LOOK,
     )
 
     def __init__(
@@ -171,44 +183,47 @@ class Options(PropertyHolder):
         self._set_option = set_option
         self.config = config
 
+    def _expression(self) -> str:
+        return "viewer.options"
+
     def __repr__(self) -> str:
         return "Global Options"
 
-    def changed(self, label: str) -> None:
-        """Pass the new value on."""
+    def on_changed(self, label: str) -> None:
+        """Apply the new value."""
         self._set_option(label, self[label])
 
 
 def read_layout(path: str | Path) -> Layout:
-    """Read an .rviz file; like RViz, take of any YAML what is there.
+    """Read an .rviz file. Like RViz, read any YAML and use the parts that it contains.
 
     Args:
         path: The file.
 
     Raises:
-        CourseError: If there is no such file, or if it is not YAML; with line and column.
+        CourseError: The file does not exist, or is not YAML; the message has line and column.
     """
     try:
         return layout_of(Path(path).read_text(encoding="utf-8"), Path(path).name)
     except OSError as error:
         raise CourseError(f"Cannot read the layout {path}: {error.strerror}.") from None
     except UnicodeDecodeError:
-        raise CourseError(f"{path} is not an .rviz file: it is not even text.") from None
+        raise CourseError(f"{path} is not an .rviz file: it is a binary file.") from None
     except CourseError as error:
         raise CourseError(f"{path}, {error}") from None
 
 
 def layout_of(text: str, name: str) -> Layout:
-    """Read the text of an .rviz file; problems in it call it by a name.
+    """Parse the text of an .rviz file; error messages refer to it by `name`.
 
     Raises:
-        CourseError: If it is not YAML; begins with line and column.
+        CourseError: It is not YAML; the message begins with line and column.
     """
     return _Parts(parse_yaml(text)).layout(name)
 
 
 def text_at(config: Config, label: str) -> str:
-    """Return a text of a layout; empty if there is none.
+    """Return a string of a layout, or "" if it does not exist.
 
     Args:
         config: A part of a `Layout`.
@@ -219,7 +234,7 @@ def text_at(config: Config, label: str) -> str:
 
 
 class _Parts:
-    """The parts of a parsed file, and the problems of those that are not as RViz writes them."""
+    """The parts of a parsed file, and errors about parts with an invalid structure."""
 
     def __init__(self, parsed: Parsed) -> None:
         self._parsed = parsed
@@ -242,7 +257,7 @@ class _Parts:
         )
 
     def _displays(self, *group: str | int) -> tuple[Config, ...]:
-        """Return the displays and groups that are directly in a group, with their own displays checked."""
+        """Return the displays and groups directly in a group, and check the contents of its groups."""
         displays = self._maps(*group, "Displays")
         for index, display in enumerate(displays):
             if display.get("Class") == GROUP:
@@ -250,12 +265,12 @@ class _Parts:
         return displays
 
     def _maps(self, *path: str | int) -> tuple[dict[str, Any], ...]:
-        """Return the maps of a list; an entry that is none makes an empty one."""
+        """Return the maps of a list. Entries of another type become empty maps."""
         entries = self._part(*path, kind=list)
         return tuple(self._part(*path, index, kind=dict) for index in range(len(entries)))
 
     def _part(self, *path: str | int, kind: type) -> Any:
-        """Return the map or list at a path; an absent one is empty, and so is what is none."""
+        """Return the map or list at a path; empty if it is missing or has another type."""
         value = self._parsed.value
         for index, key in enumerate(path):
             value = value[key] if isinstance(key, int) else value.get(key)

@@ -1,17 +1,50 @@
-"""Properties as RViz shows them: a label, a default, and what values it takes."""
+"""Properties as RViz shows them: a label, a default, and a conversion of accepted values."""
 
 import math
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from course_lib.arrays import Vector
 from course_lib.errors import CourseError
+from course_lib.ros.near_names import nearest
+
+
+class KnownAttributes:
+    """Base class of objects that reject new public attributes, except from the kit and their own methods.
+
+    Python would accept a misspelled `viewer.fixedframe = "map"`, and nothing would happen.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name.startswith("_") or name in vars(self) or hasattr(type(self), name)):
+            caller = sys._getframe(1)
+            is_kit = str(caller.f_globals.get("__name__", "")).startswith("course_lib.")
+            if not is_kit and caller.f_locals.get("self") is not self:
+                instead = self._instead(name)
+                write = f" Write: {instead} = {value!r}" if instead else ""
+                raise CourseError(f"{self!r} has no attribute {name!r}.{write}")
+        super().__setattr__(name, value)
+
+    def _expression(self) -> str:
+        """Return the expression for the object as written in lessons."""
+        return type(self).__name__.lower()
+
+    def _instead(self, name: str) -> str:
+        """Return an expression for the property that a misspelled attribute means, or ""."""
+        kind = type(self)
+        names = [known for known in dir(kind) if not known.startswith("_")]
+        settable = [known for known in names if getattr(getattr(kind, known, None), "fset", None) is not None]
+        near = nearest(name, settable, 0.6)
+        return f"{self._expression()}.{near}" if near else ""
+
 
 Color: TypeAlias = tuple[int, int, int]  # RGB, 0..255
 Convert: TypeAlias = Callable[[Any], Any]
-_LARGEST = 3.4e38  # of a number in four bytes
+# About the largest float32.
+_LARGEST = 3.4e38
 
 
 @dataclass(frozen=True)
@@ -21,9 +54,10 @@ class Property:
     Args:
         label: RViz's label; a property below another one is written ``Line Style/Line Width``.
         default: RViz's default.
-        convert: Turns what a user or a file gives into the value, or raises ValueError with what it
-            expects: `number(...)`, `color`, `flag` and the like.
-        names: Of the rows down to it, if one of them has a slash, as frames may.
+        convert: Converts a value from a user or a file, or raises ValueError with a description of
+            the expected value: `number(...)`, `color`, `flag` and the like.
+        names: The names of the rows from the top down to it, if one of them contains a slash, as
+            frame names may.
     """
 
     label: str
@@ -33,18 +67,18 @@ class Property:
 
     @property
     def path(self) -> tuple[str, ...]:
-        """The names of the rows down to it, and its own."""
+        """The names of the rows above the property, and its own name."""
         return self.names or tuple(self.label.split("/"))
 
     @property
     def is_read_only(self) -> bool:
-        """The value is shown but never set; layouts do not keep it."""
+        """Whether the value is only displayed; layouts do not contain it."""
         return self.convert is read_only
 
 
 @dataclass(frozen=True)
 class Limited:
-    """A conversion with its limits, for the control of a property."""
+    """A conversion with the limits for its control."""
 
     convert: Convert
     editor: Literal["number", "integer", "enum"]
@@ -53,21 +87,21 @@ class Limited:
     options: tuple[str, ...] = ()
 
     def __call__(self, value: Any) -> Any:
-        """Turn what a user or a file gives into the value."""
+        """Convert a value from a user or a file."""
         return self.convert(value)
 
 
 def number(low: float = -math.inf, high: float = math.inf) -> Limited:
-    """Return a conversion to a finite number, which RViz keeps within the bounds `low` and `high`."""
+    """Return a conversion to a finite number, clipped to `low` and `high` as in RViz."""
 
     def convert(value: Any) -> float:
         return min(max(_finite(value), low), high)
 
-    return Limited(_expecting("a number", convert), "number", low, high)
+    return Limited(_with_expectation("a number", convert), "number", low, high)
 
 
 def integer(low: int, high: int = 2**31 - 1) -> Limited:
-    """Return a conversion to a whole number, which RViz keeps within the bounds `low` and `high`."""
+    """Return a conversion to an integer, clipped to `low` and `high` as in RViz."""
 
     def convert(value: Any) -> int:
         whole = int(value) if isinstance(value, int) else int(float(value))
@@ -75,11 +109,11 @@ def integer(low: int, high: int = 2**31 - 1) -> Limited:
             raise ValueError
         return min(max(whole, low), high)
 
-    return Limited(_expecting("a whole number", convert), "integer", low, high)
+    return Limited(_with_expectation("an integer", convert), "integer", low, high)
 
 
 def flag(value: Any) -> bool:
-    """Convert a value that is True or False, or one of these as layouts write it."""
+    """Convert a value to a boolean; it may be a boolean, or a string in the notation of layouts."""
     value = {"true": True, "false": False}.get(value.lower(), value) if isinstance(value, str) else value
     if not isinstance(value, bool):
         raise ValueError("True or False")
@@ -87,19 +121,19 @@ def flag(value: Any) -> bool:
 
 
 def text(value: Any) -> str:
-    """Convert a value that is text; YAML's null is the empty one."""
+    """Convert a value to a string; YAML's null becomes the empty string."""
     if isinstance(value, list | dict):
-        raise ValueError("text")
+        raise ValueError("a string")
     return "" if value is None else str(value)
 
 
 def frame(value: Any) -> str:
-    """Convert the name of a frame, without the leading slash that tf2 does not know."""
+    """Convert the name of a frame, without a leading slash, which tf2 does not allow."""
     return text(value).removeprefix("/")
 
 
 def words(*options: str) -> Limited:
-    """Return a conversion that accepts one of the options."""
+    """Return a conversion that accepts only the given options."""
 
     def convert(value: Any) -> str:
         if value not in options:
@@ -110,7 +144,7 @@ def words(*options: str) -> Limited:
 
 
 def color(value: Any) -> Color:
-    """Convert a value as RViz does colours: ``R; G; B`` in 0..255, three numbers, ``#rrggbb`` or a name."""
+    """Convert a value to a color: ``R; G; B`` in 0..255 as in RViz, three numbers, ``#rrggbb`` or a name."""
     from PIL import ImageColor
 
     try:
@@ -118,12 +152,12 @@ def color(value: Any) -> Color:
             value = value.split(";") if ";" in value else ImageColor.getrgb(value)[:3]
         red, green, blue = (min(max(int(part), 0), 255) for part in value)
     except (TypeError, ValueError):
-        raise ValueError("a colour like '255; 0; 0'") from None
+        raise ValueError("a color like '255; 0; 0'") from None
     return red, green, blue
 
 
 def vector(value: Any) -> Vector:
-    """Convert a value of three numbers, or a map with X, Y and Z."""
+    """Convert a value, three numbers or a map with X, Y and Z, to a vector."""
     try:
         x, y, z = (
             _finite(part)
@@ -135,44 +169,47 @@ def vector(value: Any) -> Vector:
 
 
 def booleans(value: Any) -> dict[str, bool]:
-    """Convert a map from names to True or False."""
+    """Convert a map from names to booleans."""
     if not isinstance(value, Mapping):
         raise ValueError("a map like {'name': False}")
     return {str(name): flag(on) for name, on in value.items()}
 
 
 def read_only(value: Any) -> Any:
-    """Refuse every value: the property shows what the display has found out."""
-    raise ValueError("nothing: it only shows what is there")
+    """Reject every value, because the property shows a measured value."""
+    raise ValueError("no value: the property is read-only")
 
 
-class PropertyHolder:
-    """Something with properties: ``grid["Cell Size"] = 0.5``.
+class PropertyHolder(KnownAttributes):
+    """Base class of objects with properties: ``grid["Cell Size"] = 0.5``.
 
-    A label may be short if it is unique (``Line Width`` for ``Line Style/Line Width``), and may be written
-    as a Python name (``cell_size``). Some become known later, like those of a robot's links.
+    A label may be short if it is unique (``Line Width`` for ``Line Style/Line Width``), and may be
+    written as a Python name (``cell_size``). Some properties are added later, like those of a
+    robot's links.
     """
 
     properties: tuple[Property, ...] = ()
 
     def __init__(self) -> None:
         self._values = {prop.label: prop.default for prop in self.properties}
-        self._loaded: Mapping[str, Any] = {}  # the layout it has taken last
-        self.config: Mapping[str, Any] = {}  # of the layout it comes from, with what we do not know
+        # The last loaded layout.
+        self._loaded: Mapping[str, Any] = {}
+        # Its part of a layout, with unknown entries.
+        self.config: Mapping[str, Any] = {}
 
     def grow(self, *properties: Property) -> list[str]:
-        """Get further properties, with the values they had before or that the layout has for them.
+        """Add properties, with their earlier values or the values in the layout.
 
         Returns:
-            What was wrong with values of the layout.
+            Errors in values of the layout.
         """
         new = [prop for prop in properties if prop.label not in self._values]
         self.properties += properties
         self._values |= {prop.label: prop.default for prop in new}
-        return self._take(new)
+        return self._add_properties(new)
 
     def shrink(self, label: str) -> None:
-        """Lose what has grown below a label."""
+        """Remove the properties that were added below a label."""
         own = type(self).properties
         self.properties = tuple(p for p in self.properties if p in own or p.path[0] != label)
 
@@ -180,12 +217,26 @@ class PropertyHolder:
         known = label in self._values
         return self._values[label if known else self._property(label).label]
 
+    # Hidden from mypy, for which every attribute would exist.
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            # Python calls this for attributes that do not exist.
+            instead = "" if name.startswith("_") else self._instead(name)
+            write = f". Write: {instead}" if instead else ""
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{write}")
+
+    def _instead(self, name: str) -> str:
+        labels = {prop.path[-1].replace(" ", "_"): prop.label for prop in self.properties}
+        label = labels.get(nearest(name, labels, 0.6), "") or labels.get(name, "")
+        return f'{self._expression()}["{label}"]' if label else super()._instead(name)
+
     def get(self, label: str, default: Any) -> Any:
-        """Return a property by its whole label, or something else if there is none."""
+        """Return a property by its full label, or a default if there is none."""
         return self._values.get(label, default)
 
     def keys(self) -> Iterable[str]:
-        """Return the labels of all properties; with them ``dict(display)`` shows the values."""
+        """Return the labels of all properties, so that ``dict(display)`` contains the values."""
         return self._values.keys()
 
     def __setitem__(self, label: str, value: Any) -> None:
@@ -196,25 +247,33 @@ class PropertyHolder:
             raise CourseError(f"{self}: {prop.label!r} is {value!r}, expected {error}.") from None
         if new != self._values[prop.label]:
             self._values[prop.label] = new
-            self.changed(prop.label)
+            self.apply_change(prop.label)
 
-    def changed(self, label: str) -> None:
-        """React to a property's new value."""
+    def apply_change(self, label: str) -> None:
+        """React to a new value of a property."""
+        self.on_changed(label)
+
+    def on_changed(self, label: str) -> None:
+        """React to a new value of a property."""
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Set values from a layout; a property that it does not name keeps its value.
+        """Set values from a layout; properties that it does not contain keep their values.
 
         Returns:
-            What was wrong with values that were left out.
+            Errors in values that were skipped.
         """
         self._loaded = config
-        return self._take(self.properties)
+        return self._add_properties(self.properties)
 
-    def _take(self, properties: Iterable[Property]) -> list[str]:
+    def _add_properties(self, properties: Iterable[Property]) -> list[str]:
         wrong = []
         parents = {prop.path[:-1] for prop in self.properties}
         for prop in properties:
-            value = _nested(self._loaded, prop.path)
+            # A property with children keeps its own value under ``Value``.
+            config: Any = self._loaded
+            for name in prop.path:
+                config = config.get(name) if isinstance(config, Mapping) else None
+            value = config["Value"] if isinstance(config, Mapping) and "Value" in config else config
             only_below = prop.path in parents and isinstance(value, Mapping)
             if value is not None and not only_below and not prop.is_read_only:
                 try:
@@ -237,7 +296,7 @@ class PropertyHolder:
         raise CourseError(f"{self} has no property {label!r}, but {', '.join(map(repr, near))}.")
 
 
-def _expecting(what: str, convert: Convert) -> Convert:
+def _with_expectation(what: str, convert: Convert) -> Convert:
     def checked(value: Any) -> Any:
         try:
             return convert(value)
@@ -248,7 +307,7 @@ def _expecting(what: str, convert: Convert) -> Convert:
 
 
 def _finite(value: Any) -> float:
-    """Return a number that RViz can keep, in four bytes."""
+    """Convert a number that RViz can store as float32."""
     number = float(value)
     if isinstance(value, bool) or not abs(number) < _LARGEST:
         raise ValueError
@@ -257,10 +316,3 @@ def _finite(value: Any) -> float:
 
 def _plain(label: str) -> str:
     return label.lower().replace(" ", "_")
-
-
-def _nested(config: Any, path: Iterable[str]) -> Any:
-    """Return the value at a path of labels; a property with children keeps its own under ``Value``."""
-    for name in path:
-        config = config.get(name) if isinstance(config, Mapping) else None
-    return config["Value"] if isinstance(config, Mapping) and "Value" in config else config

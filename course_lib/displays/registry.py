@@ -1,42 +1,73 @@
-"""The classes of displays by RViz's names; a new display is added to this table."""
+"""The table of displays by RViz's class names, and displays that students register.
 
+A class that draws messages is registered like a plugin of RViz. This one draws the charge of a
+battery as
+a bar above the robot::
+
+    from course_lib.displays import OwnDisplay, Property, number, register, solid
+
+    @register
+    class BatteryDisplay(OwnDisplay):
+        class_name = "my_robot/Battery"
+        type_name = "sensor_msgs/msg/BatteryState"
+        properties = (*OwnDisplay.properties, Property("Height", 1.0, number(0.01)))  # [m]
+
+        def drawing(self, message):
+            charge = message.percentage  # 0..1
+            high = charge * self["Height"]  # [m]
+            color = (1 - charge, charge, 0, 1)  # RGBA, from red to green
+            return {"bar": solid("box", size=(0.1, 0.1, high), at=(0, 0, high / 2), color=color)}
+
+    viewer.add("my_robot/Battery", "/battery", height=0.5)
+
+The display is listed under Add with its topics, `save_rviz` saves it, and layouts that are opened
+after the registration can contain it. RViz2 itself reports that a display of this class could not
+be loaded.
+"""
+
+from collections.abc import Mapping
 from difflib import get_close_matches
+from traceback import extract_tb
+from typing import Any, TypeVar
 
-from course_lib.displays.clouds.depth_cloud import DepthCloudDisplay
-from course_lib.displays.clouds.display import LaserScanDisplay, PointCloud2Display, PointCloudDisplay
-from course_lib.displays.clouds.scalar import (
+import numpy as np
+
+from course_lib.displays.clouds import (
+    DepthCloudDisplay,
     FluidPressureDisplay,
     IlluminanceDisplay,
+    LaserScanDisplay,
+    PointCloud2Display,
+    PointCloudDisplay,
     RelativeHumidityDisplay,
     TemperatureDisplay,
 )
-from course_lib.displays.display import Context, Display
-from course_lib.displays.effort import EffortDisplay
-from course_lib.displays.geometry import (
+from course_lib.displays.display import Context, Display, DrawnDisplay
+from course_lib.displays.images import CameraDisplay, CameraInfoDisplay, ImageDisplay
+from course_lib.displays.interactive import InteractiveMarkersDisplay
+from course_lib.displays.map import MapDisplay
+from course_lib.displays.markers import MarkerArrayDisplay, MarkerDisplay
+from course_lib.displays.properties import Property, color, flag, integer, number, text, vector, words
+from course_lib.displays.robot_model import RobotModelDisplay
+from course_lib.displays.shapes import placement, rgba_of
+from course_lib.displays.simple import (
     AccelStampedDisplay,
+    EffortDisplay,
+    GridCellsDisplay,
+    OdometryDisplay,
+    PathDisplay,
     PointStampedDisplay,
     PolygonDisplay,
+    PoseArrayDisplay,
+    PoseDisplay,
+    PoseWithCovarianceDisplay,
     RangeDisplay,
     TwistStampedDisplay,
     WrenchDisplay,
 )
-from course_lib.displays.grid_cells import GridCellsDisplay
-from course_lib.displays.images.camera import CameraDisplay, CameraInfoDisplay
-from course_lib.displays.images.display import ImageDisplay
-from course_lib.displays.interactive.display import InteractiveMarkersDisplay
-from course_lib.displays.map import MapDisplay
-from course_lib.displays.marker.display import MarkerArrayDisplay, MarkerDisplay
-from course_lib.displays.poses.pose import (
-    OdometryDisplay,
-    PathDisplay,
-    PoseArrayDisplay,
-    PoseDisplay,
-    PoseWithCovarianceDisplay,
-)
-from course_lib.displays.reference_display import AxesDisplay, GridDisplay
-from course_lib.displays.robot_model.display import RobotModelDisplay
-from course_lib.displays.tf import TfDisplay
+from course_lib.displays.tf import AxesDisplay, GridDisplay, TfDisplay
 from course_lib.errors import CourseError
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Shape, Solids, Text
 
 PACKAGE = "rviz_default_plugins"
 
@@ -80,26 +111,26 @@ REGISTRY: dict[str, type[Display]] = {
 
 
 class FailedDisplay(Display):
-    """A display of an unknown class; its configuration is kept as it came."""
+    """A display of an unknown class, which keeps its configuration unchanged."""
 
-    def __init__(self, context: Context, name: str, path: str, wanted: str) -> None:
+    def __init__(self, context: Context, name: str, path: str, required: str) -> None:
         super().__init__(context, name, path)
-        self.wanted = wanted
+        self.required = required
 
     def reset(self) -> None:
-        """Show the reason for an empty picture, in RViz's words."""
+        """Set RViz's status that explains why nothing is drawn."""
         super().reset()
         self.statuses.set(
             "error",
             "Class",
-            f"The class required for this display, '{self.wanted}', could not be loaded.<br><b>Error:</b><br>"
-            f"According to the loaded plugin descriptions the class {self.wanted} with base class type "
+            f"The class required for this display, '{self.required}', could not be loaded.<br><b>Error:</b>"
+            f"<br>According to the loaded plugin descriptions the class {self.required} with base class type "
             f"rviz_common::Display does not exist. Declared types are  {' '.join(sorted(REGISTRY))}",
         )
         near = get_close_matches(
-            short_name(self.wanted), [short_name(name) for name in sorted(REGISTRY)], 1, 0.8
+            short_name(self.required), [short_name(name) for name in sorted(REGISTRY)], 1, 0.8
         )
-        ros_1 = f"{self.wanted} is ROS 1's name. " if self.wanted.startswith("rviz/") else ""
+        ros_1 = f"{self.required} is ROS 1's name. " if self.required.startswith("rviz/") else ""
         self.statuses.hint("Class", *(f"{ros_1}RViz2 has the class {full_name(name)}." for name in near))
 
 
@@ -110,7 +141,7 @@ def make_display(context: Context, class_name: str, name: str, path: str) -> Dis
 
 
 def full_name(class_name: str) -> str:
-    """Return a class name with its package, which may be left out."""
+    """Return a class name with its package, which may be omitted."""
     known = (name for name in REGISTRY if short_name(name) == class_name)
     return class_name if "/" in class_name else next(known, f"{PACKAGE}/{class_name}")
 
@@ -119,16 +150,120 @@ def known_name(class_name: str) -> str:
     """Return a class name with its package.
 
     Raises:
-        CourseError: If there is no such display.
+        CourseError: The display does not exist.
     """
-    wanted = full_name(class_name)
-    if wanted not in REGISTRY:
+    if not isinstance(class_name, str):
+        name = getattr(class_name, "__name__", "Marker")
+        raise CourseError(
+            f"{class_name!r} is not the name of a display: write its name in quotes, add({name!r})."
+        )
+    required = full_name(class_name)
+    if required not in REGISTRY:
         known = [short_name(name) for name in REGISTRY]
-        near = ", ".join(get_close_matches(short_name(class_name), known, 3) or known)
-        raise CourseError(f"There is no display {class_name!r} here; add one of {near}.")
-    return wanted
+        same = [name for name in known if name.lower() == short_name(class_name).lower()]
+        near = ", ".join(same or get_close_matches(short_name(class_name), known, 3) or known)
+        raise CourseError(f"There is no display {class_name!r}; use one of {near}.")
+    return required
 
 
 def short_name(class_name: str) -> str:
-    """Return a class name without its package, as RViz names a new display."""
+    """Return a class name without its package, which RViz uses as the name of a new display."""
     return class_name.rpartition("/")[2]
+
+
+__all__ = [
+    "Lines", "Mesh", "OwnDisplay", "Points", "Property", "Solids", "Text", "color", "flag", "integer",
+    "number", "register", "rgba_of", "solid", "text", "vector", "words",
+]  # fmt: skip
+AnyDisplay = TypeVar("AnyDisplay", bound=type[Display])
+
+
+class OwnDisplay(DrawnDisplay):
+    """Base class of custom displays: the last message, in the frame of its header or in the fixed frame.
+
+    A subclass has a `class_name` like "my_package/Name", a `type_name` like "nav_msgs/msg/Path", a
+    table
+    of `properties`, and the method `drawing`. `Viewer.add` creates the object.
+    """
+
+    def drawing(self, message: Any) -> Mapping[str, Drawable]:
+        """Return the drawables of a message, in the frame of its header; lengths in [m].
+
+        Args:
+            message: A message of the type `type_name`.
+
+        Returns:
+            Drawables by name (any names): `solid(...)`, `Lines`, `Points`, `Mesh`, `Text`.
+        """
+        raise NotImplementedError
+
+    def process(self, message: Any) -> None:
+        """Keep a message with the transform of its frame."""
+        transform = self.transform_at(message.header) if hasattr(message, "header") else np.eye(4)
+        if transform is not None:
+            self.keep((message, transform))
+
+    def drawables(self) -> Mapping[str, Drawable]:
+        """Return the drawables of the last message."""
+        return self.drawing(self.kept[0][0]) if self.kept else {}
+
+    def draw(self) -> None:
+        """Redraw; an exception in the student's code becomes a status."""
+        if not self.kept:
+            return
+        self.context.scene.set_transform(f"{self.path}/drawn", self.kept[0][1])
+        try:
+            with np.errstate(all="warn"):
+                super().draw()
+        except Exception as error:
+            # The student's `drawing` may raise any exception.
+            where = [step for step in extract_tb(error.__traceback__) if step.name == "drawing"][-1:]
+            line = f", line {where[0].lineno} ({where[0].line})" if where else ""
+            self.statuses.set("error", "Drawing", f"{type(error).__name__}: {error}{line}")
+        else:
+            self.statuses.delete("Drawing")
+
+    def message_at(self, path: str) -> Any:
+        """Return the displayed message."""
+        return self.kept[0][0] if self.kept and path.startswith(f"{self.path}/") else None
+
+
+def register(display: AnyDisplay) -> AnyDisplay:
+    """Add a display class to the registry, replacing one with the same `class_name`.
+
+    Args:
+        display: A subclass of `OwnDisplay`; use `@register` above the class.
+
+    Raises:
+        CourseError: Its name does not have the form ``my_package/Name``, or belongs to RViz.
+    """
+    package, _, short = display.class_name.partition("/")
+    if not package or not short:
+        raise CourseError(
+            f"{display.__name__}.class_name is {display.class_name!r}; write one like "
+            f"class_name = 'my_robot/{display.__name__.removesuffix('Display')}'."
+        )
+    if package == PACKAGE:
+        raise CourseError(f"{display.class_name!r} belongs to RViz; use a package name of your own.")
+    # A student's code may have any side effects, so its messages cannot be postponed.
+    display.has_side_effects = True
+    REGISTRY[display.class_name] = display
+    return display
+
+
+def solid(
+    shape: Shape,
+    *,
+    size: tuple[float, float, float],
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    color: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0),
+) -> Solids:
+    """Draw one box, sphere, cylinder or cone.
+
+    Args:
+        shape: "box", "sphere", "cylinder" or "cone", both along z.
+        size: Along x, y and z, [m].
+        at: Its center, [m].
+        color: RGBA, 0..1.
+    """
+    return Solids(shape, [placement(np.eye(3), size, at)], color)

@@ -1,4 +1,4 @@
-"""Recordings through RViz's displays: as a scene, as a film, or in a browser's tab (`course view`)."""
+"""Render recordings and robots through RViz's displays: as images, pages, or in a browser (`course view`)."""
 
 import asyncio
 import sys
@@ -10,19 +10,21 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import read_layout
-from course_lib.displays.marker.display import MARKER, MARKER_ARRAY
-from course_lib.displays.marker.store import ADD
-from course_lib.displays.own_topics import TF
-from course_lib.displays.panel.desk import Desk
-from course_lib.displays.panel.time_panel import Playback, TimePanel
-from course_lib.displays.session import RvizSession
+from course_lib.displays.markers import ADD, MARKER, MARKER_ARRAY
+from course_lib.displays.panel.desk import Desk, Playback, TimePanel
+from course_lib.displays.session import TF, RvizSession
+from course_lib.displays.statuses import contained
+from course_lib.displays.viewer import Viewer
+from course_lib.host import announce
 from course_lib.recording import Recording, read_bag
-from course_lib.ros import wall
-from course_lib.surroundings import announce
-from course_lib.viewer.film import Film
+from course_lib.ros.graph.graph import use_graph
+from course_lib.ros.robot.connect import RobotAddress, link_to
+from course_lib.ros.time import virtual_time, wall
+from course_lib.ros.time.time_lock import time_lock
 from course_lib.viewer.html import save_html
 from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.scene_recording import SceneRecording
 
 if TYPE_CHECKING:
     from course_lib.viewer.page_server import PageServer
@@ -31,36 +33,34 @@ _DISPLAYS = {MARKER: "Marker", MARKER_ARRAY: "MarkerArray"}
 
 
 def scene_of(recording: Recording, rviz_path: str | Path | None = None, at: float | None = None) -> Scene:
-    """Draw a recording through a layout.
+    """Draw a recording with a layout.
 
     Args:
-        recording: What was published.
-        rviz_path: The layout; None shows all topics of markers, and a grid.
-        at: When to look, in [s] after the first message; None means at the end.
+        recording: The recording.
+        rviz_path: The layout; None shows a grid and all marker topics.
+        at: The time [s] after the first message; None means the end.
     """
-    return replayed(recording, rviz_path, at).context.scene
+    return replay(recording, rviz_path, at).context.scene
 
 
-def replayed(
-    recording: Recording, rviz_path: str | Path | None = None, at: float | None = None
-) -> RvizSession:
-    """Play a recording to a session up to a time; its statuses are those of RViz, see `scene_of`."""
+def replay(recording: Recording, rviz_path: str | Path | None = None, at: float | None = None) -> RvizSession:
+    """Play a recording up to a time, and return the session with its statuses; see `scene_of`."""
     session = session_for(recording, rviz_path)
     Playback(session, recording).go_to(_end_ns(recording, at))
     return session
 
 
-def film_of(
+def record_bag(
     recording: Recording,
     rviz_path: str | Path | None = None,
     at: float | None = None,
     frame_rate: int | None = None,
-) -> tuple[Film, RvizSession]:
-    """Film a recording from its beginning to a time, in frames a second as RViz shows it; see `scene_of`."""
+) -> tuple[SceneRecording, RvizSession]:
+    """Record a replay from the beginning to a time, at RViz's frame rate by default; see `scene_of`."""
     session = session_for(recording, rviz_path)
     thinned = {"interval": 1 / frame_rate} if frame_rate else {}
     context = session.context
-    film = Film(context.scene, lambda: context.now_ns / NS, seconds=inf, megabytes=200, **thinned)
+    film = SceneRecording(context.scene, lambda: context.now_ns / NS, seconds=inf, megabytes=200, **thinned)
     playback, end_ns = Playback(session, recording), _end_ns(recording, at)
     for now_ns in range(recording.start_ns, end_ns, NS // (frame_rate or session.time.frame_rate)):
         playback.go_to(now_ns)
@@ -70,10 +70,21 @@ def film_of(
 
 
 def session_for(recording: Recording, rviz_path: str | Path | None = None) -> RvizSession:
-    """Return a session with a layout, or one that fits a recording, before its first message."""
+    """Return a session with a layout, or with displays that suit a recording, before its first message."""
     session = RvizSession(Scene(), start_ns=recording.start_ns, match_qos=False)
+    session.is_replay = True
     if rviz_path is None:
-        _show_all(session, recording)
+        session.add("rviz_default_plugins/Grid", "Grid", {})
+        topics = {topic.name: topic.type_name for topic in recording.topics() if topic.type_name in _DISPLAYS}
+        for topic, type_name in topics.items():
+            if topics.get(topic.removesuffix("_array")) != MARKER or type_name == MARKER:
+                name = _DISPLAYS[type_name]
+                session.add(f"rviz_default_plugins/{name}", name, {"Topic": topic})
+        if not topics and any(sample.type_name == TF for sample in recording.samples):
+            session.add("rviz_default_plugins/TF", "TF", {"Show Names": True, "Marker Scale": 3.0})
+        session.fixed_frame = _likely_fixed_frame(session, recording)
+        guess = f"no layout was given: {session.fixed_frame!r} is the root of the displayed frames."
+        session.statuses.hint("Fixed Frame", guess)
     else:
         session.apply(read_layout(rviz_path))
     return session
@@ -88,18 +99,18 @@ def render_bag(
     png: Path | None = None,
     html: Path | None = None,
 ) -> str:
-    """Draw the bag in a folder into a picture of a size in [px], a page, or both; see `scene_of`.
+    """Render a bag as an image with a size in [px], a page, or both; see `scene_of`.
 
     Returns:
-        What was written, what drew it, and what the statuses complain about.
+        Lines about the written files, the renderer, and statuses that are not ok.
     """
     recording, lines = read_bag(bag), []
     if html:
-        film, session = film_of(recording, rviz, at)
+        film, session = record_bag(recording, rviz, at)
         save_html(film, html, title=bag.name)
         lines.append(f"Wrote {html}. {film.note()}".rstrip())
     else:
-        session = replayed(recording, rviz, at)
+        session = replay(recording, rviz, at)
     if png:
         picture = screenshot(session.context.scene, png, size=size)
         lines.append(f"Wrote {png}, drawn by {picture.renderer}.")
@@ -112,29 +123,20 @@ def _end_ns(recording: Recording, at: float | None) -> int:
     return recording.end_ns if at is None else recording.start_ns + round(at * NS)
 
 
-def _show_all(session: RvizSession, recording: Recording) -> None:
-    """Show a grid and all topics of markers, without any the frames, in a frame that fits them."""
-    session.add("rviz_default_plugins/Grid", "Grid", {})
-    topics = {topic.name: topic.type_name for topic in recording.topics() if topic.type_name in _DISPLAYS}
-    for topic, type_name in topics.items():
-        if topics.get(topic.removesuffix("_array")) != MARKER or type_name == MARKER:
-            name = _DISPLAYS[type_name]
-            session.add(f"rviz_default_plugins/{name}", name, {"Topic": topic})
-    if not topics and any(sample.type_name == TF for sample in recording.samples):
-        session.add("rviz_default_plugins/TF", "TF", {"Show Names": True, "Marker Scale": 3.0})
-    session.fixed_frame = _likely_fixed_frame(recording)
-    guess = f"no layout was given: {session.fixed_frame!r} is the root of what is shown."
-    session.statuses.hint("Fixed Frame", guess)
-
-
-def _likely_fixed_frame(recording: Recording) -> str:
-    """Return the root of most frames that markers are in, or of the transforms, or ``map``."""
+def _likely_fixed_frame(session: RvizSession, recording: Recording) -> str:
+    """Return the most frequent root frame of the markers, else of the transforms, else ``map``."""
     parents, used = dict[str, str](), list[str]()
     for sample in recording.samples:
-        message: Any = sample.message() if sample.type_name in (TF, *_DISPLAYS) else None
+        message: Any = None
+        if sample.type_name in (TF, *_DISPLAYS):
+            # An invalid message becomes a status of the displays of its topic.
+            with contained(session.statuses, "Message"):
+                message = sample.message()
+        if message is None:
+            continue
         if sample.type_name == TF:
             parents |= {t.child_frame_id: t.header.frame_id for t in message.transforms}
-        elif message is not None:
+        else:
             markers = [message] if sample.type_name == MARKER else message.markers
             used += [marker.header.frame_id for marker in markers if marker.action == ADD]
     roots = Counter(_root(frame, parents) for frame in used or parents)
@@ -142,7 +144,7 @@ def _likely_fixed_frame(recording: Recording) -> str:
 
 
 def _root(frame: str, parents: Mapping[str, str]) -> str:
-    """Follow parents up to the root of a tree, or once around a loop."""
+    """Return the root of a frame's tree; in a cycle, each frame is visited once."""
     for _ in parents:
         frame = parents.get(frame, frame)
     return frame
@@ -158,13 +160,15 @@ def view(
 ) -> None:
     """Show a layout, and play a bag through it, until Ctrl+C.
 
-    The bag plays as soon as a page is open; without a layout a grid is shown, and all its topics of markers.
-    `port` and `token` make the address: 0 lets the system choose a free port, None makes a secret part up.
+    The bag starts playing when a page is open. Without a layout, a grid and all marker topics are
+    shown.
+    `port` and `token` determine the URL: 0 selects a free port, None generates a secret token.
 
     Raises:
-        CourseError: If the bag or the layout cannot be read, or the port is taken.
+        CourseError: The bag or the layout cannot be read, or the port is in use.
     """
-    from course_lib.viewer.page_server import PageServer  # here: tornado is slow to load
+    # Imported here because tornado is slow to load.
+    from course_lib.viewer.page_server import PageServer
 
     recording = Recording(()) if bag is None else read_bag(bag)
     session = session_for(recording, rviz)
@@ -184,7 +188,7 @@ def view(
 
 
 async def _serve(server: "PageServer", playback: Playback, time_panel: TimePanel | None) -> None:
-    """Serve for ever, and let time go on while a page is open."""
+    """Serve indefinitely, and let time advance while a page is open."""
     serving = asyncio.create_task(server.serve())
     last = wall.monotonic()
     while not serving.done():
@@ -195,3 +199,44 @@ async def _serve(server: "PageServer", playback: Playback, time_panel: TimePanel
             if time_panel:
                 time_panel.refresh()
     await serving
+
+
+STEP_NS = 10**8  # [ns]
+
+
+def view_robot(
+    robot: RobotAddress,
+    rviz: Path | None,
+    *,
+    port: int = 0,
+    token: str | None = None,
+    browser: bool = True,
+    use_sim_time: bool = False,
+) -> None:
+    """Show a robot through a layout, or its frames without one, until Ctrl+C.
+
+    `port` and `token` determine the URL: 0 selects a free port, None generates a secret token.
+    With `use_sim_time` the view's time is the time on the robot's /clock.
+
+    Raises:
+        CourseError: The robot cannot be reached, the layout cannot be read, or the port is in use.
+    """
+    graph = link_to(robot)
+    virtual_time.install()
+    try:
+        with use_graph(graph):
+            if rviz is None:
+                viewer = Viewer(use_sim_time=use_sim_time)
+                viewer.add("TF", show_names=True)
+            else:
+                viewer = Viewer.from_rviz(rviz, use_sim_time=use_sim_time)
+            viewer.open(browser=browser, port=port, token=token)
+            sys.stdout.write("Ctrl+C ends it.\n")
+            sys.stdout.flush()
+            with time_lock.hold():
+                while True:
+                    time_lock.sleep_until(graph.now_ns + STEP_NS, "Ctrl+C")
+    except KeyboardInterrupt:
+        sys.stdout.write("\nThe viewer has ended.\n")
+    finally:
+        graph.close()

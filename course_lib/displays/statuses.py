@@ -1,29 +1,51 @@
-"""Statuses of a display, as RViz shows them, and hints where RViz has no status."""
+"""Statuses of a display, hints where RViz has no status, and exceptions that become statuses.
 
+RViz runs in a process of its own, so its errors never reach the node that publishes. Here a display
+runs
+inside `publish()`, or in the call that requests the scene. Every call from outside into a display
+therefore
+passes through `contained`, which turns exceptions into error statuses. The text of a `CourseError`
+explains
+what is wrong with a message or a file. An exception in a student's display names the student's
+line. Any
+other exception is an error of the kit: it is also reported once per line of code, as a
+`DisplayFaultWarning`.
+"""
+
+import warnings
 from collections.abc import Mapping
 from html import escape
+from pathlib import Path
+from traceback import walk_tb
+from types import TracebackType
 from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from course_lib.errors import CourseError
+from course_lib.ros.tracebacks import KIT, line_of_traceback
 
 Level: TypeAlias = Literal["ok", "warn", "error", "hint"]
 
-# Icon and word tell the level without colour; the colours are RViz's, hints are ours.
+# Icon and word show the level without color. The colors are the same as in RViz, which has no
+# hints.
 LEVELS: Mapping[Level, tuple[str, str, str]] = {
     "ok": ("✔", "Ok", "currentcolor"),
     "warn": ("⚠", "Warn", "rgb(192, 128, 0)"),
     "error": ("✖", "Error", "rgb(192, 32, 32)"),
     "hint": ("➤", "hint", "rgb(32, 96, 160)"),
 }
-# Titles of RViz's own statuses that nobody understands.
+# Explanations of RViz statuses that are hard to understand.
 NOTES: Mapping[str, str] = {
-    "Array Topic": "RViz's Marker display also listens to arrays, on its topic's name with _array behind it."
+    "Array Topic": "RViz's Marker display also subscribes to arrays, on the topic name with _array appended."
 }
-# Half of the page's own text in a colour: RViz's alone are too pale on some of the grounds of a page.
+# Mixed with the page's text color: RViz's colors are too pale on some backgrounds.
 _READABLE = "color-mix(in srgb, {} 50%, currentcolor)"
 _HEAD = "<tr><th>Display</th><th>Status</th><th>Level</th><th style='text-align: left'>Text</th></tr>"
 
 
 class StatusRow(NamedTuple):
-    """One line of the status table; level ``hint`` is ours, the others are RViz's."""
+    """One row of the status table. Level ``hint`` belongs to this viewer, the others to RViz."""
 
     display: str
     name: str
@@ -32,35 +54,47 @@ class StatusRow(NamedTuple):
 
 
 class Statuses:
-    """A display's statuses and hints by name; the last one of a name counts."""
+    """A display's statuses and hints by name; a new one replaces an earlier one."""
 
     def __init__(self) -> None:
-        self._said: dict[str, tuple[Level, str]] = {}
+        self._texts: dict[str, tuple[Level, str]] = {}
         self._hints: dict[str, tuple[str, ...]] = {}
+        self._failures: dict[str, str] = {}
 
     def set(self, level: Level, name: str, text: str) -> None:
-        """Set the status of a name, in RViz's words."""
-        self._said[name] = (level, text)
+        """Set the status with this name. The text is RViz's message."""
+        self._texts[name] = (level, text)
 
     def hint(self, name: str, *texts: str) -> None:
-        """Set the hints of a name, in place of earlier ones; without a text there is none."""
+        """Set the hints with this name, replacing earlier ones. Without `texts`, remove them."""
         self._hints[name] = texts
+
+    def fail(self, name: str, text: str) -> None:
+        """Set an error about a failed operation, shown in addition to RViz's statuses."""
+        self._failures[name] = text
+
+    def clear_failure(self, name: str) -> None:
+        """Remove the error of an operation that is attempted again."""
+        if self._failures:
+            self._failures.pop(name, None)
 
     def delete(self, name: str) -> None:
         """Remove the status and the hints of a name."""
-        self._said.pop(name, None)
+        self._texts.pop(name, None)
         self._hints.pop(name, None)
 
     def clear(self) -> None:
-        """Forget everything."""
-        self._said.clear()
+        """Remove all statuses and hints."""
+        self._texts.clear()
         self._hints.clear()
+        self._failures.clear()
 
     def rows(self, display: str) -> list[StatusRow]:
-        """List everything, hints last."""
-        said = [StatusRow(display, name, *status) for name, status in self._said.items()]
+        """Return everything as rows, hints last."""
+        own_rows = [StatusRow(display, name, *status) for name, status in self._texts.items()]
         hints = ((name, text) for name, texts in self._hints.items() for text in texts)
-        return said + [StatusRow(display, name, "hint", text) for name, text in hints]
+        failed = [StatusRow(display, name, "error", text) for name, text in self._failures.items()]
+        return own_rows + failed + [StatusRow(display, name, "hint", text) for name, text in hints]
 
 
 class StatusTable(list[StatusRow]):
@@ -78,12 +112,84 @@ class StatusTable(list[StatusRow]):
 
 
 def _row(row: StatusRow) -> str:
-    """Return one row in HTML, with a title where it needs one."""
+    """Format a row as HTML, with a title if it needs one."""
     icon, word, color = LEVELS[row.level]
-    note = "from this viewer; RViz2 says nothing here" if row.level == "hint" else NOTES.get(row.name, "")
+    note = "from this viewer; RViz2 shows no status here" if row.level == "hint" else NOTES.get(row.name, "")
     title = f' title="{note}"' if note else ""
     return (
         f"<tr{title}><td>{escape(row.display)}</td><td>{escape(row.name)}</td>"
         f'<td style="color: {_READABLE.format(color)}; white-space: nowrap">{icon} {word}</td>'
         f'<td style="text-align: left">{escape(row.text)}</td></tr>'
+    )
+
+
+# Characters of an exception's text in a status.
+LONGEST = 300
+# Locations of errors that were reported.
+_warned: set[tuple[str, int, type[BaseException]]] = set()
+
+
+class DisplayFaultWarning(UserWarning):
+    """Warning about an error in the kit's own code inside a display."""
+
+
+class contained:  # noqa: N801  # a context manager, named like those of contextlib
+    """Turn an exception in a `with` block into an error status, which the next such block removes.
+
+    Interrupts and SystemExit pass, because they are not subclasses of Exception. numpy's warnings
+    about overflow and invalid numbers are disabled, because drawables check their arrays.
+
+    Args:
+        statuses: The statuses of the display, or the Global Status.
+        name: The name of the status.
+    """
+
+    def __init__(self, statuses: Statuses, name: str) -> None:
+        self._statuses, self._name = statuses, name
+        self._numpy = np.errstate(all="ignore")
+
+    def __enter__(self) -> None:
+        self._numpy.__enter__()
+        self._statuses.clear_failure(self._name)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> bool:
+        self._numpy.__exit__(kind, error, trace)
+        if not isinstance(error, Exception):
+            return False
+        self._statuses.fail(self._name, describe(error))
+        return True
+
+
+def describe(error: Exception) -> str:
+    """Return the status text for an exception, and issue a warning if it is an error of the kit."""
+    text = str(error)
+    text = text if len(text) <= LONGEST else f"{text[:LONGEST]} …"
+    if isinstance(error, CourseError):
+        return text
+    named = f"{type(error).__name__}: {text}" if text else type(error).__name__
+    own = line_of_traceback(error.__traceback__)
+    if own:
+        return f"{named} ({own})"
+    _warn(error, named)
+    return f"{named}. This is an error of the viewer, not of your program; everything else is still shown."
+
+
+def _warn(error: Exception, named: str) -> None:
+    """Issue a warning with the innermost line of the kit, once per line and exception type."""
+    lines = [(frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__)]
+    file, line = next(((f, n) for f, n in reversed(lines) if f.startswith(KIT)), ("", 0))
+    place = (file, line, type(error))
+    if place in _warned:
+        return
+    _warned.add(place)
+    where = (
+        f"course_lib/{Path(file).relative_to(KIT).as_posix()}, line {line}" if file else "an unknown place"
+    )
+    warnings.warn(
+        f"A display failed with {named}, in {where}. This is an error of the kit: please report it with this "
+        "line. Your program continues, and the status of the display says what is missing.",
+        DisplayFaultWarning,
+        stacklevel=4,
     )

@@ -1,7 +1,7 @@
-"""RViz's TF display."""
+"""RViz's TF, Axes and Grid displays, which have no Topic property."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 from math import floor
 from typing import Any, NamedTuple
@@ -10,87 +10,241 @@ import numpy as np
 
 from course_lib.arrays import Matrix
 from course_lib.displays.display import Display, node_name
-from course_lib.displays.frames import NS
-from course_lib.displays.marker.drawables import placement, turned_to
-from course_lib.displays.properties import Property, flag, number, read_only, text
-from course_lib.displays.reference_display import AXIS_COLORS, axes
-from course_lib.ros.tf2_transform import TransformException
-from course_lib.viewer.drawables import Solids, Text
+from course_lib.displays.frames import FIXED_FRAME, NS
+from course_lib.displays.properties import (
+    Property,
+    color,
+    flag,
+    frame,
+    integer,
+    number,
+    read_only,
+    text,
+    vector,
+    words,
+)
+from course_lib.displays.shapes import AXIS_COLORS, axes, placement, rotation_to
+from course_lib.displays.statuses import Level
+from course_lib.ros.tf2 import TransformException
+from course_lib.viewer.drawables import Drawable, Lines, Solids, Text
 from course_lib.viewer.scene import Scene
 
-PARTS = ("axes", "arrows", "names")  # the nodes that all frames have theirs below
+# Directions of the grid's x, normal and z in the reference frame (grid_display.cpp:updatePlane).
+_PLANES = {
+    "XY": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    "XZ": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "YZ": ((0, 0, 1), (-1, 0, 0), (0, -1, 0)),
+}
+_MOST_LINES = 100_000
 
-_LENGTH, _WIDTH = 0.2, 0.02  # [m] of an axis
-_SHAFT, _HEAD, _HEAD_LENGTH = 0.01, 0.04, 0.1  # [m] diameters, and the head's length
+
+class ReferenceDisplay(Display):
+    """Base class of displays that depend only on their properties, and follow their Reference Frame."""
+
+    properties = (*Display.properties, Property("Reference Frame", FIXED_FRAME, frame))
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._placed_with: Matrix | None = None
+        self._drawn = False
+
+    def drawing(self) -> Drawable:
+        """Return the drawable."""
+        raise NotImplementedError
+
+    def offset(self) -> Matrix:
+        """Return the transform from the drawable to the reference frame, shape (4, 4)."""
+        return np.eye(4)
+
+    def transform_status(self, reference: str, is_known: bool) -> tuple[Level, str]:
+        """Return RViz's status of the reference frame."""
+        raise NotImplementedError
+
+    def on_changed(self, label: str) -> None:
+        """Redraw in the next frame."""
+        super().on_changed(label)
+        self._drawn = False
+
+    def reset(self) -> None:
+        """Redraw in the next frame."""
+        super().reset()
+        self._drawn = False
+
+    def update(self) -> None:
+        """Draw, and follow the reference frame."""
+        if not (self.enabled and self.context.is_drawn):
+            return
+        name = self["Reference Frame"]
+        reference = self.context.frames.fixed_frame if name == FIXED_FRAME else name
+        transform = self.context.frames.transform(reference)
+        level, text = self.transform_status(reference, transform is not None)
+        self.statuses.set(level, "Transform", text)
+        if transform is not self._placed_with or not self._drawn:
+            self._draw(transform)
+
+    def _draw(self, transform_reference_to_fixed: Matrix | None) -> None:
+        self._placed_with, scene = transform_reference_to_fixed, self.context.scene
+        node = f"{self.path}/drawing"
+        scene.set_visible(node, transform_reference_to_fixed is not None)
+        if transform_reference_to_fixed is not None:
+            scene.set_transform(node, transform_reference_to_fixed @ self.offset())
+        if not self._drawn:
+            scene.set_object(node, self.drawing())
+            self._drawn = True
+
+
+class AxesDisplay(ReferenceDisplay):
+    """The axes of a frame."""
+
+    class_name = "rviz_default_plugins/Axes"
+    properties = (
+        *ReferenceDisplay.properties,
+        Property("Length", 1.0, number(0.0001)),  # [m]
+        Property("Radius", 0.1, number(0.0001)),  # [m]; RViz's name for the diameter
+    )
+
+    def drawing(self) -> Solids:
+        """Return the three cylinders."""
+        return axes(self["Length"], self["Radius"])
+
+    def transform_status(self, reference: str, is_known: bool) -> tuple[Level, str]:
+        """Return RViz's status of the reference frame, with tf2's reason if it is unknown."""
+        return ("ok", "Transform OK") if is_known else ("error", self.context.frames.problem(reference) or "")
+
+
+class GridDisplay(ReferenceDisplay):
+    """Lines on a plane of a frame."""
+
+    class_name = "rviz_default_plugins/Grid"
+    properties = (
+        *ReferenceDisplay.properties,
+        Property("Plane Cell Count", 10, integer(1)),
+        Property("Normal Cell Count", 0, integer(0)),
+        Property("Cell Size", 1.0, number(0.0001)),  # [m]
+        Property("Line Style", "Lines", words("Lines", "Billboards")),
+        Property("Line Style/Line Width", 0.03, number(0.001)),  # [m]
+        Property("Color", (160, 160, 164), color),
+        Property("Alpha", 0.5, number(0.0, 1.0)),
+        Property("Plane", "XY", words(*_PLANES)),
+        Property("Offset", (0.0, 0.0, 0.0), vector),  # [m]
+    )
+
+    def drawing(self) -> Lines:
+        """Return the lines, in the grid's own frame."""
+        rgba = (*(channel / 255 for channel in self["Color"]), self["Alpha"])
+        width = self["Line Width"] if self["Line Style"] == "Billboards" else 0.0
+        cells, layers = self["Plane Cell Count"] + 1, self["Normal Cell Count"]
+        count = 2 * cells * (layers + 1) + cells**2 * (layers > 0)
+        too_many = f"These cells have {count} lines; at most {_MOST_LINES} are drawn."
+        self.statuses.hint("Cells", *([too_many] if count > _MOST_LINES else []))
+        points = list(self._points()) if count <= _MOST_LINES else np.empty((0, 3))
+        return Lines(points, rgba, width, strip=False)
+
+    def offset(self) -> Matrix:
+        """Return the transform from the plane to the reference frame, shape (4, 4)."""
+        plane = np.eye(4)
+        plane[:3, :3] = np.transpose(_PLANES[self["Plane"]])
+        plane[:3, 3] = self["Offset"]
+        return plane
+
+    def transform_status(self, reference: str, is_known: bool) -> tuple[Level, str]:
+        """Return RViz's status of the reference frame."""
+        problem = f"Could not transform from [{reference}] to [{self.context.frames.fixed_frame}]"
+        return ("ok", "Ok") if is_known else ("error", problem)
+
+    def _points(self) -> Iterator[tuple[float, float, float]]:
+        """Yield the ends of all lines in pairs; y is the grid's normal."""
+        cells, layers = self["Plane Cell Count"], self["Normal Cell Count"]
+        extent = self["Cell Size"] * cells / 2
+        steps = np.linspace(extent, -extent, cells + 1)
+        top = self["Cell Size"] * layers / 2
+        for y in np.linspace(top, -top, layers + 1):
+            for step in steps:
+                yield from ((step, y, -extent), (step, y, extent), (-extent, y, step), (extent, y, step))
+        for x, z in ((x, z) for x in steps for z in steps if layers):
+            yield from ((x, -top, z), (x, top, z))
+
+
+# The names of the parent nodes of all frames' nodes.
+PARTS = ("axes", "arrows", "names")
+
+_LENGTH, _WIDTH = 0.2, 0.02  # length and width of an axis [m]
+# The diameters, and the length of the head [m].
+_SHAFT, _HEAD, _HEAD_LENGTH = 0.01, 0.04, 0.1
 _SHAFT_COLOR, _HEAD_COLOR = np.array([0.8, 0.8, 0.3, 1.0]), np.array([1.0, 0.1, 0.6, 1.0])
 _NAME_HEIGHT = 0.1  # [m]
 _WHITE = np.ones(4)
 _GREY = np.array([0.7, 0.7, 0.7, 1.0])
-_STEPS = 48  # of fading, within the timeout
+# Steps of fading within the timeout.
+_STEPS = 48
 _ALL = "Frames/All Enabled"
-_SHORTEST = 0.001  # [m]; an arrow up to this is not drawn
+# Arrows up to this length [m] are not drawn.
+_SHORTEST = 0.001
 _MEASURED = ("Parent", "Position", "Orientation", "Relative Position", "Relative Orientation")
 
 
-class Look(NamedTuple):
-    """The picture of a frame."""
+class Appearance(NamedTuple):
+    """The appearance of a frame."""
 
-    age: float  # since its last transform, in timeouts; it goes grey from 1/3 to 2/3, and fades until 1
-    scale: float  # Marker Scale
+    # Time since its last transform, in timeouts; gray from 1/3 to 2/3, fading until 1.
+    age: float
+    # The value of Marker Scale.
+    scale: float
 
 
 class DrawnFrame:
-    """Axes, name and an arrow to the parent; what is not to be seen is not even made."""
+    """Axes, name and an arrow to the parent. Invisible parts are not created."""
 
     def __init__(self, scene: Scene, path: str, frame: str) -> None:
         self._scene = scene
         self._frame = frame
         self.nodes = {part: f"{path}/{part}/{node_name(frame)}" for part in PARTS}
-        self._made: dict[str, Look] = {}
-        self._shown: dict[str, bool] = {}
+        self._drawn_appearances: dict[str, Appearance] = {}
+        self._visible_parts: dict[str, bool] = {}
         self._placed: tuple[Matrix | None, Matrix | None] = (None, None)
 
-    def show(self, wanted: Mapping[str, bool], look: Look) -> None:
-        """Show some parts of it and hide the others."""
-        look = Look(max(floor(look.age * _STEPS) / _STEPS, 1 / 3), look.scale)
+    def show(self, wanted: Mapping[str, bool], look: Appearance) -> None:
+        """Show the requested parts, and hide the others."""
+        look = Appearance(max(floor(look.age * _STEPS) / _STEPS, 1 / 3), look.scale)
         for part in PARTS:
-            if wanted[part] and self._made.get(part) != look:
-                self._made[part] = look
+            if wanted[part] and self._drawn_appearances.get(part) != look:
+                self._drawn_appearances[part] = look
                 self._placed = (None, None)
                 self._draw(part, look)
-            if part in self._made and self._shown.get(part, True) != wanted[part]:
-                self._shown[part] = wanted[part]
+            if part in self._drawn_appearances and self._visible_parts.get(part, True) != wanted[part]:
+                self._visible_parts[part] = wanted[part]
                 self._scene.set_visible(self.nodes[part], wanted[part])
 
     def place(self, transform: Matrix, transform_parent: Matrix | None, scale: float) -> None:
-        """Move it; both transforms lead to the fixed frame."""
+        """Move the frame; both transforms are to the fixed frame."""
         before, before_parent = self._placed
         if before is transform and before_parent is transform_parent:
             return
         self._placed = (transform, transform_parent)
-        for part in self._made.keys() - {"arrows"}:
+        for part in self._drawn_appearances.keys() - {"arrows"}:
             self._scene.set_transform(self.nodes[part], transform)
-        if "arrows" in self._made and transform_parent is not None:
+        if "arrows" in self._drawn_appearances and transform_parent is not None:
             self._place_arrow(transform[:3, 3], transform_parent[:3, 3], scale)
 
-    def _draw(self, part: str, look: Look) -> None:
+    def _draw(self, part: str, look: Appearance) -> None:
         put, node = self._scene.set_object, self.nodes[part]
         if part == "axes":
-            put(node, axes(look.scale * _LENGTH, look.scale * _WIDTH, _faded(AXIS_COLORS, look.age)))
+            put(node, axes(look.scale * _LENGTH, look.scale * _WIDTH, _fade(AXIS_COLORS, look.age)))
         elif part == "names":
             height = look.scale * _NAME_HEIGHT
-            put(node, Text(self._frame, height, _faded(_WHITE, look.age), below=True))
+            put(node, Text(self._frame, height, _fade(_WHITE, look.age), below=True))
         else:
-            put(f"{node}/shaft", Solids("cylinder", [np.eye(4)], _faded(_SHAFT_COLOR, look.age)))
-            put(f"{node}/head", Solids("cone", [np.eye(4)], _faded(_HEAD_COLOR, look.age)))
+            put(f"{node}/shaft", Solids("cylinder", [np.eye(4)], _fade(_SHAFT_COLOR, look.age)))
+            put(f"{node}/head", Solids("cone", [np.eye(4)], _fade(_HEAD_COLOR, look.age)))
 
     def _place_arrow(self, start: Matrix, end: Matrix, scale: float) -> None:
         length = float(np.linalg.norm(end - start))
         if not length:
             return
         direction = (end - start) / length
-        head = _HEAD_LENGTH * scale * (length if length < _HEAD_LENGTH * scale else 1.0)  # as in RViz
-        turned, node = turned_to(direction), self.nodes["arrows"]
+        # RViz shortens the head of a short arrow in the same way.
+        head = _HEAD_LENGTH * scale * (length if length < _HEAD_LENGTH * scale else 1.0)
+        turned, node = rotation_to(direction), self.nodes["arrows"]
         sizes = ((_SHAFT * scale, length - head), (_HEAD * scale, head))
         centers = ((length - head) / 2, length - head / 2)
         for part, (width, along), center in zip(("shaft", "head"), sizes, centers, strict=True):
@@ -98,8 +252,8 @@ class DrawnFrame:
             self._scene.set_transform(f"{node}/{part}", placed)
 
 
-def _faded(color: Matrix, age: float) -> Matrix:
-    """Return RGBA after an age in timeouts."""
+def _fade(color: Matrix, age: float) -> Matrix:
+    """Return RGBA faded by an age in units of the timeout."""
     if age <= 2 / 3:
         share = 2 - 3 * age
         faded: Matrix = share * color + (1 - share) * _GREY
@@ -117,16 +271,17 @@ def _regex(value: Any) -> str:
     return text(value)
 
 
-class _Heard(NamedTuple):
+class _LatestTransform(NamedTuple):
     """The latest transform of a frame to the fixed frame, and the time of its arrival."""
 
     transform: Matrix | None
-    stamp_ns: int  # 0 if it never changes, or is not known
-    came_ns: int
+    # 0 if it is static or unknown.
+    stamp_ns: int
+    received_ns: int
 
 
 class TfDisplay(Display):
-    """The frames that tf2 knows; those without new transforms fade."""
+    """The frames that tf2 knows; frames without new transforms fade."""
 
     class_name = "rviz_default_plugins/TF"
     properties = (
@@ -146,18 +301,19 @@ class TfDisplay(Display):
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self._frames: dict[str, DrawnFrame] = {}
-        self._heard: dict[str, _Heard] = {}
-        self._updated_ns: int | None = None  # None asks for an update now
+        self._latest: dict[str, _LatestTransform] = {}
+        # The time of the last update; None requests an immediate one.
+        self._updated_ns: int | None = None
         self._values["Tree"] = self._tree
 
     def __getitem__(self, label: str) -> Any:
-        """Return a property; what is measured is so now."""
+        """Return a property; measured values are computed on access."""
         value = super().__getitem__(label)
         return value() if callable(value) else value
 
-    def changed(self, label: str) -> None:
-        """Tick all frames or one; all else counts from the next frame on."""
-        super().changed(label)
+    def on_changed(self, label: str) -> None:
+        """Tick all frames or one; other properties take effect in the next frame."""
+        super().on_changed(label)
         switches = [f"Frames/{frame}" for frame in self._frames]
         if label == _ALL:
             self._values |= dict.fromkeys(switches, self[_ALL])
@@ -166,11 +322,11 @@ class TfDisplay(Display):
         self._updated_ns = None
 
     def reset(self) -> None:
-        """Forget all frames."""
+        """Remove all frames."""
         super().reset()
         self.shrink("Frames")
         self._frames.clear()
-        self._heard.clear()
+        self._latest.clear()
         self._updated_ns = None
 
     def update(self) -> None:
@@ -194,7 +350,7 @@ class TfDisplay(Display):
             self._frames[name] = DrawnFrame(self.context.scene, self.path, name)
             self._grow(name)
         drawn, transform = self._frames[name], frames.transform(name)
-        look = Look(self._age(name, transform) / self["Frame Timeout"], self["Marker Scale"])
+        look = Appearance(self._age(name, transform) / self["Frame Timeout"], self["Marker Scale"])
         if transform is None:
             self.statuses.set("warn", name, f"No transform from [{name}] to [{frames.fixed_frame}]")
         elif look.age <= 1:
@@ -212,27 +368,28 @@ class TfDisplay(Display):
     def _grow(self, name: str) -> None:
         here, names = f"Frames/{name}", ("Frames", name)
         if any(prop.label == here for prop in self.properties):
-            return  # it had been filtered out
+            # The frame was filtered out before and has its properties already.
+            return
         measured = (
-            Property(f"{here}/{label}", partial(self._measured, name, label), read_only, (*names, label))
+            Property(f"{here}/{label}", partial(self._frame_value, name, label), read_only, (*names, label))
             for label in _MEASURED
         )
         self.grow(Property(here, True, flag, names), *measured)
 
     def _age(self, name: str, transform: Matrix | None) -> float:
-        """Return how long ago a frame got its transform to the fixed frame, [s]; static ones stay new."""
-        now_ns, frames, heard = self.context.now_ns, self.context.frames, self._heard.get(name)
-        if heard is None or heard.transform is not transform:
+        """Return the time since a frame received its transform, [s]; static transforms do not age."""
+        now_ns, frames, latest = self.context.now_ns, self.context.frames, self._latest.get(name)
+        if latest is None or latest.transform is not transform:
             known = transform is not None
             stamp_ns = frames.buffer.lookup(frames.fixed_frame, name).stamp_ns if known else 0
-            same = heard is not None and heard.stamp_ns == stamp_ns
-            heard = self._heard[name] = _Heard(
-                transform, stamp_ns, heard.came_ns if heard and same else now_ns
+            same = latest is not None and latest.stamp_ns == stamp_ns
+            latest = self._latest[name] = _LatestTransform(
+                transform, stamp_ns, latest.received_ns if latest and same else now_ns
             )
-        return (now_ns - heard.came_ns) / NS if heard.stamp_ns else 0.0
+        return (now_ns - latest.received_ns) / NS if latest.stamp_ns else 0.0
 
-    def _measured(self, name: str, what: str) -> Any:
-        """Return what RViz shows below a frame; quaternions as (x, y, z, w)."""
+    def _frame_value(self, name: str, what: str) -> Any:
+        """Return a value that RViz shows below a frame; quaternions are (x, y, z, w)."""
         frames = self.context.frames
         parent = frames.buffer.parent(name) or ""
         if what == "Parent":

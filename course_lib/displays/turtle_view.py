@@ -1,26 +1,27 @@
-"""turtlesim's window: the water, the turtles' lines and the turtles, seen from above."""
+"""turtlesim's window as a top view: water, pen lines and turtles."""
 
 from itertools import count
 
 import numpy as np
 
 from course_lib.arrays import Matrix
-from course_lib.displays.marker.drawables import placement
+from course_lib.displays.shapes import placement
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import TopDownOrtho
-from course_lib.robots.turtlesim.canvas import METER, PIXELS, SIZE, Canvas
-from course_lib.robots.turtlesim.simulator import TurtlesimNode
+from course_lib.robots.turtlesim import METER, PIXELS, SIZE, Canvas, TurtlesimNode
 from course_lib.viewer.drawables import Drawable, Lines, Solids
 
 ROOT = "turtlesim"
-PERIOD = 0.04  # [s] between two pictures
-SCALE = 25.0  # [px / m]: the whole water is in a view of the usual height
+# The time between two updates [s].
+PERIOD = 0.04
+# The scale [px/m], at which the whole water fits into a view of the default height.
+SCALE = 25.0
 SKIN = (0.6, 0.85, 0.3, 1.0)
 SHELLS = (
     (0.55, 0.35, 0.2, 1.0), (0.75, 0.3, 0.25, 1.0), (0.85, 0.65, 0.2, 1.0), (0.5, 0.3, 0.6, 1.0),
     (0.2, 0.5, 0.5, 1.0),
 )  # fmt: skip
-# Head, legs and tail: the middles and the sizes along x and y, [m].
+# Centers and sizes of head, legs and tail along x and y [m].
 LIMBS = (
     (0.5, 0.0, 0.36, 0.3), (0.28, 0.36, 0.32, 0.2), (0.28, -0.36, 0.32, 0.2), (-0.28, 0.36, 0.32, 0.2),
     (-0.28, -0.36, 0.32, 0.2), (-0.48, 0.0, 0.26, 0.12),
@@ -29,10 +30,10 @@ UNTURNED = np.eye(3)
 
 
 class TurtleView:
-    """The picture of a simulator in a viewer.
+    """The display of a turtlesim simulator in a viewer.
 
     Args:
-        node: The simulator, whose timer draws.
+        node: The simulator, whose timer triggers drawing.
     """
 
     def __init__(self, node: TurtlesimNode) -> None:
@@ -47,7 +48,7 @@ class TurtleView:
         node.create_timer(PERIOD, self.draw)
 
     def draw(self) -> None:
-        """Bring the picture up to date."""
+        """Update the drawing."""
         water = tuple(channel / 255 for channel in self._node.background)
         edge = PIXELS / METER  # [m]
         box = placement(UNTURNED, (edge, edge, 0.01), (SIZE / 2, SIZE / 2, -0.1))
@@ -61,12 +62,12 @@ class TurtleView:
             path = f"{ROOT}/turtles/{name}"
             if name not in self._turtles:
                 self._turtles[name] = next(self._numbers)
-                for part, drawable in _parts(self._turtles[name]).items():
+                for part, drawable in _turtle_drawables(self._turtles[name]).items():
                     scene.set_object(f"{path}/{part}", drawable)
             scene.set_transform(path, _pose(turtle.x, turtle.y, turtle.theta))
 
     def _draw_lines(self, canvas: Canvas) -> None:
-        """Draw the strips that have grown, and remove those that are not there any more."""
+        """Draw pen lines that have grown, and remove cleared ones."""
         strips = {f"lines/{number}": strip for number, strip in enumerate(canvas.strips)}
         for name in [name for name in self._drawn if name.startswith("lines/") and name not in strips]:
             del self._drawn[name]
@@ -84,8 +85,8 @@ class TurtleView:
             self.viewer.scene.set_object(f"{ROOT}/{name}", drawable)
 
 
-def _parts(number: int) -> dict[str, Drawable]:
-    """Return a turtle that looks along x, with a shell of its own color."""
+def _turtle_drawables(number: int) -> dict[str, Drawable]:
+    """Return the drawables of a turtle that faces x, with a shell in its own color."""
     limbs = [placement(UNTURNED, (long, wide, 0.1), (x, y, 0.1)) for x, y, long, wide in LIMBS]
     shell = placement(UNTURNED, (0.75, 0.62, 0.2), (0.0, 0.0, 0.2))
     return {

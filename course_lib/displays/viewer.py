@@ -1,75 +1,80 @@
-"""RViz in a cell: what lessons import."""
+"""RViz in a notebook cell: the viewer that lessons import."""
 
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from course_lib.displays.backlog import Backlog
-from course_lib.displays.display import Display, node_name
-from course_lib.displays.frames import NS
+from course_lib.displays.display import Display, RvizNode, node_name
+from course_lib.displays.frames import NS, frame_name
 from course_lib.displays.layout import Options, read_layout
-from course_lib.displays.node import RvizNode
 from course_lib.displays.panel.cell import ViewerCell, end_all
 from course_lib.displays.panel.tools import Tool
+from course_lib.displays.properties import KnownAttributes
 from course_lib.displays.registry import REGISTRY, known_name, short_name
-from course_lib.displays.session import RvizSession
+from course_lib.displays.session import Backlog, RvizSession
 from course_lib.displays.statuses import StatusTable
 from course_lib.displays.views import ViewController
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
-from course_lib.ros.graph import current_graph
-from course_lib.surroundings import announce
-from course_lib.viewer.camera import Camera
-from course_lib.viewer.film import Film
+from course_lib.host import announce
+from course_lib.ros.graph.graph import FailedNodes, UnspunNodes, current_graph
+from course_lib.viewer.drawables import Camera
 from course_lib.viewer.html import save_html
 from course_lib.viewer.page_link import Click
 from course_lib.viewer.picture import Picture, screenshot
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.scene_recording import SceneRecording
 
 if TYPE_CHECKING:
     from course_lib.displays.panel.resting_view import RestingView
-    from course_lib.displays.robot_model.still import Configuration
+    from course_lib.displays.robot_model import Configuration
     from course_lib.robots.robot import Robot
     from course_lib.viewer.visualizer import Visualizer
 
 
-class Viewer:
-    """RViz in a notebook: listens to the running graph, shows displays and their statuses.
+class Viewer(KnownAttributes):
+    """RViz in a notebook: subscribes to the running graph, and shows displays and their statuses.
 
-    Put it on the last line of a cell to see it; several cells may show the same viewer.
+    Put it on the last line of a cell to display it; several cells may show the same viewer. As long
+    as nobody sets the view, it shows what is drawn.
 
     Args:
-        fixed_frame: RViz's Fixed Frame: where everything is placed.
-        use_sim_time: RViz's parameter: whether its time is that on the topic /clock.
+        fixed_frame: RViz's Fixed Frame, in which everything is placed.
+        use_sim_time: RViz's parameter: whether its time is the time on the topic /clock.
     """
 
-    is_seen = True  # False where no page can show a viewer: when graded
+    # This is False during grading, when no page can show a viewer.
+    is_seen = True
 
     def __init__(self, fixed_frame: str = "map", *, use_sim_time: bool = False) -> None:
         self._graph = graph = current_graph()
         scene, matching = Scene(), not graph.keeps_wall_time
         session = RvizSession(scene, fixed_frame, graph.now_ns, matching, use_sim_time)
-        session.context.is_seen, session.latched = self.is_seen, graph.latched
+        session.context.is_seen, session.latched = self.is_seen, graph.latched_samples
         session.context.node = node = RvizNode(graph, session.time)
         self._session, backlog = session, Backlog(session, graph)
-        self.film = Film(scene, lambda: backlog.now_ns / NS)
+        self.film = SceneRecording(scene, lambda: backlog.now_ns / NS)
         self._cell = ViewerCell(session, graph)
         stops = (graph.tap(backlog.receive, session.topics), graph.watch_time(backlog.tick), node.close)
-        self._end = weakref.finalize(self, end_all, stops, self._cell)  # once no name or page holds it
+        # Runs once no variable or page refers to the viewer.
+        self._end = weakref.finalize(self, end_all, stops, self._cell)
         self._end.atexit = False
-        session.catch_up(session.interests)
+        names, errors = graph.part(UnspunNodes).names, graph.part(FailedNodes).errors
+        session.unspun = lambda: list(names.values())
+        session.node_errors = lambda: list(errors.values())
+        session.deliver_latched(session.subscriptions)
         self.add("Grid")
 
     @property
     def session(self) -> RvizSession:
-        """Its displays without the window, after all messages so far."""
-        self._session.context.settle()
+        """The session, with all received messages processed."""
+        self._session.context.process_backlog()
         return self._session
 
     @property
     def scene(self) -> Scene:
-        """The scene, drawn if it was not yet."""
+        """The scene, drawn on access if that was postponed."""
         self.session.context.show()
         return self.session.context.scene
 
@@ -78,14 +83,14 @@ class Viewer:
         """Create a viewer with the displays, options and view of an .rviz file.
 
         Raises:
-            CourseError: If it is not an .rviz file; with line and column.
+            CourseError: It is not an .rviz file; the message has line and column.
         """
         layout, viewer = read_layout(path), cls(use_sim_time=use_sim_time)
         viewer.session.apply(layout)
         return viewer
 
     def save_rviz(self, path: str | Path) -> None:
-        """Write displays, options and views as an .rviz file, which RViz2 opens too."""
+        """Write displays, options and views as an .rviz file, which RViz2 can open, too."""
         save_rviz(self.session, path)
 
     def add(
@@ -97,17 +102,18 @@ class Viewer:
         group: str | None = None,
         **properties: Any,
     ) -> Display:
-        """Add a display, as RViz's Add button does.
+        """Add a display, like RViz's Add button.
 
         Args:
-            class_name: RViz's name, ``Marker`` or ``rviz_default_plugins/Marker``.
-            topic: Its Topic property, or whatever the display calls it.
-            name: Its class if not given.
-            group: The group that holds it, made if there is none of that name.
-            properties: By RViz's labels, as Python names: ``cell_size=0.5``, or ``**{"Cell Size": 0.5}``.
+            class_name: RViz's class name, ``Marker`` or ``rviz_default_plugins/Marker``.
+            topic: The value of its Topic property, whatever its label.
+            name: The display's name; default: its class.
+            group: The group to add it to, which is created if it does not exist.
+            properties: Values by RViz's labels, as Python names: ``cell_size=0.5``, or ``**{"Cell
+                Size": 0.5}``.
 
         Raises:
-            CourseError: If there is no such class or property, or a value does not fit.
+            CourseError: The class or property does not exist, or a value is invalid.
         """
         wanted = known_name(class_name)
         if topic is not None:
@@ -126,6 +132,9 @@ class Viewer:
         """The displays, in the order of RViz's tree."""
         return list(self._session.displays)
 
+    def _instead(self, name: str) -> str:
+        return super()._instead(name) or self.options._instead(name)
+
     def __repr__(self) -> str:
         shown = ", ".join(display.name for display in self.displays) or "no display"
         return f"<Viewer of {self.fixed_frame} with {shown}>"
@@ -134,12 +143,14 @@ class Viewer:
         """Return the first display with a name."""
         by_name = {display.name: display for display in reversed(self.displays)}
         if name not in by_name:
-            raise CourseError(f"No display is called {name!r}; there is {', '.join(by_name) or 'none'}.")
+            raise CourseError(
+                f"No display has the name {name!r}; the displays are {', '.join(by_name) or 'none'}."
+            )
         return by_name[name]
 
     @property
     def fixed_frame(self) -> str:
-        """RViz's Fixed Frame; another one restarts all displays."""
+        """RViz's Fixed Frame; setting another one restarts all displays."""
         return self._session.fixed_frame
 
     @fixed_frame.setter
@@ -148,12 +159,12 @@ class Viewer:
 
     @property
     def use_sim_time(self) -> bool:
-        """RViz's parameter: whether its time is that on the topic /clock; a change resets all displays."""
+        """RViz's parameter: whether the topic /clock is its time source; a change resets all displays."""
         return self.session.time.use_sim_time
 
     @use_sim_time.setter
     def use_sim_time(self, use_sim_time: bool) -> None:
-        self.session.follow_clock(use_sim_time)
+        self.session.set_sim_time(use_sim_time)
 
     @property
     def options(self) -> Options:
@@ -164,7 +175,7 @@ class Viewer:
         """Return a tool by the label of its button: ``viewer.tool("2D Goal Pose")["Topic"] = "/goal"``."""
         tools = {tool.label: tool for tool in self.session.tools}
         if label not in tools:
-            raise CourseError(f"No tool is called {label!r}; there is {', '.join(tools)}.")
+            raise CourseError(f"No tool has the label {label!r}; the tools are {', '.join(tools)}.")
         return tools[label]
 
     @property
@@ -175,7 +186,7 @@ class Viewer:
     @view.setter
     def view(self, view: ViewController) -> None:
         if not isinstance(view, ViewController):
-            raise CourseError(f"{view!r} is not a view; write one like viewer.view = Orbit().")
+            raise CourseError(f"{view!r} is not a view; assign one, like viewer.view = Orbit().")
         self.session.view = view
 
     @property
@@ -187,41 +198,57 @@ class Viewer:
     @property
     def meshcat(self) -> "Visualizer":
         """The scene, for meshcat code: ``viewer.meshcat["box"].set_object(Box([1, 1, 1]))``."""
-        from course_lib.viewer.visualizer import Visualizer  # here: heavy
+        # Imported here because it is slow to load.
+        from course_lib.viewer.visualizer import Visualizer
 
         return Visualizer(self.scene)
 
     def statuses(self) -> StatusTable:
-        """Return the statuses of RViz's Displays panel, and hints where RViz is silent."""
-        self.session.update(self._graph.now_ns)  # which draws nothing where nobody can look
+        """Return the statuses of RViz's Displays panel, with hints."""
+        # This draws nothing if no page can show it.
+        self.session.update(self._graph.now_ns)
         return StatusTable(self.session.rows())
 
-    def show_robot(self, robot: "Robot", configuration: "Configuration" = None) -> None:
-        """Draw a robot's links in the fixed frame, without any messages.
+    def show_robot(
+        self,
+        robot: "Robot",
+        configuration: "Configuration" = None,
+        *,
+        frame: str | None = None,
+        at: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Draw a robot's links in a frame, without any messages but those of tf2.
 
         Args:
-            robot: What `load_robot` returns.
-            configuration: Joint positions by name, as `link_poses` takes them, or Pinocchio's vector, shape
-                (nq,); None takes the rest posture.
+            robot: A robot from `load_robot`.
+            configuration: Joint positions by name as for `link_poses`, or Pinocchio's vector, shape
+                (nq,); None uses the rest posture.
+            frame: The frame that the robot moves with, which hides it while tf2 doesn't know it; None
+                is the fixed frame.
+            at: Its position in that frame, [m].
         """
-        from course_lib.displays.robot_model.still import draw_still  # here: heavy
+        # Imported here because it is slow to load.
+        from course_lib.displays.robot_model import draw_still
 
-        draw_still(self.scene, f"robots/{node_name(robot.name)}", robot, configuration)
+        path = f"robots/{node_name(robot.name)}"
+        draw_still(self.scene, path, robot, configuration)
+        self.session.attach(path, frame_name(frame or ""), at)
 
     def save_html(self, path: str | Path, playback: bool = False) -> None:
-        """Write the scene as one page that opens without a network.
+        """Write the scene as a single page that opens without a network.
 
         Args:
-            path: The page's file.
-            playback: Whether the page plays what was seen so far; it says so if that is not all.
+            path: The path of the page.
+            playback: Whether the page can play the scene's history; it says so if the history is
+                incomplete.
         """
         self.look()
         save_html(self.film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
 
     def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
-        """Draw the scene into a PNG of a size in [px]; the result names its renderer.
+        """Render the scene as a PNG with a size in [px].
 
-        That is a page that shows the viewer, else Chromium or Chrome, else numpy.
+        It is rendered by a page that shows the viewer, else by Chromium or Chrome, else by numpy.
         """
         self.look()
         png = self._cell.picture(size)
@@ -233,44 +260,61 @@ class Viewer:
         return picture
 
     def beside(self) -> None:
-        """Show the viewer in a panel beside the notebook, where JupyterLab has one, else in the cell."""
+        """Show the viewer in a panel next to the notebook in JupyterLab, else in the cell.
+
+        The viewers of later cells take the panel in turn, until the reader closes it or moves the view back.
+        A window of less than 1200 px has no room for it.
+        """
         self._cell.dock(self)
 
     def freeze(self, seconds: float = 5.0) -> "RestingView":
-        """Return the view as it is now, for the last line of a cell: later messages do not change it.
+        """Return a copy of the view for the last line of a cell, which later messages do not change.
 
         Args:
-            seconds: How much of what was seen before its bar can play, [s] of robot time.
+            seconds: The length [s] of robot time before now that the copy can play.
         """
         self.look()
         return self._cell.at_rest(self.film, seconds)
 
-    def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
-        """Show the viewer in a browser's tab; it ends with the program.
+    def replay(self, seconds: float = 5.0) -> "RestingView":
+        """Return a recording for the last line of a cell, which plays again and again while it is in sight.
 
         Args:
-            browser: Whether to open the page, besides printing its address.
-            port: Where to listen, on this machine only; 0 lets the system choose a free one.
-            token: The secret part of the address; None makes one up.
-
-        Returns:
-            The address; on a JupyterHub that of its proxy.
-
-        Raises:
-            CourseError: The port is taken, or the hub has no jupyter-server-proxy.
+            seconds: The length [s] of robot time before now that it plays.
         """
         self.look()
-        url = self._cell.opened(port, token)
+        return self._cell.at_rest(self.film, seconds, plays=True)
+
+    def reset(self) -> None:
+        """Discard all received messages and transforms, as RViz's button Reset does."""
+        self.session.reset()
+
+    def open(self, *, browser: bool = True, port: int = 0, token: str | None = None) -> str:
+        """Show the viewer in a browser tab until the program ends.
+
+        Args:
+            browser: Whether to open the page, in addition to printing its URL.
+            port: The port on this machine; 0 lets the system choose a free one.
+            token: The secret part of the URL; None generates one.
+
+        Returns:
+            The URL; on a JupyterHub the URL of its proxy.
+
+        Raises:
+            CourseError: The port is in use, or the hub has no jupyter-server-proxy.
+        """
+        self.look()
+        url = self._cell.open_page(port, token)
         announce("The viewer", url, browser=browser)
         return url
 
     def summary(self) -> str:
-        """Describe in words the objects drawn, their places in the fixed frame, and the statuses."""
+        """Describe in words the drawn objects, their positions in the fixed frame, and the statuses."""
         self.look()
         return self.session.summary()
 
     def on_click(self, callback: Callable[[Click], None]) -> Callable[[Click], None]:
-        """Register a callback for every click into the view: ``@viewer.on_click`` above it."""
+        """Register a callback for clicks into the view; use ``@viewer.on_click`` above it."""
         self._cell.on_click.append(callback)
         return callback
 
@@ -278,19 +322,19 @@ class Viewer:
         """Wait for the next click into the view: ``click = await viewer.pick()``.
 
         Raises:
-            CourseError: At once, if no page shows the viewer.
+            CourseError: No page shows the viewer.
         """
         return await self._cell.next_click()
 
     def look(self) -> None:
-        """Bring the scene up to date, as robot time stands."""
+        """Bring the scene up to date at the current robot time."""
         self.session.context.show()
-        self.session.update(self._graph.now_ns)
+        self.session.update(self._graph.now_ns, is_opened=True)
 
     def close(self) -> None:
-        """Stop listening, and take the viewer out of all cells."""
+        """Unsubscribe, and remove the viewer from all cells."""
         self._end()
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         self.look()
-        return self._cell.shown(self, **kwargs)
+        return self._cell.mime_bundle(self, **kwargs)

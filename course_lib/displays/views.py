@@ -1,29 +1,166 @@
-"""RViz's view controllers: around a point, from above, and from a point."""
+"""RViz's view controllers, which compute a camera from properties and the target frame."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping
 from math import asin, atan2, cos, pi, sin
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
+from msgspec.structs import replace
 
 from course_lib.arrays import Floats, Matrix
-from course_lib.displays.frames import Frames
+from course_lib.displays.frames import FIXED_FRAME, Frames
 from course_lib.displays.layout import text_at
-from course_lib.displays.properties import Property, flag, number, vector, words
-from course_lib.displays.view_controller import COMMON, PITCH_LIMIT, Hands, ViewController, direction, point
-from course_lib.viewer.camera import Camera
+from course_lib.displays.properties import Property, PropertyHolder, flag, frame, number, vector, words
+from course_lib.errors import did_you_mean
+from course_lib.viewer.drawables import Camera
+from course_lib.viewer.encoding import Message
+
+# The maximum pitch [rad], because RViz excludes the poles.
+PITCH_LIMIT = pi / 2 - 0.001
+
+COMMON = (
+    Property("Target Frame", FIXED_FRAME, frame),
+    Property("Near Clip Distance", 0.01, number(0.001)),  # [m]
+    Property("Invert Z Axis", False, flag),
+)
+
+
+class Hands(Message, frozen=True):
+    """The rules by which a page turns a view by hand."""
+
+    # Whether the view turns around the eye instead of the focal point.
+    in_place: bool
+    # Whether the up direction follows the target frame.
+    aligned: bool
+    locked: bool
+    # See `ViewController.lift`.
+    lift: float
+    ground: float  # [m] height of the target frame
+
+
+class ViewController(PropertyHolder):
+    """Base class of all view controllers. If the target frame is unknown, its last known pose is used.
+
+    Args:
+        properties: Values by RViz's labels, or as Python names: ``Orbit(distance=6.0,
+            focal_point=(0, 0, 0.5))``.
+    """
+
+    class_name: ClassVar[str]
+    properties: tuple[Property, ...] = COMMON
+
+    # Upward shift of the camera in the image, as a fraction of the distance.
+    lift: ClassVar[float] = 0.0
+
+    def __init__(self, **properties: object) -> None:
+        super().__init__()
+        self._target: Matrix = np.eye(4)
+        # Target frame of the last camera.
+        self._followed = ""
+        self.name = "Current View"
+        # Called after a property has changed.
+        self.on_change: Callable[[], None] = lambda: None
+        for label, value in properties.items():
+            self[label] = value
+
+    def on_changed(self, label: str) -> None:
+        """Show the change."""
+        self.on_change()
+
+    def _expression(self) -> str:
+        return "viewer.view"
+
+    def __repr__(self) -> str:
+        return self.class_name.rpartition("/")[2]
+
+    def camera(self, frames: Frames) -> Camera:
+        """Return the camera. It follows the target frame, as long as the transform is known."""
+        name = self["Target Frame"]
+        target = frames.transform(frames.fixed_frame if name == FIXED_FRAME else name)
+        if target is not None:
+            before, self._target = self._target, target
+            if self._followed not in ("", name):
+                self._keep_position(before[:3, 3] - target[:3, 3])
+        self._followed = name
+        return self._camera(self._target)
+
+    def target_frame_hints(self, frames: Frames) -> tuple[str, ...]:
+        """Return a hint about an unknown target frame, which RViz does not report."""
+        name, known = self["Target Frame"], frames.buffer.frames()
+        if name == FIXED_FRAME or frames.transform(name) is not None:
+            return ()
+        suggestion = did_you_mean(name, known) or f"; tf2 has {', '.join(sorted(known)) or 'no frame'}."
+        return (
+            f"tf2 has no transform to the view's Target Frame {name!r}, so the view does not move"
+            f"{suggestion}",
+        )
+
+    def load(self, config: Mapping[str, Any]) -> list[str]:
+        """Set properties from a layout, and store it."""
+        self.config, self._followed = config, ""
+        return super().load(config)
+
+    def hands(self) -> Hands:
+        """Return the rules by which a page turns the view."""
+        return Hands("Position" in self._values, False, False, self.lift, float(self._target[2, 3]))
+
+    def return_home(self) -> None:
+        """Restore the defaults, like RViz's key Z."""
+        kept = ("Target Frame", "Near Clip Distance", "Invert Z Axis")
+        self._values |= {p.label: p.default for p in self.properties if p.label not in kept}
+        self.on_change()
+
+    def set_from_camera(self, camera: Camera) -> None:
+        """Set the properties from a camera that the user turned, without sending it again."""
+        self.set_quietly(self._values_for(camera, np.subtract(camera.target, camera.eye), self._target))
+
+    def set_quietly(self, values: Mapping[str, Any]) -> None:
+        """Set properties by label without calling `on_change`."""
+        self._values |= {label: self._property(label).convert(value) for label, value in values.items()}
+
+    def mimic(self, other: "ViewController", frames: Frames) -> None:
+        """Look from the same position as another view, as far as this type of view permits."""
+        self._values["Target Frame"] = other["Target Frame"]
+        # This determines the pose of the target frame.
+        self.camera(frames)
+        self.set_from_camera(other.camera(frames))
+
+    def _keep_position(self, moved: Floats) -> None:
+        """Keep the camera's position when the target frame changes."""
+        for label in ("Focal Point", "Position"):
+            if label in self._values:
+                self._values[label] = point(np.add(self[label], moved))
+
+    def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
+        raise NotImplementedError
+
+    def _values_for(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+        """Return the property values for a camera, the inverse of `_camera`."""
+        raise NotImplementedError
+
+
+def direction(yaw: float, pitch: float) -> Floats:
+    """Return the unit vector with a yaw and an upward pitch, [rad]."""
+    return np.array([cos(yaw) * cos(pitch), sin(yaw) * cos(pitch), sin(pitch)])
+
+
+def point(array: Floats) -> tuple[float, float, float]:
+    """Convert a vector to a tuple of floats."""
+    x, y, z = array.tolist()
+    return x, y, z
+
 
 __all__ = ["FPS", "FrameAligned", "Orbit", "ThirdPersonFollower", "TopDownOrtho", "ViewController", "XYOrbit"]
 
-_TOP_HEIGHT = 500.0  # [m] of the camera that looks down
+# Height of the camera that looks down [m].
+_TOP_HEIGHT = 500.0
 
 
 class Orbit(ViewController):
-    """A camera around a focal point, which follows the target frame's position.
+    """A camera around a focal point, which follows the position of the target frame.
 
     Args:
-        properties: By RViz's labels: `Orbit(distance=6.0)`; in [m] and [rad].
+        properties: Values by RViz's labels, `Orbit(distance=6.0)`, in [m] and [rad].
     """
 
     class_name = "rviz_default_plugins/Orbit"
@@ -35,33 +172,35 @@ class Orbit(ViewController):
         Property("Focal Point", (0.0, 0.0, 0.0), vector),  # [m]
     )
 
-    turns = False  # about z, with the target frame
+    # Whether the view rotates about z with the target frame.
+    turns = False
 
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
-        turned, sign = self._turned(transform_target_to_fixed), self._sign()
+        turned, sign = self._target_rotation(transform_target_to_fixed), self._sign()
         away = turned @ direction(sign * self["Yaw"], sign * self["Pitch"])
-        lifted = self._lifted(away, self["Distance"])
+        lifted = self._upward_shift(away, self["Distance"])
         focus = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Focal Point"]) + lifted
         eye = focus + self["Distance"] * away
         return Camera(point(eye), point(focus), (0.0, 0.0, sign), near=self["Near Clip Distance"])
 
-    def _taken(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
-        turned, sign = self._turned(transform_target_to_fixed), self._sign()
+    def _values_for(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+        turned, sign = self._target_rotation(transform_target_to_fixed), self._sign()
         distance = float(np.linalg.norm(ahead))
         x, y, z = away = turned.T @ -ahead / distance
-        focus = camera.target - self._lifted(turned @ away, distance) - transform_target_to_fixed[:3, 3]
+        focus = camera.target - self._upward_shift(turned @ away, distance) - transform_target_to_fixed[:3, 3]
         yaw, pitch = sign * atan2(y, x) % (2 * pi), sign * asin(min(max(z, -1.0), 1.0))
         return {"Distance": distance, "Yaw": yaw, "Pitch": pitch, "Focal Point": point(turned.T @ focus)}
 
-    def _turned(self, transform_target_to_fixed: Matrix) -> Floats:
+    def _target_rotation(self, transform_target_to_fixed: Matrix) -> Floats:
         x, y = transform_target_to_fixed[:2, 0]
-        return _about_z(atan2(y, x) if self.turns else 0.0)
+        yaw = atan2(y, x) if self.turns else 0.0
+        return np.array([[cos(yaw), -sin(yaw), 0.0], [sin(yaw), cos(yaw), 0.0], [0.0, 0.0, 1.0]])
 
     def _sign(self) -> float:
         return -1.0 if self["Invert Z Axis"] else 1.0
 
-    def _lifted(self, away: Floats, distance: float) -> Floats:
-        """Return how far the camera is moved up in the picture."""
+    def _upward_shift(self, away: Floats, distance: float) -> Floats:
+        """Return the upward shift of the camera in the image."""
         up = np.array([0.0, 0.0, self._sign()])
         picture_up = up - away * (away @ up)
         lifted: Floats = picture_up * distance * self.lift / max(float(np.linalg.norm(picture_up)), 1e-9)
@@ -69,36 +208,38 @@ class Orbit(ViewController):
 
 
 class XYOrbit(Orbit):
-    """An Orbit whose focal point is on the ground, seen in the lower half of the picture.
+    """An Orbit whose focal point is on the ground and appears in the lower half of the image.
 
     Args:
-        properties: By RViz's labels: `XYOrbit(distance=6.0)`; in [m] and [rad].
+        properties: Values by RViz's labels, `XYOrbit(distance=6.0)`, in [m] and [rad].
     """
 
     class_name = "rviz_default_plugins/XYOrbit"
     lift = 0.2
 
     def mimic(self, other: ViewController, frames: Frames) -> None:
-        """Look from where another view does if the ground is ahead of it; else use the defaults."""
+        """Look from the position of another view if the ground is in front of it; else use the defaults."""
         super().mimic(other, frames)
         camera = other.camera(frames)
         eye = np.subtract(camera.eye, self._target[:3, 3])
         _, up, back = camera.view_matrix()[:3, :3]
         if camera.orthographic_scale is None and eye[2] * back[2] > 0 and eye[2] * up[2] > 0:
-            far, down = eye[2] / back[2], eye[2] / up[2]  # [m] to the ground, ahead and below
+            # The distances to the ground, ahead and below, [m].
+            far, down = eye[2] / back[2], eye[2] / up[2]
             distance = far * down / (self.lift * far + down)
             focus = (eye - self.lift * distance * up - distance * back) * [1, 1, 0]
-            turned = self._turned(self._target)
+            turned = self._target_rotation(self._target)
             self._values |= {"Distance": float(distance), "Focal Point": point(turned.T @ focus)}
         elif camera.orthographic_scale is None:
             self.return_home()
 
 
 class ThirdPersonFollower(XYOrbit):
-    """An XYOrbit that turns about z with the target frame.
+    """An XYOrbit that rotates about z with the target frame.
 
     Args:
-        properties: By RViz's labels: `ThirdPersonFollower(target_frame="base_link")`; in [m] and [rad].
+        properties: Values by RViz's labels, `ThirdPersonFollower(target_frame="base_link")`, in [m]
+            and [rad].
     """
 
     class_name = "rviz_default_plugins/ThirdPersonFollower"
@@ -109,7 +250,7 @@ class TopDownOrtho(ViewController):
     """A camera that looks straight down, without perspective.
 
     Args:
-        properties: By RViz's labels: `TopDownOrtho(scale=80.0)`; the scale is in [px/m].
+        properties: Values by RViz's labels, `TopDownOrtho(scale=80.0)`; the scale is in [px/m].
     """
 
     class_name = "rviz_default_plugins/TopDownOrtho"
@@ -132,13 +273,13 @@ class TopDownOrtho(ViewController):
             orthographic_scale=self["Scale"],
         )
 
-    def _taken(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+    def _values_for(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
         right_x, right_y, _ = camera.view_matrix()[0, :3]
         x, y, _ = camera.target - transform_target_to_fixed[:3, 3]
         scale = camera.orthographic_scale or self["Scale"]
         return {"Scale": scale, "Angle": atan2(right_y, right_x), "X": x, "Y": y}
 
-    def _keep_place(self, moved: Floats) -> None:
+    def _keep_position(self, moved: Floats) -> None:
         self._values |= {"X": self["X"] + float(moved[0]), "Y": self["Y"] + float(moved[1])}
 
 
@@ -152,7 +293,7 @@ class FPS(ViewController):
     """A camera that looks around from a point.
 
     Args:
-        properties: By RViz's labels: `FPS(position=(2.0, 0.0, 1.0))`; in [m] and [rad].
+        properties: Values by RViz's labels, `FPS(position=(2.0, 0.0, 1.0))`, in [m] and [rad].
     """
 
     class_name = "rviz_default_plugins/FPS"
@@ -164,28 +305,30 @@ class FPS(ViewController):
     )
 
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
-        turned = self._turned(transform_target_to_fixed)
+        turned = self._target_rotation(transform_target_to_fixed)
         eye = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Position"])
         target = eye + turned @ direction(self["Yaw"], -self["Pitch"])
         return Camera(point(eye), point(target), point(turned[:, 2]), near=self["Near Clip Distance"])
 
-    def _taken(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
-        turned = self._turned(transform_target_to_fixed)
+    def _values_for(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+        turned = self._target_rotation(transform_target_to_fixed)
         position = point(turned.T @ (camera.eye - transform_target_to_fixed[:3, 3]))
         return {"Position": position, **_angles(turned.T @ ahead)}
 
-    def _turned(self, transform_target_to_fixed: Matrix) -> Floats:
-        """Return how the view is turned with the target frame, shape (3, 3)."""
+    def _target_rotation(self, transform_target_to_fixed: Matrix) -> Floats:
+        """Return the rotation of the view with the target frame, shape (3, 3)."""
         return np.eye(3)
 
 
 class FrameAligned(FPS):
-    """A camera that looks around from a point of the target frame, and follows all of its motion.
+    """A camera that looks around from a point of the target frame, and follows the frame's motion completely.
 
-    RViz has it from Jazzy 14.1.11 on; it begins at the frame's origin and looks along one of its axes.
+    RViz has it since Jazzy 14.1.11. It starts at the frame's origin and looks along one of its
+    axes.
 
     Args:
-        properties: By RViz's labels: `FrameAligned(target_frame="camera")`; in [m] and [rad].
+        properties: Values by RViz's labels, `FrameAligned(target_frame="camera")`, in [m] and
+            [rad].
     """
 
     class_name = "rviz_default_plugins/FrameAligned"
@@ -198,18 +341,18 @@ class FrameAligned(FPS):
         Property("Lock Camera", False, flag),
     )
 
-    def changed(self, label: str) -> None:
-        """Look along the axis that was chosen, or find out which one it is."""
+    def on_changed(self, label: str) -> None:
+        """Look along the chosen axis, or determine the axis from yaw and pitch."""
         ahead = _AXES.get(self["Point towards"])
         if label == "Point towards" and ahead:
             self._values |= {"Position": (0.0, 0.0, 0.0), **_angles(np.array(ahead))}
         elif label in ("Yaw", "Pitch"):
             self._name_axis()
-        super().changed(label)
+        super().on_changed(label)
 
-    def take(self, camera: Camera) -> None:
-        """Set the properties from a camera that was turned by hand."""
-        super().take(camera)
+    def set_from_camera(self, camera: Camera) -> None:
+        """Set the properties from a camera that the user turned by hand."""
+        super().set_from_camera(camera)
         self._name_axis()
 
     def hands(self) -> Hands:
@@ -221,15 +364,15 @@ class FrameAligned(FPS):
         near = (name for name, axis in _AXES.items() if ahead @ axis > 0.999)
         self._values["Point towards"] = next(near, "arbitrary")
 
-    def _turned(self, transform_target_to_fixed: Matrix) -> Floats:
+    def _target_rotation(self, transform_target_to_fixed: Matrix) -> Floats:
         return transform_target_to_fixed[:3, :3]
 
-    def _keep_place(self, moved: Floats) -> None:
-        """Jump to the new frame."""
+    def _keep_position(self, moved: Floats) -> None:
+        """Do nothing: the camera moves with the new frame."""
 
 
 def _angles(ahead: Floats) -> dict[str, float]:
-    """Return where a direction points to, [rad]; pitch is downward."""
+    """Return yaw and downward pitch of a direction, [rad]."""
     x, y, z = ahead / np.linalg.norm(ahead)
     return {
         "Yaw": atan2(y, x) % (2 * pi),
@@ -238,7 +381,7 @@ def _angles(ahead: Floats) -> dict[str, float]:
 
 
 class FailedView(Orbit):
-    """A view controller of an unknown class; its configuration is kept as it came."""
+    """A view controller of an unknown class, which keeps its configuration unchanged."""
 
 
 VIEWS: dict[str, type[ViewController]] = {
@@ -248,15 +391,12 @@ VIEWS: dict[str, type[ViewController]] = {
 
 
 def view_of(config: Mapping[str, Any]) -> "tuple[ViewController, *tuple[str, ...]]":
-    """Return the view that a layout describes, and what was wrong with it."""
+    """Return the view configured in a layout, followed by error messages."""
     wanted = text_at(config, "Class") or Orbit.class_name
     package, _, short = wanted.rpartition("/")
-    known = short in VIEWS and package in ("", "rviz", "rviz_default_plugins")  # rviz: of ROS 1
+    # ROS 1 calls the package `rviz`.
+    known = short in VIEWS and package in ("", "rviz", "rviz_default_plugins")
     view = VIEWS[short]() if known else FailedView()
     view.name = text_at(config, "Name") or view.name
-    unknown = f"{wanted} is none of {', '.join(VIEWS)}: Orbit is used, and its settings are kept."
+    unknown = f"{wanted} is not one of {', '.join(VIEWS)}: Orbit is used, and the settings are kept."
     return view, *(() if known else (unknown,)), *view.load(config)
-
-
-def _about_z(yaw: float) -> Floats:
-    return np.array([[cos(yaw), -sin(yaw), 0.0], [sin(yaw), cos(yaw), 0.0], [0.0, 0.0, 1.0]])

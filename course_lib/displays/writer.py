@@ -1,4 +1,4 @@
-"""Writing .rviz files in RViz's own forms (property.cpp, config.cpp, yaml_config_writer.cpp)."""
+"""Writing .rviz files in RViz's own format (property.cpp, config.cpp, yaml_config_writer.cpp)."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.displays.display import GROUP, Display, Group
-from course_lib.displays.layout import Options, text_at, yaml_text
+from course_lib.displays.layout import LOOK, Options, text_at, yaml_text
 from course_lib.displays.panel.tools import Tool
 from course_lib.displays.properties import booleans, color, vector
 from course_lib.displays.registry import FailedDisplay
@@ -20,10 +20,10 @@ _PANELS = ("Displays", "Selection", "Tool Properties", "Views", "Time")
 
 
 def save_rviz(session: RvizSession, path: str | Path) -> None:
-    """Write what a session shows as an .rviz file; what came from another file and is not known is kept.
+    """Write a session as an .rviz file. Unknown entries of a loaded file are preserved.
 
     Raises:
-        CourseError: If the file cannot be written.
+        CourseError: The file cannot be written.
     """
     path = Path(path)
     try:
@@ -34,14 +34,17 @@ def save_rviz(session: RvizSession, path: str | Path) -> None:
 
 
 def document(session: RvizSession) -> dict[str, Any]:
-    """Return the whole layout as maps, lists and values; keys in the order in which RViz writes them."""
+    """Return the whole layout as maps, lists and values, with keys in RViz's order."""
     before = session.layout.document
     manager = _map(before, "Visualization Manager")
     views = {
         "Current": view_config(session.view),
         "Saved": [view_config(view) for view in session.saved_views] or None,
     }
-    result: dict[str, Any] = _sorted(
+    # Tools keep the order of the loaded layout; without a layout, all tools are written.
+    ours = {tool.class_name: _with_properties(tool, {"Class": tool.class_name}) for tool in session.tools}
+    tools = [ours.pop(text_at(config, "Class"), config) for config in session.layout.tools]
+    result: dict[str, Any] = _sort_keys(
         {
             "Panels": [{"Class": f"rviz_common/{name}", "Name": name} for name in _PANELS],
             **before,
@@ -53,8 +56,8 @@ def document(session: RvizSession) -> dict[str, Any]:
                 "Value": True,
                 **manager,
                 "Displays": [member_config(member) for member in session.tree.members] or None,
-                "Tools": _tools(session),
-                "Global Options": _with_properties(session.options, {}),
+                "Tools": tools or [*ours.values()],
+                "Global Options": _options(session.options),
                 "Views": {**_map(manager, "Views"), **views},
             },
         }
@@ -62,8 +65,16 @@ def document(session: RvizSession) -> dict[str, Any]:
     return result
 
 
+def _options(options: Options) -> dict[str, Any]:
+    """Return the Global Options. RViz's own look is not written, because RViz has no such property."""
+    config = _with_properties(options, {})
+    if options[LOOK.label] == LOOK.default:
+        del config[LOOK.label]
+    return config
+
+
 def member_config(member: Display | Group) -> dict[str, Any]:
-    """Return a display's or a group's part of a layout."""
+    """Return the configuration of a display or group."""
     if isinstance(member, Group):
         named = {"Class": GROUP, "Name": member.name, "Enabled": member.ticked}
         displays = [member_config(inner) for inner in member.members]
@@ -76,15 +87,8 @@ def member_config(member: Display | Group) -> dict[str, Any]:
     return _with_properties(member, {"Class": member.class_name, **known})
 
 
-def _tools(session: RvizSession) -> list[Mapping[str, Any]]:
-    """Return the tools of the former layout, ours as they are now; all of ours if there were none."""
-    ours = {tool.class_name: _with_properties(tool, {"Class": tool.class_name}) for tool in session.tools}
-    kept = [ours.pop(text_at(config, "Class"), config) for config in session.layout.tools]
-    return [*kept, *(() if kept else ours.values())]
-
-
 def view_config(view: ViewController) -> dict[str, Any]:
-    """Return a view's part of a layout."""
+    """Return the configuration of a view."""
     if isinstance(view, FailedView):
         return {**view.config, "Name": view.name}
     label = f"{view} (rviz_default_plugins)"
@@ -92,7 +96,7 @@ def view_config(view: ViewController) -> dict[str, Any]:
 
 
 def _with_properties(holder: _Configured, known: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a holder's part of a layout, over its part of the former layout."""
+    """Return the configuration of an object with properties, merged over its loaded one."""
     config: dict[str, Any] = {**holder.config, **known}
     parents = {prop.path[:-1] for prop in holder.properties}
     for prop in holder.properties:
@@ -102,7 +106,7 @@ def _with_properties(holder: _Configured, known: Mapping[str, Any]) -> dict[str,
         place = config
         for name in path:
             place[name] = place = dict(_map(place, name))
-        value = _saved(prop.convert, holder[prop.label])
+        value = _rviz_notation(prop.convert, holder[prop.label])
         if prop.path in parents or prop.convert is booleans:
             value = {**_map(place, last), **(value if isinstance(value, dict) else {"Value": value})}
         place[last] = value
@@ -110,13 +114,13 @@ def _with_properties(holder: _Configured, known: Mapping[str, Any]) -> dict[str,
 
 
 def _map(config: Mapping[str, Any], label: str) -> Mapping[str, Any]:
-    """Return a map of a layout, empty if there is something else."""
+    """Return the map under a label, or an empty one if the value has another type."""
     value = config.get(label)
     return value if isinstance(value, Mapping) else {}
 
 
-def _saved(convert: Any, value: Any) -> Any:
-    """Return a value in the form in which RViz writes it."""
+def _rviz_notation(convert: Any, value: Any) -> Any:
+    """Return a value in RViz's notation."""
     if convert is color:
         return "; ".join(map(str, value))
     if convert is vector:
@@ -125,13 +129,13 @@ def _saved(convert: Any, value: Any) -> Any:
 
 
 def _float32(number: float) -> float | int:
-    """Return the number that RViz has: of four bytes, and without a point if it is whole."""
+    """Round to float32, as RViz stores numbers; return an int if the result is integral."""
     short = float(np.float32(number))
     return int(short) if short.is_integer() else short
 
 
-def _sorted(value: Any) -> Any:
-    """Return maps and lists, keys in the order of their code units as in Qt's maps."""
+def _sort_keys(value: Any) -> Any:
+    """Return maps and lists with keys sorted by code units, like Qt's maps."""
     if isinstance(value, Mapping):
-        return {key: _sorted(value[key]) for key in sorted(value)}
-    return [_sorted(part) for part in value] if isinstance(value, list | tuple) else value
+        return {key: _sort_keys(value[key]) for key in sorted(value)}
+    return [_sort_keys(part) for part in value] if isinstance(value, list | tuple) else value

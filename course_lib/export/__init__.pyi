@@ -1,2 +1,2 @@
-from .check import lacks as lacks
 from .export import export as export
+from .export import lacks as lacks

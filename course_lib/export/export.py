@@ -1,42 +1,51 @@
-"""`course export`: a notebook or a Python file becomes a ROS 2 package."""
+"""`course export`: convert a notebook or a Python file to a ROS 2 package."""
 
 import ast
 import getpass
 import os
+import re
 import shutil
 import tempfile
+import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.export.module import Main, NodeModule, dependencies
-from course_lib.export.nodes import (
+from course_lib.export.module import (
+    Main,
+    NodeModule,
+    Statement,
+    collect_needed,
+    dependencies,
     displays,
     frames,
-    needed,
     node_classes,
     node_name,
     obstacles,
     parameters,
     parameters_text,
+    read_cells,
+    statements,
 )
-from course_lib.export.statements import Statement, read_cells, statements
 from course_lib.ros.package_template import PackageText, check_package_name, filled, package_files
+from course_lib.ros.programs.packages import executables_of
+from course_lib.third_party import parse_python
 
 _FOLDERS = {".rviz": "rviz", ".yaml": "config", ".yml": "config", ".urdf": "urdf", ".py": "launch"}
-_STARTED = ("launch", "launch_ros", "rviz2")  # by the launch file
+# Packages that the launch file needs.
+_STARTED = ("launch", "launch_ros", "rviz2")
 
 
 @dataclass(frozen=True, repr=False)
-class Written:
+class ExportedPackage:
     """An exported package; iterating over it yields its files.
 
     Args:
         folder: The package's folder.
-        files: What was written, sorted.
-        notes: One sentence per class that did not become an executable.
+        files: The written files, sorted.
+        notes: A sentence for each class that did not become an executable.
     """
 
     folder: Path
@@ -60,40 +69,44 @@ def export(
     nodes: Sequence[str] = (),
     extra: Sequence[Path] = (),
     force: bool = False,
-) -> Written:
+) -> ExportedPackage:
     """Write a package.
 
     Args:
-        file: A notebook, of which the cells marked with `# export` count if there are any, or a .py file.
+        file: A .py file, or a notebook. If a notebook has cells marked with `# export`, only these
+            are exported.
         package: The package's name.
-        out: The folder that the package's folder is put into.
-        nodes: The classes that become executables; default: all that derive from Node, but those that
-            others inherit from and those that need arguments, which are exported as code only.
-        extra: Files that go with them: a layout, parameters, a launch file, a URDF.
-        force: Whether what is there may be overwritten; files of other names stay.
+        out: The folder in which the package's folder is created.
+        nodes: The classes that become executables; default: all subclasses of Node, except base
+            classes of others and classes that need arguments, which are exported as code only.
+        extra: Files to include: a layout, parameters, a launch file, a URDF.
+        force: Whether existing files may be overwritten. Files with other names are kept.
 
     Returns:
-        The files written, and which classes are not executables.
+        The package.
 
     Raises:
-        CourseError: Something is missing or wrong; nothing is written then.
+        CourseError: The code or the arguments are invalid. In this case nothing is written.
     """
     check_package_name(package)
     if (out / package).exists() and not force:
-        raise CourseError(f"{out / package} is there already. Write --force to overwrite what export writes.")
+        raise CourseError(f"{out / package} already exists. Use --force to overwrite the exported files.")
     modules, only_code = _modules(file, nodes)
-    files = {path: text.encode() for path, text in _texts(file, package, modules, extra).items()}
+    files = {path: text.encode() for path, text in _file_texts(file, package, modules, extra).items()}
     for one in extra:
         if one.suffix not in _FOLDERS or not one.is_file():
-            raise CourseError(f"{one} cannot go along; give files that end in {', '.join(_FOLDERS)}.")
+            raise CourseError(f"{one} cannot be included; give files that end in {', '.join(_FOLDERS)}.")
         files[f"{_FOLDERS[one.suffix]}/{one.name}"] = one.read_bytes()
     _write(files, out / package)
-    notes = [_note(name, why, modules) for name, why in only_code.items()]
-    return Written(out / package, tuple(out / package / path for path in sorted(files)), tuple(notes))
+    notes = []
+    for name, why in only_code.items():
+        places = [f"{m.name}.py" for m in modules if any(name in part.bindings for part in m.parts)]
+        notes.append(f"{name} is not an executable, because it {why}. Its code is in {', '.join(places)}.")
+    return ExportedPackage(out / package, tuple(out / package / path for path in sorted(files)), tuple(notes))
 
 
 def _modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[str, str]]:
-    """Return the modules, and by class why some of them are not executables."""
+    """Return the modules, and the reason for each class that is not an executable."""
     code = statements(read_cells(file))
     if any(one.cell.marked for one in code):
         kept, left_out = [s for s in code if s.cell.marked], [s for s in code if not s.cell.marked]
@@ -104,12 +117,12 @@ def _modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[s
     found = {m.class_name: why for m in modules if (why := obstacles(m, modules, kept, named=bool(nodes)))}
     started = [module for module in modules if module.class_name not in found]
     if not started or (found and nodes):
-        told = "; ".join(f"{name}() {why}" for name, why in found.items())
+        reasons = "; ".join(f"{name}() {why}" for name, why in found.items())
         raise CourseError(
-            f"Nothing can start this: {told}. Give defaults, or make them parameters: "
+            f"Nothing can start this: {reasons}. Give defaults, or make them parameters: "
             "self.declare_parameter(…)."
         )
-    used = {one for module in started for part in module.parts for one in part.gives}
+    used = {one for module in started for part in module.parts for one in part.bindings}
     alone = [replace(m, main=Main.NONE) for m in modules if m.class_name in found.keys() - used]
     for name, count in Counter(module.name for module in [*started, *alone]).items():
         if count > 1:
@@ -117,27 +130,26 @@ def _modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[s
     return [*started, *alone], found
 
 
-def _note(class_name: str, why: str, modules: Sequence[NodeModule]) -> str:
-    places = [f"{m.name}.py" for m in modules if any(class_name in part.gives for part in m.parts)]
-    return f"{class_name} is not an executable, because it {why}. Its code is in {', '.join(places)}."
-
-
 def _module(
     root: Statement, roots: Sequence[Statement], kept: Sequence[Statement], left_out: Sequence[Statement]
 ) -> NodeModule:
     assert isinstance(root.node, ast.ClassDef)
-    parts = needed(root, kept, left_out)
-    classes = frozenset().union(*(one.gives for one in roots))
-    main = next((s for s in reversed(kept) if "main" in s.gives and s.later & classes == root.gives), None)
+    parts = collect_needed(root, kept, left_out)
+    classes = frozenset().union(*(one.bindings for one in roots))
+    main = next(
+        (s for s in reversed(kept) if "main" in s.bindings and s.later & classes == root.bindings), None
+    )
     if main is None:
         return NodeModule(root.node, parts, Main.MADE)
-    of_main = needed(main, kept, left_out)
+    of_main = collect_needed(main, kept, left_out)
     parts = sorted({one.order: one for one in (*parts, *of_main)}.values(), key=lambda one: one.order)
     return NodeModule(root.node, parts, Main.OWN)
 
 
-def _texts(file: Path, package: str, modules: Sequence[NodeModule], extra: Sequence[Path]) -> dict[str, str]:
-    """Write all files but the extra ones."""
+def _file_texts(
+    file: Path, package: str, modules: Sequence[NodeModule], extra: Sequence[Path]
+) -> dict[str, str]:
+    """Return the contents of all files by path, except the extra files."""
     imported = set[str]().union(*(module.imported() for module in modules))
     started = [module for module in modules if module.main is not Main.NONE]
     depends, exec_depends = dependencies(imported, package)
@@ -158,11 +170,17 @@ def _texts(file: Path, package: str, modules: Sequence[NodeModule], extra: Seque
     for module in started:
         names = {"package": package, "module": module.name, "name": module.class_name}
         files[f"test/test_{module.name}.py"] = filled("test_node.py", **names)
-    return files | _launch(package, started, {_FOLDERS.get(one.suffix, ""): one.name for one in extra})
+    return files | _launch_files(package, started, {_FOLDERS.get(one.suffix, ""): one.name for one in extra})
 
 
-def _launch(package: str, modules: Sequence[NodeModule], given: dict[str, str]) -> dict[str, str]:
-    """Write launch file, parameters and layout, as far as they are not given, by folder."""
+def _launch_files(package: str, modules: Sequence[NodeModule], given: dict[str, str]) -> dict[str, str]:
+    """Return the launch file, the parameters and the layout by path, except those in `given`.
+
+    Args:
+        package: The package's name.
+        modules: The executables.
+        given: The names of the extra files by folder.
+    """
     files: dict[str, str] = {}
     values = {name: found for m in modules if (name := node_name(m.node)) and (found := parameters(m.node))}
     config = given.get("config", f"{package}.yaml" if values else "")
@@ -182,7 +200,7 @@ def _launch(package: str, modules: Sequence[NodeModule], given: dict[str, str]) 
 
 
 def _write(files: dict[str, bytes], target: Path) -> None:
-    """Write a folder aside, then rename it; what is there already and not written stays."""
+    """Write the files into a temporary folder, then rename it. Other existing files are kept."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as aside:
         draft = Path(aside, "new")
@@ -194,3 +212,122 @@ def _write(files: dict[str, bytes], target: Path) -> None:
         if target.exists():
             os.rename(target, Path(aside, "old"))
         os.rename(draft, target)
+
+
+_REQUIRED = ("package.xml", "setup.py", "setup.cfg", "resource/{}", "{}/__init__.py")
+_RECOMMENDED = ("launch/*.py", "config/*.yaml", "rviz/*.rviz", "test/test_*.py", "README.md")
+_TESTED_BY = ("ament_copyright", "ament_flake8", "ament_pep257", "python3-pytest")
+
+
+@dataclass(frozen=True)
+class Report:
+    """The missing parts of a package: the parts required to build and start it, and the advised ones."""
+
+    name: str
+    missing: tuple[str, ...]
+    advice: tuple[str, ...]
+
+    @property
+    def complete(self) -> bool:
+        """True if the package can be built and started."""
+        return not self.missing
+
+    def lines(self) -> list[str]:
+        """Return a line for each missing part."""
+        lines = [f"lacks: {text}" for text in self.missing] + [f"advised: {text}" for text in self.advice]
+        return lines or [f"{self.name} has everything that a package needs."]
+
+
+def lacks(folder: Path) -> Report:
+    """Check the folder of a package for missing parts."""
+    if not folder.is_dir():
+        raise CourseError(f"There is no folder {folder}. Pass the folder that contains package.xml.")
+    name = folder.resolve().name
+    required = [path.format(name) for path in _REQUIRED]
+    missing = [f"the file {path}" for path in required if not (folder / path).is_file()]
+    advice = [f"a file {path}" for path in _RECOMMENDED if not any(folder.glob(path))]
+    for file, check in (
+        ("package.xml", _check_manifest),
+        ("setup.py", _check_setup),
+        ("setup.cfg", _check_setup_cfg),
+    ):
+        if (folder / file).is_file():
+            missing += check(folder / file, name)
+    if (folder / "package.xml").is_file():
+        advice += _advise((folder / "package.xml").read_text(encoding="utf-8"))
+    return Report(name, tuple(missing), tuple(advice))
+
+
+def _check_manifest(file: Path, name: str) -> Iterator[str]:
+    try:
+        root = ET.fromstring(file.read_bytes())
+    except ET.ParseError as error:
+        yield f"a package.xml that is valid XML: {error}"
+        return
+    if root.get("format") != "3":
+        yield 'package.xml: <package format="3">'
+    if (root.findtext("name") or "").strip() != name:
+        yield f"package.xml: <name>{name}</name>, the name of its folder"
+    for tag in ("version", "description", "maintainer", "license"):
+        if not (root.findtext(tag) or "").strip():
+            yield f"package.xml: <{tag}>"
+    if (root.findtext("export/build_type") or "").strip() != "ament_python":
+        yield "package.xml: <export><build_type>ament_python</build_type></export>"
+    named = {(one.text or "").strip() for one in root if one.tag.endswith("depend")}
+    ros, others = dependencies(_imports(file.parent / name), name)
+    for tag, names in (("depend", ros), ("exec_depend", others)):
+        yield from (f"package.xml: <{tag}>{one}</{tag}>" for one in names if one not in named)
+
+
+def _check_setup(file: Path, name: str) -> Iterator[str]:
+    text = file.read_text(encoding="utf-8")
+    if f"'{name}'" not in text.replace('"', "'"):
+        yield f"setup.py: name='{name}'"
+    executables = executables_of(file)
+    if not executables:
+        yield "setup.py: an executable in console_scripts"
+    for executable, (module, function) in executables.items():
+        source = file.parent / (module.replace(".", "/") + ".py")
+        if not source.is_file():
+            yield f"setup.py: {executable} starts {module}, and there is no {source.relative_to(file.parent)}"
+        elif f"\ndef {function}(" not in source.read_text(encoding="utf-8"):
+            yield f"{source.relative_to(file.parent)}: the function {function}, which {executable} starts"
+    for folder in ("launch", "config", "rviz", "urdf"):
+        if any((file.parent / folder).glob("*")) and folder not in text:
+            yield f"setup.py: {folder}/ in data_files"
+    if "resource_index/packages" not in text:
+        yield "setup.py: the marker resource/ in data_files"
+
+
+def _check_setup_cfg(file: Path, name: str) -> Iterator[str]:
+    text = re.sub(r"\s*=\s*", "=", file.read_text(encoding="utf-8").replace("-", "_"))
+    yield from (
+        f"setup.cfg: {line}"
+        for line in (f"script_dir=$base/lib/{name}", f"install_scripts=$base/lib/{name}")
+        if line not in text
+    )
+
+
+def _advise(text: str) -> Iterator[str]:
+    for name in _TESTED_BY:
+        if f"<test_depend>{name}<" not in text:
+            yield f"package.xml: <test_depend>{name}</test_depend>"
+    if "TODO" in text:
+        yield "package.xml: text in place of each TODO"
+    if "@todo" in text or "example.com" in text:
+        yield "package.xml: your name and address as maintainer"
+
+
+def _imports(folder: Path) -> set[str]:
+    found = set[str]()
+    for file in folder.rglob("*.py"):
+        try:
+            tree = parse_python(file.read_text(encoding="utf-8"))
+        except SyntaxError as error:
+            raise CourseError(f"{file}, line {error.lineno}: {error.msg}. Correct it first.") from error
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                found.add((node.module or "").partition(".")[0])
+    return found

@@ -1,20 +1,211 @@
-"""One node's module in a package, and the packages it depends on."""
+"""The code of an exported package: split a notebook or Python file into a module for each node class."""
 
 import ast
+import builtins
 import io
 import re
+import symtable
 import sys
 import tokenize
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import Enum
+from pathlib import Path
+from typing import Any
 
+from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.errors import CourseError
-from course_lib.export.statements import Statement
-from course_lib.ros.standin_path import provided
+from course_lib.ros.programs.import_path import provided_packages
+from course_lib.third_party import parse_python
 
-_ROSDEP = {  # what rosdep calls Python packages, where that is not python3-<name>
+_MARK = re.compile(r"\s*#\s*\|?\s*export\s*$", re.MULTILINE)
+# Names of scopes that run immediately, unlike functions.
+_IMMEDIATE_SCOPES = ("listcomp", "genexpr", "dictcomp", "setcomp")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """The Python code of a cell, its number in JupyterLab, and whether it is marked for export."""
+
+    number: int
+    source: str
+    marked: bool
+
+
+def read_cells(file: Path) -> list[Cell]:
+    """Read a .py file as a single cell, or the code cells of a notebook, with its local modules.
+
+    Raises:
+        CourseError: The file cannot be read, or is not a notebook.
+    """
+    if file.suffix == ".ipynb":
+        cells = (_cell(number, cell) for number, cell in code_cells(read_notebook(file)))
+        return [part for cell in cells for part in _with_modules(cell, file.parent)]
+    return [Cell(1, _text(file), marked=True)]
+
+
+def _text(file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+        raise CourseError(
+            f"{file} cannot be read: {reason}. Pass the path of an .ipynb or .py file."
+        ) from error
+
+
+def _with_modules(cell: Cell, folder: Path) -> Iterator[Cell]:
+    """Yield each module in the folder that a cell imports from, then the cell without these imports."""
+    lines = cell.source.splitlines()
+    modules = {name: folder / f"{name}.py" for name in re.findall(r"^from (\w+) import", cell.source, re.M)}
+    for name, module in modules.items():
+        if module.is_file():
+            yield Cell(cell.number, _text(module), cell.marked)
+            for node in parse_python(cell.source).body:
+                if isinstance(node, ast.ImportFrom) and node.module == name:
+                    first, last = node.lineno - 1, node.end_lineno or node.lineno
+                    lines[first:last] = [""] * (last - first)
+    yield Cell(cell.number, "\n".join(lines), cell.marked)
+
+
+def _cell(number: int, cell: dict[str, Any]) -> Cell:
+    code, tags = source(cell), cell.get("metadata", {}).get("tags", ())
+    return Cell(number, without_magics(code), bool(_MARK.match(code)) or "export" in tags)
+
+
+def without_magics(source: str) -> str:
+    """Convert a cell to Python: its magics become calls, and its mark for export is removed."""
+    from IPython.core.inputtransformer2 import TransformerManager
+
+    manager = TransformerManager()  # type: ignore[no-untyped-call]
+    return _MARK.sub("", manager.transform_cell(source), count=1)
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A statement of a cell.
+
+    Attributes:
+        order: Its index among all statements.
+        text: Its source, with the comments above it. Imports have a single name.
+        gives: The names that it binds.
+        changes: The names of objects that it mutates, as in `COLORS["car"] = RED`.
+        now: The names that it needs when it runs.
+        later: The names that its functions need when they are called.
+    """
+
+    order: int
+    cell: Cell
+    node: ast.stmt = field(repr=False)
+    text: str
+    bindings: frozenset[str]
+    changes: frozenset[str]
+    now: frozenset[str]
+    later: frozenset[str]
+
+    @property
+    def is_import(self) -> bool:
+        """Whether it is an import."""
+        return isinstance(self.node, ast.Import | ast.ImportFrom)
+
+
+def statements(cells: Sequence[Cell]) -> list[Statement]:
+    """Split cells into statements.
+
+    Raises:
+        CourseError: A cell is not valid Python.
+    """
+    found: list[Statement] = []
+    for cell in cells:
+        try:
+            nodes = parse_python(cell.source).body
+        except SyntaxError as error:
+            raise CourseError(
+                f"Cell {cell.number}, line {error.lineno}: {error.msg}. Correct it first."
+            ) from error
+        for node, text in _split_imports(cell.source, nodes):
+            now, later = _needs(text)
+            bindings, changes = frozenset(bound_names(node)), frozenset(_mutated_names(node))
+            if isinstance(node, ast.AugAssign):
+                now |= bindings
+            # An assignment like X = X + 1 needs the previous X.
+            elif not isinstance(node, ast.Assign):
+                now -= bindings
+            found.append(Statement(len(found), cell, node, text, bindings, changes, now, later))
+    return found
+
+
+def _split_imports(source: str, nodes: Sequence[ast.stmt]) -> Iterator[tuple[ast.stmt, str]]:
+    """Yield each statement with its text. An import of several names is split into several imports."""
+    lines, end = source.splitlines(), 0
+    for node in nodes:
+        first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))]) - 1
+        begin, end_before = first, end
+        while begin > end_before and lines[begin - 1].startswith("#"):
+            begin -= 1
+        end = node.end_lineno or node.lineno
+        if isinstance(node, ast.Import):
+            for name in node.names:
+                yield (one := ast.Import([name])), ast.unparse(one)
+        elif isinstance(node, ast.ImportFrom):
+            for name in node.names:
+                yield (part := ast.ImportFrom(node.module, [name], node.level)), ast.unparse(part)
+        # The statement follows a semicolon.
+        elif first < end_before:
+            yield node, ast.unparse(node)
+        else:
+            yield node, "\n".join(line.rstrip() for line in lines[begin:end])
+
+
+def bound_names(node: ast.AST) -> Iterator[str]:
+    """Yield the names that a statement binds in its module."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        yield node.name
+        return
+    if isinstance(node, ast.alias):
+        yield (node.asname or node.name).partition(".")[0]
+    elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+        yield node.id
+    if not isinstance(node, ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp | ast.Lambda):
+        for child in ast.iter_child_nodes(node):
+            yield from bound_names(child)
+
+
+def _mutated_names(node: ast.stmt) -> Iterator[str]:
+    """Yield the names of objects that a statement mutates by a subscript, an attribute or a method call."""
+    targets: list[ast.expr] = []
+    if isinstance(node, ast.Assign | ast.Delete):
+        targets = node.targets
+    elif isinstance(node, ast.AugAssign):
+        targets = [node.target]
+    elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
+        targets = [node.value.func]
+    for target in targets:
+        inner: ast.expr = target
+        while isinstance(inner, ast.Subscript | ast.Attribute):
+            inner = inner.value
+        if isinstance(inner, ast.Name) and inner is not target:
+            yield inner.id
+
+
+def _needs(text: str) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the names that code needs when it runs, and when its functions are called."""
+    now, later = set[str](), set[str]()
+
+    def look(table: symtable.SymbolTable, names: set[str]) -> None:
+        top = table.get_type() == "module"
+        names |= {s.get_name() for s in table.get_symbols() if s.is_referenced() and (top or s.is_global())}
+        for child in table.get_children():
+            at_once = child.get_type() == "class" or child.get_name() in _IMMEDIATE_SCOPES
+            look(child, names if at_once else later)
+
+    look(symtable.symtable(text, "cell", "exec"), now)
+    return frozenset(now), frozenset(later)
+
+
+# rosdep's keys of Python packages that differ from python3-<name>.
+_ROSDEP = {
     "PIL": "python3-pil",
     "cv2": "python3-opencv",
     "pinocchio": "pinocchio",
@@ -33,24 +224,26 @@ _MAIN = '''def main(args=None):
     finally:
         node.destroy_node()
         rclpy.try_shutdown()'''
-_PLAIN = re.compile(r"""(\w*)"([^"'\\\n]*)\"""")  # a string that either quotation mark may enclose
-MAX_LINE = 100  # characters, as ament_flake8 has it
+# A string literal whose double quotes can be replaced by single quotes.
+_DOUBLE_QUOTED = re.compile(r"""(\w*)"([^"'\\\n]*)\"""")
+# Maximum line length of ament_flake8.
+MAX_LINE = 100
 _MAIN_IMPORTS = ("import rclpy", "from rclpy.executors import ExternalShutdownException")
 
 
 def dependencies(imported: Iterable[str], package: str) -> tuple[list[str], list[str]]:
-    """Return the ROS packages, and rosdep's keys of others, among imported top-level packages.
+    """Split imported top-level packages into ROS packages and the rosdep keys of all others.
 
     Raises:
-        CourseError: The course's library is among them, which no robot has.
+        CourseError: The code imports course_lib, which is not installed on robots.
     """
     others = set(imported) - set(sys.stdlib_module_names) - {package, ""}
     if "course_lib" in others:
         raise CourseError(
-            "The nodes use course_lib, which is not there on a robot. Keep Viewer, spin_for and check out of "
-            "what the nodes need."
+            "The nodes use course_lib, which robots do not have. Remove Viewer, spin_for and "
+            "check from the code that the nodes use."
         )
-    ros = others & set(provided())
+    ros = others & set(provided_packages())
     return sorted(ros), sorted(_ROSDEP.get(name, f"python3-{name.lower()}") for name in others - ros)
 
 
@@ -64,7 +257,7 @@ class Main(Enum):
 
 @dataclass(frozen=True)
 class NodeModule:
-    """A class that becomes a module of the same name in small letters."""
+    """A node class and the statements of the module that it is exported to."""
 
     node: ast.ClassDef
     parts: Sequence[Statement]
@@ -72,18 +265,18 @@ class NodeModule:
 
     @property
     def class_name(self) -> str:
-        """The class."""
+        """The name of the class."""
         return self.node.name
 
     @property
     def name(self) -> str:
-        """The module and its executable: TFPublisher's is tf_publisher."""
+        """The name of the module and its executable, like tf_publisher for TFPublisher."""
         words = re.sub(r"([A-Z]+)([A-Z][a-z])", r"\1_\2", self.class_name)
         return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", words).lower()
 
     @property
     def summary(self) -> str:
-        """The first line of the class's docstring, or its name in words."""
+        """The first line of the class's docstring, or a sentence with its name."""
         text = (ast.get_docstring(self.node) or f"The node {self.class_name}.").splitlines()[0].strip()
         return text if text.endswith((".", "!", "?")) else f"{text}."
 
@@ -95,14 +288,14 @@ class NodeModule:
         return {name.partition(".")[0] for name in found}
 
     def text(self) -> str:
-        """Write the module."""
+        """Return the source of the module."""
         imports = {part.text for part in self.parts if part.is_import}
         body = [(part.node, part.text) for part in self.parts if not part.is_import]
         if self.main is Main.MADE:
             imports |= set(_MAIN_IMPORTS)
             main = _MAIN.format(name=self.class_name)
             body.append((ast.parse(main).body[0], main))
-        text = f'"""{self.summary}"""\n\n{_sorted(imports)}\n'
+        text = f'"""{self.summary}"""\n\n{_sort_imports(imports)}\n'
         was_block = True
         for node, part in body:
             is_block = isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
@@ -111,8 +304,8 @@ class NodeModule:
         return text if self.main is Main.NONE else text + "\n\nif __name__ == '__main__':\n    main()\n"
 
 
-def _sorted(imports: set[str]) -> str:
-    """Sort imports as ament_flake8 expects them: the standard library, then all others, each by name."""
+def _sort_imports(imports: set[str]) -> str:
+    """Sort imports by name as ament_flake8 expects, the standard library first."""
     names = defaultdict[str, list[str]](list)
     for line in imports:
         head, _, name = line.partition(" import ")
@@ -127,12 +320,229 @@ def _sorted(imports: set[str]) -> str:
 
 
 def _tidy(text: str) -> str:
-    """Write a part as ROS's linters want it: ' around strings, a full stop behind one-line docstrings."""
+    """Format code for ROS's linters: single quotes, and a period at the end of one-line docstrings."""
     lines = text.splitlines()
     for token in reversed(list(tokenize.generate_tokens(io.StringIO(text).readline))):
-        plain = _PLAIN.fullmatch(token.string)
+        plain = _DOUBLE_QUOTED.fullmatch(token.string)
         if token.type == tokenize.STRING and plain:
             row, begin, end = token.start[0] - 1, token.start[1], token.end[1]
             lines[row] = f"{lines[row][:begin]}{plain[1]}'{plain[2]}'{lines[row][end:]}"
     text = "\n".join(lines)
     return re.sub(r'^(\s+"""[^"\n]*[^"\n.!?:\s])\s*"""$', r'\1."""', text, flags=re.MULTILINE)
+
+
+_ALWAYS_THERE = {*dir(builtins), "__name__", "__file__", "__doc__", "__class__"}
+_REGISTERING = ("import tf2_geometry_msgs", "import tf2_sensor_msgs")
+# RViz's display class by message type.
+_DISPLAYS = {
+    "Image": "Image",
+    "LaserScan": "LaserScan",
+    "Marker": "Marker",
+    "MarkerArray": "MarkerArray",
+    "Odometry": "Odometry",
+    "Path": "Path",
+    "PointCloud2": "PointCloud2",
+    "PoseArray": "PoseArray",
+    "PoseStamped": "Pose",
+}
+
+
+def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statement]:
+    """Find the classes to export: the classes with these names, or by default all subclasses of Node.
+
+    Raises:
+        CourseError: A name is not a class, or there are no subclasses of Node.
+    """
+    classes = {name: one for one in code if isinstance(one.node, ast.ClassDef) for name in one.bindings}
+    for name in names:
+        if name not in classes:
+            raise CourseError(
+                f"There is no class {name!r} to export; there is: {', '.join(classes) or 'none'}."
+            )
+    chosen = [classes[name] for name in names or classes if names or _is_node(classes[name], classes)]
+    if not chosen:
+        raise CourseError("There is no class that derives from rclpy's Node. Choose a class: --node MyClass")
+    return sorted(chosen, key=lambda one: one.order)
+
+
+def collect_needed(
+    root: Statement, code: Sequence[Statement], left_out: Sequence[Statement]
+) -> list[Statement]:
+    """Collect a statement and all statements that it needs, in the order of the source.
+
+    Args:
+        root: The statement.
+        code: The statements that may be exported.
+        left_out: The statements of cells that are not marked, which the error refers to.
+
+    Raises:
+        CourseError: A name is undefined, or only defined in a cell that is left out.
+    """
+    chosen = {root.order: root} | {one.order: one for one in code if one.text.startswith("from __future__")}
+    # These imports have a side effect: they register message types in tf2.
+    chosen |= {one.order: one for one in code if one.text in _REGISTERING}
+    to_do, last = [root], len(code) + len(left_out)
+    while to_do:
+        one = to_do.pop()
+        found = [_find_binding(name, one, code, left_out, at=one.order) for name in sorted(one.now)]
+        found += [_find_binding(name, one, code, left_out, at=last) for name in sorted(one.later)]
+        if not one.is_import:
+            found += [s for s in code if s.changes & one.bindings and not isinstance(one.node, ast.ClassDef)]
+        for giver in found:
+            if giver is not None and giver.order not in chosen:
+                chosen[giver.order] = giver
+                to_do.append(giver)
+    return [chosen[order] for order in sorted(chosen)]
+
+
+def _is_node(one: Statement, classes: dict[str, Statement]) -> bool:
+    assert isinstance(one.node, ast.ClassDef)
+    for base in one.node.bases:
+        name = base.attr if isinstance(base, ast.Attribute) else getattr(base, "id", "")
+        if name in ("Node", "LifecycleNode"):
+            return True
+        if name in classes and classes[name] is not one and _is_node(classes[name], classes):
+            return True
+    return False
+
+
+def _find_binding(
+    name: str, user: Statement, code: Sequence[Statement], left_out: Sequence[Statement], *, at: int
+) -> Statement | None:
+    """Find the last statement before `at` that binds a name, or else the first one after it."""
+    givers = [one for one in code if name in one.bindings or "*" in one.bindings]
+    before = [one for one in givers if one.order < at]
+    if givers:
+        return before[-1] if before else givers[0]
+    if name in _ALWAYS_THERE or name in user.bindings:
+        return None
+    who = f"{', '.join(sorted(user.bindings)) or 'a statement'} (cell {user.cell.number}) uses {name!r}"
+    elsewhere = next((one for one in left_out if name in one.bindings), None)
+    if elsewhere is not None:
+        raise CourseError(
+            f"{who}, which cell {elsewhere.cell.number} defines, but that cell is not exported. Mark it with "
+            "# export in its first line."
+        )
+    raise CourseError(f"{who}, which is not defined. Define or import it in a cell that is exported.")
+
+
+def node_name(node: ast.ClassDef) -> str | None:
+    """Return the name in `super().__init__("name")`, if it is a literal."""
+    calls = (call for call in _calls(node, "__init__") if call.args)
+    return next((text for call in calls if isinstance(text := _literal(call.args[0]), str)), None)
+
+
+def parameters(node: ast.ClassDef) -> dict[str, Any]:
+    """Return the parameters that a class declares with a literal default."""
+    found = {}
+    for call in _calls(node, "declare_parameter"):
+        default = call.args[1] if len(call.args) > 1 else None
+        value = None if default is None else _literal(default)
+        if call.args and isinstance(name := _literal(call.args[0]), str) and value not in (None, []):
+            found[name] = value
+    return found
+
+
+def displays(node: ast.ClassDef) -> dict[str, str]:
+    """Return RViz's display class for each topic that a class publishes, if RViz has one."""
+    found = {}
+    for call in _calls(node, "create_publisher"):
+        if len(call.args) > 1 and isinstance(topic := _literal(call.args[1]), str):
+            kind = call.args[0]
+            name = kind.attr if isinstance(kind, ast.Attribute) else getattr(kind, "id", "")
+            if name in _DISPLAYS:
+                found[topic if topic.startswith("/") else f"/{topic}"] = _DISPLAYS[name]
+    return found
+
+
+def frames(node: ast.ClassDef) -> list[str]:
+    """Return the frames that a class assigns to `frame_id`."""
+    return [
+        value
+        for one in ast.walk(node)
+        if isinstance(one, ast.Assign) and isinstance(value := _literal(one.value), str)
+        if any(isinstance(target, ast.Attribute) and target.attr == "frame_id" for target in one.targets)
+    ]
+
+
+def parameters_text(by_node: Mapping[str, Mapping[str, Any]]) -> str:
+    """Format parameters as YAML for `--params-file`."""
+    import json
+
+    lines = []
+    for name, values in by_node.items():
+        lines += [f"{name}:", "  ros__parameters:"]
+        lines += [f"    {key}: {json.dumps(value, ensure_ascii=False)}" for key, value in values.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _calls(node: ast.AST, method: str) -> Iterator[ast.Call]:
+    for one in ast.walk(node):
+        if isinstance(one, ast.Call) and isinstance(one.func, ast.Attribute) and one.func.attr == method:
+            yield one
+
+
+def _literal(node: ast.expr) -> Any:
+    try:
+        return ast.literal_eval(node)
+    except ValueError:
+        return None
+
+
+def obstacles(
+    module: NodeModule, modules: Sequence[NodeModule], code: Sequence[Statement], *, named: bool
+) -> str:
+    """Return why a class cannot become an executable, like "needs name", or "" if it can.
+
+    Args:
+        module: The class.
+        modules: All classes that may become executables.
+        code: The exported statements, in which base classes are looked up.
+        named: Whether the user chose the class by name. Then it may be a base of other classes.
+    """
+    if module.main is Main.OWN:
+        return ""
+    classes = {one.node.name: one.node for one in code if isinstance(one.node, ast.ClassDef)}
+    heirs = [other.class_name for other in modules if module.class_name in _direct_bases(other.node)]
+    if heirs and not named:
+        return f"is the base of {', '.join(heirs)}"
+    constructors = (
+        item
+        for one in _family(module.node, classes)
+        for item in one.body
+        if isinstance(item, ast.FunctionDef) and item.name == "__init__"
+    )
+    free = next(map(_required_arguments, constructors), [])
+    if free:
+        return f"needs {', '.join(free)}"
+    methods = (item for item in module.node.body if isinstance(item, ast.FunctionDef))
+    abstract = [
+        method.name
+        for method in methods
+        if any(ast.unparse(one).endswith("abstractmethod") for one in method.decorator_list)
+    ]
+    return f"leaves {', '.join(abstract)} abstract" if abstract else ""
+
+
+def _direct_bases(node: ast.ClassDef) -> list[str]:
+    return [base.id for base in node.bases if isinstance(base, ast.Name) and base.id != node.name]
+
+
+def _family(node: ast.ClassDef, classes: Mapping[str, ast.ClassDef]) -> list[ast.ClassDef]:
+    """Return a class and its direct and indirect bases among `classes`, nearest first."""
+    family, to_do = [node], _direct_bases(node)
+    while to_do:
+        base = classes.get(to_do.pop(0))
+        if base is not None and base not in family:
+            family.append(base)
+            to_do += _direct_bases(base)
+    return family
+
+
+def _required_arguments(function: ast.FunctionDef) -> list[str]:
+    """Return the arguments of a method that have no default, without `self`."""
+    arguments = function.args
+    positional = [*arguments.posonlyargs, *arguments.args][1:]
+    free = positional[: len(positional) - len(arguments.defaults)]
+    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+    return [one.arg for one in (*free, *(one for one, default in pairs if default is None))]

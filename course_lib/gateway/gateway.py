@@ -1,37 +1,93 @@
-"""A router between a class and a robot: students hear the robot, and one of them drives."""
+"""A gateway between a class and a robot: students receive the robot's messages, and one of them drives.
 
+It consists of two Zenoh routers in one process, connected by a socket. The students' router
+forwards no messages to the robot. The gateway itself receives the driver's commands, counts them,
+and publishes them to the robot. So a student can neither drive out of turn nor publish anything
+else to the robot, and the gateway can stop the robot if the driver's commands cease.
+"""
+
+import json
 import re
 import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_lib.foreign import read_json
-from course_lib.gateway.access import INNER, access_control
-from course_lib.gateway.students import Access
-from course_lib.gateway.zenoh_router import open_router
-from course_lib.ros.zenoh.commands import moves, still
-from course_lib.ros.zenoh.login import PRESENCE, ROBOT, STUDENTS, gateway_key
-from course_lib.ros.zenoh.tokens import Entity, attachment, ros_name
+from course_lib.errors import CourseError
+from course_lib.gateway.access import INNER, Access, access_control
+from course_lib.ros.robot.connect import is_over_dds
+from course_lib.ros.robot.sending import is_motion, stop_message
+from course_lib.ros.zenoh.session import PRESENCE, ROBOT, STUDENTS, gateway_key
+from course_lib.ros.zenoh.tokens import ZenohEntity, attachment, ros_name
+from course_lib.third_party import read_json
 
 if TYPE_CHECKING:
     import zenoh
 
-SILENCE = 0.5  # [s] without a command, after which a moving robot is stopped
-TURN = 0.05  # [s] between two looks at the driver
-MOST_KEYS = 8  # that one driver's commands may use, so that nobody fills the memory
-STUCK_US = 500_000  # [µs] after which a student's link that takes no more answers is closed
-NOBODY_WAITS = {  # a link that is full loses messages; otherwise one stuck student would hold up all
+    from course_lib.gateway.dds_bridge import DdsBridge
+
+
+def open_router(settings: dict[str, Any], option: str = "--listen") -> "zenoh.Session":
+    """Open a router in this process. If a connection fails, it tries again.
+
+    Args:
+        settings: Zenoh's settings by key, including `listen/endpoints`.
+        option: The option for another port, for the error message.
+
+    Raises:
+        CourseError: Zenoh is missing, or rejects an address or a file.
+    """
+    try:
+        import zenoh
+    except ImportError as error:
+        raise CourseError("Robots need Zenoh. Type: pip install 'course-lib[robot]'") from error
+    config = zenoh.Config()
+    common = {
+        "mode": "router",
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 2},
+        "timestamping/enabled": True,
+        "queries_default_timeout": 600_000,
+        # Read by Gateway.links.
+        "adminspace": {"enabled": True, "permissions": {"read": True, "write": False}},
+    }
+    for name, value in (common | settings).items():
+        config.insert_json5(name, json.dumps(value))
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        place = settings["listen/endpoints"][-1]
+        # The rest is a position in Zenoh's source.
+        said = str(error).split(" at /")[0]
+        raise CourseError(
+            f"Zenoh can't listen at {place}: {said}. Is the port taken? {option} takes another."
+        ) from error
+
+
+# Time without a command after which a moving robot is stopped [s].
+SILENCE = 0.5
+# Polling period of the driver's commands [s].
+TURN = 0.05
+# Maximum number of keys per driver, so that commands cannot exhaust the memory.
+MOST_KEYS = 8
+# Timeout after which a blocked link of a student is closed [µs].
+STUCK_US = 500_000
+# A full link loses messages. Otherwise a blocked link of one student would delay all others.
+NOBODY_WAITS = {
     "messages": ["put", "delete"],
     "key_exprs": ["**", "**/@adv/**"],
     "flows": ["ingress"],
     "overwrite": {"congestion_control": "drop"},
 }
-COMMAND = re.compile(  # the key of a student's command
+# The services of an action, behind its name.
+ACTION_SERVICES = tuple(f"/_action/{name}" for name in ("send_goal", "cancel_goal", "get_result"))
+# The key of a student's command.
+COMMAND = re.compile(
     rf"\d+/{STUDENTS}/(?P<name>\w+)/(?P<topic>\w+(/\w+)*)/(?P<dds>\w+::msg::dds_::\w+_)/(?P<hash>RIHS01_[0-9a-f]{{64}})",
     re.ASCII,
 )
@@ -39,16 +95,18 @@ COMMAND = re.compile(  # the key of a student's command
 
 @dataclass(frozen=True)
 class Settings:
-    """The two sides of a gateway.
+    """The settings of a gateway.
 
     Args:
-        listen: Where students connect, `tcp/0.0.0.0:7448`; `tls/…` with a certificate.
-        robot: The robot's router; "" to listen on `robot_listen` instead.
+        listen: The address for students, like `tcp/0.0.0.0:7448`, or `tls/…` with a certificate.
+        robot: The robot's router, or the robot itself over DDS, `dds/192.168.1.5`; "" to listen on
+            `robot_listen` instead.
         sends: Topics that the driver may publish, without their first slash.
-        calls: Services that students may call, without their first slash.
+        calls: Services and actions that students may call, without their first slash.
         domain: The robot's ROS_DOMAIN_ID.
-        certificate: PEM file for TLS, with `key`.
-        robot_listen: Where a robot on this machine connects.
+        certificate: PEM file for TLS.
+        key: PEM file with the certificate's private key.
+        robot_listen: The address for a robot on this machine.
     """
 
     listen: str
@@ -60,59 +118,100 @@ class Settings:
     key: Path | None = None
     robot_listen: str = "tcp/127.0.0.1:7447"
 
+    @property
+    def services(self) -> list[str]:
+        """The services that students may call, including the services of each action."""
+        return [f"{name}{suffix}" for name in self.calls for suffix in ("", *ACTION_SERVICES)]
+
 
 @dataclass
 class _Stream:
-    """The driver's commands on one key: its announced publisher, and whether the robot moves by them."""
+    """The driver's commands on a key: their publisher, and whether they move the robot."""
 
-    entity: Entity
+    entity: ZenohEntity
     token: Any
     sequence: int = 0
-    last: float = 0.0  # [s] of the monotonic clock
+    # Monotonic time of the last command [s].
+    last: float = 0.0
     moving: bool = False
 
 
 class Gateway:
-    """Two routers in this process, linked by a socket: the students' one lets no put through to the robot's.
+    """Two connected routers in this process. The students' router forwards no put to the other one.
 
-    A command on /students/NAME/cmd_vel is put on /cmd_vel by the robot's router itself, if NAME drives.
+    If NAME drives, a command on /students/NAME/cmd_vel is put on /cmd_vel by the robot's router
+    itself.
 
     Args:
-        settings: Both sides.
+        settings: The settings of both routers.
         users: The robot and the students.
-        passwords: The file with their tokens, in Zenoh's format.
+        passwords: The file with their tokens in Zenoh's format.
+        report: Prints a line for the instructor.
+
+    Raises:
+        CourseError: An address or a file cannot be used.
     """
 
-    def __init__(self, settings: Settings, users: Sequence[Access], passwords: Path) -> None:
+    def __init__(
+        self, settings: Settings, users: Sequence[Access], passwords: Path, report: Callable[[str], None]
+    ) -> None:
         self.settings, self.users = settings, users
         self.driver: Access | None = None
-        self.passed, self.held = Counter[str](), Counter[str]()  # commands by name
+        # Number of commands by the student's name.
+        self.passed, self.held = Counter[str](), Counter[str]()
         self._names = {user.name for user in users} - {ROBOT}
         self._streams: dict[str, _Stream] = {}
         self._lock = threading.RLock()
-        self._folder = tempfile.TemporaryDirectory(prefix="gateway_")  # only this user may enter it
+        # Only this user has access to the folder.
+        self._folder = tempfile.TemporaryDirectory(prefix="gateway_")
         inner = f"{INNER}/{self._folder.name}/robot.sock"
-        self.robot_side = open_router(_robots(settings, inner), "--robot-port")
+        # The robot's router connects to a given address, or listens for the robot. A bridge
+        # replaces it for a robot over DDS.
+        robot_config: dict[str, Any] = {"listen/endpoints": [inner]}
+        if settings.robot and not is_over_dds(settings.robot):
+            robot_config["connect/endpoints"] = [settings.robot]
+        elif not settings.robot:
+            robot_config = {
+                "listen/endpoints": [inner, settings.robot_listen],
+                "scouting/gossip/enabled": True,
+            }
+        self.robot_side = open_router(robot_config, "--robot-port")
+        tls = {
+            "transport/link/tls": {
+                "listen_certificate": str(settings.certificate),
+                "listen_private_key": str(settings.key),
+            }
+        }
         self.class_side = open_router(
             {
                 "listen/endpoints": [settings.listen],
                 "connect/endpoints": [inner],
                 "transport/auth/usrpwd": {"dictionary_file": str(passwords)},
-                "access_control": access_control(sorted(self._names), settings.calls, settings.domain),
+                "access_control": access_control(sorted(self._names), settings.services, settings.domain),
                 "qos/network": [NOBODY_WAITS],
                 "transport/link/tx/queue/congestion_control/block/wait_before_close": STUCK_US,
-                **_tls(settings),
+                **({} if settings.certificate is None else tls),
             }
         )
-        from course_lib.ros.zenoh.session import Handlers  # here: open_router has looked for Zenoh
+        # Not at the head, because open_router reports a missing Zenoh.
+        from course_lib.ros.zenoh.session import Handlers
 
         self._handlers = Handlers()
-        self._node = Entity(settings.domain, str(self.robot_side.zid()), 0, 0, "NN", "/", "gateway")
-        self._kept: list[Any] = [self._announced(self._node), *map(self._subscribed, settings.sends)]
-        self._shown = self._show_driver()
+        self._bridge = _bridge(settings, inner, report) if is_over_dds(settings.robot) else None
+        self._node = ZenohEntity(settings.domain, str(self.robot_side.zid()), 0, 0, "NN", "/", "gateway")
+        self._kept: list[Any] = [
+            self._announce_driver(self._node),
+            *(
+                self.class_side.declare_subscriber(
+                    f"{settings.domain}/{STUDENTS}/*/{topic}/*/*", self._handlers.direct(self._on_command)
+                )
+                for topic in settings.sends
+            ),
+        ]
+        self._peer_addresses = self._show_driver()
 
-    def drive(self, driver: Access | None) -> None:
-        """Change the driver; the robot stops first."""
+    def set_driver(self, driver: Access | None) -> None:
+        """Change the driver. The robot is stopped first."""
         with self._lock:
             if driver != self.driver:
                 self.stop()
@@ -120,38 +219,52 @@ class Gateway:
                     stream.token.undeclare()
                 self._streams.clear()
                 self.driver = driver
-                before, self._shown = self._shown, self._show_driver()
+                before, self._peer_addresses = self._peer_addresses, self._show_driver()
                 before.undeclare()
 
-    def turn(self) -> None:
-        """Stop the robot where its driver has fallen silent; call it every TURN seconds."""
+    def stop_if_silent(self) -> None:
+        """Stop the robot if its driver sends no more commands.
+
+        Must be called every TURN seconds.
+        """
         with self._lock:
             now = time.monotonic()
             for stream in self._streams.values():
                 if stream.moving and now - stream.last > SILENCE:
-                    self._still(stream)
+                    self._send_stop(stream)
+
+    def wait(self, seconds: float) -> None:
+        """Wait between two calls of `turn`. The link to a robot over DDS is served during the wait."""
+        if self._bridge is None:
+            time.sleep(seconds)
+        else:
+            self._bridge.run(seconds)
 
     def stop(self) -> None:
-        """Send a command to stand still on each topic by which the robot moves."""
+        """Send a stop command on each topic that moves the robot."""
         with self._lock:
             for stream in self._streams.values():
                 if stream.moving:
-                    self._still(stream)
+                    self._send_stop(stream)
 
     def close(self) -> None:
-        """Stop the robot and close both sides."""
-        self.drive(None)
+        """Stop the robot and close both routers."""
+        self.set_driver(None)
+        if self._bridge is not None:
+            self._bridge.close()
         for session in (self.robot_side, self.class_side):
             session.close()  # type: ignore[no-untyped-call]  # untyped there
         self._handlers.wait()
         self._folder.cleanup()
 
-    def linked(self) -> bool:
-        """Return whether the robot's router is connected, without waiting."""
+    def is_robot_connected(self) -> bool:
+        """Return whether the robot's router, or the robot over DDS, is connected. Does not wait."""
+        if self._bridge is not None:
+            return self._bridge.is_up()
         return any(zid != self.class_side.zid() for zid in self.robot_side.info.routers_zid())
 
-    def present(self) -> dict[str, set[str]]:
-        """Return the Zenoh IDs of the kits that are connected, by the student's name."""
+    def connected_students(self) -> dict[str, set[str]]:
+        """Return the Zenoh IDs of the connected kits by the student's name."""
         found: dict[str, set[str]] = {}
         for reply in self.class_side.liveliness().get(f"{PRESENCE}/*/*", timeout=1.0):
             if reply.ok is not None:
@@ -160,78 +273,79 @@ class Gateway:
         return found
 
     def links(self) -> tuple[list[str], list[str]]:
-        """Return the addresses of the other ends: on the students' side, and on the robot's."""
+        """Return the addresses of connected peers on the students' side and on the robot's side."""
         own = {str(self.class_side.zid()), str(self.robot_side.zid())}
+        if self._bridge is not None:
+            return _links(self.class_side, own), [self.settings.robot] * self._bridge.is_up()
         return _links(self.class_side, own), _links(self.robot_side, own)
 
-    def _subscribed(self, topic: str) -> Any:
-        key = f"{self.settings.domain}/{STUDENTS}/*/{topic}/*/*"
-        return self.class_side.declare_subscriber(key, self._handlers.direct(self._heard))
-
-    def _heard(self, sample: "zenoh.Sample") -> None:
-        """Pass a driver's command on, hold back all others; called by Zenoh's threads."""
-        found = COMMAND.fullmatch(str(sample.key_expr))  # a put may have wildcards in its key
+    def _on_command(self, sample: "zenoh.Sample") -> None:
+        """Forward a command of the driver, and count all others. Called by Zenoh's threads."""
+        # A put may have wildcards in its key.
+        found = COMMAND.fullmatch(str(sample.key_expr))
         payload = bytes(sample.payload)
-        if found is None or not payload:  # a delete has none
+        # A delete has no payload.
+        if found is None or not payload:
             return
         name, topic = found["name"], found["topic"]
         with self._lock:
-            stream = self._stream(topic, found["dds"], found["hash"]) if self._drives(name) else None
+            is_driver = self.driver is not None and self.driver.name == name
+            stream = self._stream(topic, found["dds"], found["hash"]) if is_driver else None
             if stream is None:
                 self.held[name] += 1
                 return
-            stream.moving, stream.last = moves(payload, stream.entity.type_name), time.monotonic()
+            stream.moving, stream.last = is_motion(payload, stream.entity.type_name), time.monotonic()
             self.passed[name] += 1
             self._put(stream, payload)
 
     def _show_driver(self) -> Any:
-        """Declare the token by which students' kits know who drives."""
+        """Declare the token that reports the driver to the students' kits."""
         name = self.driver.name if self.driver is not None else ""
         return self.class_side.liveliness().declare_token(gateway_key(name, self.settings.sends))
 
-    def _drives(self, name: str) -> bool:
-        return self.driver is not None and self.driver.name == name
-
     def _stream(self, topic: str, dds: str, type_hash: str) -> _Stream | None:
-        """Return the stream of a key, announced as a publisher of the gateway; None beyond MOST_KEYS."""
+        """Return the stream of a key, which is announced as a publisher of the gateway.
+
+        It is None if there are MOST_KEYS already, or if a robot over DDS does not subscribe to the
+        type.
+        """
         key = f"{topic}/{dds}/{type_hash}"
+        if self._bridge is not None and not self._bridge.is_command(f"/{topic}", ros_name(dds), type_hash):
+            return None
         if key not in self._streams and len(self._streams) < MOST_KEYS:
             head = (self._node.domain, self._node.zid, 0, len(self._streams) + 1)
-            publisher = Entity(*head, "MP", "/", "gateway", f"/{topic}", ros_name(dds), type_hash)
-            self._streams[key] = _Stream(publisher, self._announced(publisher))
+            publisher = ZenohEntity(*head, "MP", "/", "gateway", f"/{topic}", ros_name(dds), type_hash)
+            self._streams[key] = _Stream(publisher, self._announce_driver(publisher))
         return self._streams.get(key)
 
-    def _announced(self, entity: Entity) -> Any:
+    def _announce_driver(self, entity: ZenohEntity) -> Any:
         return self.robot_side.liveliness().declare_token(entity.token)
 
-    def _still(self, stream: _Stream) -> None:
+    def _send_stop(self, stream: _Stream) -> None:
         stream.moving = False
-        payload = still(stream.entity.type_name, time.time_ns())
+        payload = stop_message(stream.entity.type_name, time.time_ns())
         if payload is not None:
             self._put(stream, payload)
 
     def _put(self, stream: _Stream, payload: bytes) -> None:
+        if self._bridge is not None:
+            self._bridge.publish(stream.entity.topic, stream.entity.type_name, payload)
+            return
         stream.sequence += 1
         note = attachment(stream.sequence, stream.entity.gid, time.time_ns())
-        self.robot_side.put(stream.entity.key, payload, attachment=note)
+        self.robot_side.put(stream.entity.key_expr, payload, attachment=note)
 
 
-def _robots(settings: Settings, inner: str) -> dict[str, Any]:
-    """Return the robot's side: a router to connect to, or a place where the robot's nodes find each other."""
-    if settings.robot:
-        return {"listen/endpoints": [inner], "connect/endpoints": [settings.robot]}
-    return {"listen/endpoints": [inner, settings.robot_listen], "scouting/gossip/enabled": True}
+def _bridge(settings: Settings, inner: str, report: Callable[[str], None]) -> "DdsBridge":
+    # Imported here, as the module needs Zenoh.
+    from course_lib.gateway.dds_bridge import DdsBridge
 
-
-def _tls(settings: Settings) -> dict[str, Any]:
-    if settings.certificate is None:
-        return {}
-    own = {"listen_certificate": str(settings.certificate), "listen_private_key": str(settings.key)}
-    return {"transport/link/tls": own}
+    names = settings.sends, settings.services
+    return DdsBridge(settings.robot, inner, settings.domain, *names, report)
 
 
 def _links(session: "zenoh.Session", own: set[str]) -> list[str]:
-    """Return the far addresses of a router's links, as its admin space lists them."""
+    """Return the remote addresses of a router's links from its admin space."""
     found = []
     for reply in session.get(f"@/{session.zid()}/router", timeout=1.0):
         if reply.ok is not None:

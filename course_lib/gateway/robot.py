@@ -1,51 +1,108 @@
-"""`course robot` and `start_robot`: a robot for those who have none, in a process of its own."""
+"""`course robot` and `start_robot`: a simulated robot in a separate process."""
 
 import _thread
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 from course_lib.errors import CourseError
-from course_lib.gateway.zenoh_router import open_router
-from course_lib.ros.zenoh.connect import RobotAddress
+from course_lib.ros.robot.connect import DDS, RobotAddress
 
 FOLDER = Path(__file__).parent
 PROGRAMS = {"driving": "driving_robot.py", "unknown": "unknown_robot.py"}
-READY = "The robot is ready"  # what the program logs
+# The robot that does not import the kit.
+REAL_KIND = "driving"
+THIS_COMPUTER = f"{DDS}127.0.0.1"
+# Polling period [s].
+POLL = 0.05
+END_SECONDS = 30.0  # [s] in which a robot's process ends after its input
+# The program logs this when the robot is ready.
+READY = "The robot is ready"
 
 
-def robot(
-    kind: str, listen: str, domain: int, write: Callable[[str], None], *, with_parent: bool = False
-) -> int:
-    """Run a router and a robot until Ctrl+C; return the program's exit code.
+@dataclass(frozen=True)
+class RobotPlace:
+    """The address of a simulated robot.
 
     Args:
-        kind: The robot, of PROGRAMS.
-        listen: Where others connect, like `tcp/0.0.0.0:7447`.
+        address: The address of its router, like `tcp/0.0.0.0:7447`, or THIS_COMPUTER for DDS.
         domain: Its ROS_DOMAIN_ID.
+        on_real_ros: Whether it runs on the real rclpy, which needs DDS.
+    """
+
+    address: str
+    domain: int = 0
+    on_real_ros: bool = False
+
+
+def robot(kind: str, place: RobotPlace, write: Callable[[str], None], *, with_parent: bool = False) -> int:
+    """Run a robot until Ctrl+C, and return the program's exit code.
+
+    Args:
+        kind: A robot of PROGRAMS.
+        place: The robot's address.
         write: Prints a line.
-        with_parent: End when standard input does.
+        with_parent: Whether to end when standard input is closed.
 
     Raises:
-        CourseError: There is no such robot.
+        CourseError: The robot does not exist or cannot run here.
     """
-    from course_lib.tools.run import run
-
     if kind not in PROGRAMS:
         raise CourseError(f"There is no robot {kind!r}: start one of {', '.join(PROGRAMS)}.")
-    router = open_router({"listen/endpoints": [listen]})
-    write(f"Its router listens at {listen}. Connect with: %ros2 connect {listen} --send /cmd_vel")
+    program = FOLDER / PROGRAMS[kind]
+    if place.on_real_ros:
+        if kind != REAL_KIND:
+            raise CourseError(f"The robot {kind!r} needs the kit: --ros runs only {REAL_KIND!r}.")
+        return _run_on_real_ros(program, place.domain, write, with_parent=with_parent)
+    from course_lib.tools.run import run
+
+    router = None
+    address = RobotAddress(place.address, place.domain, everything=True)
+    if place.address.startswith(DDS):
+        domain = f" --domain {place.domain}" if place.domain else ""
+        write(f"It is reached over DDS. Connect with: %ros2 connect {place.address}{domain} --send /cmd_vel")
+    else:
+        # Imported here, because the sandbox, in which this module is imported too, has no zenoh.
+        from course_lib.gateway.gateway import open_router
+
+        router = open_router({"listen/endpoints": [place.address]})
+        write(
+            f"Its router listens at {place.address}. Connect with: %ros2 connect {place.address} "
+            "--send /cmd_vel"
+        )
+        address = replace(address, router=f"tcp/127.0.0.1:{place.address.rpartition(':')[2]}")
     if with_parent:
         _thread.start_new_thread(_end_with_input, ())
-    address = RobotAddress(f"tcp/127.0.0.1:{listen.rpartition(':')[2]}", domain, everything=True)
     try:
-        return run(
-            [FOLDER / PROGRAMS[kind]], seconds=None, seed=0, bag=None, args=(), real_time=False, robot=address
-        )
+        return run([program], seconds=None, seed=0, bag=None, args=(), real_time=False, robot=address)
     finally:
-        router.close()  # type: ignore[no-untyped-call]  # untyped there
+        if router is not None:
+            router.close()  # type: ignore[no-untyped-call]  # untyped there
+
+
+def _run_on_real_ros(program: Path, domain: int, write: Callable[[str], None], *, with_parent: bool) -> int:
+    from course_lib.real.environment import find_environment
+    from course_lib.real.process import RealProcesses, temporary_folder
+
+    environment = find_environment()
+    with temporary_folder() as folder:
+        programs = RealProcesses(environment, folder, [program], write, domain)
+        write(f"It runs on {environment}.")
+        write(f"Connect with: %ros2 connect {THIS_COMPUTER} --domain {programs.domain} --send /cmd_vel")
+        if with_parent:
+            _thread.start_new_thread(_end_with_input, ())
+        programs.start(program)
+        try:
+            while programs.are_running():
+                time.sleep(POLL)
+        except KeyboardInterrupt:
+            pass
+        return programs.end(lambda: time.sleep(POLL))
 
 
 def _end_with_input() -> None:
@@ -59,46 +116,82 @@ def _drop(lines: Iterator[str]) -> None:
 
 
 class RobotProcess:
-    """A robot in another process, which ends with this one; `start_robot` makes it.
+    """A robot in another process, which ends with this one; see `start_robot`.
 
     Args:
-        process: Runs the robot.
-        router: The address of its Zenoh router, for `connect`.
+        process: The robot's process.
+        place: The robot's address.
+        software: The ROS software on which it runs.
     """
 
-    def __init__(self, process: "subprocess.Popen[str]", router: str) -> None:
-        self._process = process
-        self.router = router
+    def __init__(self, process: "subprocess.Popen[str]", place: RobotPlace, software: str) -> None:
+        self._process, self._software = process, software
+        self.address, self.domain = place.address, place.domain
+
+    @property
+    def router(self) -> str:
+        """The address for `connect`."""
+        return self.address
 
     def stop(self) -> None:
-        """End the robot; calling it again changes nothing."""
+        """End the robot. Calling it again has no effect."""
         if self._process.stdin is not None:
             self._process.stdin.close()
-        self._process.wait()
+        try:
+            self._process.wait(END_SECONDS)
+        except subprocess.TimeoutExpired:
+            # The interrupt of its main thread may be lost while the program starts.
+            self._process.kill()
+            self._process.wait()
 
     def __repr__(self) -> str:
         state = "has ended" if self._process.poll() is not None else "runs in another process"
-        return f"The robot at {self.router} {state}."
+        domain = f" in domain {self.domain}" if self.domain else ""
+        return f"The robot at {self.address}{domain} {state}, on {self._software}."
 
 
-def start_robot() -> RobotProcess:
+def start_robot(link: Literal["zenoh", "dds"] = "zenoh") -> RobotProcess:
     """Start a driving robot in another process, as if it were a real one.
 
+    Args:
+        link: The middleware. With "dds" the robot runs on the real rclpy, if `course ros --install`
+            has installed it, and in a random domain, because another ROS 2 may run on this
+            computer.
+
     Raises:
-        CourseError: It does not come up; shows its output.
+        CourseError: The robot does not start. The message contains its output.
     """
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        router = f"tcp/127.0.0.1:{free.getsockname()[1]}"
-    command = [sys.executable, "-m", "course_lib", "robot", "--listen", router, "--with-parent"]
+    if link not in ("zenoh", "dds"):
+        raise CourseError(f"start_robot({link!r}): expected 'zenoh' or 'dds'.")
+    software = "the kit's own rclpy"
+    options = []
+    if link == "zenoh":
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            place = RobotPlace(f"tcp/127.0.0.1:{free.getsockname()[1]}")
+        options = ["--listen", place.address]
+    else:
+        from course_lib.real.environment import find_environment
+        from course_lib.real.process import free_domain
+
+        place = RobotPlace(THIS_COMPUTER, free_domain())
+        options = ["--dds", "--domain", str(place.domain)]
+        try:
+            software = f"the real {find_environment()}"
+            options.append("--ros")
+        except CourseError:
+            # The real ROS 2 is not installed, so the robot runs on the kit's rclpy.
+            pass
+    command = [sys.executable, "-m", "course_lib", "robot", *options, "--with-parent"]
     pipe = subprocess.PIPE
     process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT, text=True)
-    said = list[str]()
+    output = list[str]()
     lines = iter(process.stdout or ())
     for line in lines:
-        said.append(line)
+        output.append(line)
         if READY in line:
-            _thread.start_new_thread(_drop, (lines,))  # or the pipe would fill
-            return RobotProcess(process, router)
+            # The pipe must be read, or it would become full and block the robot.
+            _thread.start_new_thread(_drop, (lines,))
+            return RobotProcess(process, place, software)
     process.wait()
-    raise CourseError(f"The robot did not start: {' '.join(''.join(said).split())}")
+    raise CourseError(f"The robot did not start: {' '.join(''.join(output).split())}")

@@ -8,7 +8,7 @@ from course_lib.tools.executables import spin
 
 
 def main() -> None:
-    """Run until Ctrl+C; on several threads, so that no node waits for another."""
+    """Run until Ctrl+C, in several threads so that no node blocks another."""
     with rclpy.init():
         nodes = unknown_robot()
         nodes[0].get_logger().info("The robot is ready. Explore it.")

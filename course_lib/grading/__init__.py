@@ -1,4 +1,4 @@
-"""Tasks, scenarios, evidence, and the words that checks are written in."""
+"""Tasks, scenarios, evidence and check functions."""
 
 import lazy_loader
 

@@ -1,11 +1,12 @@
-"""Reasons and hints of a failed task: the kind of mistake, then numbers; by cause, then the ladder."""
+"""Hints for a failed task: one for the cause, then further ones for students who remain stuck."""
 
+import ast
 import math
 import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cache
 from importlib import resources
@@ -14,11 +15,16 @@ from typing import Any
 import numpy as np
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import NEEDS_ANOTHER, CheckResult, TaskResult
+from course_lib.grading.judge import NEEDS_ANOTHER
+from course_lib.grading.records import TaskResult
+from course_lib.grading.slips import IN_PLACE, find_slip, parse
 from course_lib.grading.task import HINTS, Task
 from course_lib.ros.messages import to_plain
 
 MAX_PLACES = 3
+BETTER = "Better: this is worth more points than before."
+_SNIPPET = re.compile(r"`([^`]+)`")
+SILENT = "nothing was published on an expected topic"
 AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
 )
@@ -26,103 +32,263 @@ AFTER_AN_ERROR = (
 
 @cache
 def hints_by_mistake() -> Mapping[str, str]:
-    """Return the general hint for each kind of mistake; a * in a kind stands for any text."""
+    """Return the general hint for each kind of mistake. A * in a kind matches any text."""
     text = resources.files("course_lib.grading.vocabulary").joinpath("hints.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
 
 
 class Advice:
-    """The hints that a student has seen; they are counted as long as the kernel lives."""
+    """The hints that a student has seen, counted per task during the life of the kernel.
+
+    A hint for the cause of the failure always comes first. The ladder of the task's own hints,
+    whose last step is nearly the answer, is for students who are stuck: it advances only if a check
+    ends like the previous one, with the same cause and no more checks passed. A student who fixes
+    one mistake after another never sees it.
+    """
 
     def __init__(self) -> None:
-        self._failed: set[tuple[str, str, str]] = set()
-        self._hinted: set[tuple[str, str]] = set()
-        self._rungs: Counter[str] = Counter()
+        self._before: dict[str, _Standing] = {}
+        self._steps: Counter[str] = Counter()
 
-    def reasons(self, result: TaskResult) -> TaskResult:
-        """Return the result with the kind of mistake as the reason where a check fails for the first time."""
-        return replace(result, checks=tuple(self._reason(result.task, check) for check in result.checks))
+    def hint(self, task: Task, result: TaskResult, source: str = "") -> list[str]:
+        """Return the lines of help for a failed result.
 
-    def _reason(self, task: str, check: CheckResult) -> CheckResult:
-        key = (task, check.scenario, check.title)
-        if check.passed or key in self._failed or check.mistake in ("", NEEDS_ANOTHER):
-            return check
-        self._failed.add(key)
-        return replace(check, message=check.mistake)
-
-    def hint(self, task: Task, result: TaskResult) -> str:
-        """Return the hint for the first cause, or the next of the task's own hints where that was shown.
-
-        After an exception no check has seen what was meant: the cause is the exception. The ladder
-        begins where the same one comes again.
+        Args:
+            task: The task.
+            result: The result of this check.
+            source: The student's code. Hints that only suggest code that it already contains are
+                skipped.
         """
-        for mistake in map(_without_place, result.errors[:1]) if result.errors else _first_cause(result):
-            text = AFTER_AN_ERROR if result.errors else task.mistakes.get(mistake) or _general_hint(mistake)
-            if text and (task.id, mistake) not in self._hinted:
-                self._hinted.add((task.id, mistake))
-                return f"Hint: {text}"
-        self._rungs[task.id] = rung = min(self._rungs[task.id] + 1, HINTS)
-        return f"Hint {rung} of {HINTS}: {task.hints[rung - 1]}"
+        causes = [_strip_location(result.errors[0])] if result.errors else _first_cause(result)
+        passed = sum(check.passed for check in result.checks)
+        now, before = _Standing(tuple(causes), passed, result.fraction), self._before.get(task.id)
+        self._before[task.id] = now
+        code = Code(source)
+        texts = [_hint_by_cause(task, cause) for cause in causes]
+        if result.errors:
+            texts = [AFTER_AN_ERROR]
+        elif causes[:1] == [SILENT]:
+            texts = [_missing_call(code, result) or task.mistakes.get(SILENT) or _why_silent(code), *texts]
+        slip = "" if result.errors else find_slip(source)
+        found = slip or next((text for text in texts if text and not code.does(text)), "")
+        lines = [f"Hint: {found}"] if found else []
+        if before is not None and (now.passed, now.fraction) > (before.passed, before.fraction):
+            of = f"{now.passed} of {len(result.checks)}"
+            better = (
+                f"Better: {of} checks pass now, {before.passed} before." if passed > before.passed else BETTER
+            )
+            return [better, *lines]
+        if before == now or not lines:
+            lines += self._next_step(task, code)
+        return lines
+
+    def _next_step(self, task: Task, code: "Code") -> list[str]:
+        """Return the next step of the ladder, or the last step again."""
+        steps = [number for number, text in enumerate(task.hints, 1) if not code.does(text)]
+        if not steps:
+            return []
+        later = [number for number in steps if number > self._steps[task.id]]
+        step = self._steps[task.id] = later[0] if later else steps[-1]
+        return [f"Hint {step} of {HINTS}: {task.hints[step - 1]}"]
 
 
-def _without_place(error: str) -> str:
-    """Return an error's text without the cell and the line, which change from run to run."""
+@dataclass(frozen=True)
+class _Standing:
+    """A student's progress at a check: the first cause of failure, passed checks and share of points."""
+
+    causes: tuple[str, ...]
+    passed: int
+    fraction: float
+
+
+class Code:
+    """A student's code, searchable for the code in a hint."""
+
+    def __init__(self, source: str) -> None:
+        tree = parse(source)
+        self._nodes = list(ast.walk(tree))
+        # A launch file is a string in the student's code, and is searched, too.
+        texts = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+        inner = [parse(text) for text in texts if isinstance(text, str) and "\n" in text]
+        self._expressions = set().union(*map(_expressions, [tree, *inner]))
+
+    def calls(self, method: str) -> bool:
+        """Return whether the code calls a method, or passes it on to be called."""
+        return any(isinstance(node, ast.Attribute) and node.attr == method for node in self._nodes)
+
+    def names_topic(self, topic: str) -> bool:
+        """Return whether a string in the code is the name of a topic, with or without the slash."""
+        strings = (node.value for node in self._nodes if isinstance(node, ast.Constant))
+        return any(isinstance(one, str) and one.strip("/") == topic.strip("/") for one in strings)
+
+    @property
+    def is_plain_node(self) -> bool:
+        """Whether the code is one class derived from Node, which inherits no publisher or timer."""
+        bases = [
+            ast.unparse(base) for node in self._nodes if isinstance(node, ast.ClassDef) for base in node.bases
+        ]
+        return bases == ["Node"]
+
+    def does(self, hint: str) -> bool:
+        """Return whether a hint contains code in backticks that the student's code already contains."""
+        snippets = _SNIPPET.findall(hint)
+        return bool(snippets) and all(self.has(snippet) for snippet in snippets)
+
+    def has(self, snippet: str) -> bool:
+        """Return whether the code contains each statement or expression of a snippet.
+
+        The object whose attribute is set may have any name: `pose.position.z = 0.5` is found in
+        `cube.pose.position.z = 0.5`.
+        """
+        tree = parse(snippet)
+        wanted = [_expressions(statement, whole=True) for statement in getattr(tree, "body", ())]
+        return bool(wanted) and all(any(self._has_expression(part) for part in parts) for parts in wanted)
+
+    def _has_expression(self, part: str) -> bool:
+        return part in self._expressions or (
+            " = " in part and any(one.endswith(f".{part}") for one in self._expressions)
+        )
+
+
+def _expressions(tree: ast.AST, *, whole: bool = False) -> set[str]:
+    """Return the normalized source of each expression and assignment in a tree, or of one statement."""
+    found = set()
+    for node in [tree] if whole else ast.walk(tree):
+        if isinstance(node, ast.Assign):
+            found |= {f"{ast.unparse(target)} = {ast.unparse(node.value)}" for target in node.targets}
+        elif isinstance(node, ast.keyword) and node.arg:
+            found.add(f"{node.arg} = {ast.unparse(node.value)}")
+        elif isinstance(node, ast.Expr):
+            found.add(ast.unparse(node.value))
+        elif isinstance(node, ast.expr | ast.stmt):
+            found.add(ast.unparse(node))
+    return found
+
+
+def _missing_call(code: Code, result: TaskResult) -> str:
+    """Return the call that is missing in a node that publishes nothing on a topic, or ""."""
+    silent = (re.search(r"nothing was published on (\S+) in", check.message) for check in result.checks)
+    topic = next((found[1] for found in silent if found), "")
+    if not topic or not code.is_plain_node:
+        return ""
+    if not code.calls("publish") and not code.calls("sendTransform"):
+        return "Your code never calls publish(): `self.publisher.publish(message)` sends a message."
+    if code.calls("create_publisher") and not code.names_topic(topic):
+        return f"No string in your code is {topic}: compare the name in create_publisher letter by letter."
+    if not code.calls("create_timer") and not code.calls("create_subscription"):
+        return "Nothing calls your method: in __init__, make a timer or a subscription that does."
+    return ""
+
+
+def _why_silent(code: Code) -> str:
+    """Return a suggestion for a node that publishes nothing, depending on its timers, or ""."""
+    if not code.is_plain_node:
+        return ""
+    if not code.calls("create_timer"):
+        return (
+            "Is your callback ever called, and does it get as far as publish()? Compare the topic in "
+            "create_subscription letter by letter with the name in the task, then print something in the "
+            "callback."
+        )
+    return (
+        "Is your callback ever called, and does it get as far as publish()? Check that the timer's period "
+        "is in seconds, then print something in the callback."
+    )
+
+
+def _strip_location(error: str) -> str:
+    """Return an error's text without its cell and line, which change from run to run."""
     return re.sub(r" \((cell In\[\d+\], )?line \d+.*", "", error, flags=re.DOTALL)
 
 
 def _first_cause(result: TaskResult) -> list[str]:
-    """Return the kinds of mistakes of the first check that fails by itself."""
+    """Return the kinds of mistakes of the first check that fails for a reason of its own."""
     failing = (check for check in result.checks if not check.passed and check.mistake != NEEDS_ANOTHER)
     first = next(failing, None)
     return first.mistake.split("; ") if first is not None else []
 
 
-def _general_hint(mistake: str) -> str:
+def _hint_by_cause(task: Task, mistake: str) -> str:
+    """Return the task's hint for a kind of mistake, else the general hint, else ""."""
     table = hints_by_mistake()
-    return table.get(mistake) or next((table[kind] for kind in table if fnmatchcase(mistake, kind)), "")
+    general = table.get(mistake) or next((table[kind] for kind in table if fnmatchcase(mistake, kind)), "")
+    return task.mistakes.get(mistake) or general
 
 
-def returned_none(task: Task, evidence: Iterable[Evidence]) -> list[str]:
-    """Ask for a return where a function came to its end and returned None."""
+def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = "") -> list[str]:
+    """Return a hint about a missing return if a function ended normally and returned None."""
     ran = (one for one in evidence if not one.errors and not one.stopped)
-    if task.kind == "function" and any(returned is None for one in ran for returned in one.returns):
+    if task.kind in ("function", "launch") and any(
+        returned is None for one in ran for returned in one.returns
+    ):
+        returned = [node.value for node in ast.walk(parse(source)) if isinstance(node, ast.Return)]
+        calls = [
+            one.func.attr
+            for one in returned
+            if isinstance(one, ast.Call) and isinstance(one.func, ast.Attribute)
+        ]
+        for method in calls:
+            if method in IN_PLACE:
+                return [f"{task.name} returned None: {method}() changes its object, and returns nothing."]
+        if any(returned):
+            return [
+                f"{task.name} returned None: does each way through it end with a return, and with a value?"
+            ]
         return [f"{task.name} returned None: is there a return?"]
     return []
 
 
-def not_numbers(evidence: Iterable[Evidence]) -> list[str]:
-    """Return a sentence with the first places of NaN, or nothing; of a topic its last message counts."""
+def nan_hint(evidence: Iterable[Evidence]) -> list[str]:
+    """Return a sentence that locates the first NaNs, or [].
+
+    Only the last message of a topic is searched.
+    """
     places: list[str] = []
     for one in evidence:
         for topic in {sample.topic: None for sample in one.samples if _may_hold_nan(sample.cdr)}:
             last = [to_plain(message) for _, message in one.messages(topic)[-1:]]
-            places += (f"{place} on {topic}" for place in _places(last[0] if last else None, ""))
-        places += (place for value in one.returns for place in _places(value, "the returned value"))
+            places += (f"{place} on {topic}" for place in _nan_locations(last[0] if last else None, ""))
+        places += (place for value in one.returns for place in _nan_locations(value, "the returned value"))
     found = list(dict.fromkeys(places))[:MAX_PLACES]
     cause = "a division 0 / 0, a root of a negative number, or a value that was never set?"
     return [f"NaN (not a number): {', '.join(found)}. Is it {cause}"] if found else []
 
 
-def large_messages(evidence: Iterable[Evidence]) -> list[str]:
-    """Return a sentence for the topic whose messages are so large that they take most of the time."""
+def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
+    """Return a sentence about the first topic that the code subscribes to with another type, or []."""
+    warnings = (re.search(r"Incompatible type on topic '(\S+)'", one.output) for one in evidence)
+    topics = [found[1] for found in warnings if found]
+    return [
+        f"Nothing arrives from {topic}: the type in create_subscription is not the one that is published "
+        "there. Which type does the task name?"
+        for topic in topics[:1]
+    ]
+
+
+def large_message_hint(evidence: Iterable[Evidence]) -> list[str]:
+    """Return a sentence about the topic whose messages are so large that they take most of the time."""
     named = [one.large_message for one in evidence if one.large_message]
-    told = "and each has to be made, sent and checked. Are that many points needed?"
-    return [f"This took long: {text}, {told}" for text in named[:1]]
+    advice = "and each message must be built, sent and checked. Are that many points needed?"
+    return [f"This took long: {text}, {advice}" for text in named[:1]]
 
 
 def _may_hold_nan(cdr: bytes) -> bool:
-    """Return whether the bytes of any number can be a NaN: to look at a million points takes seconds."""
-    body = cdr[4:]  # numbers are aligned from here
+    """Return whether some bytes, read as numbers, are NaN.
+
+    This filter is fast; decoding and searching a million points takes seconds.
+    """
+    # Numbers are aligned relative to the end of the CDR header.
+    body = cdr[4:]
     doubles, floats = (np.frombuffer(body[: len(body) // size * size], f"<f{size}") for size in (8, 4))
     return bool(np.isnan(doubles).any() or np.isnan(floats).any())
 
 
-def _places(value: Any, path: str) -> Iterator[str]:
+def _nan_locations(value: Any, path: str) -> Iterator[str]:
     if isinstance(value, float) and math.isnan(value):
         yield path.removeprefix(".")
     elif isinstance(value, dict):
         for key, item in value.items():
-            yield from _places(item, f"{path}.{key}")
+            yield from _nan_locations(item, f"{path}.{key}")
     elif isinstance(value, list):
         for index, item in enumerate(value):
-            yield from _places(item, f"{path}[{index}]")
+            yield from _nan_locations(item, f"{path}[{index}]")

@@ -1,49 +1,66 @@
 """`check(task, obj)` in a notebook: runs the student's object, judges it, shows why."""
 
+import inspect
 import os
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
-from course_lib.course.identity import current_identity
-from course_lib.course.installation import first_lesson
+from course_lib.course.exercise import current_identity
 from course_lib.course.questions import show
-from course_lib.course.state import keep_check, student_state
+from course_lib.course.state import first_lesson, save_check, student_state
 from course_lib.errors import CourseError
-from course_lib.grading.advice import Advice, large_messages, not_numbers, returned_none
+from course_lib.grading.advice import (
+    Advice,
+    large_message_hint,
+    missing_return_hint,
+    nan_hint,
+    wrong_type_hint,
+)
 from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import TaskResult, judge_task
-from course_lib.grading.personal import personal_values
+from course_lib.grading.inputs import personal_values
+from course_lib.grading.judge import judge_task
+from course_lib.grading.records import TaskResult
 from course_lib.grading.reports.table import Table
-from course_lib.grading.run.job import Run
-from course_lib.grading.run.outcome import printed
-from course_lib.grading.run.student_side import run_here
+from course_lib.grading.run.outcome import printed_lines
+from course_lib.grading.run.run import Run
+from course_lib.grading.run.student_side import run_in_this_process
 from course_lib.grading.task import Task
-from course_lib.surroundings import in_notebook
+from course_lib.host import in_notebook
 
 STRICT = "COURSE_STRICT"
-FILL_IN = "Nothing is filled in yet: replace the line with raise NotImplementedError, then check again."
-NO_ID = "No student ID is known, so your own values are a guest's. Type it into the form in {}."
-MISSING = object()  # stands for an object that was not given
+FILL_IN = (
+    "Your code still stops at the line with raise NotImplementedError. Replace it with your own lines, or "
+    "delete it when they are there, then check again."
+)
+NO_ID = (
+    "Your student ID is not set, so your personal values are those of a guest. Enter it in the form in {}."
+)
+# Default of `subject`: None is a valid object to check.
+MISSING = object()
 
-_ADVICE = Advice()  # of this kernel
-_bind: Callable[[str, Any], None] | None = None  # set in the grader's worker
+# Hints advance step by step, so their state lasts as long as the kernel.
+_ADVICE = Advice()
+# In the grader's worker, `check` only records which object belongs to which task.
+_bind: Callable[[str, Any], None] | None = None
 
 
 class CheckFailedError(CourseError):
-    """A check that did not pass, raised with COURSE_STRICT=1."""
+    """Raised by `check` with COURSE_STRICT=1 if a check does not pass."""
 
 
 def check(task_id: str, subject: Any = MISSING) -> None:
-    """Run your object through a task's public checks and show what passed, what did not, and why.
+    """Run your object through the public checks of a task and show what passed, what failed, and why.
 
     Args:
         task_id: The task, "week01.post".
-        subject: What the task asks for: the node class itself, a function, a value or a text.
+        subject: What the task asks for: the node class itself, a function, a value or a string.
 
     Raises:
-        CourseError: There is no such task, or no object; or with COURSE_STRICT=1, a check failed.
+        CourseError: The task does not exist or no object was passed; or, with COURSE_STRICT=1, a
+            check failed.
     """
     if _bind is not None:
         _bind(task_id, subject)
@@ -51,22 +68,30 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     catalog, student = shipped_catalog(), current_identity()
     if not isinstance(task_id, str):
         raise CourseError(
-            f"{task_id!r} is not a task: write its name first, like {_example(catalog, task_id)}"
+            f"{task_id!r} is not a task: pass its name first, like {_example(catalog, task_id)}"
         )
     task = catalog.task(task_id)
     if subject is MISSING:
-        raise CourseError(f"check needs your object as its second argument. Write: {_call(task)}")
+        raise CourseError(f"check needs your object as its second argument. Write: {_call_text(task)}")
     personal = personal_values(task, student)
     strict = os.environ.get(STRICT) == "1"
-    runs = [Run(scenario, run_here(task, scenario, subject, personal)) for scenario in task.scenarios]
+    runs = [
+        Run(scenario, run_in_this_process(task, scenario, subject, personal)) for scenario in task.scenarios
+    ]
     result = judge_task(task, *catalog.points(task), runs)
     evidence = [run.evidence for run in runs]
-    remember(task, result, _cells_of_this_kernel())
-    shown = _ADVICE.reasons(result) if in_notebook() and not strict else result
-    table = table_of(task, shown, evidence, student, _ADVICE)
+    # Outside IPython there is no history of cells.
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    history = getattr(shell, "history_manager", None)
+    remember(task, result, [] if history is None else list(history.input_hist_raw))
+    table = table_of(task, result, evidence, student, _ADVICE, source_of(subject))
+    table = replace(table, next_step=next_step(catalog, task))
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
-        from course_lib.grading.reports.ghost_view import show_ghost  # here: widgets are slow to load
+        from course_lib.grading.reports.scenes import (
+            show_ghost,
+        )  # Imported late, because widgets are slow to load.
 
         show_ghost(task, runs[0].evidence)
     if strict and not result.passed:
@@ -74,56 +99,80 @@ def check(task_id: str, subject: Any = MISSING) -> None:
 
 
 def bind_only(bind: Callable[[str, Any], None]) -> None:
-    """Hand objects to `bind` instead of checking them, in the grader's worker."""
+    """Make `check` pass objects to `bind` instead of checking them; used in the grader's worker."""
     global _bind
     _bind = bind
 
 
-def _cells_of_this_kernel() -> list[str]:
-    """Return the sources of the cells that were run in this kernel; none outside of one."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    history = getattr(shell, "history_manager", None)
-    return [] if history is None else list(history.input_hist_raw)
-
-
 def remember(task: Task, result: TaskResult, cells: Sequence[str]) -> None:
-    """Keep a task's points in the student's folder, and which cells had been run by then."""
+    """Store a task's points and the cells run so far in the student's folder."""
     state = student_state()
     state.put("progress", task.id, {"score": result.score, "of": result.points})
-    keep_check(state, task.id, passed=result.passed and not result.untouched, cells=cells)
+    save_check(state, task.id, passed=result.passed and not result.is_untouched, cells=cells)
+
+
+def next_step(catalog: Catalog, task: Task) -> str:
+    """Return the sentence after a task that has passed: its next task, or how to hand in after the last."""
+    tasks = catalog.of_week(task.week)
+    place = tasks.index(task) + 1
+    if place == len(tasks):
+        command = f"course submit {task.week}_exercise.ipynb"
+        return f"This was the last task. To hand in, type in a terminal: {command}"
+    _, is_bonus = catalog.points(tasks[place])
+    title = tasks[place].title
+    end = "" if title.endswith("?") else "."
+    return f"Next is task {place + 1}{' for a bonus' if is_bonus else ''}: {title}{end}"
+
+
+def source_of(subject: Any) -> str:
+    """Return the source of a student's class or function, or "" if it has none."""
+    try:
+        return inspect.getsource(subject)
+    except (OSError, TypeError):
+        return ""
 
 
 def table_of(
-    task: Task, result: TaskResult, evidence: Sequence[Evidence], student: str | None, advice: Advice
+    task: Task,
+    result: TaskResult,
+    evidence: Sequence[Evidence],
+    student: str | None,
+    advice: Advice,
+    source: str = "",
 ) -> Table:
-    """Return the result as a table, with a hint if a check failed.
+    """Return the result as a table, with hints if a check failed.
 
     Args:
         task: The task.
-        result: What the checks say.
-        evidence: What came out of the public scenarios.
-        student: Who asks.
-        advice: The hints that the student has seen.
+        result: The verdicts of the checks.
+        evidence: The evidence of the public scenarios.
+        student: The student's ID, if it is known.
+        advice: The state of the hints shown so far.
+        source: The student's code.
     """
     notes = []
-    if result.untouched:
+    if result.is_untouched:
         notes.append(FILL_IN)
     elif task.scenarios and not result.passed:
-        notes += [*returned_none(task, evidence), *not_numbers(evidence), advice.hint(task, result)]
+        hints = advice.hint(task, result, source)
+        notes += (
+            missing_return_hint(task, evidence, source)
+            or wrong_type_hint(evidence)
+            or [*nan_hint(evidence), *hints]
+        )
     if task.personal and student is None:
         notes.append(NO_ID.format(first_lesson()))
-    notes += large_messages(evidence)
-    return Table(result, tuple(notes), printed(one.output for one in evidence))
+    notes += large_message_hint(evidence)
+    return Table(result, tuple(notes), printed_lines(one.output for one in evidence))
 
 
-def _call(task: Task) -> str:
+def _call_text(task: Task) -> str:
     return f'check("{task.id}", {task.name})'
 
 
 def _example(catalog: Catalog, subject: Any) -> str:
-    """Return the call for the task of which the object alone was given, else for the first task."""
+    """Return an example call, for the task whose object was passed in place of the id if there is one."""
     name = getattr(subject, "__name__", "")
     tasks = list(catalog.tasks.values())
     found = [task for task in tasks if task.name == name] or tasks
-    return _call(found[0]) if found else 'check("week01.task", MyNode)'
+    return _call_text(found[0]) if found else 'check("week01.task", MyNode)'

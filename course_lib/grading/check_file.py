@@ -1,32 +1,31 @@
-"""`course check FILE`: the public checks of a whole notebook, in a process of its own, as at grading."""
+"""`course check FILE`: run the public checks of a whole notebook in a separate process, as in grading."""
 
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from course_lib.course.exercise import find_notebook
-from course_lib.course.identity import current_identity
-from course_lib.errors import CourseError, counted
+from course_lib.course.exercise import current_identity, find_notebook
+from course_lib.errors import CourseError, format_count
 from course_lib.grading.advice import Advice
 from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.check import remember, table_of
-from course_lib.grading.handin.archives import working_files
-from course_lib.grading.handin.notebook import CodeCell, parse_notebook
-from course_lib.grading.handin.submission import NO_EXERCISE, unpack
-from course_lib.grading.judge import TaskResult, judge
-from course_lib.grading.run.job import Job, plan
-from course_lib.grading.run.outcome import NOT_MADE
-from course_lib.grading.run.run import run_scenarios
+from course_lib.grading.judge import judge
+from course_lib.grading.records import TaskResult
+from course_lib.grading.run.outcome import NOT_DEFINED
+from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
+from course_lib.grading.submissions.archives import working_files
+from course_lib.grading.submissions.notebook import CodeCell, parse_notebook
+from course_lib.grading.submissions.submission import NO_EXERCISE, unpack
 
 WEEK = re.compile(r"week\d\d")
-NOT_CHECKED = "{0.id} ({0.title}): not checked, as {0.name} cannot run for a reason above."
+NOT_CHECKED = "{0.id} ({0.title}): not checked, because {0.name} cannot run; the reason is above."
 
 
 def check_file(path: Path) -> bool:
     """Run a notebook, print a table per task, and return whether everything passed.
 
     Raises:
-        CourseError: It can't be read, or is not an exercise of the course.
+        CourseError: The file can't be read, or is not an exercise of the course.
     """
     path = find_notebook(path)
     notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()
@@ -35,54 +34,57 @@ def check_file(path: Path) -> bool:
         raise CourseError(f"{path} {_no_tasks((notebook.exercise or '').split('_')[0], catalog)}")
     own = current_identity()
     student = notebook.student or own
-    steps, files = plan(tasks, catalog, hidden=False), working_files(path, notebook.cells)
+    steps, files = plan_scenarios(tasks, catalog, hidden=False), working_files(path, notebook.cells)
     made = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits, files))
     judgement = judge(made, tasks, catalog)
     causes = Causes(judgement.cell_errors, notebook.cells)
-    said: list[object] = [*causes.lines()]
+    parts: list[object] = [*causes.lines()]
     advice = Advice()
     for task, result in zip(tasks, judgement.tasks, strict=True):
         remember(task, result, notebook.cells)
         evidence = [one.evidence for one in made.runs if one.evidence.task == task.id]
-        follows = causes.explain(result)
+        follows = causes.is_only_cause(result)
         table = table_of(task, result, evidence, student, advice)
-        said.append(NOT_CHECKED.format(task) if follows else table)
+        parts.append(NOT_CHECKED.format(task) if follows else table)
     if own and student != own:
-        said.append(
-            f"{path.name} names the student {student}, you are {own}. set_identity('{own}') stamps it."
+        parts.append(
+            f"{path.name} has the student ID {student}, but yours is {own}. Run set_identity('{own}') in it."
         )
-    print(*said, sep="\n\n")  # noqa: T201  the terminal is its page
+    print(*parts, sep="\n\n")  # noqa: T201
     return all(result.passed for result in judgement.tasks)
 
 
 def _no_tasks(week: str, catalog: Catalog) -> str:
     if not WEEK.fullmatch(week) or week in catalog.course.weeks:
         return NO_EXERCISE
-    return f"is of {week}, but course.toml has no [weeks.{week}]; there is {', '.join(catalog.course.weeks)}"
+    return (
+        f"belongs to {week}, but course.toml has no [weeks.{week}]; it has {', '.join(catalog.course.weeks)}"
+    )
 
 
 _UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")
 _PLACE = re.compile(r"\(cell In\[(\d+)\]")
-MANY = 3  # names that no cell makes: a cell is missing, not a letter
+# So many undefined names are more likely a missing cell than misspelled letters.
+MANY = 3
 
 
 class Causes:
-    """The errors of a notebook's cells, without those that only follow from an earlier one.
+    """The errors of a notebook's cells, without errors that only follow from an earlier one.
 
     Args:
-        errors: Of the cells, in their order, as `describe` words them.
+        errors: The cells' error texts from `describe`, in cell order.
         cells: The sources of all code cells.
     """
 
     def __init__(self, errors: Sequence[str], cells: Sequence[str]) -> None:
         self._kept: list[str] = []
         self._followers = 0
-        made = [CodeCell(number, text, True).gives for number, text in enumerate(cells, 1)]
+        made = [CodeCell(number, text, True).bindings for number, text in enumerate(cells, 1)]
         unknown = (_UNKNOWN_NAME.match(error) for error in errors)
         names = dict.fromkeys(found[1] for found in unknown if found)
-        self._made = frozenset[str]().union(*made)
-        self._nowhere = [name for name in names if name not in self._made]
-        self._cell_missing = len(self._nowhere) >= MANY
+        self._defined = frozenset[str]().union(*made)
+        self._undefined = [name for name in names if name not in self._defined]
+        self._cell_missing = len(self._undefined) >= MANY
         lost = set[str]()
         for error in errors:
             found, place = _UNKNOWN_NAME.match(error), _PLACE.search(error)
@@ -93,24 +95,24 @@ class Causes:
                 self._kept.append(error)
             lost |= made[number - 1] if 0 < number <= len(made) else set()
             if found:
-                lost |= set(self._nowhere) if self._cell_missing else {found[1]}
+                lost |= set(self._undefined) if self._cell_missing else {found[1]}
 
     def lines(self) -> list[str]:
-        """Return the first errors, and how many others follow from them."""
+        """Return the first errors, and the number of errors that follow from them."""
         found = list(self._kept)
         if self._cell_missing:
-            names = ", ".join(self._nowhere)
+            names = ", ".join(self._undefined)
             found.append(f"No cell imports or defines {names}: is the cell with the imports missing?")
         if self._followers:
-            found.append(f"{counted(self._followers, 'more cell')} cannot run for the same reason.")
+            found.append(f"{format_count(self._followers, 'more cell')} cannot run for the same reason.")
         return found
 
-    def explain(self, result: TaskResult) -> bool:
-        """Return whether these errors are the only reason why a task failed."""
-        return bool(self._kept and result.errors) and all(map(self._follows, result.errors))
+    def is_only_cause(self, result: TaskResult) -> bool:
+        """Return whether these errors are the only reason why the task failed."""
+        return bool(self._kept and result.errors) and all(map(self._is_consequence, result.errors))
 
-    def _follows(self, error: str) -> bool:
+    def _is_consequence(self, error: str) -> bool:
         unknown = _UNKNOWN_NAME.match(error)
         if unknown is None:
-            return error.endswith(NOT_MADE)
-        return unknown[1] in self._nowhere or (self._cell_missing and unknown[1] not in self._made)
+            return error.endswith(NOT_DEFINED)
+        return unknown[1] in self._undefined or (self._cell_missing and unknown[1] not in self._defined)

@@ -1,4 +1,9 @@
-"""Evidence of a run, checks, and their verdicts."""
+"""The evidence of a run, including launched nodes, and the verdicts of checks.
+
+Evidence is plain data that is recorded in lock-step with robot time, so that the same code gives
+the same evidence, and the same evidence the same score. Checks never see the student's objects:
+they run in another process, after the student's process has ended.
+"""
 
 from __future__ import annotations
 
@@ -10,32 +15,144 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_lib.errors import CourseError
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import START_NS, Sample
 
 if TYPE_CHECKING:
     from course_lib.recording import Recording
 
+# Remapping argument that renames a node, after the option `-r`.
+NAME = "__node:="
+
+
+@dataclass(frozen=True)
+class StartedNode:
+    """A node that a launch file started.
+
+    Args:
+        package: The package of the executable.
+        executable: The name of the executable.
+        words: The command line, including the arguments after --ros-args.
+        death: The launch's error text if the process failed, or "".
+    """
+
+    package: str
+    executable: str
+    words: tuple[str, ...] = ()
+    death: str = ""
+
+    @property
+    def name(self) -> str | None:
+        """The node's new name, or None if it was not renamed."""
+        names = [word.removeprefix(NAME) for word in self.words if word.startswith(NAME)]
+        return names[-1] if names else None
+
+    @property
+    def options(self) -> dict[str, str]:
+        """The program's own arguments as a dict from option to value."""
+        end = self.words.index("--ros-args") if "--ros-args" in self.words else len(self.words)
+        own = self.words[:end]
+        return dict(zip(own[::2], own[1::2], strict=False))
+
+
+@dataclass(frozen=True)
+class OtherValue:
+    """The nodes that the launch file starts with another value of one of its arguments."""
+
+    argument: str
+    value: str
+    started: tuple[StartedNode, ...]
+
+
+@dataclass(frozen=True)
+class LaunchRecord:
+    """A launch that was run.
+
+    Args:
+        defaults: Default value of each declared argument; None for an argument without a default.
+        started: The nodes, in the order in which they were started.
+        others: The nodes started with other values of the arguments.
+        error: The error text of `ros2 launch`, or "".
+    """
+
+    defaults: Mapping[str, str | None] = field(default_factory=dict)
+    started: tuple[StartedNode, ...] = ()
+    others: tuple[OtherValue, ...] = ()
+    error: str = ""
+
+    def as_plain(self) -> dict[str, Any]:
+        """Return the record as plain data, which a worker may send."""
+        return {
+            "launched": {
+                "defaults": dict(self.defaults),
+                "started": [_encode_node(node) for node in self.started],
+                "others": [
+                    [one.argument, one.value, list(map(_encode_node, one.started))] for one in self.others
+                ],
+                "error": self.error,
+            }
+        }
+
+    @property
+    def failure(self) -> str:
+        """The error of the launch or of one of its nodes, or ""."""
+        return self.error or next((node.death for node in self.started if node.death), "")
+
+    @classmethod
+    def from_plain(cls, value: Any) -> LaunchRecord | None:
+        """Decode a record, or return None if the value is not one.
+
+        The value comes from a student's process, so that it may have any structure.
+        """
+        try:
+            content = value["launched"]
+            return cls(
+                {
+                    str(name): None if text is None else str(text)
+                    for name, text in content["defaults"].items()
+                },
+                tuple(map(_decode_node, content["started"])),
+                tuple(
+                    OtherValue(str(argument), str(value), tuple(map(_decode_node, nodes)))
+                    for argument, value, nodes in content["others"]
+                ),
+                str(content["error"]),
+            )
+        except (AttributeError, KeyError, TypeError, ValueError):
+            return None
+
+
+def _encode_node(node: StartedNode) -> list[Any]:
+    return [node.package, node.executable, list(node.words), node.death]
+
+
+def _decode_node(value: Any) -> StartedNode:
+    package, executable, words, death = value
+    return StartedNode(str(package), str(executable), tuple(map(str, words)), str(death))
+
+
 Found = TypeVar("Found")
-FORMAL_SHARE = 0.1  # of the weight of a scenario's checks
-LARGE = 2_000_000  # [B] of a message, some 100,000 points: from here on they are what takes the time
-LIGHT = 0.05  # of a check's weight, where students can read its inputs
+FORMAL_SHARE = 0.1  # formal checks' share of the weight of a scenario's checks
+LARGE = 2_000_000  # [B] size of a message, some 100,000 points, above which messages take most of the time
+LIGHT = 0.05  # factor on a check's weight if students can read its inputs
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Messages, returned values, output and errors of one scenario of one task, all of it data.
+    """The messages, returned values, output and errors of one scenario of a task, as plain data.
 
     Args:
         task: The task's id.
         scenario: The scenario's name.
-        seconds: Robot time that the scenario was to last.
-        samples: What the student's side published.
-        returns: Returned values of a function, or the one value or text handed in; plain data.
-        output: What was printed, cut at the limit.
+        seconds: The intended length of the scenario in robot time.
+        samples: The samples that the student's nodes published.
+        returns: The returned values of a function, or the one submitted value or string, as plain
+            data.
+        output: The printed text, truncated at the limit.
         errors: One sentence per exception of the student's code.
-        stopped: Which limit ended it early ("time", "memory", …), or "".
-        personal: The student's own values.
+        stopped: The limit that ended the scenario early ("time", "memory", …), or "".
+        personal: The student's personal values.
+        checks: All checks of the scenario, as `all_checks` returns them: a check can then judge
+            the marker that the others judge. Empty if a check is called on its own.
     """
 
     task: str
@@ -47,6 +164,7 @@ class Evidence:
     errors: tuple[str, ...] = ()
     stopped: str = ""
     personal: Mapping[str, Any] = field(default_factory=dict)
+    checks: tuple[Check, ...] = field(default=(), compare=False, repr=False)
 
     @cached_property
     def recording(self) -> Recording:
@@ -61,61 +179,63 @@ class Evidence:
         return {sample.topic: sample.type_name for sample in self.samples}
 
     def messages(self, topic: str) -> list[tuple[float, Any]]:
-        """Return ([s] since the start, message) pairs of one topic, without bytes of another type."""
+        """Return ([s] since the start, message) pairs of one topic, skipping bytes of another type."""
         if topic not in self._decoded:
             pairs = [(s.stamp_ns, _decode(s)) for s in self.samples if s.topic == topic]
             self._decoded[topic] = [((ns - START_NS) / 1e9, m) for ns, m in pairs if m is not None]
         return self._decoded[topic]
 
     def once(self, make: Callable[[Evidence], Found]) -> Found:
-        """Return what `make` finds in this evidence; it is called once, however many checks ask for it."""
-        if make not in self._found:
-            self._found[make] = make(self)
-        found: Found = self._found[make]
+        """Return `make(self)`, computed once however many checks request it."""
+        if make not in self._computed:
+            self._computed[make] = make(self)
+        found: Found = self._computed[make]
         return found
 
     @cached_property
     def large_message(self) -> str:
-        """The topic and the size of the largest message, where it is LARGE, else ""."""
+        """A description of the largest message if it is larger than LARGE, else ""."""
         largest = max(self.samples, key=lambda sample: len(sample.cdr), default=None)
         if largest is None or len(largest.cdr) <= LARGE:
             return ""
         return f"a message on {largest.topic} holds {len(largest.cdr) / 1e6:.0f} MB"
 
     def release(self) -> None:
-        """Drop what was decoded and found: it takes ten times the memory of the bytes."""
+        """Drop decoded messages and computed values, which need ten times the memory."""
         self._decoded.clear()
-        self._found.clear()
+        self._computed.clear()
 
     @cached_property
     def _decoded(self) -> dict[str, list[tuple[float, Any]]]:
         return {}
 
     @cached_property
-    def _found(self) -> dict[Callable[..., Any], Any]:
+    def _computed(self) -> dict[Callable[..., Any], Any]:
         return {}
 
 
 def _decode(sample: Sample) -> Any:
-    from course_lib.ros.messages.definitions import typestore
+    from course_lib.ros.messages.definitions import field_definitions
 
-    if sample.type_name not in typestore().fielddefs:
-        return None  # at once: to look for it takes milliseconds, and there may be 100,000 of them
+    if sample.type_name not in field_definitions():
+        # Looking up an unknown type takes milliseconds, and there may be 100,000 samples of it.
+        return None
     try:
         return sample.message()
-    except Exception:  # the bytes come from a student's process: they may be anything, and no message then
+    except Exception:
+        # The bytes come from a student's process and need not be a valid message.
         return None
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A check's answer.
+    """The result of a check.
 
     Args:
         score: From 0 to 1.
-        message: The reason; a public check shows it.
-        mistake: The kind of mistake, without values; a hidden check shows it.
-        broken: The exception of a check that could not judge.
+        message: The reason with values, which a public check shows.
+        mistake: The kind of mistake without values, which a hidden check shows.
+        broken: The exception that a check raised, or "".
     """
 
     score: float
@@ -125,12 +245,12 @@ class Verdict:
 
 
 def passed(message: str) -> Verdict:
-    """Return the full score with a message."""
+    """Return a verdict with the full score and a message."""
     return Verdict(1.0, message)
 
 
 def failed(message: str, mistake: str) -> Verdict:
-    """Return no score.
+    """Return a verdict with score 0.
 
     Args:
         message: The reason with values, which a public check shows.
@@ -141,9 +261,9 @@ def failed(message: str, mistake: str) -> Verdict:
 
 @dataclass(frozen=True)
 class Origin:
-    """The place in a check file where a word was written, and what was given to it."""
+    """The line of a check file that called a check function, with the arguments of the call."""
 
-    word: str
+    check_function: str
     arguments: Mapping[str, Any]
     place: str  # "exercises/checks/week01.py line 12"
 
@@ -153,11 +273,12 @@ class Check:
     """A pure function from evidence to a verdict.
 
     Args:
-        title: In tables.
-        judge: Returns the verdict; it must not depend on anything but the evidence.
-        weight: Share of the task's points; 0 only reports.
-        requires: Checks that must have full score on the same evidence, otherwise this check scores 0.
-        origin: Where it was written; None for a check of one's own.
+        title: The title in tables.
+        judge: Returns the verdict, which must depend on the evidence only.
+        weight: Share of the task's points; 0 for a check that only reports.
+        requires: Checks that must have the full score on the same evidence, else this check scores
+            0.
+        origin: The call that created it; None for a check that was built by hand.
     """
 
     title: str
@@ -168,30 +289,51 @@ class Check:
 
     def __post_init__(self) -> None:
         if not (isinstance(self.weight, Real) and 0 <= self.weight < math.inf):
-            raise CourseError(f"the check {self.title!r} is worth {self.weight!r}: expected 0 or more")
+            raise CourseError(
+                f"the check {self.title!r} has the weight {self.weight!r}: expected a number >= 0"
+            )
 
     def titled(self, title: str) -> Check:
-        """Return the check under another title."""
+        """Return the check with another title."""
         return replace(self, title=title)
 
     def worth(self, weight: float) -> Check:
-        """Return the check with another share of the task's points; 0 only reports."""
+        """Return the check with another weight; 0 makes it a check that only reports."""
         return replace(self, weight=weight)
 
     def requiring(self, *checks: Check) -> Check:
-        """Return a check that scores only where `checks` have full score.
+        """Return a check that scores only if `checks` have the full score.
 
-        A rate, a stamp or a frame is worth nothing as long as the published shape is wrong.
+        A correct rate, stamp or frame is worth nothing as long as the published shape is wrong.
         """
         return replace(self, requires=(*self.requires, *checks))
 
 
+def all_checks(checks: Sequence[Check]) -> tuple[Check, ...]:
+    """Return the checks and all checks that they require, without repetition.
+
+    The weight of a check that others require is the sum of its own and theirs, because without it
+    they score nothing.
+    """
+    found: dict[Callable[[Evidence], Verdict], Check] = {}
+
+    def add(check: Check, weight: float) -> None:
+        known = found.get(check.judge)
+        found[check.judge] = replace(check, weight=weight + (known.weight if known else 0.0))
+        for required in check.requires:
+            add(required, weight)
+
+    for check in checks:
+        add(check, check.weight)
+    return tuple(found.values())
+
+
 def with_formal(content: Sequence[Check], *formal: Check) -> tuple[Check, ...]:
-    """Return the checks of content, followed by the formal ones: rate, stamps, frame.
+    """Return content checks followed by formal checks: rate, stamps, frame.
 
     Args:
-        content: The first of them is the shape without which nothing formal scores.
-        formal: Get a tenth of the whole weight together, whatever they weigh each.
+        content: The first one checks the shape; the formal checks require it.
+        formal: Together they get a tenth of the total weight, whatever their own weights.
     """
     whole = sum(check.weight for check in content)
     each = whole * FORMAL_SHARE / (1 - FORMAL_SHARE) / max(len(formal), 1)
@@ -199,9 +341,9 @@ def with_formal(content: Sequence[Check], *formal: Check) -> tuple[Check, ...]:
 
 
 def lightly(*checks: Check) -> tuple[Check, ...]:
-    """Return the checks at a small part of their weight, for a scenario whose inputs students can read.
+    """Return the checks with a small part of their weight, for scenarios whose inputs students can read.
 
-    Hidden scenarios judge the same requirements with other inputs. An answer that was written for the public
-    inputs alone gets next to nothing then.
+    Hidden scenarios judge the same requirements with other inputs, so that an answer that is
+    hard-coded for the public inputs gets almost no points.
     """
     return tuple(check.worth(LIGHT * check.weight) for check in checks)

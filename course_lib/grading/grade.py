@@ -1,62 +1,235 @@
 """`course grade`: a folder of submissions through five stages, hand-in, run, judge, mark and report.
 
-Each stage is one function from records to records, and each record is a file with the digest of what it
-depends on. A record that is there already is not made again.
+Each stage is one function from records to records, and each record is a file with the digest of
+what it depends on. An existing record with the right digest is not computed again.
 
 | stage | function | record |
 |---|---|---|
-| hand-in | `handin.hand_in.hand_in` | the submission itself |
+| hand-in | `submissions.submission.plan_attempts` | the submission itself |
 | run | `run.run.run` | OUT/evidence/DIGEST.msgpack.gz |
 | judge | `judge.judge` | in OUT/results/STUDENT/EXERCISE.json |
-| mark | `marks.mark.mark` | OUT/results/STUDENT/EXERCISE.json |
+| mark | `marks.mark` | OUT/results/STUDENT/EXERCISE.json |
 | report | `reports.report.report` | OUT/reports/STUDENT/EXERCISE.html |
 """
 
 import os
+import platform
+import shutil
+import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Future
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from course_lib.errors import CourseError, counted
-from course_lib.grading.executors import executors, flow
-from course_lib.grading.handin.copies import compare_class
-from course_lib.grading.handin.hand_in import Attempts, hand_in
-from course_lib.grading.handin.ids import with_ids
-from course_lib.grading.handin.submission import Submission, find_submissions
-from course_lib.grading.jail.isolation import Need
-from course_lib.grading.judge import Judgement, judge
-from course_lib.grading.marks.mark import Fault, Result, mark, read_result, row_of
-from course_lib.grading.marks.marks import read_marks
-from course_lib.grading.preflight import try_out
-from course_lib.grading.records import (
-    Course,
-    OutError,
-    catalog_of,
-    evidence_path,
-    marks_path,
-    result_path,
-    sole_use,
-    this_course,
-    writing,
-)
-from course_lib.grading.reports.items import keep_check_times
+import course_lib
+from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
+from course_lib.course.state import write_atomically
+from course_lib.errors import CourseError, format_count
+from course_lib.grading.jail.filters import Need
+from course_lib.grading.judge import executors, flow, judge
+from course_lib.grading.marks import GradebookRow, MarkedResult, mark, read_marks, stored_result
+from course_lib.grading.records import Fault, Judgement, Result, Submission, TaskResult
 from course_lib.grading.reports.report import has_page, report
 from course_lib.grading.reports.table import (
     NO_REPORT,
-    Line,
-    broken_lines,
+    broken_check_lines,
     counts,
-    gone_lines,
     lost_report_lines,
     say,
+    show_progress,
     task_lines,
-    watched,
 )
-from course_lib.grading.reports.tables import concerns, write_tables
-from course_lib.grading.run.job import Job, plan
-from course_lib.grading.run.run import Ran, keep, make_ready, run, unpack
+from course_lib.grading.reports.tables import review_reasons, write_check_times, write_tables
+from course_lib.grading.run.run import Job, StoredRun, plan_scenarios, prepare, run, store_evidence, unpack
+from course_lib.grading.store import (
+    Course,
+    OutError,
+    catalog_of,
+    digest_of,
+    evidence_path,
+    kit_digest,
+    lock_folder,
+    marks_path,
+    this_course,
+    writing,
+)
+from course_lib.grading.submissions.archives import working_files
+from course_lib.grading.submissions.copies import compare_class
+from course_lib.grading.submissions.notebook import parse_notebook
+from course_lib.grading.submissions.roster import resolve_ids
+from course_lib.grading.submissions.submission import (
+    Attempts,
+    find_submissions,
+    missing_file_lines,
+    plan_attempts,
+    skipped_files,
+    store_places,
+)
+
+STUDENT = "preflight"  # the student ID that determines the personal values
+FOLDER = "preflight"  # subfolder of the results
+MOST_SHOWN = 3  # differences per message
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A solution or a stub, to be graded like a submission.
+
+    Args:
+        exercise: "week01_exercise".
+        name: "solution" or "stub".
+        path: The notebook file.
+        job: The job that runs it.
+    """
+
+    exercise: str
+    name: str
+    path: Path
+    job: Job
+
+    def key(self, machine: str) -> str:
+        """Return the name of its evidence, which is equal for equal inputs on the same machine."""
+        return f"{self.job.key}-{digest_of([machine, self.job.need])[:16]}"
+
+
+def run_preflight(
+    exercises: Iterable[str], course: Course, out: Path, away: Executor, here: Executor, *, may_run: bool
+) -> list[str]:
+    """Run and judge the solution and the stub of each exercise like submissions, reusing earlier evidence.
+
+    Args:
+        exercises: The exercises to be graded, "week01_exercise", ….
+        course: The course, with solutions and hidden checks.
+        out: The folder of records, which keeps the evidence.
+        away: The executor that runs submissions.
+        here: The executor that judges them.
+        may_run: Whether trials without evidence are run; otherwise they are skipped.
+
+    Returns:
+        Lines for the terminal: the tested exercises, and those that were skipped, with the reason.
+
+    Raises:
+        CourseError: A solution lacks full marks, a stub has points, or the workers have another
+            version of the kit.
+    """
+    names = sorted(exercises)
+    solutions = {name: course.solutions / f"{name.split('_')[0]}_solution.ipynb" for name in names}
+    found = {name: path for name, path in solutions.items() if path.is_file()}
+    notes = [
+        f"Not tested: {name}, because {solutions[name]} does not exist" for name in names if name not in found
+    ]
+    trials = [trial for name, path in found.items() for trial in _trials(name, path, course)]
+    if may_run and trials:
+        kept = _run(trials, out, away)
+    else:
+        kept = {trial: path for trial in trials if (path := _find_earlier(trial, out)) is not None}
+        left = (f"{trial.name} of {trial.exercise}" for trial in trials if trial not in kept)
+        notes += [f"Not tested: {what}, because --rejudge runs nothing" for what in left]
+    judged = {trial: here.submit(judge_trial, trial, course, path) for trial, path in kept.items()}
+    wrong = {trial: reason for trial, future in judged.items() if (reason := future.result())}
+    for trial in wrong:
+        # The machine may have been the cause, so the trial is run again next time.
+        kept[trial].unlink()
+    if wrong:
+        raise CourseError(_failure_message(wrong, course))
+    tried = ", ".join(sorted({trial.exercise for trial in kept}))
+    return [*notes, *[f"Solution and stub of {tried}: full marks and no marks, as required."] * bool(tried)]
+
+
+def installed_kit() -> tuple[str, str]:
+    """Return the path and the hash of this process's kit."""
+    return str(Path(course_lib.__file__).parent), kit_digest()
+
+
+def judge_trial(trial: Trial, course: Course, stored: Path) -> str:
+    """Judge stored evidence with the current checks, and return an error message if the mark is wrong."""
+    catalog = catalog_of(course)
+    tasks = catalog.of_week(trial.exercise.split("_")[0])
+    evidence = unpack(stored.read_bytes(), plan_scenarios(tasks, catalog, hidden=True))
+    judgement = judge(evidence, tasks, catalog)
+    marked = [task for task in judgement.tasks if not task.rubric]
+    is_solution = trial.name == "solution"
+    wrong = [r for r in marked if (r.score < r.points if is_solution else r.score > 0)]
+    if not wrong:
+        return ""
+    got, most = sum(r.score for r in marked), sum(r.points for r in marked)
+    expected = "all" if is_solution else "none"
+    mark = f"the {trial.name} {trial.path} gets {got:g} of {most:g} points, expected {expected}"
+    shown = [_summarize(result, is_solution=is_solution) for result in wrong[:MOST_SHOWN]]
+    return ". ".join([mark, *judgement.cell_errors[:is_solution], *shown])
+
+
+def _trials(exercise: str, solution: Path, course: Course) -> Iterator[Trial]:
+    catalog = catalog_of(course)
+    tasks = catalog.of_week(exercise.split("_")[0])
+    steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, hidden=True))
+    stub = course.exercises / f"{exercise}.ipynb"
+    texts = {
+        "solution": (solution, solution.read_bytes()),
+        "stub": (stub, stub.read_bytes())
+        if stub.is_file()
+        else (solution, notebook_text(exercise_from(read_notebook(solution))).encode()),
+    }
+    for name, (path, data) in texts.items():
+        cells = parse_notebook(data, path.name).cells
+        files = working_files(path, cells)
+        job = Job(cells, STUDENT, steps, catalog.course.limits, files, course.sandbox, course.refused)
+        yield Trial(exercise, name, path, job)
+
+
+def _run(trials: Iterable[Trial], out: Path, away: Executor) -> dict[Trial, Path]:
+    """Run the trials that have no evidence from this machine, and return the path of each evidence."""
+    # Evidence depends on the machine and the kit, besides the job.
+    ours, digest = installed_kit()
+    try:
+        theirs, other = away.submit(installed_kit).result()
+    except (ImportError, AttributeError) as error:
+        # The kit on the worker is older than this function.
+        theirs, other = f"another place ({error})", ""
+    if other != digest:
+        raise CourseError(
+            f"nothing is graded: submissions would be run by the kit in {theirs}, which is not the version "
+            f"in {ours} that judges them. Install the same version there: pip install -e {Path(ours).parent}"
+        )
+    system = (platform.node(), platform.platform(), sys.version, sys.prefix)
+    machine = repr((digest, system, os.geteuid(), shutil.which("bwrap")))
+    kept = {trial: out / FOLDER / f"{trial.key(machine)}.msgpack.gz" for trial in trials}
+    started = [(path, away.submit(run, t.job)) for t, path in kept.items() if not path.is_file()]
+    for path, future in started:
+        evidence = future.result().evidence
+        with writing(out):
+            write_atomically(path, evidence)
+    return kept
+
+
+def _find_earlier(trial: Trial, out: Path) -> Path | None:
+    return max(
+        (out / FOLDER).glob(f"{trial.job.key}-*.msgpack.gz"),
+        default=None,
+        key=lambda path: path.stat().st_mtime,
+    )
+
+
+def _summarize(result: TaskResult, *, is_solution: bool) -> str:
+    """Return the task's points, the first check with the wrong verdict, and the first error."""
+    checks = [c for c in result.checks if c.weight and (c.score < 1 if is_solution else c.score > 0)]
+    failures = [f"{c.scenario}, {c.title!r}: {c.broken or c.message}" for c in checks[:1]]
+    return "; ".join([f"{result.task}: {result.score:g} of {result.points:g}", *failures, *result.errors[:1]])
+
+
+def _failure_message(wrong: Mapping[Trial, str], course: Course) -> str:
+    kit, first = Path(course_lib.__file__).parent, next(iter(wrong)).path
+    places = f"The checks are in {course.exercises} and {course.solutions}, the kit is {kit}"
+    also = [f"Also: {', '.join(str(trial.path) for trial in wrong if trial.path != first)}"] * (
+        len(wrong) > 1
+    )
+    look = (
+        f"Run `course check {first}` to see more, correct the notebook, its checks or the kit, and grade "
+        "again. Until then, --only '*/week01*' grades a single exercise"
+    )
+    return ". ".join([f"nothing is graded: {next(iter(wrong.values()))}", *also, places, look])
+
 
 GRADED = ("graded", "needs_marking", "limit")
 Faults = Mapping[str, Fault]  # by the key of the evidence that is missing
@@ -74,18 +247,18 @@ def grade(
     need: Need = "partial",
     course: Course | None = None,
 ) -> bool:
-    """Grade a folder of submissions, and return whether every one could be graded.
+    """Grade a folder of submissions and return whether each submission could be graded.
 
     Args:
         submissions: One folder per student, or files that `course submit` wrote.
         out: The folder of records, which also gets gradebook.csv.
-        jobs: Submissions at a time; default: the number of processors.
-        dask: Address of a scheduler, on whose workers submissions are run then.
-        only: Pattern of STUDENT/EXERCISE, to grade some.
-        resume: Use all records that are there.
-        rejudge: Use the evidence that is there, and run nothing.
-        need: The least isolation in which submissions are run.
-        course: Default: the one of this checkout.
+        jobs: Number of submissions in parallel; default: the number of processors.
+        dask: Address of a Dask scheduler; if given, submissions run on its workers.
+        only: Pattern of STUDENT/EXERCISE that selects submissions.
+        resume: Reuse all existing records.
+        rejudge: Judge the existing evidence again, without running anything.
+        need: The weakest isolation that is accepted for running submissions.
+        course: The course; default: the one of this checkout.
 
     Raises:
         OutError: `out` can't be written.
@@ -93,13 +266,15 @@ def grade(
     """
     course = course or this_course()
     course = replace(course, sandbox=need, handed_in=(submissions, out))
-    found = _found(submissions, course)
-    line = hand_in(found, course, only)
-    with sole_use(out):
-        work = _pending(line, course, out, resume=resume, rejudge=rejudge)
-        rows = _watched(work, jobs or os.cpu_count() or 1, dask)
+    found = _find(submissions, course)
+    line = plan_attempts(found, course, only)
+    with lock_folder(out):
+        with writing(out):
+            store_places(out, submissions, found)
+        work = _find_pending(line, course, out, resume=resume, rejudge=rejudge)
+        rows = _grade_with_progress(work, jobs or os.cpu_count() or 1, dask)
         _finish(rows, work, found)
-    return all(row["status"] in GRADED for row in rows)
+    return all(row.status in GRADED for row in rows)
 
 
 @dataclass(frozen=True)
@@ -108,10 +283,10 @@ class Pending:
 
     Args:
         line: The attempts of each student and exercise.
-        missing: By the key of its evidence, each job that must be run.
+        missing: The jobs to run, by the key of their evidence.
         course: The tasks and hidden checks.
         out: The folder of records.
-        resume: Use results that are there.
+        resume: Reuse existing results.
         rejudge: Run nothing.
     """
 
@@ -123,16 +298,30 @@ class Pending:
     rejudge: bool
 
 
-def _found(submissions: Path, course: Course) -> list[Submission]:
-    """Find all submissions; print the zone of local times if nobody has chosen one."""
+def _find(submissions: Path, course: Course) -> list[Submission]:
+    """Find all submissions; print a note about the time zone if the course does not set one."""
     settings = catalog_of(course).course
     if settings.zone_note:
         say(settings.zone_note)
-    return with_ids(find_submissions(submissions, settings.counts, settings.zone), submissions)
+
+    def is_accepted(one: Submission) -> bool:
+        week = one.exercise.split("_")[0]
+        deadline = settings.deadline(week, one.student) if week in settings.weeks else None
+        return settings.late.is_accepted(one.received.days_late(deadline, settings.late))
+
+    found = find_submissions(
+        submissions, settings.counts, settings.zone, with_refused=True, is_accepted=is_accepted
+    )
+    for line in skipped_files(submissions):
+        say(line)
+    # Paths in results are relative to the folder of submissions, so that both can be moved.
+    return [replace(one, path=one.path.relative_to(submissions)) for one in resolve_ids(found, submissions)]
 
 
-def _pending(line: Sequence[Attempts], course: Course, out: Path, *, resume: bool, rejudge: bool) -> Pending:
-    """Find the missing records, and print which submissions --rejudge cannot judge."""
+def _find_pending(
+    line: Sequence[Attempts], course: Course, out: Path, *, resume: bool, rejudge: bool
+) -> Pending:
+    """Find the missing records, and print the submissions that --rejudge cannot judge."""
     if resume:
         line = [one for one in line if not _is_done(one, out)]
     jobs = {key: job for one in line for key, job in one.jobs.items()}
@@ -140,62 +329,65 @@ def _pending(line: Sequence[Attempts], course: Course, out: Path, *, resume: boo
     missing = {key: job for key, job in jobs.items() if not (reuse and evidence_path(out, key).is_file())}
     if rejudge:
         for one in (one for one in line if one.jobs.keys() & missing.keys()):
-            say(f"{one.student}  {one.exercise}  no evidence of today's inputs: grade it without --rejudge")
+            say(f"{one.student}  {one.exercise}  no evidence for these inputs: grade it without --rejudge")
         line = [one for one in line if not one.jobs.keys() & missing.keys()]
         missing = {}
     return Pending(line, missing, course, out, resume, rejudge)
 
 
 def _is_done(attempts: Attempts, out: Path) -> bool:
-    """Return whether result and report are there, of these files, these checks and these points."""
-    result = _kept(attempts, out)
-    return result is not None and result.judgement is not None and has_page(result, out)
+    """Return whether result and report exist for these files, checks and points."""
+    result = _read_stored(attempts, out)
+    if result is None or result.judgement is None or result.digest != attempts.digest:
+        return False
+    return has_page(result, out)
 
 
-def _kept(attempts: Attempts, out: Path) -> Result | None:
+def _read_stored(attempts: Attempts, out: Path) -> Result | None:
+    """Return the stored result regardless of its digest, or None if it is missing or damaged."""
     try:
-        content = read_result(result_path(out, attempts.student, attempts.exercise))
-    except CourseError:  # it is missing, or damaged
+        return stored_result(out, attempts.student, attempts.exercise).result
+    except CourseError:
         return None
-    return Result.from_plain(content) if content.get("digest") == attempts.digest else None
 
 
-def _watched(work: Pending, jobs: int, dask: str | None) -> list[Line]:
-    """Grade with a progress bar, and return the lines of the gradebook."""
+def _grade_with_progress(work: Pending, jobs: int, dask: str | None) -> list[GradebookRow]:
+    """Grade with a progress bar and return the lines of the gradebook."""
     try:
-        return list(watched(_graded(work, min(jobs, max(len(work.line), 1)), dask), len(work.line)))
+        return list(show_progress(_grade_all(work, min(jobs, max(len(work.line), 1)), dask), len(work.line)))
     except KeyboardInterrupt:
-        say("Interrupted. Nothing is lost: the same command with --resume goes on.")
+        say("Interrupted. Nothing is lost: the same command with --resume continues.")
         raise
 
 
-def _graded(work: Pending, jobs: int, dask: str | None) -> Iterator[Line]:
-    """Run each missing job, then judge, mark and report as soon as a student's evidence is stored."""
+def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[GradebookRow]:
+    """Run the missing jobs; judge, mark and report each student as soon as their evidence is stored."""
     course, out = work.course, work.out
     with executors(jobs, dask if work.missing else None) as (away, here, window):
         if work.missing:
-            for note in away.submit(make_ready, course.sandbox, course.refused).result():
+            for note in away.submit(prepare, course.sandbox, course.refused).result():
                 say(note)
         exercises = {one.exercise for one in work.line if one.jobs}
-        for note in try_out(exercises, course, out, away, here, may_run=not work.rejudge):
+        for note in run_preflight(exercises, course, out, away, here, may_run=not work.rejudge):
             say(note)
         ran = flow(away, run, ((key, [job]) for key, job in work.missing.items()), window)
-        ready = _with_evidence(work, ran)
+        ready = _await_evidence(work, ran)
         calls = ((one, (one, faults, course, out, work.resume)) for one, faults in ready)
         for one, future in flow(here, judge_mark_report, calls, window):
             try:
                 yield future.result()
             except OutError:
                 raise
-            except Exception as error:  # the judging process died of it
+            except Exception as error:
+                # The judging process died, so the records are written here, with the reason.
                 faults = dict.fromkeys((s.key for s in one.submissions), Fault.of(error))
                 yield judge_mark_report(one, faults, course, out)
 
 
-def _with_evidence(
-    work: Pending, ran: Iterable[tuple[str, Future[Ran]]]
+def _await_evidence(
+    work: Pending, ran: Iterable[tuple[str, Future[StoredRun]]]
 ) -> Iterator[tuple[Attempts, Faults]]:
-    """Store evidence as it comes; yield each student's attempts when they have all of theirs."""
+    """Store evidence as jobs end, and yield each student's attempts once all their evidence is stored."""
     waiting = defaultdict[str, list[Attempts]](list)
     absent = {id(one): one.jobs.keys() & work.missing.keys() for one in work.line}
     faults: dict[str, Fault] = {}
@@ -206,10 +398,11 @@ def _with_evidence(
             yield replace(one, jobs={}), {}
     for key, future in ran:
         try:
-            keep(work.out, key, future.result())
+            store_evidence(work.out, key, future.result())
         except OutError:
             raise
-        except Exception as error:  # a fault of ours: the class goes on
+        except Exception as error:
+            # An error of the kit in one submission must not stop the class.
             faults[key] = Fault.of(error)
         for one in waiting.pop(key):
             absent[id(one)] -= {key}
@@ -219,77 +412,88 @@ def _with_evidence(
 
 def judge_mark_report(
     attempts: Attempts, faults: Faults, course: Course, out: Path, resume: bool = False
-) -> Line:
-    """Apply the last three stages to one student's attempts, whose evidence is stored.
+) -> GradebookRow:
+    """Judge, mark and report one student's attempts, whose evidence is stored.
 
     Args:
-        attempts: Without jobs.
-        faults: By key, why evidence is missing.
+        attempts: The attempts, without jobs.
+        faults: The reason for each missing evidence, by its key.
         course: The tasks and hidden checks.
         out: The folder of records.
-        resume: Use the result that is there, if its digest is that of the attempts.
+        resume: Reuse the stored result if its digest matches the attempts; otherwise reuse its
+            judgement
+            if the checks are the same.
 
     Raises:
         OutError: The folder can't be written.
     """
-    kept, catalog = _kept(attempts, out) if resume else None, catalog_of(course)
-    judged = [] if kept else [_judged(one, faults, course, out) for one in attempts.submissions]
-    result = kept or mark(attempts.submissions, judged, catalog.course, attempts.digest)
+    stored, catalog = _read_stored(attempts, out) if resume else None, catalog_of(course)
+    kept = stored if stored and stored.digest == attempts.digest else None
+    fresh: dict[str, Judgement | Fault | None] = {}
+    result = kept
+    if result is None:
+        # Changed dates affect the mark only, so a judgement by the same checks is reused.
+        known = {stored.submission.key: stored.judgement} if stored and stored.rules == attempts.rules else {}
+        fresh = {
+            one.key: _judge_one(one, faults, course, out)
+            for one in attempts.submissions
+            if not known.get(one.key)
+        }
+        judged = [fresh[one.key] if one.key in fresh else known[one.key] for one in attempts.submissions]
+        result = mark(attempts.submissions, judged, catalog.course, attempts.digest, attempts.rules)
     marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
     with writing(out):
-        _keep_times(attempts.submissions, judged, out)
+        for key, judgement in fresh.items():
+            if isinstance(judgement, Judgement):
+                write_check_times(out, key, judgement)
         try:
             report(result, out, catalog)
         except OSError:
             raise
-        except Exception as error:  # the marks are right without a report, and must not be lost with it
+        except Exception as error:
+            # The marks are valid without a report, and must not be lost with it.
             problem = f"{NO_REPORT}: {type(error).__name__}: {error}"
             result = replace(result, notes=(*result.notes, problem))
         if result is not kept:
             result.write(out)
-    return row_of(result.as_plain(), marks)
+    return MarkedResult(result, tuple(marks)).row
 
 
-def _keep_times(
-    submissions: Sequence[Submission], judged: Sequence[Judgement | Fault | None], out: Path
-) -> None:
-    for one, judgement in zip(submissions, judged, strict=False):  # none is judged where a result is kept
-        if isinstance(judgement, Judgement):
-            keep_check_times(out, one.key, judgement)
-
-
-def _judged(submission: Submission, faults: Faults, course: Course, out: Path) -> Judgement | Fault | None:
-    """Judge stored evidence; a fault of the kit costs the student nothing, and the class goes on."""
+def _judge_one(submission: Submission, faults: Faults, course: Course, out: Path) -> Judgement | Fault | None:
+    """Judge stored evidence. An error of the kit becomes a `Fault`, which costs the student nothing."""
     if submission.key in faults or not submission.key:
         return faults.get(submission.key)
     try:
         catalog = catalog_of(course)
         tasks = catalog.of_week(submission.exercise.split("_")[0])
         stored = evidence_path(out, submission.key).read_bytes()
-        return judge(unpack(stored, plan(tasks, catalog, hidden=True)), tasks, catalog)
-    except Exception as error:  # whatever it is, it is no fault of the student
+        return judge(unpack(stored, plan_scenarios(tasks, catalog, hidden=True)), tasks, catalog)
+    except Exception as error:
+        # Checks do not raise here, so this is an error of the kit, not of the student.
         return Fault.of(error)
 
 
-def _finish(rows: Sequence[Line], work: Pending, found: Sequence[Submission]) -> None:
-    """Compare the class, write the tables of all results, and print a summary."""
-    out, zone = work.out, catalog_of(work.course).course.zone
+def _finish(rows: Sequence[GradebookRow], work: Pending, found: Sequence[Submission]) -> None:
+    """Compare the submissions of the class, write the tables of results, and print a summary."""
+    out, catalog = work.out, catalog_of(work.course)
+    zone = catalog.course.zone
     with writing(out):
-        compare_class(found, out, work.course.exercises, zone)
+        compare_class(found, out, work.course.exercises, zone, catalog.tasks.values())
     for last in (one.submissions[-1] for one in work.line):
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
-        results = write_tables(out, zone)
-    for lines in (task_lines, broken_lines, lost_report_lines):
+        marked = write_tables(out, zone)
+    results = [one.result for one in marked]
+    for lines in (task_lines, broken_check_lines, lost_report_lines):
         for line in lines(results):
             say(line)
-    isolations = Counter(result["isolation"] for result in results)
-    say(f"{counted(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")
+    isolations = Counter(one.isolation for one in results)
+    say(f"{format_count(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")
     for isolation, number in isolations.most_common():
         say(f"Isolation of {number}: {isolation}.")
-    for concern in concerns(results, out):
-        say(f"Look at: {concern.line(out)}")
-    for line in gone_lines(results, *work.course.handed_in):
+    for concern in review_reasons(marked, out):
+        say(f"Please review: {concern.line(out)}")
+    for line in missing_file_lines(results, found, *work.course.handed_in):
         say(line)
     say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")

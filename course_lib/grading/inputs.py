@@ -1,4 +1,8 @@
-"""Messages that our side publishes in a scenario, in the words of the check files."""
+"""Inputs of a scenario: published messages, and values that depend on the student.
+
+Personal values make a copied answer useless, because the same check expects another number from
+each student.
+"""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -7,8 +11,81 @@ from itertools import product
 from typing import Any
 
 from course_lib.arrays import Vector
-from course_lib.grading.task import Message
-from course_lib.ros.clock import START_NS
+from course_lib.course.exercise import current_identity, personal_number
+from course_lib.errors import CourseError, did_you_mean
+from course_lib.grading.run.outcome import plain
+from course_lib.grading.task import Message, Task, resolve
+from course_lib.ros.graph.graph import START_NS
+
+# Set in the grader's worker, which has no access to the check files.
+_values: dict[str, dict[str, Any]] | None = None
+
+
+def personal_values(task: Task, student: str | None) -> dict[str, Any]:
+    """Choose one option per row of the task's table, by a hash of the student's normalized ID."""
+    return {
+        name: plain(options[personal_number(student, f"{task.id}/{name}", len(options))])
+        for name, options in task.personal.items()
+    }
+
+
+def my_values(task_id: str) -> Mapping[str, Any]:
+    """Return your personal values of a task by name: `my_values("week01.post")["height"]`.
+
+    The values depend on your student ID. Without an ID, you get the values of a guest.
+
+    Args:
+        task_id: The task, "week01.post".
+
+    Raises:
+        CourseError: The task does not exist.
+    """
+    if _values is not None:
+        if task_id not in _values:
+            known, near = ", ".join(_values), did_you_mean(task_id, _values)
+            raise CourseError(f"there is no task {task_id!r} in this exercise, only {known}{near}")
+        return PersonalValues(task_id, _values[task_id])
+    from course_lib.grading.catalog import shipped_catalog
+
+    return PersonalValues(task_id, personal_values(shipped_catalog().task(task_id), current_identity()))
+
+
+class PersonalValues(dict[str, Any]):
+    """Values by name. The error about an unknown name lists the known ones."""
+
+    def __init__(self, task_id: str, values: Mapping[str, Any]) -> None:
+        super().__init__(values)
+        self._task_id = task_id
+
+    def __missing__(self, name: str) -> Any:
+        known = ", ".join(map(repr, self))
+        raise CourseError(
+            f"{self._task_id} has no value {name!r}, only {known}{did_you_mean(str(name), self)}"
+        )
+
+
+def set_values(values: dict[str, dict[str, Any]]) -> None:
+    """Set the result of `my_values` by task, in the worker that runs a submission."""
+    global _values
+    _values = values
+
+
+def build(message: Message, personal: Mapping[str, Any]) -> Any:
+    """Build the ROS message of an input, with the student's personal values.
+
+    Raises:
+        CourseError: A field is unknown or its value is invalid; the message has the topic and the
+            reason.
+    """
+    from course_lib.ros.messages import message_class
+    from course_lib.ros.messages.conversions import set_fields
+
+    made = message_class(message.type_name)()
+    try:
+        set_fields(made, resolve(message.fields, personal))
+    except (AssertionError, AttributeError, TypeError, ValueError) as error:
+        raise CourseError(f"the message for {message.topic} ({message.type_name}): {error}") from error
+    return made
 
 
 @dataclass(frozen=True)
@@ -17,11 +94,11 @@ class Found:
 
     Args:
         track: Number of the object.
-        label: What it is.
-        center: Of its box, [m].
-        size: Edges of its box, [m].
-        confidence: 0 to 1, or a value of the student's own, `my(...)`.
-        yaw: Turn of its box about z, [rad].
+        label: Class of the object.
+        center: Center of its box [m].
+        size: Edge lengths of its box [m].
+        confidence: From 0 to 1, or a personal value `my(...)`.
+        yaw: Rotation of its box about z [rad].
     """
 
     track: int
@@ -33,44 +110,45 @@ class Found:
 
 
 def header(at: float, frame: str) -> dict[str, Any]:
-    """Return the header of a message of `at` [s] after the start of the scenario."""
+    """Return the header of a message stamped `at` [s] after the start of the scenario."""
     seconds, nanoseconds = divmod(START_NS + round(at * 1e9), 10**9)
     return {"frame_id": frame, "stamp": {"sec": seconds, "nanosec": nanoseconds}}
 
 
 def xyz(values: Iterable[float]) -> dict[str, float]:
-    """Return three numbers as the fields of a point or a vector."""
+    """Return three numbers as the fields of a point or vector message."""
     return dict(zip("xyz", values, strict=True))
 
 
 def corners(center: Vector, size: Vector) -> list[list[float]]:
-    """Return the eight corners of a box, [m]."""
+    """Return the eight corners of a box [m]."""
     ends = [(middle - edge / 2, middle + edge / 2) for middle, edge in zip(center, size, strict=True)]
     return [list(corner) for corner in product(*ends)]
 
 
 def turned(yaw: float) -> dict[str, float]:
-    """Return the quaternion of a turn about z, [rad], as the fields of an orientation."""
+    """Return the quaternion of a rotation about z [rad], as the fields of a Quaternion message."""
     return {"z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
 
 
-def detections(found: Iterable[Found], at: float, frame: str = "base_link") -> Message:
-    """Return the message of a detector on `/objects`, `at` [s] after the start."""
-    fields = {
-        "header": header(at, frame),
-        "detections": [{"header": header(at, frame), **_detection(one)} for one in found],
-    }
+def detections(found: Iterable[Found], at: float, frame: str = "base_link", *, delay: float = 0.0) -> Message:
+    """Return a detector's message on `/objects`, published `at` [s] after the start.
+
+    Its stamp is `delay` [s] earlier: a detector needs time, and the stamp is that of the image.
+    """
+    seen = header(at - delay, frame)
+    fields = {"header": seen, "detections": [{"header": seen, **_detection(one)} for one in found]}
     return Message("/objects", "vision_msgs/msg/Detection3DArray", fields, at=at)
 
 
 def pose(parent: str, child: str, translation: Vector, yaw: float = 0.0) -> dict[str, Any]:
-    """Return the transform child to parent for `transforms`: translation in [m], yaw about z in [rad]."""
+    """Return a transform from child to parent for `transforms`: translation [m], yaw about z [rad]."""
     placed = {"translation": xyz(translation), "rotation": turned(yaw)}
     return {"parent": parent, "child_frame_id": child, "transform": placed}
 
 
 def transforms(poses: Iterable[Mapping[str, Any]], at: float) -> Message:
-    """Return the broadcast on `/tf`, `at` [s] after the start, with that stamp."""
+    """Return a message on `/tf`, published and stamped `at` [s] after the start."""
     stamped = [
         {"header": header(at, made["parent"]), **{k: v for k, v in made.items() if k != "parent"}}
         for made in poses
@@ -79,14 +157,14 @@ def transforms(poses: Iterable[Mapping[str, Any]], at: float) -> Message:
 
 
 def circling(begin: float, end: float, parent: str = "world", child: str = "base_link") -> Iterable[Message]:
-    """Yield transforms of a frame that drives round `on_circle`, 20 a second between two times [s]."""
+    """Yield transforms at 20 Hz of a frame that moves along `on_circle` between two times [s]."""
     for step in range(round((end - begin) * 20)):
         at = begin + step / 20  # [s]
         yield transforms([pose(parent, child, on_circle(at), at + math.pi / 2)], at)
 
 
 def on_circle(at: float) -> Vector:
-    """Return the place on a circle of 3 m, driven round at 1 rad/s, `at` [s] after the start."""
+    """Return the position `at` [s] on a circle of radius 3 m, traversed at 1 rad/s."""
     return (3.0 * math.cos(at), 3.0 * math.sin(at), 0.0)
 
 
@@ -98,11 +176,15 @@ def scan(
     first: float,
     step: float,
     topic: str = "/scan",
+    delay: float = 0.0,
 ) -> Message:
-    """Return the message of a laser scanner: ranges [m] from the angle `first` on, every `step`, [rad]."""
+    """Return a laser scanner's message: ranges [m] from the angle `first` in steps of `step` [rad].
+
+    It is published `at` [s] after the start, and stamped `delay` [s] earlier.
+    """
     measured = list(ranges)
     fields = {
-        "header": header(at, frame),
+        "header": header(at - delay, frame),
         "angle_min": first,
         "angle_max": first + step * (len(measured) - 1),
         "angle_increment": step,
@@ -114,19 +196,19 @@ def scan(
 
 
 def odometry(topic: str, at: float, place: Vector, frame: str = "odom") -> Message:
-    """Return where `base_link` is in a frame, [m], `at` [s] after the start."""
+    """Return an Odometry message: the position [m] of `base_link` in `frame`."""
     fields = {"header": header(at, frame), "child_frame_id": "base_link", "pose": {"pose": _upright(place)}}
     return Message(topic, "nav_msgs/msg/Odometry", fields, at=at)
 
 
 def path(topic: str, at: float, places: Iterable[Vector], frame: str = "odom") -> Message:
-    """Return a way through places of a frame, [m]."""
+    """Return a Path message through positions [m] in `frame`."""
     fields = {"header": header(at, frame), "poses": [{"pose": _upright(place)} for place in places]}
     return Message(topic, "nav_msgs/msg/Path", fields, at=at)
 
 
 def marker_array(topic: str, at: float, frame: str, center: Vector, size: Vector, kind: int = 1) -> Message:
-    """Return a green marker of a type, a cube unless another one is given; center and size in [m]."""
+    """Return a MarkerArray with one green marker, a cube by default; center and size in [m]."""
     marker = {
         "header": header(at, frame),
         "ns": "found",
@@ -148,7 +230,7 @@ def ghost(
     frame: str = "map",
     yaw: float = 0.0,
 ) -> Message:
-    """Return the expected picture of one marker: type number, center and size [m], RGB or RGBA, yaw [rad]."""
+    """Return the marker of an expected picture: type number, center and size [m], RGB(A), yaw [rad]."""
     fields = {
         "header": {"frame_id": frame},
         "ns": "expected",
@@ -162,7 +244,7 @@ def ghost(
 
 
 def images(topic: str, hz: float, begin: float, end: float, frame: str = "camera_link") -> Iterable[Message]:
-    """Return images of one pixel, `hz` [1/s] of them between two times [s]."""
+    """Yield images of one pixel at the rate `hz` [1/s] between two times [s]."""
     fields = {"width": 1, "height": 1, "step": 1, "encoding": "mono8", "data": [9]}
     for number in range(round(hz * (end - begin))):
         at = begin + (number + 0.5) / hz  # [s]
@@ -170,19 +252,19 @@ def images(topic: str, hz: float, begin: float, end: float, frame: str = "camera
 
 
 def set_parameters(node: str, at: float, **values: Any) -> Message:
-    """Return the request of `ros2 param set` to a node, "/perception_node", `at` [s] after the start."""
+    """Return the service request of `ros2 param set` to a node, sent `at` [s] after the start."""
     parameters = [{"name": name, "value": _parameter(value)} for name, value in values.items()]
     kind = "rcl_interfaces/srv/SetParameters"
     return Message(f"{node}/set_parameters", kind, {"parameters": parameters}, at=at)
 
 
 def _upright(place: Vector) -> Mapping[str, Any]:
-    """Return a pose that is not turned."""
+    """Return the fields of a Pose message without rotation."""
     return {"position": xyz(place), "orientation": {"w": 1.0}}
 
 
 def _parameter(value: Any) -> Mapping[str, Any]:
-    """Return a rcl_interfaces/ParameterValue; a value of the student's own is a double."""
+    """Return the fields of a ParameterValue message; a `my(...)` value becomes a double."""
     number, field = {
         bool: (1, "bool_value"),
         int: (2, "integer_value"),

@@ -1,176 +1,201 @@
-"""The stage `judge`: from evidence to scores, in pure functions: equal evidence gets equal scores."""
+"""The stage `judge`: compute scores from evidence with pure functions, so equal evidence gets equal scores.
 
+Executors run the jobs of `run` and `judge` in this process, in several processes, or on a Dask
+cluster.
+"""
+
+import multiprocessing
+import os
+import signal
+import sys
+import threading
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from concurrent.futures import ProcessPoolExecutor as Pool
+from concurrent.futures import ThreadPoolExecutor as Threads
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
+from multiprocessing import resource_tracker
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from course_lib.errors import CourseError
 from course_lib.grading.catalog import Catalog
-from course_lib.grading.evidence import Check, Evidence, Verdict
-from course_lib.grading.run.job import Run
-from course_lib.grading.task import Row, Task
-from course_lib.grading.time_limit import time_limit
+from course_lib.grading.evidence import Check, Evidence, Verdict, all_checks
+from course_lib.grading.records import CheckResult, Judgement, TaskResult
+from course_lib.grading.run.run import Run
+from course_lib.grading.task import Task, time_limit
 
-if TYPE_CHECKING:  # students' kernels judge without a jail
+if TYPE_CHECKING:
     from course_lib.grading.run.run import ExerciseRun
 
-CHECK_SECONDS = 5.0  # [s] of processor time for a check
-TASK_SECONDS = 10.0  # [s] of processor time for all checks of a task
-LEAST_SECONDS = 0.1  # [s] for a check where the others have used up the task's time
+Tag = TypeVar("Tag")
+TRIES = 2
+CONNECT_SECONDS = 10  # [s]
+
+
+class InlineExecutor(Executor):
+    """An executor that calls functions immediately, in this process."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        """Call the function and return a completed future."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+class ProcessPool(Threads):
+    """A pool of single-thread processes, which replaces a process that dies and repeats its call.
+
+    A pool with several processes would lose all running calls if one process died.
+    """
+
+    def __init__(self, count: int) -> None:
+        # New processes inherit the blocked SIGINT, until they are ready to end on Ctrl+C without a
+        # traceback.
+        super().__init__(count, initializer=_mask_interrupts, initargs=(signal.SIG_BLOCK,))
+        # Start multiprocessing's tracker of semaphores here: a thread that starts it unblocks
+        # Ctrl+C, and the first process would print a traceback. It would also warn about
+        # semaphores that a second Ctrl+C leaves, which it then removes.
+        sys.warnoptions.append("ignore:resource_tracker")
+        try:
+            resource_tracker.ensure_running()
+        finally:
+            sys.warnoptions.remove("ignore:resource_tracker")
+        self._local = threading.local()
+        self._processes: list[Pool] = []
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        """Call the function in one of the processes."""
+        return super().submit(self._call, partial(fn, *args, **kwargs))
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End all processes."""
+        super().shutdown(wait, cancel_futures=cancel_futures)
+        for process in self._processes:
+            process.shutdown(wait)
+
+    def _call(self, call: Callable[[], Any]) -> Any:
+        for _ in range(TRIES):
+            try:
+                return self._process().submit(call).result()
+            except BrokenExecutor:
+                self._local.process = None
+        raise CourseError(
+            f"the process that graded it died {TRIES} times: it was killed, or ran out of memory"
+        )
+
+    def _process(self) -> Pool:
+        if getattr(self._local, "process", None) is None:
+            context = multiprocessing.get_context(
+                "spawn"
+            )  # A spawned process inherits none of this process's threads and locks.
+            self._local.process = Pool(1, mp_context=context, initializer=_end_with_parent)
+            self._processes.append(self._local.process)
+        process: Pool = self._local.process
+        return process
+
+
+def _end_with_parent() -> None:
+    """End this process silently on Ctrl+C, and when its parent process ends."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    _mask_interrupts(signal.SIG_UNBLOCK)
+    parent = multiprocessing.parent_process()
+
+    def follow() -> None:
+        if parent is not None:
+            parent.join()
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()
+
+
+def _mask_interrupts(how: int) -> None:
+    signal.pthread_sigmask(how, {signal.SIGINT})
+
+
+@contextmanager
+def executors(jobs: int, dask: str | None) -> Iterator[tuple[Executor, Executor, int]]:
+    """Open the executors for running and judging; yield them with the number of pending submissions allowed.
+
+    Args:
+        jobs: Number of processes on this machine.
+        dask: Address of a Dask scheduler whose workers run submissions; judging stays on this
+            machine.
+
+    Raises:
+        CourseError: No scheduler answers at the address.
+    """
+    local: Executor = InlineExecutor() if jobs == 1 else ProcessPool(jobs)
+    try:
+        if dask is None:
+            yield local, local, 1 if jobs == 1 else 2 * jobs
+        else:
+            with _client(dask) as client:
+                threads = sum(client.nthreads().values())
+                yield client.get_executor(pure=False), local, 2 * max(threads, 1)
+    finally:
+        local.shutdown(wait=False, cancel_futures=True)
+
+
+def _client(address: str) -> Any:
+    try:
+        from distributed import Client
+        from distributed.comm.addressing import get_address_host_port
+    except ImportError as error:
+        raise CourseError("--dask needs an extra package: pip install 'course-lib[dask]'") from error
+    try:
+        # Checked first: a Client with an invalid address prints a traceback when it is destroyed.
+        get_address_host_port(address)
+        return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as error:
+        raise CourseError(
+            f"--dask {address}: no scheduler answers ({error}). Start one with `dask scheduler` "
+            "and pass its address, like tcp://127.0.0.1:8786"
+        ) from error
+
+
+def flow(
+    executor: Executor, function: Callable[..., Any], calls: Iterable[tuple[Tag, Sequence[Any]]], window: int
+) -> Iterator[tuple[Tag, "Future[Any]"]]:
+    """Submit calls for (tag, arguments), `window` at a time, and yield (tag, future) as they end."""
+    pending: dict[Future[Any], Tag] = {}
+    for tag, arguments in calls:
+        pending[executor.submit(function, *arguments)] = tag
+        if len(pending) >= window:
+            yield from _take_completed(pending)
+    while pending:
+        yield from _take_completed(pending)
+
+
+def _take_completed(pending: dict["Future[Any]", Tag]) -> Iterator[tuple[Tag, "Future[Any]"]]:
+    for future in wait(pending, return_when=FIRST_COMPLETED).done:
+        yield pending.pop(future), future
+
+
+CHECK_SECONDS = 5.0  # [s] processor time of one check
+TASK_SECONDS = 10.0  # [s] processor time of all checks of a task
+LEAST_SECONDS = 0.1  # [s] minimum for a check if the others have used up the task's time
 LONGEST = 500  # characters of an exception's text
 NEEDS_ANOTHER = "another check must pass first"
 TOO_LARGE = "the messages are too large to be checked in time"
-CANNOT_JUDGE = "this check could not judge what came: a fault of the course, which your instructor looks at"
+CANNOT_JUDGE = (
+    "this check raised an error on your messages: a fault in the course, which your instructor will look into"
+)
 
-# Its text is the student's own and may tell a hidden input, so students don't get it; the evidence has it.
+# The exception's text may reveal a hidden input, so students don't see it. The evidence contains
+# it.
 HIDDEN_ERROR = "in a hidden scenario the code raises an exception, or ends too early"
 
 
-@dataclass(frozen=True)
-class CheckResult:
-    """The result of one check.
-
-    Args:
-        title: Of the check.
-        scenario: The scenario's name.
-        hidden: Whether students may not see the message.
-        weight: Share of the task's points.
-        score: From 0 to 1.
-        message: The reason, with values.
-        mistake: The kind of mistake, without values.
-        broken: The exception of a check that raised one; for staff only.
-        seconds: Of processor time [s]; it differs from time to time, so no result file has it.
-    """
-
-    title: str
-    scenario: str
-    hidden: bool
-    weight: float
-    score: float
-    message: str
-    mistake: str
-    broken: str = ""
-    seconds: float = field(default=0.0, compare=False)
-
-    @property
-    def passed(self) -> bool:
-        """True with the full score."""
-        return self.score >= 1
-
-
-@dataclass(frozen=True)
-class TaskResult:
-    """The mark of one task and its reasons.
-
-    Args:
-        task: Its id.
-        title: In tables.
-        points: The most that it can give.
-        bonus: Whether they come on top.
-        checks: What was looked at.
-        errors: What the code raised.
-        stopped: Which limit ended it, or "".
-        manual: Points that a person gave; they count instead of the checks'.
-        comments: What that person says.
-        rubric: The rows by which a person marks the task.
-        is_current: False if those points were given for another hand-in.
-    """
-
-    task: str
-    title: str
-    points: float
-    bonus: bool
-    checks: tuple[CheckResult, ...]
-    errors: tuple[str, ...] = ()
-    stopped: str = ""
-    manual: float | None = None
-    comments: tuple[str, ...] = ()
-    rubric: tuple[Row, ...] = ()
-    is_current: bool = True
-
-    @property
-    def fraction(self) -> float:
-        """The weighted mean of the checks' scores."""
-        whole = sum(check.weight for check in self.checks)
-        return sum(check.weight * check.score for check in self.checks) / whole if whole else 0.0
-
-    @property
-    def score(self) -> float:
-        """Points: those of a person, else those of the checks."""
-        return round(self.points * self.fraction, 2) if self.manual is None else self.manual
-
-    @property
-    def untouched(self) -> bool:
-        """True if every error is the stub's NotImplementedError."""
-        return bool(self.errors) and all(error.startswith("NotImplementedError") for error in self.errors)
-
-    @property
-    def passed(self) -> bool:
-        """True if all checks pass."""
-        return all(check.passed for check in self.checks)
-
-    @property
-    def waits(self) -> bool:
-        """True if a person must mark it: by its rubric, as a weighty check raised, or once more."""
-        is_broken = any(check.broken and check.weight for check in self.checks)
-        return not self.is_current or (self.manual is None and (bool(self.rubric) or is_broken))
-
-    def as_plain(self) -> dict[str, Any]:
-        """Return the entry of a result file."""
-        plain = asdict(self)
-        for check in plain["checks"]:
-            del check["seconds"]
-        return {**plain, "score": self.score}
-
-    @classmethod
-    def from_plain(cls, content: Mapping[str, Any]) -> "TaskResult":
-        """Return the task of an entry of a result file."""
-        known = {field.name: content[field.name] for field in fields(cls) if field.name in content}
-        checks = tuple(CheckResult(**check) for check in content["checks"])
-        return cls(**{**known, "checks": checks, "rubric": tuple(Row(**row) for row in content["rubric"])})
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """The results of all tasks of one submission, with the log of its cells.
-
-    Args:
-        tasks: In the order of the exercise.
-        isolation: The layers between the submission and the machine that it ran on.
-        cell_errors: Exceptions of the cells, which are run once, before the scenarios.
-        output: The text that the cells printed.
-        digests: Of the recordings, by task and scenario.
-        limit: The resource that a scenario or a cell used up, or "".
-    """
-
-    tasks: tuple[TaskResult, ...]
-    isolation: str
-    cell_errors: tuple[str, ...]
-    output: str
-    digests: Mapping[str, str]
-    limit: str = ""
-
-    @property
-    def broken(self) -> list[str]:
-        """Each check that raised an exception, with task and scenario; for staff."""
-        rows = [(task.task, check) for task in self.tasks for check in task.checks if check.broken]
-        return [f"{task}, {check.scenario}, {check.title!r}: {check.broken}" for task, check in rows]
-
-    def as_plain(self) -> dict[str, Any]:
-        """Return the part of a result file that is judged."""
-        return {**vars(self), "tasks": [task.as_plain() for task in self.tasks]}
-
-    @classmethod
-    def from_plain(cls, content: Mapping[str, Any]) -> "Judgement":
-        """Return the judgement of a result file."""
-        known = {field.name: content[field.name] for field in fields(cls) if field.name in content}
-        return cls(**{**known, "tasks": tuple(map(TaskResult.from_plain, content["tasks"]))})
-
-
 def judge(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgement:
-    """Judge the evidence of a submission by the checks of its tasks."""
+    """Judge the evidence of a submission with the checks of its tasks."""
     results = tuple(
         judge_task(task, *catalog.points(task), [one for one in run.runs if one.evidence.task == task.id])
         for task in tasks
@@ -186,10 +211,11 @@ def judge(run: "ExerciseRun", tasks: Sequence[Task], catalog: Catalog) -> Judgem
 
 
 def judge_task(task: Task, points: float, bonus: bool, runs: Sequence[Run]) -> TaskResult:
-    """Judge all runs of a task; a check that raises costs that check only."""
+    """Judge all runs of a task. A check that raises an exception loses only its own points."""
     judge = _Judge()
     checks = tuple(result for run in runs for result in judge.results(run))
-    if task.rubric:  # a person marks it: the checks only tell
+    if task.rubric:
+        # A person marks this task, so the checks only report.
         checks = tuple(replace(check, weight=0.0) for check in checks)
     errors = dict.fromkeys(error for run in runs if not run.hidden for error in run.evidence.errors)
     if any(
@@ -204,62 +230,75 @@ class _Judge:
     """The judge of one task, with a limit of processor time for all of its checks."""
 
     def __init__(self) -> None:
-        self._left = TASK_SECONDS
-        self._verdicts: dict[Callable[[Evidence], Verdict], Verdict] = {}  # of one run
+        self._remaining = TASK_SECONDS
+        self._verdicts: dict[Callable[[Evidence], Verdict], Verdict] = {}  # verdicts of the current run
         self._seconds: dict[Callable[[Evidence], Verdict], float] = {}
 
     def results(self, run: Run) -> list[CheckResult]:
-        """Return a row for each check; what was decoded for them is released."""
+        """Return a row for each check, then release the messages that were decoded for them."""
         self._verdicts = {}
-        rows = [_row(check, run, self._verdict(check, run.evidence)) for check in run.scenario.checks]
-        run.evidence.release()
+        evidence = replace(run.evidence, checks=all_checks(run.scenario.checks))
+        rows = [_row(check, run, self._verdict(check, evidence)) for check in run.scenario.checks]
+        evidence.release()
         took = [self._seconds[check.judge] for check in run.scenario.checks]
         return [replace(row, seconds=seconds) for row, seconds in zip(rows, took, strict=True)]
 
     def _verdict(self, check: Check, evidence: Evidence) -> Verdict:
-        """Return what a check finds; where it passes, but one that it requires does not, that is named."""
+        """Return a check's verdict, with score 0 if a check that it requires fails.
+
+        If the check itself passes, the message names the required check.
+        """
         if check.judge not in self._verdicts:
-            self._verdicts[check.judge] = self._look(check, evidence)
+            self._verdicts[check.judge] = self._run_check(check, evidence)
         verdict = self._verdicts[check.judge]
         for required in check.requires:
             failing = self._verdict(required, evidence)
             if failing.score >= 1 and not failing.broken:
                 continue
             if verdict.score >= 1 or failing.broken:
-                message = f"counts when this passes: {required.title}"
+                message = f'checked once "{required.title}" passes'
                 return Verdict(0.0, message, NEEDS_ANOTHER, failing.broken)
             return replace(verdict, score=0.0)
         return verdict
 
-    def _look(self, check: Check, evidence: Evidence) -> Verdict:
+    def _run_check(self, check: Check, evidence: Evidence) -> Verdict:
         begin = time.process_time()
         try:
-            with time_limit(max(min(CHECK_SECONDS, self._left), LEAST_SECONDS)):
+            with time_limit(max(min(CHECK_SECONDS, self._remaining), LEAST_SECONDS)):
                 verdict = check.judge(evidence)
+                if not isinstance(verdict, Verdict):
+                    raise TypeError(f"the check returned {verdict!r}, expected passed(...) or failed(...)")
                 return replace(verdict, score=float(verdict.score), message=str(verdict.message))
-        except Exception as error:  # of the kit or of a check file, over what a student published
+        except Exception as error:
+            # Student data can trigger errors in a check or in the kit; the student is not at fault.
             slow = evidence.large_message if isinstance(error, TimeoutError) else ""
             message = f"{TOO_LARGE}: {slow}; publish fewer points" if slow else CANNOT_JUDGE
             kind = TOO_LARGE if slow else CANNOT_JUDGE
             return Verdict(
-                0.0, message, kind, f"{_place(check, error)}{type(error).__name__}: {error}"[:LONGEST]
+                0.0, message, kind, f"{_location(check, error)}{type(error).__name__}: {error}"[:LONGEST]
             )
         finally:
             self._seconds[check.judge] = time.process_time() - begin
-            self._left -= self._seconds[check.judge]
+            self._remaining -= self._seconds[check.judge]
 
 
-def _place(check: Check, error: Exception) -> str:
-    """Return "week01.py line 12: " for an exception in a check: where its own code or its word stands."""
+def _location(check: Check, error: Exception) -> str:
+    """Return the location of an exception in a check, "week01.py line 12: ", or ""."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if Path(frame.filename).parent.name == "checks"]
     if own:
-        return f"{own[-1].filename} line {own[-1].lineno}: "
+        # Three path components identify the check file; results contain no absolute paths of this
+        # machine.
+        return f"{'/'.join(Path(own[-1].filename).parts[-3:])} line {own[-1].lineno}: "
+    code = getattr(check.judge, "__code__", None)
+    if check.origin is None and code is not None:
+        return f"{'/'.join(Path(code.co_filename).parts[-3:])} line {code.co_firstlineno}: "
     return f"{check.origin.place}: " if check.origin else ""
 
 
 def _row(check: Check, run: Run, verdict: Verdict) -> CheckResult:
-    score = verdict.score if 0 <= verdict.score <= 1 else 0.0  # NaN is not a score
+    # The comparison is also false for NaN.
+    score = verdict.score if 0 <= verdict.score <= 1 else 0.0
     mistake = verdict.mistake or ("as expected" if score == 1 else "not as expected")
     return CheckResult(
         title=check.title,

@@ -1,10 +1,12 @@
-"""Tasks and scenarios as data, for a week's check files."""
+"""Tasks and scenarios as data, for the check files of a week."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+import signal
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any, Literal, get_args
@@ -12,32 +14,69 @@ from typing import Any, Literal, get_args
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Check
 
-Kind = Literal["node", "function", "value", "text", "file", "written"]
+# The timer repeats after this processor time [s], for code that swallows the first exception.
+AGAIN = 1.0
+
+
+class _TimeLimitError(BaseException):
+    """Raised when the time limit expires. A BaseException, so that `except Exception` does not catch it."""
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Limit the processor time of a block; works in the main thread only.
+
+    Raises:
+        TimeoutError: The block took more than `seconds`.
+    """
+
+    def ring(*_: Any) -> None:
+        raise _TimeLimitError
+
+    if not hasattr(signal, "setitimer"):
+        # On Windows only a student's own code is checked, which needs no limit.
+        yield
+        return
+    before = signal.signal(signal.SIGPROF, ring)
+    try:
+        signal.setitimer(signal.ITIMER_PROF, seconds, AGAIN)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+    except _TimeLimitError:
+        raise TimeoutError(f"it takes more than {seconds:.3g} s") from None
+    finally:
+        signal.signal(signal.SIGPROF, before)
+
+
+Kind = Literal["node", "function", "value", "text", "file", "launch", "written"]
 KINDS: tuple[str, ...] = get_args(Kind)
-HINTS = 3  # shown one by one, after the hint of the mistake
-LONGEST = 3600.0  # [s] of robot time
+ON_A_GRAPH = ("node", "launch")  # kinds whose nodes run until the scenario ends
+HINTS = 3  # hints per task, shown one by one after the hint for the mistake
+LONGEST = 3600.0  # [s] maximum robot time
 
 
 @dataclass(frozen=True)
 class My:
-    """The place of a value that depends on the student; see `my`."""
+    """A placeholder for a value that depends on the student; see `my`."""
 
     name: str
     times: float | None = None
 
 
 def my(name: str, *, times: float | None = None) -> Any:
-    """Refer to the student's own value in the task's `personal` table, as an argument of checks and inputs.
+    """Refer to a personal value of the student in the arguments of checks and inputs.
 
     Args:
-        name: In the table.
-        times: A factor, for what is in proportion to the value.
+        name: The value's name in the task's `personal` table.
+        times: A factor by which the value is multiplied.
     """
     return My(name, times)
 
 
 def resolve(value: Any, personal: Mapping[str, Any]) -> Any:
-    """Put the student's own values in place of every `my(...)`, also inside lists, tuples and dicts."""
+    """Replace every `my(...)` by the student's personal value, including inside lists, tuples and dicts."""
     if isinstance(value, My):
         if value.name not in personal:
             raise CourseError(f"my({value.name!r}) is not in the task's personal table: {sorted(personal)}")
@@ -54,8 +93,8 @@ class Call:
     """One call of a function task; arrays and tuples arrive as lists.
 
     Args:
-        args: Plain values.
-        kwargs: The same, by name.
+        args: Positional arguments, as plain values.
+        kwargs: Keyword arguments, as plain values.
     """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -67,12 +106,12 @@ class Call:
 class Message:
     """A message as plain data, published in a scenario.
 
-    With the name and the type of a service it is a request, whose response nobody waits for.
+    With the name and the type of a service it is a request; its response is ignored.
 
     Args:
-        topic: Its full name.
+        topic: The full topic name.
         type_name: "geometry_msgs/msg/Twist".
-        fields: As `to_plain` gives them; those left out have their defaults.
+        fields: Field values as returned by `to_plain`; omitted fields keep their defaults.
         at: Time after the start of the scenario, [s].
     """
 
@@ -84,7 +123,12 @@ class Message:
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a rubric: the text of a criterion, and its points."""
+    """A row of a rubric.
+
+    Args:
+        text: The criterion.
+        points: The points for it.
+    """
 
     text: str
     points: float
@@ -92,15 +136,15 @@ class Row:
 
 @dataclass(frozen=True)
 class Scenario:
-    """One run of the student's object: length, seed, inputs and checks.
+    """The length, seed, inputs and checks of one run of the student's object.
 
     Args:
         name: Unique among the task's scenarios.
-        seconds: Robot time; events due exactly at the end still happen.
-        seed: Of everything random.
-        inputs: What our side publishes.
-        calls: What a function task is called with.
-        checks: What judges the evidence.
+        seconds: The length in robot time; events due exactly at the end still happen.
+        seed: Seed of all random numbers.
+        inputs: Messages that the grader publishes.
+        calls: Calls of a function task.
+        checks: The checks of the evidence.
     """
 
     name: str
@@ -111,31 +155,34 @@ class Scenario:
     checks: tuple[Check, ...] = ()
 
     def __post_init__(self) -> None:
-        _need(self.name != "", "a scenario needs a name")
-        _need_number("seconds", self.seconds)
-        _need(0 < self.seconds <= LONGEST, f"{self.seconds=}: expected 0 < seconds <= {LONGEST:g}")
+        _require(self.name != "", "a scenario needs a name")
+        _require_number("seconds", self.seconds)
+        _require(0 < self.seconds <= LONGEST, f"{self.seconds=}: expected 0 < seconds <= {LONGEST:g}")
         for name, item_type in {"inputs": Message, "calls": Call, "checks": Check}.items():
-            _need_tuple(name, getattr(self, name), item_type)
+            _require_tuple(name, getattr(self, name), item_type)
         for message in self.inputs:
-            _need_number(f"the `at` of an input on {message.topic}", message.at)
-        _need(all(0 <= m.at <= self.seconds for m in self.inputs), "an input's `at` is outside the scenario")
+            _require_number(f"the `at` of an input on {message.topic}", message.at)
+        _require(
+            all(0 <= m.at <= self.seconds for m in self.inputs), "an input's `at` is outside the scenario"
+        )
 
 
 @dataclass(frozen=True)
 class Task:
-    """One graded task; its points are in course.toml.
+    """A graded task. Its points are in course.toml.
 
     Args:
         id: Week and name, "week01.post".
-        title: A few words for tables.
-        kind: What the student hands in.
-        name: Its name in the notebook, used where no `check(...)` binds the object.
-        hints: Three, from a nudge to nearly the answer; shown after the hint of the mistake.
-        scenarios: The public ones.
-        personal: Options for the student's own values, by name.
+        title: A short title for tables.
+        kind: The kind of object that the student submits.
+        name: The object's name in the notebook, used if no `check(...)` binds the object.
+        hints: Three hints, from a nudge to nearly the answer; shown after the hint for the mistake.
+        scenarios: The public scenarios.
+        personal: Options for the student's personal values, by name.
         ghost: The expected picture, as messages.
-        rubric: For a task that a person marks.
-        mistakes: Hints for kinds of mistakes, from `exercises/mistakes/`, before `vocabulary/hints.toml`.
+        rubric: The criteria of a task that is marked by a person.
+        mistakes: Hints for kinds of mistakes, from `exercises/mistakes/`; they precede
+            `vocabulary/hints.toml`.
     """
 
     id: str
@@ -150,20 +197,26 @@ class Task:
     mistakes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _need(re.fullmatch(r"week\d\d\.[a-z][a-z0-9_]*", self.id), f'{self.id!r}: expected "week01.post"')
-        _need(self.kind in KINDS, f"{self.id}: kind {self.kind!r}, expected one of {', '.join(KINDS)}")
-        _need(self.name.isidentifier(), f"{self.id}: name {self.name!r} is no Python name")
-        _need_tuple(f"{self.id}: hints", self.hints, str)
-        _need(len(self.hints) == HINTS, f"{self.id}: {len(self.hints)} hints, expected {HINTS}")
+        _require(re.fullmatch(r"week\d\d\.[a-z][a-z0-9_]*", self.id), f'{self.id!r}: expected "week01.post"')
+        _require(self.kind in KINDS, f"{self.id}: kind {self.kind!r}, expected one of {', '.join(KINDS)}")
+        _require(self.name.isidentifier(), f"{self.id}: name {self.name!r} is not a Python name")
+        _require_tuple(f"{self.id}: hints", self.hints, str)
+        _require(len(self.hints) == HINTS, f"{self.id}: {len(self.hints)} hints, expected {HINTS}")
         check_scenarios(self.id, self.scenarios)
+        for check in (one for scenario in self.scenarios for one in scenario.checks):
+            if check.origin and check.origin.check_function.startswith("expect_launch_"):
+                what = f"{self.id}, kind {self.kind!r}: {check.origin.check_function} at {check.origin.place}"
+                _require(self.kind == "launch", f"{what} needs kind 'launch', which runs the launch file")
         for name, options in self.personal.items():
             what = f"{self.id}: personal {name!r}: {options!r}, expected a tuple of options"
-            _need(isinstance(options, tuple) and options, f"{what} (mind the last comma)")
-        _need_tuple(f"{self.id}: ghost", self.ghost, Message)
-        _need_tuple(f"{self.id}: rubric", self.rubric, Row)
-        _need(bool(self.rubric) == (self.kind == "written"), f"{self.id}: a rubric belongs to kind 'written'")
+            _require(isinstance(options, tuple) and options, f"{what} (mind the last comma)")
+        _require_tuple(f"{self.id}: ghost", self.ghost, Message)
+        _require_tuple(f"{self.id}: rubric", self.rubric, Row)
+        _require(
+            bool(self.rubric) == (self.kind == "written"), f"{self.id}: a rubric belongs to kind 'written'"
+        )
         points = [row.points for row in self.rubric]
-        _need(all(math.isfinite(p) and p > 0 for p in points), f"{self.id}: rubric points must be above 0")
+        _require(all(math.isfinite(p) and p > 0 for p in points), f"{self.id}: rubric points must be above 0")
 
     @property
     def week(self) -> str:
@@ -172,27 +225,27 @@ class Task:
 
 
 def check_scenarios(task: str, scenarios: Any) -> tuple[Scenario, ...]:
-    """Return the scenarios of one task, each of its own name.
+    """Return the scenarios of one task if their names are unique.
 
     Raises:
-        CourseError: It is no tuple of scenarios, or two have one name.
+        CourseError: The value is not a tuple of scenarios, or a name occurs twice.
     """
-    _need_tuple(f"{task}: scenarios", scenarios, Scenario)
+    _require_tuple(f"{task}: scenarios", scenarios, Scenario)
     names = [scenario.name for scenario in scenarios]
-    _need(len(set(names)) == len(names), f"{task}: two scenarios of one name in {names}")
+    _require(len(set(names)) == len(names), f"{task}: two scenarios have the same name in {names}")
     return tuple(scenarios)
 
 
-def _need(condition: object, message: str) -> None:
+def _require(condition: object, message: str) -> None:
     if not condition:
         raise CourseError(message)
 
 
-def _need_number(what: str, value: Any) -> None:
-    _need(isinstance(value, Real), f"{what}: {value!r}, expected a number of seconds")
+def _require_number(what: str, value: Any) -> None:
+    _require(isinstance(value, Real), f"{what}: {value!r}, expected a number of seconds")
 
 
-def _need_tuple(what: str, value: Any, item_type: type) -> None:
+def _require_tuple(what: str, value: Any, item_type: type) -> None:
     if not isinstance(value, tuple) or not all(isinstance(item, item_type) for item in value):
         raise CourseError(
             f"{what}: {value!r}, expected a tuple of {item_type.__name__} (mind the last comma)"

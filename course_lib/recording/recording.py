@@ -4,14 +4,14 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.graph.graph import Graph, Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import RosMessage
-from course_lib.ros.qos import Qos
 
 
 @dataclass(frozen=True)
 class TopicSummary:
-    """One topic of a recording, with the distinct QoS of its publishers."""
+    """A topic of a recording, with the different QoS of its publishers."""
 
     name: str
     type_name: str
@@ -27,16 +27,16 @@ class Recording:
 
     @property
     def start_ns(self) -> int:
-        """Robot time of the first sample, [ns]; 0 if there is none."""
+        """Robot time of the first sample [ns]; 0 without samples."""
         return self.samples[0].stamp_ns if self.samples else 0
 
     @property
     def end_ns(self) -> int:
-        """Robot time of the last sample, [ns]; 0 if there is none."""
+        """Robot time of the last sample [ns]; 0 without samples."""
         return self.samples[-1].stamp_ns if self.samples else 0
 
     def topics(self) -> list[TopicSummary]:
-        """List the topics by name; a topic with two types is listed twice."""
+        """List the topics by name. A topic with two types is listed twice."""
         groups: dict[tuple[str, str], list[Qos]] = {}
         for sample in self.samples:
             groups.setdefault((sample.topic, sample.type_name), []).append(sample.qos)
@@ -46,17 +46,17 @@ class Recording:
         ]
 
     def messages(self, topic: str) -> Iterator[tuple[int, RosMessage]]:
-        """Yield (robot time [ns], message) of one topic.
+        """Yield (robot time [ns], message) of a topic.
 
         Raises:
-            CourseError: A type that the kit does not know, or bytes that are no such message.
+            CourseError: A type is unknown, or the bytes are not a message of this type.
         """
         for sample in self.samples:
             if sample.topic == topic:
                 yield sample.stamp_ns, sample.message()
 
     def digest(self) -> str:
-        """Return the SHA-256 of every sample's topic, type, stamp and CDR bytes, in hexadecimal digits."""
+        """Return the SHA-256 of all samples' topics, types, stamps and CDR bytes, in hexadecimal digits."""
         total = hashlib.sha256()
         for sample in self.samples:
             stamp = sample.stamp_ns.to_bytes(8, "little", signed=True)
@@ -70,18 +70,18 @@ class Recorder:
     """Collects the samples of a graph until it is stopped; also a context manager."""
 
     def __init__(self, graph: Graph) -> None:
-        self._samples = graph.latched()
+        self._samples = graph.latched_samples()
         self._untap = graph.tap(self._samples.append)
         self._listening = True
 
     def stop(self) -> None:
-        """Stop listening."""
+        """Stop collecting samples."""
         if self._listening:
             self._untap()
         self._listening = False
 
     def recording(self) -> Recording:
-        """Return the samples until now as a recording."""
+        """Return the collected samples as a recording."""
         return Recording(tuple(self._samples))
 
     def __enter__(self) -> "Recorder":
@@ -92,5 +92,5 @@ class Recorder:
 
 
 def record(graph: Graph) -> Recorder:
-    """Start to record all topics of a graph, with the latched samples that exist already."""
+    """Start to record all topics of a graph, including the samples kept for late-joining subscriptions."""
     return Recorder(graph)

@@ -12,22 +12,27 @@ from rclpy.node import Node, NodeOptions
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
 from course_lib.arrays import Floats, Matrix
-from course_lib.robots.kinematics import as_of_matrices
-from course_lib.robots.period import period_of
-from course_lib.robots.resources import resolve
-from course_lib.robots.rigid_motions import inverse, motion_of, twist_of
-from course_lib.robots.robot import Robot, from_text
+from course_lib.robots.kinematics import inverse, match_matrix_signs, motion_of, twist_of
+from course_lib.robots.robot import Robot, from_text, resolve
+from course_lib.robots.trajectory import period_of
 
-MAX_SPEED = np.array([0.5, 0.5, 0.8])  # ahead and to the left [m/s], turning to the left [rad/s]
-BRAKES = np.array([0.5, 0.5, 0.8])  # how it slows down before a goal, [m/s²], [rad/s²]
-_PLANE = [0, 1, 5]  # which numbers of a motion a base has: along x, along y, about z
-PREFIX = "ur10"  # before the names of the arm's joints and links
+# Forward and to the left [m/s], turning to the left [rad/s].
+MAX_SPEED = np.array([0.5, 0.5, 0.8])
+# Deceleration before a goal [m/s², rad/s²].
+BRAKES = np.array([0.5, 0.5, 0.8])
+# Indices into a twist: along x, along y, about z.
+_PLANE = [0, 1, 5]
+# Prefix of the arm's joint and link names.
+PREFIX = "ur10"
 ARM_URDF = "package://example-robot-data/robots/ur_description/urdf/ur10_robot.urdf"
-START = {f"{PREFIX}shoulder_lift_joint": -1.2, f"{PREFIX}elbow_joint": 0.5}  # [rad] the other joints at 0
-# base_link is on the ground, below the middle of the base. The arm stands ahead of it and high: stretched
-# down it ends above the ground, and does not touch the base.
-MOUNT = (0.9, 0.0, 1.2)  # [m] of the arm in base_link
-_SHAPES = [  # what the base is made of, where, turned by
+# Initial positions [rad]; the other joints start at 0.
+START = {f"{PREFIX}shoulder_lift_joint": -1.2, f"{PREFIX}elbow_joint": 0.5}
+# Position of the arm in base_link [m], which is on the ground below the middle of the base. The arm
+# is mounted so far ahead and so high that, stretched downwards, it touches neither the ground nor
+# the base.
+MOUNT = (0.9, 0.0, 1.2)
+# Parts of the base: shape, position, rotation.
+_SHAPES = [
     ('<box size="0.8 0.6 0.25"/>', "0 0 0.2", "0 0 0"),
     ('<box size="0.14 0.14 0.875"/>', "0.2 0 0.7625", "0 0 0"),
     ('<box size="0.9 0.2 0.05"/>', "0.575 0 1.175", "0 0 0"),
@@ -40,26 +45,29 @@ _SHAPES = [  # what the base is made of, where, turned by
 
 
 class OmniBase(Node):
-    """Drives by /cmd_vel, or to the last /goal_pose; publishes /odom and map → odom → base_link.
+    """Drives by /cmd_vel or to the last /goal_pose, and publishes /odom and map → odom → base_link.
 
-    A command holds for `timeout`, then the base stands; it also ends the drive to a goal. No wheel slips, so
-    odom stays where map is, and goals may be in either.
+    A command is valid for `timeout`, then the base stops. It also cancels a goal. Odometry has no
+    drift, so map and odom are the same and goals may be in either frame.
 
     Args:
-        rate: How often it moves, [Hz].
-        timeout: How long one command holds, [s].
-        options: What any node takes.
+        rate: Rate of motion, [Hz].
+        timeout: Time for which a command is valid, [s].
+        options: Options of any node.
 
     Raises:
-        CourseError: If the rate is not above 0.
+        CourseError: The rate is not positive.
     """
 
     def __init__(self, *, rate: float = 20.0, timeout: float = 0.5, **options: Unpack[NodeOptions]) -> None:
-        self._period, self._timeout = period_of(rate), timeout  # [s]
+        # In seconds.
+        self._period, self._timeout = period_of(rate), timeout
         super().__init__("omni_base", **options)
-        self._pose = np.eye(4)  # transform_base_to_odom
-        self._goal: Matrix | None = None  # transform_goal_to_odom
-        self._speed, self._hold = np.zeros(3), 0.0  # as MAX_SPEED, and for how long [s]
+        # transform_base_to_odom and transform_goal_to_odom.
+        self._pose = np.eye(4)
+        self._goal: Matrix | None = None
+        # The commanded speed, like MAX_SPEED, and the time for which it remains valid [s].
+        self._speed, self._hold = np.zeros(3), 0.0
         self._odometry = self.create_publisher(Odometry, "odom", 10)
         self._broadcaster = TransformBroadcaster(self)
         odom_in_map = TransformStamped(child_frame_id="odom")
@@ -74,7 +82,7 @@ class OmniBase(Node):
         if np.isfinite(asked).all():
             self._speed, self._hold, self._goal = np.clip(asked, -MAX_SPEED, MAX_SPEED), self._timeout, None
         else:
-            self.get_logger().error(f"A command with numbers that are not finite is left out: {asked}.")
+            self.get_logger().error(f"A command with numbers that are not finite is ignored: {asked}.")
 
     def _on_goal(self, goal: PoseStamped) -> None:
         frame, place, turn = goal.header.frame_id, goal.pose.position, goal.pose.orientation
@@ -82,26 +90,29 @@ class OmniBase(Node):
         if frame not in ("map", "odom"):
             self.get_logger().error(f"The goal is in frame {frame!r}, expected 'map' or 'odom'.")
         elif not np.isfinite([place.x, place.y, yaw]).all():
-            self.get_logger().error("A goal with numbers that are not finite is left out.")
+            self.get_logger().error("A goal with numbers that are not finite is ignored.")
         else:
             self._goal = motion_of(np.array([0.0, 0.0, 0.0, 0.0, 0.0, yaw]))
             self._goal[:2, 3] = place.x, place.y
 
     def _update(self) -> None:
         if self._goal is not None:
-            self._speed = _towards(inverse(self._pose) @ self._goal, self._period)
+            self._speed = _speed_to(inverse(self._pose) @ self._goal, self._period)
         elif self._hold <= 0:
             self._speed = np.zeros(3)
         self._hold -= self._period
         self._publish()
-        if self._speed.any():  # it stands still most of the time
+        # The base rarely moves, so this saves work.
+        if self._speed.any():
             motion = np.zeros(6)
             motion[_PLANE] = self._speed * self._period
             self._pose = self._pose @ motion_of(motion)
 
     def _publish(self) -> None:
         (x, y), yaw = self._pose[:2, 3].tolist(), math.atan2(self._pose[1, 0], self._pose[0, 0])
-        z, w = as_of_matrices(np.array([[0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]]))[0, 2:].tolist()
+        z, w = match_matrix_signs(np.array([[0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]]))[
+            0, 2:
+        ].tolist()
         moved = TransformStamped(child_frame_id="base_link")
         moved.header.frame_id, moved.header.stamp = "odom", self.get_clock().now().to_msg()
         moved.transform.translation.x, moved.transform.translation.y = x, y
@@ -114,35 +125,70 @@ class OmniBase(Node):
         self._odometry.publish(odometry)
 
 
-def _towards(gap: Matrix, period: float) -> Floats:
-    """Return the speed to a goal in base_link, within all limits, that reaches it in a period [s] at most."""
+def _speed_to(gap: Matrix, period: float) -> Floats:
+    """Return the speed towards a goal in base_link, within all limits.
+
+    It is at most the speed that reaches the goal in one period [s].
+    """
     way = twist_of(gap)[_PLANE]
     far = np.maximum(np.abs(way), 1e-12)
-    fastest = np.minimum(MAX_SPEED, np.sqrt(2 * BRAKES * far)) / far  # [1/s] of the way
+    # Rates relative to the remaining distance [1/s].
+    fastest = np.minimum(MAX_SPEED, np.sqrt(2 * BRAKES * far)) / far
     speed: Floats = way * min(*fastest, 1 / period)
     return speed
 
 
+# The arm in the configuration START, in simple shapes: shape, position, rotation.
+_ARM = [
+    ('<cylinder radius="0.09" length="0.16"/>', "0.9 0 1.28", "0 0 0"),
+    ('<cylinder radius="0.06" length="0.612"/>', "1.01 0 1.61", "0 0.3708 0"),
+    ('<cylinder radius="0.05" length="0.5723"/>', "1.34 0 2.08", "0 0.8708 0"),
+]
+_ARM_JOINTS = [
+    ('<cylinder radius="0.08" length="0.2"/>', at, "1.5708 0 0") for at in ("0.9 0 1.327", "1.122 0 1.897")
+]
+_ARM_JOINTS.append(('<box size="0.12 0.2 0.12"/>', "1.559 0 2.266", "0 0.8708 0"))
+# RViz colors all shapes of a link alike, so each color has a link of its own.
+_SIMPLE_LINKS = {
+    "base_link": (_SHAPES, "0.55 0.6 0.65 1"),
+    "arm": (_ARM, "0.85 0.85 0.88 1"),
+    "arm_joints": (_ARM_JOINTS, "0.2 0.5 0.85 1"),
+}
+
+
+@lru_cache(maxsize=1)
+def simple_painter() -> Robot:
+    """Return the mobile manipulator as a few boxes and cylinders: light to draw, with a rigid arm."""
+    links = ""
+    for name, (shapes, color) in _SIMPLE_LINKS.items():
+        looks = f'<material name="{name}"><color rgba="{color}"/></material>'
+        visuals = "".join(
+            f'<visual><origin xyz="{at}" rpy="{turn}"/><geometry>{shape}</geometry>{looks}</visual>'
+            for shape, at, turn in shapes
+        )
+        links += f'<link name="{name}">{visuals}</link>'
+        if name != "base_link":
+            ends = f'<parent link="base_link"/><child link="{name}"/>'
+            links += f'<joint name="{name}_mount" type="fixed">{ends}</joint>'
+    return from_text(f'<robot name="painter">{links}</robot>')
+
+
 @lru_cache(maxsize=1)
 def mobile_manipulator() -> Robot:
-    """Return the robot: base_link, and ur10base_link … ur10tool0 on it; only the arm has joints."""
+    """Return the robot: base_link, and on it ur10base_link … ur10tool0. Only the arm has joints."""
     shapes = [f'<origin xyz="{at}" rpy="{turn}"/><geometry>{shape}</geometry>' for shape, at, turn in _SHAPES]
     looks = '<material name="base"><color rgba="0.55 0.6 0.65 1"/></material>'
     base = "".join(f"<visual>{s}{looks}</visual><collision>{s}</collision>" for s in shapes)
     mount = f"""<joint name="{PREFIX}base_joint" type="fixed"><parent link="base_link"/>
         <child link="{PREFIX}base_link"/><origin xyz="{" ".join(map(str, MOUNT))}"/></joint>"""
-    arm = "".join(ET.tostring(part, encoding="unicode") for part in _arm())
+    # The arm is a UR10 with renamed links and joints, without its link `world`.
+    ur10 = ET.fromstring(resolve(ARM_URDF).read_text(encoding="utf-8"))
+    arm = ""
+    for element in (*ur10.findall("link"), *ur10.findall("joint")):
+        if element.get("name") not in ("world", "world_joint"):
+            element.set("name", PREFIX + element.get("name", ""))
+            for end in (*element.findall("parent"), *element.findall("child")):
+                end.set("link", PREFIX + end.get("link", ""))
+            arm += ET.tostring(element, encoding="unicode")
     link = f'<link name="base_link">{base}</link>'
     return from_text(f'<robot name="mobile_manipulator">{link}{mount}{arm}</robot>')
-
-
-def _arm() -> list[ET.Element]:
-    """Return the renamed links and joints of a UR10, without the link `world`."""
-    arm = ET.fromstring(resolve(ARM_URDF).read_text(encoding="utf-8"))
-    parts = [part for kind in ("link", "joint") for part in arm.findall(kind)]
-    parts = [part for part in parts if part.get("name") not in ("world", "world_joint")]
-    for element in parts:
-        element.set("name", PREFIX + element.get("name", ""))
-        for end in (*element.findall("parent"), *element.findall("child")):
-            end.set("link", PREFIX + end.get("link", ""))
-    return parts

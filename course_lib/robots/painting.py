@@ -17,37 +17,44 @@ from visualization_msgs.msg import Marker
 from course_lib.arrays import Floats
 from course_lib.errors import CourseError
 
-CELL = 0.002  # [m]: the wall is looked at in squares
-THICK = 0.1  # [m]
-Points = npt.ArrayLike  # shape (N, 3), in map, [m]
-WIDTH = 0.2  # [m] of a stripe
-PERIOD = 0.1  # [s]
-LEAST_RISE, LEAST_HEIGHT = 0.01, 0.5  # [m] of the wrist in base_link: per period, and above the ground
-LONGEST_WAY, WINDOW = 0.1, 5.0  # [m] of the base within [s]
+# Side of the squares in which coverage is measured [m].
+CELL = 0.002
+# Thickness of the wall [m].
+THICK = 0.1
+# Points in map, shape (N, 3), [m].
+Points = npt.ArrayLike
+# Width of a stripe [m].
+WIDTH = 0.2
+# Of the node's timer [s].
+PERIOD = 0.1
+# Minimum change of the wrist's height per period, and its minimum height above the ground [m].
+LEAST_RISE, LEAST_HEIGHT = 0.01, 0.5
+# Maximum distance [m] that the base may move within a time [s].
+LONGEST_WAY, WINDOW = 0.1, 5.0
 
 
 @dataclass(frozen=True)
 class Wall:
-    """A flat wall across x, in map: its x and its extents along y and z, [m]."""
+    """A flat wall perpendicular to x, in map: its x and its extents along y and z, [m]."""
 
     x: float
     y: tuple[float, float]
     z: tuple[float, float]
 
     def __post_init__(self) -> None:
-        """Check the numbers; raises a CourseError."""
+        """Raise a CourseError for invalid numbers."""
         if not (
             np.isfinite([self.x, *self.y, *self.z]).all() and self.y[0] < self.y[1] and self.z[0] < self.z[1]
         ):
             raise CourseError(f"{self} has no area; give x, (y from, y to) and (z from, z to), [m].")
 
     def coverage(self, stripes: Iterable[Points], *, width: float = WIDTH, reach: float = 0.3) -> float:
-        """Return the painted share of the wall, 0 … 1.
+        """Return the painted fraction of the wall, 0 … 1.
 
         Args:
-            stripes: Where the wrist went; its paint is a round spot that it drags along.
-            width: Of that spot, [m].
-            reach: How far the paint flies at most, [m].
+            stripes: The paths of the wrist, which moves a round spot of paint along them.
+            width: Diameter of the spot, [m].
+            reach: Maximum distance from which paint reaches the wall, [m].
         """
         y, z = (np.arange(low + CELL / 2, high, CELL) for low, high in (self.y, self.z))
         painted = np.zeros((len(y), len(z)), bool)
@@ -62,10 +69,15 @@ class Wall:
         return float(painted.mean())
 
     def _near(self, piece: Floats, reach: float) -> Floats:
-        """Return the ends, y and z, of the part of a piece within reach, shape (2, 2), or an empty array."""
+        """Return the end points (y, z) of the part of a segment that is within reach.
+
+        Returns:
+            Shape (2, 2), or an empty array.
+        """
         start, way = piece[0], piece[1] - piece[0]
         away = start[0] - self.x
-        crossings = [(side - away) / (way[0] or 1e-12) for side in (-reach, reach)]  # portions of the way
+        # The crossings with both limits of the reach, as fractions of the segment.
+        crossings = [(side - away) / (way[0] or 1e-12) for side in (-reach, reach)]
         first, last = np.clip(sorted(crossings), 0.0, 1.0)
         portions = [first, last] if first < last else []
         return np.array([(start + portion * way)[1:] for portion in portions])
@@ -82,16 +94,16 @@ class Wall:
 
 
 def flatness(stripes: Iterable[Points]) -> float:
-    """Return the extent of all stripes along x, [m]; 0 is flat.
+    """Return the extent of all stripes along x, [m]; 0 for flat ones.
 
     Args:
-        stripes: The points of each, shape (N, 3), in map, [m].
+        stripes: The points of each stripe in map, shape (N, 3), [m].
     """
     return float(np.ptp([piece[:, 0] for piece in _pieces(stripes)] or 0.0))
 
 
 def _pieces(stripes: Iterable[Points]) -> Iterator[Floats]:
-    """Yield the straight pieces of stripes, shape (2, 3)."""
+    """Yield the segments of stripes, shape (2, 3)."""
     for stripe in stripes:
         points = np.asarray(stripe, float)
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
@@ -102,20 +114,23 @@ def _pieces(stripes: Iterable[Points]) -> Iterator[Floats]:
 class PaintNode(Node):
     """Publishes stripes on /visualization_marker while the wrist moves up or down above 0.5 m.
 
-    A stripe ends when the wrist pauses, or once the base has moved more than 0.1 m within 5 s. Its points, in
-    map, are in `stripes`, [m].
+    A stripe ends when the wrist pauses or the base has moved more than 0.1 m within 5 s. Its
+    points, in map [m], are in `stripes`.
 
     Args:
         wrist: The link that paints.
-        options: What any node takes.
+        options: Options of any node.
     """
 
     def __init__(self, wrist: str = "ur10wrist_3_link", **options: Unpack[NodeOptions]) -> None:
         super().__init__("paint_path_node", **options)
         self.stripes: list[list[Floats]] = []
-        self._wrist, self._height = wrist, np.nan  # [m]
-        self._is_new = True  # whether the next point begins a stripe
-        self._way: deque[tuple[float, Floats]] = deque()  # of the base: time [s], place [m]
+        # Height of the wrist [m].
+        self._wrist, self._height = wrist, np.nan
+        # Whether the next point starts a stripe.
+        self._is_new = True
+        # Recent positions of the base: time [s], position [m].
+        self._track: deque[tuple[float, Floats]] = deque()
         self._buffer = Buffer()
         self._listener = TransformListener(self._buffer, self)
         self._publisher = self.create_publisher(Marker, "visualization_marker", 10)
@@ -126,8 +141,8 @@ class PaintNode(Node):
             says = f"Nothing is painted: TF does not know {self._wrist} in map."
             self.get_logger().warning(says, throttle_duration_sec=5.0, skip_first=True)
             return
-        before, self._height = self._height, self._place("base_link", self._wrist)[2]
-        if self._base_has_moved() or not (
+        before, self._height = self._height, self._base_position("base_link", self._wrist)[2]
+        if self._has_base_moved() or not (
             abs(self._height - before) > LEAST_RISE and self._height > LEAST_HEIGHT
         ):
             self._is_new = True
@@ -135,20 +150,20 @@ class PaintNode(Node):
         if self._is_new:
             self.stripes.append([])
             self._is_new = False
-        self.stripes[-1].append(self._place("map", self._wrist))
+        self.stripes[-1].append(self._base_position("map", self._wrist))
         self._publish()
 
-    def _base_has_moved(self) -> bool:
-        now = self.get_clock().now().nanoseconds / 1e9  # [s]
-        self._way.append((now, self._place("map", "base_link")))
-        while now - self._way[0][0] > WINDOW:
-            self._way.popleft()
-        moved = sum(float(np.linalg.norm(b - a)) for (_, a), (_, b) in pairwise(self._way)) > LONGEST_WAY
+    def _has_base_moved(self) -> bool:
+        now = self.get_clock().now().nanoseconds / 1e9
+        self._track.append((now, self._base_position("map", "base_link")))
+        while now - self._track[0][0] > WINDOW:
+            self._track.popleft()
+        moved = sum(float(np.linalg.norm(b - a)) for (_, a), (_, b) in pairwise(self._track)) > LONGEST_WAY
         if moved:
-            self._way.clear()
+            self._track.clear()
         return moved
 
-    def _place(self, frame: str, link: str) -> Floats:
+    def _base_position(self, frame: str, link: str) -> Floats:
         found = self._buffer.lookup_transform(frame, link, Time()).transform.translation
         return np.array([found.x, found.y, found.z])
 
@@ -156,6 +171,7 @@ class PaintNode(Node):
         stripe = Marker(id=len(self.stripes) - 1, type=Marker.LINE_STRIP, action=Marker.ADD)
         stripe.header.frame_id, stripe.header.stamp = "map", self.get_clock().now().to_msg()
         stripe.scale.x, stripe.pose.orientation.w = WIDTH, 1.0
-        stripe.color.r, stripe.color.g, stripe.color.a = 1.0, 1.0, 1.0  # yellow
+        # Yellow.
+        stripe.color.r, stripe.color.g, stripe.color.a = 1.0, 1.0, 1.0
         stripe.points = [Point(x=x, y=y, z=z) for x, y, z in np.array(self.stripes[-1]).tolist()]
         self._publisher.publish(stripe)

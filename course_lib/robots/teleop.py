@@ -1,4 +1,4 @@
-"""teleop_twist_keyboard: drives a base by keys, which are buttons in a notebook's cell."""
+"""teleop_twist_keyboard: drives a base by keys, which are buttons in a notebook cell."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -11,14 +11,16 @@ from rclpy.qos import QoSProfile
 if TYPE_CHECKING:
     from ipywidgets import GridBox
 
-PERIOD = 0.02  # [s] between two looks at the keys
-# Forward and turn, in shares of the two speeds; every other key stops.
+# Polling period of the keys [s].
+PERIOD = 0.02
+# Forward and turning speed as factors of the two maximum speeds. All other keys stop the base.
 MOVES = {
     "u": (1, 1), "i": (1, 0), "o": (1, -1),
     "j": (0, 1), "l": (0, -1),
     "m": (-1, -1), ",": (-1, 0), ".": (-1, 1),
 }  # fmt: skip
-FASTER = {  # factors of the two speeds
+# Factors by which keys change the two maximum speeds.
+FASTER = {
     "q": (1.1, 1.1), "w": (1.1, 1.0), "e": (1.0, 1.1),
     "z": (0.9, 0.9), "x": (0.9, 1.0), "c": (1.0, 0.9),
 }  # fmt: skip
@@ -26,12 +28,13 @@ KEYS = ("u", "i", "o", "j", "k", "l", "m", ",", ".", "q", "w", "e", "z", "x", "c
 
 
 class TwistTeleop(Node):
-    """Publishes a Twist on `cmd_vel` for each key, as the program of that name does."""
+    """Publishes a Twist on `cmd_vel` for each key, like the ROS program of this name."""
 
     def __init__(self) -> None:
         super().__init__("teleop_twist_keyboard")
-        self.declare_parameter("speed", 0.5)  # [m/s]
-        self.declare_parameter("turn", 1.0)  # [rad/s]
+        # In [m/s] and [rad/s].
+        self.declare_parameter("speed", 0.5)
+        self.declare_parameter("turn", 1.0)
         self._speed, self._turn = (float(self.get_parameter(name).value) for name in ("speed", "turn"))
         self._twists = self.create_publisher(Twist, "cmd_vel", QoSProfile(depth=10))
         self._pressed: deque[str] = deque()
@@ -56,7 +59,7 @@ class TwistTeleop(Node):
 
 
 def key_buttons(press: Callable[[str], None], keys: Sequence[str], columns: int = 3) -> "GridBox":
-    """Return keys as buttons for a cell, row by row; an empty name leaves its place free."""
+    """Return keys as buttons for a cell, row by row. An empty name leaves a gap."""
     import ipywidgets
 
     def button(key: str) -> Any:

@@ -1,36 +1,56 @@
-"""Joint trajectories: messages, splines through their points, and tolerances at the goal."""
+"""Joint trajectories: messages, splines through their points, goals with tolerances, and a controller.
 
-from collections.abc import Iterable, Iterator, Sequence
+The rules, texts and limits are those of ros2_control's joint_trajectory_controller: a trajectory
+that a robot's controller would reject is rejected here with the same text.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import chain, pairwise
+from itertools import chain, pairwise, takewhile
+from typing import Unpack
 
 import numpy as np
 from control_msgs.action import FollowJointTrajectory
 from control_msgs.msg import JointTolerance
 from numpy.polynomial.polynomial import polyder, polyval
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.duration import Duration
 from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.node import Node, NodeOptions
 from rclpy.task import Future
 from rclpy.time import Time
+from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from course_lib.arrays import Floats
 from course_lib.errors import CourseError
+from course_lib.robots.urdf import MOVING, Urdf, parse_urdf
+
+
+def period_of(rate: float) -> float:
+    """Return the period [s] of a rate [Hz]. Raise a CourseError if the rate is not positive."""
+    if not 0 < rate < math.inf:
+        raise CourseError(f"The rate is {rate!r}, expected a positive number, [Hz].")
+    return 1.0 / rate
+
 
 _FIELDS = ("positions", "velocities", "accelerations")
-_SMALLEST_SPEED = float(np.finfo(np.float32).eps)  # as there
+# The limit of joint_trajectory_controller.
+_SMALLEST_SPEED = float(np.finfo(np.float32).eps)
 Result = FollowJointTrajectory.Result
-ERASED = -1.0  # a tolerance of any size; 0 is that of the controller, and this one has none
+# A negative tolerance means no limit. 0 selects the controller's default, which is no limit here.
+ERASED = -1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Waypoint:
     """Desired joint states at a time [s].
 
-    `state` has the positions of n joints, or those and velocities, or also accelerations: shape (1, n),
-    (2, n) or (3, n), in [rad] or [m], per [s] and [s²].
+    The rows of `state` are positions, velocities and accelerations of n joints, of which the last
+    ones may be missing: shape (1, n), (2, n) or (3, n), in [rad] or [m], and per [s] and [s²].
     """
 
     seconds: float
@@ -40,8 +60,8 @@ class Waypoint:
 def sample(waypoints: Sequence[Waypoint], seconds: float) -> Floats:
     """Return positions, velocities and accelerations at a time, shape (3, n).
 
-    Two waypoints are joined by lines; by cubics, if both have velocities; by quintics, if both also
-    have accelerations. Before the first and after the last one the joints keep its state.
+    The interpolation between two waypoints is linear, cubic if both have velocities, and quintic if
+    both also have accelerations. Before the first and after the last one its state is kept.
     """
     later = next((i for i, waypoint in enumerate(waypoints) if seconds < waypoint.seconds), len(waypoints))
     if later in (0, len(waypoints)):
@@ -72,36 +92,32 @@ def waypoints_of(message: JointTrajectory, joints: Sequence[str], now: Time) -> 
     """Convert a trajectory to waypoints, with times since its start and states in the order of `joints`.
 
     Raises:
-        CourseError: If joint_trajectory_controller refuses it, with its words.
+        CourseError: joint_trajectory_controller would reject it. The message is the controller's.
     """
-    for problem in chain(_of_names(message, joints), _of_times(message, now), _of_points(message)):
+    if len(set(message.joint_names)) != len(joints):
+        raise CourseError("Joints on incoming trajectory don't match the controller joints.")
+    for name in message.joint_names:
+        if name not in joints:
+            raise CourseError(f"Incoming joint {name} doesn't match the controller's joints.")
+    if not message.points:
+        raise CourseError("Empty trajectory received.")
+    for problem in chain(_check_times(message, now), _check_points(message)):
         raise CourseError(problem)
     order = [list(message.joint_names).index(joint) for joint in joints]
-    return [Waypoint(_seconds(point), np.array(_given(point))[:, order]) for point in message.points]
+    waypoints = []
+    for point in message.points:
+        # Positions, velocities and accelerations count up to the first empty field.
+        fields = list(takewhile(len, (getattr(point, name) for name in _FIELDS)))
+        waypoints.append(Waypoint(_seconds(point), np.array(fields)[:, order]))
+    return waypoints
 
 
 def _seconds(point: JointTrajectoryPoint) -> float:
     return Duration.from_msg(point.time_from_start).nanoseconds / 1e9
 
 
-def _given(point: JointTrajectoryPoint) -> list[Sequence[float]]:
-    """Return positions, velocities and accelerations up to the first empty field."""
-    fields = [getattr(point, name) for name in _FIELDS]
-    return fields[: next((i for i, field in enumerate(fields) if not len(field)), len(fields))]
-
-
-def _of_names(message: JointTrajectory, joints: Sequence[str]) -> Iterator[str]:
-    if len(set(message.joint_names)) != len(joints):
-        yield "Joints on incoming trajectory don't match the controller joints."
-    for name in message.joint_names:
-        if name not in joints:
-            yield f"Incoming joint {name} doesn't match the controller's joints."
-    if not message.points:
-        yield "Empty trajectory received."
-
-
-def _of_times(message: JointTrajectory, now: Time) -> Iterator[str]:
-    times = [_seconds(point) for point in message.points]  # [s]
+def _check_times(message: JointTrajectory, now: Time) -> Iterator[str]:
+    times = [_seconds(point) for point in message.points]
     start = Time.from_msg(message.header.stamp).nanoseconds / 1e9
     if start and start + times[-1] < now.nanoseconds / 1e9:
         start_and_end = f"start time ({start:f}) that ends in the past ({start + times[-1]:f})"
@@ -112,7 +128,7 @@ def _of_times(message: JointTrajectory, now: Time) -> Iterator[str]:
             yield f"Time between points {number} and {number + 1} is not strictly increasing, {times_are}"
 
 
-def _of_points(message: JointTrajectory) -> Iterator[str]:
+def _check_points(message: JointTrajectory) -> Iterator[str]:
     names = message.joint_names
     for number, point in enumerate(message.points):
         for name in _FIELDS:
@@ -132,11 +148,11 @@ def _of_points(message: JointTrajectory) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class End:
-    """The end of a goal: its code, the text for the client, the text for the log."""
+    """The end of a goal: its code, the text for the client, and the text for the log."""
 
     code: int
-    says: str
-    logs: str = ""
+    text: str
+    log_text: str = ""
 
 
 REACHED = End(Result.SUCCESSFUL, "Goal successfully reached!", "Goal reached, success!")
@@ -149,12 +165,12 @@ LEFT_PATH = End(
 
 
 class TrajectoryGoal:
-    """A goal with its tolerances of positions, from its start to its end.
+    """A goal with its position tolerances, from its start to its end.
 
     Args:
-        handle: What the action server made of it.
-        joints: The controller's, in its order.
-        logger: Is told which joint left its tolerance.
+        handle: The action server's handle of the goal.
+        joints: The controller's joints in its order.
+        logger: Logs the joints that exceed their tolerances.
     """
 
     def __init__(self, handle: ServerGoalHandle, joints: Sequence[str], logger: RcutilsLogger) -> None:
@@ -167,10 +183,16 @@ class TrajectoryGoal:
         except CourseError as error:
             logger.error(f"{error} Using default tolerances.")
             self._path = self._goal = np.full(len(joints), np.inf)
-        self._most_late = Duration.from_msg(request.goal_time_tolerance).nanoseconds / 1e9  # [s]
+        # In seconds.
+        self._most_late = Duration.from_msg(request.goal_time_tolerance).nanoseconds / 1e9
 
-    def judge(self, error: Floats, late: float) -> End | None:
-        """Return the goal's end if due; error is desired - actual, late [s] is since the planned end."""
+    def check_tolerances(self, error: Floats, late: float) -> End | None:
+        """Return the end of the goal if it has been reached or violated.
+
+        Args:
+            error: Desired - actual positions.
+            late: Time since the planned end, negative before it, [s].
+        """
         tolerances = self._path if late < 0 else self._goal
         failed = np.flatnonzero(np.abs(error) > tolerances)
         if not failed.size:
@@ -180,21 +202,21 @@ class TrajectoryGoal:
         for joint in failed:
             self._logger.error(f"State tolerances failed for joint {joint}:")
             self._logger.error(f"Position Error: {error[joint]:f}, Position Tolerance: {tolerances[joint]:f}")
-        says = f"Aborted due to goal_time_tolerance exceeding by {late:f} seconds"
-        return LEFT_PATH if late < 0 else End(Result.GOAL_TOLERANCE_VIOLATED, says, says)
+        text = f"Aborted due to goal_time_tolerance exceeding by {late:f} seconds"
+        return LEFT_PATH if late < 0 else End(Result.GOAL_TOLERANCE_VIOLATED, text, text)
 
     def end(self, end: End) -> None:
         """End the goal with a result."""
         (self.handle.succeed if end is REACHED else self.handle.abort)()
-        self.result.set_result(Result(error_code=end.code, error_string=end.says))
+        self.result.set_result(Result(error_code=end.code, error_string=end.text))
 
     def cancel(self) -> None:
-        """End the goal on the client's request."""
+        """End the goal as canceled by the client."""
         self.handle.canceled()
         self.result.set_result(Result())
 
     def report(self, now: Time, desired: Floats, actual: Floats) -> None:
-        """Publish feedback; desired and actual hold positions, then velocities."""
+        """Publish feedback. The rows of `desired` and `actual` are positions and velocities."""
         feedback = FollowJointTrajectory.Feedback(joint_names=list(self._joints))
         feedback.header.stamp = now.to_msg()
         for name, state in (("desired", desired), ("actual", actual), ("error", desired - actual)):
@@ -203,7 +225,7 @@ class TrajectoryGoal:
 
 
 def _tolerances(field: str, given: Iterable[JointTolerance], joints: Sequence[str]) -> Floats:
-    """Return the tolerances of all joints, [rad] or [m]; infinite where none is given."""
+    """Return the tolerances of all joints, [rad] or [m]; infinite if none is given."""
     tolerances: Floats = np.full(len(joints), np.inf)
     for one in given:
         if one.name not in joints:
@@ -215,3 +237,165 @@ def _tolerances(field: str, given: Iterable[JointTolerance], joints: Sequence[st
         if one.position > 0:
             tolerances[list(joints).index(one.name)] = one.position
     return tolerances
+
+
+class SimulatedJoints:
+    """Joints that reach a command within one period if the limits in the URDF allow it.
+
+    Args:
+        tree: The robot. Joints that mimic others are ignored.
+        start: Initial positions by name, [rad] or [m]; other joints start at 0.
+
+    Raises:
+        CourseError: A joint does not exist, or its initial position exceeds its limits.
+    """
+
+    def __init__(self, tree: Urdf, start: Mapping[str, float]) -> None:
+        joints = [j for j in tree.joints.values() if j.kind in MOVING and not j.mimic]
+        self.names = [joint.name for joint in joints]
+        self.lower = np.array([joint.limits.get("lower", -np.inf) for joint in joints])
+        self.upper = np.array([joint.limits.get("upper", np.inf) for joint in joints])
+        self.speed = np.array([joint.velocity for joint in joints])
+        for name, position in start.items():
+            if name not in self.names:
+                raise CourseError(f"There is no joint {name!r} to start; there are {', '.join(self.names)}.")
+            i = self.names.index(name)
+            if not self.lower[i] <= position <= self.upper[i]:
+                limits = f"{self.lower[i]:.3f} … {self.upper[i]:.3f}"
+                raise CourseError(f"{name} cannot start at {position!r}; its limits are {limits}.")
+        self.positions: Floats = np.array([start.get(name, 0.0) for name in self.names])
+        self.velocities: Floats = np.zeros(len(joints))
+
+    def follow(self, command: Floats, period: float) -> list[str]:
+        """Move to positions within a period [s], and return ROS's warnings about limits."""
+        inside = np.clip(command, self.lower, self.upper)
+        reach = self.speed * period
+        reached = np.clip(inside, self.positions - reach, self.positions + reach)
+        limited = {"position": inside != command, "velocity": np.abs(reached - inside) > 1e-9}
+        self.velocities, self.positions = (reached - self.positions) / period, reached
+        names = {kind: " ".join(np.array(self.names)[which]) for kind, which in limited.items()}
+        return [f"Joint(s) [{n}] would exceed {kind} limits, limiting" for kind, n in names.items() if n]
+
+
+class JointTrajectoryController(Node):
+    """Moves a robot's joints along trajectories, and publishes /joint_states.
+
+    Trajectories are received on the topic ~/joint_trajectory and as goals of the action
+    ~/follow_joint_trajectory. A new trajectory replaces the current one and continues from the
+    current positions and velocities; a new goal also aborts the old one. Invalid trajectories are
+    logged with the controller's texts.
+
+    Args:
+        robot_description: The text of a URDF, like `mobile_manipulator().urdf`.
+        start: Initial positions by name, [rad] or [m]; other joints start at 0.
+        rate: Control rate, [Hz].
+        options: Options of any node.
+
+    Raises:
+        CourseError: The description is invalid, `start` does not fit its joints, or the rate is not
+            positive.
+    """
+
+    def __init__(
+        self,
+        robot_description: str,
+        *,
+        start: Mapping[str, float] | None = None,
+        rate: float = 20.0,
+        **options: Unpack[NodeOptions],
+    ) -> None:
+        self._period = period_of(rate)
+        self._joints = SimulatedJoints(parse_urdf(robot_description), start or {})
+        super().__init__("arm_controller", **options)
+        # Starts with the next update.
+        self._new: tuple[Time, Sequence[Waypoint]] | None = None
+        self._start_ns = self.get_clock().now().nanoseconds
+        self._goal: TrajectoryGoal | None = None
+        self._hold()
+        self._states = self.create_publisher(JointState, "joint_states", 10)
+        self.create_subscription(JointTrajectory, "~/joint_trajectory", self._on_trajectory, 10)
+        ActionServer(
+            self,
+            FollowJointTrajectory,
+            "~/follow_joint_trajectory",
+            self._follow,
+            goal_callback=self._on_goal,
+            cancel_callback=self._on_cancel,
+        )
+        self.create_timer(self._period, self._update)
+
+    def _on_trajectory(self, message: JointTrajectory) -> bool:
+        """Accept a trajectory and return True, or log its error and return False."""
+        try:
+            waypoints = waypoints_of(message, self._joints.names, self.get_clock().now())
+        except CourseError as problem:
+            self.get_logger().error(str(problem))
+            return False
+        self._new = Time.from_msg(message.header.stamp), waypoints
+        return True
+
+    def _on_goal(self, goal: FollowJointTrajectory.Goal) -> GoalResponse:
+        self.get_logger().info("Received new action goal")
+        if not self._on_trajectory(goal.trajectory):
+            return GoalResponse.REJECT
+        self.get_logger().info("Accepted new action goal")
+        return GoalResponse.ACCEPT
+
+    def _on_cancel(self, _: ServerGoalHandle) -> CancelResponse:
+        self.get_logger().info("Got request to cancel goal")
+        return CancelResponse.ACCEPT
+
+    async def _follow(self, handle: ServerGoalHandle) -> FollowJointTrajectory.Result | None:
+        if self._goal:
+            self._goal.end(PREEMPTED)
+        self._goal = TrajectoryGoal(handle, self._joints.names, self.get_logger())
+        return await self._goal.result
+
+    def _update(self) -> None:
+        now = self.get_clock().now()
+        self._publish(now)
+        if self._new:
+            self._begin(*self._new, now)
+        seconds = (now.nanoseconds - self._start_ns) / 1e9
+        if self._goal:
+            self._update_goal(self._goal, now, seconds)
+        command = sample(self._waypoints, seconds + self._period)[0]
+        for warning in self._joints.follow(command, self._period):
+            self.get_logger().warning(warning, throttle_duration_sec=1.0)
+
+    def _update_goal(self, goal: TrajectoryGoal, now: Time, seconds: float) -> None:
+        """Publish a goal's feedback, and end the goal if it is finished."""
+        desired, actual = sample(self._waypoints, seconds)[:2], self._state()
+        goal.report(now, desired, actual)
+        end = goal.check_tolerances((desired - actual)[0], seconds - self._waypoints[-1].seconds)
+        if goal.handle.is_cancel_requested:
+            self.get_logger().info("Canceling active action goal because cancel callback received.")
+            goal.cancel()
+        elif end:
+            (self.get_logger().info if end is REACHED else self.get_logger().warning)(end.log_text)
+            goal.end(end)
+        else:
+            return
+        self._goal = None
+        if end is not REACHED:
+            self._hold()
+
+    def _begin(self, start: Time, waypoints: Sequence[Waypoint], now: Time) -> None:
+        """Follow waypoints from the current state. A start of 0 means now."""
+        self._start_ns, self._new = start.nanoseconds or now.nanoseconds, None
+        still: Floats = np.zeros_like(self._joints.positions)
+        here = Waypoint((now.nanoseconds - self._start_ns) / 1e9, np.vstack([self._state(), still]))
+        self._waypoints = [here, *waypoints]
+
+    def _state(self) -> Floats:
+        return np.array([self._joints.positions, self._joints.velocities])
+
+    def _hold(self) -> None:
+        """Hold the current positions."""
+        self._waypoints = [Waypoint(0.0, self._joints.positions[np.newaxis])]
+
+    def _publish(self, now: Time) -> None:
+        state = JointState(name=self._joints.names)
+        state.position, state.velocity = self._joints.positions, self._joints.velocities
+        state.header.stamp = now.to_msg()
+        self._states.publish(state)

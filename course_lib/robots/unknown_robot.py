@@ -1,4 +1,9 @@
-"""A robot to be explored: `ros2 run unknown_robot robot`, or its nodes."""
+"""A robot to be explored: `ros2 run unknown_robot robot`, or its nodes.
+
+Students of week 6 find out its properties with the tools of ROS. The properties therefore depend on
+the robot's serial number, and they are set only while the robot runs, so that reading the source or
+the parameters of a node that does not run is no shortcut.
+"""
 
 import hashlib
 import math
@@ -25,22 +30,29 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from course_lib.errors import CourseError
 
-RADIUS, TURN = 2.0, 0.3  # [m], [rad/s] of its way round
-ROOM = 5.0  # [m] from the middle to the walls
-MODELS = {"large": 0.15, "small": 0.005}  # [s] that the detector takes for an image
-DRIFT = 0.02  # [rad/s] of the gyroscope
-BOOT = 0.001  # [s] until a node takes its settings
-RATES = (11.0, 13.0, 14.0, 16.0, 17.0, 19.0, 21.0, 22.0, 24.0, 26.0, 27.0, 29.0)  # [Hz]
-WIDTHS = (32, 40, 48, 56, 72, 80, 88, 96)  # [px]
+# Radius [m] and angular speed [rad/s] of its circle.
+RADIUS, TURN = 2.0, 0.3
+# Distance from the center of the room to its walls [m].
+ROOM = 5.0
+# Processing time of the detector per image [s].
+MODELS = {"large": 0.15, "small": 0.005}
+# Drift of the gyroscope [rad/s].
+DRIFT = 0.02
+# Delay until a node sets its properties [s].
+BOOT = 0.001
+# In hertz.
+RATES = (11.0, 13.0, 14.0, 16.0, 17.0, 19.0, 21.0, 22.0, 24.0, 26.0, 27.0, 29.0)
+# In pixels.
+WIDTHS = (32, 40, 48, 56, 72, 80, 88, 96)
 THRESHOLDS = (0.35, 0.4, 0.45, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9)
 TRIGGERS = ("zero_imu", "release_brakes", "home_gripper", "clear_map", "reset_encoders", "test_lights")
 Option = TypeVar("Option")
 
 
 class RobotPart(Node):
-    """A node in the namespace `robot` that applies its settings when it runs, so none can be read before.
+    """A node in the namespace `robot` that sets its properties after it has started to run.
 
-    Robot number 0 has fixed settings, and three faults.
+    Robot number 0 has fixed properties, and three faults.
     """
 
     def __init__(self, name: str, serial: int) -> None:
@@ -54,23 +66,23 @@ class RobotPart(Node):
         self.begin()
 
     def begin(self) -> None:
-        """Apply the settings."""
+        """Set the properties."""
 
-    def _own(self, options: Sequence[Option]) -> Option:
-        """Return one of several options, chosen by the robot's number and the node's name.
+    def _select(self, options: Sequence[Option]) -> Option:
+        """Return one of several options, selected by the robot's number and the node's name.
 
         Raises:
-            CourseError: Nobody runs the robot.
+            CourseError: The robot does not run.
         """
         if self.executor is None:
-            raise CourseError("This robot does not run. Start it with run_live(...), and look with %ros2.")
+            raise CourseError("This robot does not run. Start it with run_live(...), then use %ros2.")
         key = f"{self._serial} {self.get_fully_qualified_name()} {len(options)}"
         digest = hashlib.blake2b(key.encode(), digest_size=8).digest()
         return options[int.from_bytes(digest, "big") % len(options)]
 
 
 class CameraDriver(RobotPart):
-    """Publishes images at the rate in its parameter."""
+    """Publishes images at the rate given by its parameter."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("camera_driver", serial)
@@ -80,7 +92,8 @@ class CameraDriver(RobotPart):
         )
         self.declare_parameter("frame_rate", 30.0, span)
         self.declare_parameter("frame_id", "camera_link")
-        self._width, self._count = 64, 0  # [px], images
+        # In pixels, and the number of images.
+        self._width, self._count = 64, 0
         self._images = self.create_publisher(Image, "front_cam/image_raw", qos_profile_sensor_data)
         self.add_post_set_parameters_callback(self._start)
         self._timer: Any = None
@@ -88,9 +101,9 @@ class CameraDriver(RobotPart):
             self._start([self.get_parameter("frame_rate")])
 
     def begin(self) -> None:
-        """Apply the size and the rate of the images."""
-        self._width = self._own(WIDTHS)
-        self.set_parameters([Parameter("frame_rate", value=self._own(RATES))])
+        """Set the size and the rate of the images."""
+        self._width = self._select(WIDTHS)
+        self.set_parameters([Parameter("frame_rate", value=self._select(RATES))])
 
     def _start(self, changed: Sequence[Parameter]) -> None:
         if not any(parameter.name == "frame_rate" for parameter in changed):
@@ -113,7 +126,7 @@ class CameraDriver(RobotPart):
 
 
 class BoxDetector(RobotPart):
-    """Publishes a detected box, some time after each image."""
+    """Publishes a detected box some time after each image."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("detector", serial)
@@ -121,21 +134,23 @@ class BoxDetector(RobotPart):
         self.declare_parameter("threshold", 0.5)
         newest = QoSProfile(depth=1, reliability=qos_profile_sensor_data.reliability)
         self.create_subscription(Image, "front_cam/image_raw", self._detect, newest)
-        self._found = self.create_publisher(Detection3DArray, "detections", 10)
+        self._detections = self.create_publisher(Detection3DArray, "detections", 10)
         self._markers = self.create_publisher(MarkerArray, "annotations", 10)
 
     def begin(self) -> None:
-        """Apply the threshold."""
-        self.set_parameters([Parameter("threshold", value=self._own(THRESHOLDS))])
+        """Set the threshold."""
+        self.set_parameters([Parameter("threshold", value=self._select(THRESHOLDS))])
 
     def _detect(self, image: Image) -> None:
         time.sleep(MODELS.get(self.get_parameter("model").value, 0.0))
         found = Detection3D(header=image.header, id="1")
-        found.bbox.center.position.x = 2.0  # [m] ahead
-        self._found.publish(Detection3DArray(header=image.header, detections=[found]))
+        # 2 m ahead.
+        found.bbox.center.position.x = 2.0
+        self._detections.publish(Detection3DArray(header=image.header, detections=[found]))
         marker = Marker(ns="boxes", type=Marker.CUBE, pose=found.bbox.center)
-        marker.header.frame_id = found.header.frame_id  # without a stamp: drawn by the latest frames
-        marker.scale.x = marker.scale.y = marker.scale.z = 0.6  # [m]
+        # Without a stamp, the marker is drawn with the latest transforms.
+        marker.header.frame_id = found.header.frame_id
+        marker.scale.x = marker.scale.y = marker.scale.z = 0.6
         marker.color.g, marker.color.a = 0.8, 0.8
         self._markers.publish(MarkerArray(markers=[marker]))
 
@@ -150,15 +165,15 @@ class LidarDriver(RobotPart):
             self._publish(qos_profile_sensor_data)
 
     def begin(self) -> None:
-        """Apply the reliability of the scans."""
-        self._publish(self._own((QoSProfile(depth=10), qos_profile_sensor_data)))
+        """Set the reliability of the scans."""
+        self._publish(self._select((QoSProfile(depth=10), qos_profile_sensor_data)))
 
     def _publish(self, qos: QoSProfile) -> None:
         self._scans = self.create_publisher(LaserScan, "scan", qos)
         self.create_timer(0.1, self._scan)
 
     def _scan(self) -> None:
-        x, y, yaw = where(self)
+        x, y, yaw = robot_pose(self)
         angles = np.linspace(-math.pi / 2, math.pi / 2, 91)
         ahead = np.array([np.cos(angles + yaw), np.sin(angles + yaw)])  # shape (2, 91)
         walls = (np.sign(ahead) * ROOM - np.array([[x], [y]])) / np.where(ahead == 0, 1e-9, ahead)
@@ -170,7 +185,7 @@ class LidarDriver(RobotPart):
 
 
 class BaseDriver(RobotPart):
-    """Drives a circle: odometry, gyroscope, frames, the plan, and a service to be called."""
+    """Drives in a circle: odometry, gyroscope, frames, the plan, and a service."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("base_driver", serial)
@@ -178,7 +193,7 @@ class BaseDriver(RobotPart):
         self._imu = self.create_publisher(Imu, "imu/data", qos_profile_sensor_data)
         self._tf, self._fixed = TransformBroadcaster(self), StaticTransformBroadcaster(self)
         self._fixed.sendTransform(
-            [placed(self, "base_link", name, 0.2) for name in ("laser_link", "camera_link")]
+            [stamped_transform(self, "base_link", name, 0.2) for name in ("laser_link", "camera_link")]
         )
         self._plans = self.create_publisher(Path, "plan", 10)
         self.create_timer(1.0, self._plan)
@@ -188,11 +203,11 @@ class BaseDriver(RobotPart):
 
     def begin(self) -> None:
         """Create the service."""
-        self.create_service(Trigger, self._own(TRIGGERS), partial(self._trigger, "done"))
+        self.create_service(Trigger, self._select(TRIGGERS), partial(self._trigger, "done"))
 
     def _drive(self) -> None:
-        x, y, yaw = where(self)
-        frame = placed(self, "odom", "base_link", x, y, yaw)
+        x, y, yaw = robot_pose(self)
+        frame = stamped_transform(self, "odom", "base_link", x, y, yaw)
         self._tf.sendTransform(frame)
         odometry = Odometry(header=frame.header, child_frame_id="base_link")
         odometry.pose.pose.position.x, odometry.pose.pose.position.y = x, y
@@ -204,7 +219,7 @@ class BaseDriver(RobotPart):
         self._imu.publish(imu)
 
     def _plan(self) -> None:
-        plan = Path(header=placed(self, "odom", "", 0.0).header)
+        plan = Path(header=stamped_transform(self, "odom", "", 0.0).header)
         for angle in np.linspace(0.0, math.tau, 41):
             pose = PoseStamped(header=plan.header)
             pose.pose.position.x = RADIUS * math.cos(angle)
@@ -218,31 +233,32 @@ class BaseDriver(RobotPart):
 
 
 class Gripper(RobotPart):
-    """Two fingers: their command, their state, and an action that moves them."""
+    """A gripper with two fingers: their command, their state, and an action that moves them."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("gripper", serial)
         self._states = self.create_publisher(JointState, "joint_states", 10)
         self._commands = self.create_publisher(JointState, "joint_commands", 10)
-        self._wanted = self._is = 0.0  # [m]
+        # In meters.
+        self._goal_position = self._is = 0.0
         self._server = ActionServer(self, GripperCommand, "gripper_cmd", self._move)
         self.create_timer(0.1, self._report)
 
     def _report(self) -> None:
-        self._is += 0.4 * (self._wanted - self._is)
-        for publisher, position in ((self._states, self._is), (self._commands, self._wanted)):
+        self._is += 0.4 * (self._goal_position - self._is)
+        for publisher, position in ((self._states, self._is), (self._commands, self._goal_position)):
             state = JointState(name=["finger_joint"], position=[position])
             state.header.stamp = self.get_clock().now().to_msg()
             publisher.publish(state)
 
     def _move(self, goal: Any) -> Any:
-        self._wanted = goal.request.command.position
+        self._goal_position = goal.request.command.position
         goal.succeed()
-        return GripperCommand.Result(position=self._wanted, reached_goal=True)
+        return GripperCommand.Result(position=self._goal_position, reached_goal=True)
 
 
 class Board(RobotPart):
-    """Publishes measurements of the computer, once a second."""
+    """Publishes measurements of the computer once per second."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("board", serial)
@@ -257,7 +273,8 @@ class Board(RobotPart):
         now = self.get_clock().now()
         seconds = (now.nanoseconds - self._start_ns) * 1e-9
         battery = BatteryState(percentage=max(0.05, 0.32 - 0.0005 * seconds))
-        warmth = Temperature(temperature=75.0 - 40.0 * math.exp(-seconds / 20.0))  # [°C]
+        # In degrees Celsius.
+        warmth = Temperature(temperature=75.0 - 40.0 * math.exp(-seconds / 20.0))
         battery.header.stamp = warmth.header.stamp = now.to_msg()
         self._battery.publish(battery)
         self._temperature.publish(warmth)
@@ -266,14 +283,14 @@ class Board(RobotPart):
 
 
 class SafetyStop(RobotPart):
-    """Stops the robot before a wall, if the scans arrive."""
+    """Publishes whether the robot must stop before a wall, if it receives the scans."""
 
     def __init__(self, serial: int) -> None:
         super().__init__("safety_stop", serial)
         self._stops = self.create_publisher(Bool, "stop", 10)
-        self.create_subscription(LaserScan, "scan", self._look, qos_profile_sensor_data if serial else 10)
+        self.create_subscription(LaserScan, "scan", self._on_scan, qos_profile_sensor_data if serial else 10)
 
-    def _look(self, scan: LaserScan) -> None:
+    def _on_scan(self, scan: LaserScan) -> None:
         self._stops.publish(Bool(data=min(scan.ranges) < 0.5))
 
 
@@ -283,16 +300,16 @@ def unknown_robot(serial: int = 0) -> list[Node]:
     return [kind(serial) for kind in kinds]
 
 
-def where(node: Node) -> tuple[float, float, float]:
+def robot_pose(node: Node) -> tuple[float, float, float]:
     """Return x, y [m] and yaw [rad] of the robot in odom."""
     angle = math.remainder(TURN * node.get_clock().now().nanoseconds * 1e-9, math.tau)
     return RADIUS * math.cos(angle), RADIUS * math.sin(angle), angle + math.pi / 2
 
 
-def placed(
+def stamped_transform(
     node: Node, parent: str, child: str, x: float, y: float = 0.0, yaw: float = 0.0
 ) -> TransformStamped:
-    """Return the message of a transform child to parent, stamped now."""
+    """Return the message of a transform from child to parent, stamped with the current time."""
     message = TransformStamped(child_frame_id=child)
     message.header.frame_id, message.header.stamp = parent, node.get_clock().now().to_msg()
     message.transform.translation.x, message.transform.translation.y = x, y

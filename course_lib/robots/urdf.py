@@ -1,9 +1,16 @@
-"""Robot descriptions: links and joints of a URDF."""
+"""Robot descriptions: links and joints of a URDF.
 
+The rules and error messages are those of urdfdom, the parser of ROS.
+"""
+
+import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import chain
+from math import isfinite
 from typing import Literal
 
 import numpy as np
@@ -11,26 +18,185 @@ from transforms3d.euler import euler2mat
 from transforms3d.quaternions import quat2mat
 
 from course_lib.arrays import Matrix
-from course_lib.errors import CourseError
-from course_lib.robots.urdf_rules import NOT_A_TREE, UNMOVED, broken_rules, ends_of
+from course_lib.errors import CourseError, format_count
+
+_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+# Types of joints without an axis.
+UNMOVED = ("fixed", "floating")
+_VERSIONS = ("1.0", "1.1", "1.2")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+# urdfdom's errors for joints without a <limit>.
+_UNLIMITED = {
+    "revolute": "Joint [{}] is of type REVOLUTE but it does not specify limits",
+    "prismatic": "Joint [{}] is of type PRISMATIC without limits",
+}
+NOT_A_TREE = "The URDF is not a tree: each link but one must be the child of exactly one joint."
+
+
+@dataclass(frozen=True)
+class _Tag:
+    """A tag of a joint: its numeric attributes, and urdfdom's errors for missing ones."""
+
+    name: str
+    numbers: tuple[str, ...]
+    needed: tuple[tuple[str, str], ...] = ()
+    # Prefix of its error messages.
+    before: str = ""
+
+
+_TAGS = (
+    _Tag(
+        "limit",
+        ("lower", "upper", "effort", "velocity"),
+        (("effort", "limit has no effort"), ("velocity", "limit has no velocity")),
+        "joint [{}]: ",
+    ),
+    _Tag(
+        "safety_controller",
+        ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
+        (("k_velocity", "joint safety: no k_velocity"),),
+    ),
+    _Tag("calibration", ("rising", "falling")),
+    _Tag("mimic", ("multiplier", "offset"), (("joint", "joint mimic: no mimic joint specified"),)),
+    _Tag("dynamics", ("damping", "friction")),
+)
+
+
+def is_number(text: str) -> bool:
+    """Return whether urdfdom parses a string as a number: finite, without surrounding characters."""
+    return bool(_NUMBER.fullmatch(text)) and isfinite(float(text))
+
+
+def find_errors(robot: ET.Element) -> Iterator[str]:
+    """Yield urdfdom's errors for a description. urdfdom itself reports only the first one."""
+    links, joints = ([e.get("name", "") for e in robot.findall(kind)] for kind in ("link", "joint"))
+    if robot.tag != "robot":
+        yield "Could not find the 'robot' element in the xml file"
+    if not robot.get("name"):
+        yield "No name given for the robot."
+    if robot.get("version", "1.0") not in _VERSIONS:
+        yield "Invalid 'version' specified; versions from 1.0 upto 1.2 are currently supported"
+    yield from _find_duplicates("material", [e.get("name", "") for e in robot.findall("material") if len(e)])
+    yield from _find_duplicates("link", links)
+    if not links:
+        yield "No link elements found in urdf file"
+    yield from chain.from_iterable(map(_check_joint, robot.findall("joint")))
+    yield from _find_duplicates("joint", joints)
+    yield from _check_ends(robot, set(links))
+    roots = sorted(set(links) - {parent_and_child(joint)[1] for joint in robot.findall("joint")})
+    if not roots:
+        yield "Failed to find root link: No root link found. The robot xml is not a valid tree."
+    elif len(roots) > 1:
+        yield f"Failed to find root link: Two root links found: [{roots[0]}] and [{roots[1]}]"
+
+
+def _find_duplicates(kind: str, names: Collection[str]) -> Iterator[str]:
+    for name, number in Counter(names).items():
+        if number > 1:
+            yield f"{kind} '{name}' is not unique."
+
+
+def _check_joint(joint: ET.Element) -> Iterator[str]:
+    name, kind, axis = joint.get("name"), joint.get("type"), joint.find("axis")
+    if name is None:
+        yield "unnamed joint found"
+    for origin in joint.findall("origin")[:1]:
+        vectors = (
+            *_check_vector(origin, "xyz"),
+            *_check_vector(origin, "rpy"),
+            *_check_vector(origin, "quat_xyzw", 4),
+        )
+        for reason in vectors:
+            yield f"{reason}; Malformed parent origin element for joint [{name}]"
+    if kind is None:
+        yield f"joint [{name}] has no type, check to see if it's a reference."
+    elif kind not in _KINDS:
+        yield f"Joint [{name}] has no known type [{kind}]"
+    if axis is not None and kind not in UNMOVED:
+        for reason in _check_vector(axis, "xyz"):
+            yield f"Malformed axis element for joint [{name}]: {reason}"
+    for tag in _TAGS:
+        yield from _check_tag(joint, tag)
+    if kind in _UNLIMITED and joint.find("limit") is None:
+        yield _UNLIMITED[kind].format(name)
+
+
+def _check_tag(joint: ET.Element, tag: _Tag) -> Iterator[str]:
+    element = joint.find(tag.name)
+    if element is None:
+        return
+    before = tag.before.format(joint.get("name"))
+    for attribute in tag.numbers:
+        text = element.get(attribute, "0")
+        if not is_number(text):
+            yield f"{before}{attribute} value ({text}) is not a valid float"
+    for attribute, words in tag.needed:
+        if attribute not in element.attrib:
+            yield before + words
+    if tag.name == "dynamics" and not element.attrib.keys() & set(tag.numbers):
+        yield "joint dynamics element specified with no damping and no friction"
+
+
+def _check_vector(element: ET.Element, name: str, length: int = 3) -> Iterator[str]:
+    text = element.get(name)
+    if text is not None:
+        yield from find_vector_errors(text, length)
+
+
+def find_vector_errors(text: str, length: int) -> Iterator[str]:
+    """Yield urdfdom's errors for a string that should be a vector of `length` numbers."""
+    words = text.split()
+    for word in words:
+        if not is_number(word):
+            yield f"Unable to parse component [{word}] to a double (while parsing a vector value)"
+    if len(words) != length:
+        yield f"Parser found {len(words)} elements but {length} expected while parsing vector [{text}]"
+
+
+def parent_and_child(joint: ET.Element) -> tuple[str, str]:
+    """Return the names of a joint's parent and child; "" for a missing one."""
+    parent, child = joint.find("parent"), joint.find("child")
+    return "" if parent is None else parent.get("link", ""), "" if child is None else child.get("link", "")
+
+
+def _check_ends(robot: ET.Element, links: Collection[str]) -> Iterator[str]:
+    for joint in sorted(robot.findall("joint"), key=lambda joint: joint.get("name", "")):
+        name, (parent, child) = joint.get("name"), parent_and_child(joint)
+        if not parent or not child:
+            yield f"Failed to build tree: Joint [{name}] is missing a parent and/or child link specification."
+        elif child not in links:
+            yield f"Failed to build tree: child link [{child}] of joint [{name}] not found"
+        elif parent not in links:
+            yield (
+                f"Failed to build tree: parent link [{parent}] of joint [{name}] not found.  This is not "
+                "valid according to the URDF spec. Every link you refer to from a joint needs to be "
+                "explicitly defined in the robot description. To fix this problem you can either remove "
+                f'this joint [{name}] from your urdf file, or add "<link name="{parent}" />" to your urdf '
+                "file."
+            )
+
 
 _INERTIA = ("xx", "xy", "xz", "yy", "yz", "zz")
-MOVING = ("revolute", "continuous", "prismatic")  # the kinds of joints that one number places
+# Types of joints with one degree of freedom.
+MOVING = ("revolute", "continuous", "prismatic")
 
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """One shape of a link."""
+    """A shape of a link."""
 
     kind: Literal["box", "cylinder", "sphere", "mesh"]
-    transform_shape_to_link: Matrix  # shape (4, 4)
-    size: tuple[float, ...]  # full extents along x, y, z, [m]; what a mesh is scaled by
-    uri: str = ""  # of a mesh
+    # Shape (4, 4).
+    transform_shape_to_link: Matrix
+    # Full extents along x, y, z [m], or the scale factors of a mesh.
+    size: tuple[float, ...]
+    # The address of a mesh.
+    uri: str = ""
 
 
 @dataclass(frozen=True)
 class Material:
-    """Color of a shape, RGBA in 0..1, or a picture at an address."""
+    """The color of a shape, RGBA in 0..1, or the address of a texture."""
 
     color: tuple[float, ...]
     texture: str = ""
@@ -38,85 +204,154 @@ class Material:
 
 @dataclass(frozen=True, eq=False)
 class Inertial:
-    """Mass [kg] and inertia [kg m²], shape (3, 3), about the centre of mass."""
+    """Mass [kg] and inertia [kg m²], shape (3, 3), about the center of mass."""
 
     mass: float
     inertia: Matrix
-    transform_center_to_link: Matrix  # shape (4, 4)
+    # Shape (4, 4).
+    transform_center_to_link: Matrix
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A link: visual shapes with the material of the first one, collision shapes, inertia."""
+    """A link: visual shapes with the material of the first one, collision shapes, inertia.
+
+    `problems` are urdfdom's messages about malformed elements, which are ignored.
+    """
 
     name: str
     visuals: tuple[Geometry, ...]
     collisions: tuple[Geometry, ...]
     material: Material | None
     inertial: Inertial | None
+    problems: tuple[str, ...] = ()
+
+
+class _MalformedError(Exception):
+    """A malformed element of a link, which is ignored. The message is the same as in urdfdom."""
 
 
 def links_of(text: str) -> list[Link]:
-    """Return the links of a URDF that `parse_urdf` takes, in the order of the file."""
+    """Return the links of a URDF that `parse_urdf` accepts, in the order of the file.
+
+    Elements that urdfdom reports and then ignores are added to the `problems` of their link.
+    """
     robot = _root(text)
-    named: dict[str, Material] = {}  # as in urdfdom, the first material of a name is all of that name
-    for element in (*robot.findall("material"), *robot.findall("link/visual/material")):
-        material = _material(element)
-        if material:
+    # As in urdfdom, the first material of a name is used for all materials of this name.
+    named: dict[str, Material] = {}
+    global_problems = list[str]()
+    for element in robot.findall("material"):
+        material = _material(element, global_problems)
+        if material is None and len(element):
+            # urdfdom keeps the name, with the color that a material has before it is read.
+            material = _BLACK
+        if material is not None:
             named.setdefault(element.get("name", ""), material)
-    return [_link(element, named) for element in robot.findall("link")]
+    for element in robot.findall("link/visual/material"):
+        material = _material(element, [])
+        if material is not None:
+            named.setdefault(element.get("name", ""), material)
+    links = [_link(element, named) for element in robot.findall("link")]
+    if links and global_problems:
+        links[0] = replace(links[0], problems=(*global_problems, *links[0].problems))
+    return links
 
 
-def _link(link: ET.Element, named: dict[str, Material]) -> Link:
-    visuals, collisions = (tuple(_geometries(link, kind)) for kind in ("visual", "collision"))
-    first, inertial = link.find("visual"), link.find("inertial")
-    painted = None if first is None else first.find("material")
-    name = "" if painted is None else painted.get("name", "")
-    material = None if painted is None else named.get(name) if name else _material(painted)
-    mass = None if inertial is None else _inertial(inertial)
-    return Link(link.get("name", ""), visuals, collisions, material, mass)
+def _link(link: ET.Element, named: Mapping[str, Material]) -> Link:
+    problems = list[str]()
+    visuals, collisions = (tuple(_geometries(link, kind, problems)) for kind in ("visual", "collision"))
+    name, inertial, material = link.get("name", ""), link.find("inertial"), None
+    painted = link.find("visual[1]/material")
+    for element in link.findall("visual/material"):
+        given = _material(element, problems)
+        if element is painted:
+            material = named.get(element.attrib["name"]) if element.get("name") else given
+    mass = None if inertial is None else _inertial(inertial, name, problems)
+    return Link(name, visuals, collisions, material, mass, tuple(problems))
 
 
-def _geometries(link: ET.Element, kind: str) -> Iterator[Geometry]:
-    """Yield the shapes that can be read; urdfdom, too, goes on without the others."""
+def _geometries(link: ET.Element, kind: str, problems: list[str]) -> Iterator[Geometry]:
+    """Yield the valid shapes. Like urdfdom, ignore the others."""
     for element in link.findall(kind):
-        for shape in element.findall("geometry/*"):
-            try:
+        shapes = element.findall("geometry/*")
+        try:
+            if not shapes:
+                raise _MalformedError("Geometry tag contains no child element.")
+            for shape in shapes:
                 yield _geometry(shape.tag, shape.attrib, _origin(element))
-            except (KeyError, ValueError):  # a size that is missing, or no number
-                continue
+        except _MalformedError as error:
+            problems.append(f"Could not parse {kind} element for Link [{link.get('name', '')}]: {error}")
 
 
 def _geometry(kind: str, given: Mapping[str, str], placed: Matrix) -> Geometry:
-    match kind:
-        case "box":
-            return Geometry("box", placed, _vector(given["size"]))
-        case "sphere":
-            return Geometry("sphere", placed, (2 * float(given["radius"]),) * 3)
-        case "cylinder":
-            diameter = 2 * float(given["radius"])
-            return Geometry("cylinder", placed, (diameter, diameter, float(given["length"])))
-        case "mesh":
-            return Geometry("mesh", placed, _vector(given.get("scale", "1 1 1")), given["filename"])
-    raise KeyError(kind)
+    """Return a shape, or raise a _MalformedError with urdfdom's message."""
+    if kind not in _NEEDED:
+        raise _MalformedError(f"Unknown geometry type '{kind}'")
+    needed, complaint = _NEEDED[kind]
+    if not given.keys() >= needed:
+        raise _MalformedError(complaint)
+    size: tuple[float, ...]
+    if kind == "box":
+        size = _vector(given["size"])
+    elif kind == "mesh":
+        size = _vector(given.get("scale", "1 1 1"))
+    else:
+        diameter = 2 * _number("radius", given)
+        size = (diameter, diameter, diameter if kind == "sphere" else _number("length", given))
+    if not all(map(isfinite, size)):
+        raise _MalformedError(f"The size of this {kind} is too large.")
+    return Geometry(kind, placed, size, given["filename"] if kind == "mesh" else "")  # type: ignore[arg-type]
 
 
-def _material(element: ET.Element) -> Material | None:
-    color, texture = element.find("color"), element.find("texture")
-    if texture is not None:
-        return Material((1.0, 1.0, 1.0, 1.0), texture.get("filename", ""))
-    return None if color is None else Material(_numbers(color.get("rgba", "")))
+# The required attributes of each shape, and urdfdom's error for a missing one.
+_NEEDED: Mapping[str, tuple[set[str], str]] = {
+    "box": ({"size"}, "Box shape has no size attribute"),
+    "sphere": ({"radius"}, "Sphere shape must have a radius attribute"),
+    "cylinder": ({"radius", "length"}, "Cylinder shape must have both length and radius attributes"),
+    "mesh": ({"filename"}, "Mesh must contain a filename attribute"),
+}
 
 
-def _inertial(element: ET.Element) -> Inertial | None:
-    mass, inertia = element.find("mass"), element.find("inertia")
-    if mass is None or inertia is None:
+def _material(element: ET.Element, problems: list[str]) -> Material | None:
+    """Return the material that an element defines, or None if it only refers to one or is malformed."""
+    name, color, texture = element.get("name", ""), element.find("color"), element.find("texture")
+    if texture is not None and "filename" in texture.attrib:
+        return Material((1.0, 1.0, 1.0, 1.0), texture.attrib["filename"])
+    if color is None or "rgba" not in color.attrib:
         return None
+    text = color.attrib["rgba"]
+    for word in text.split():
+        if not is_number(word) or not 0 <= float(word) <= 1:
+            problems.append(
+                f"Material [{name}] has malformed color rgba values: Unable to parse component [{word}] to a "
+                "double (while parsing a color value). Write four numbers from 0 to 1."
+            )
+            return None
+    rgba = tuple(map(float, text.split()))
+    if len(rgba) != 4:
+        problems.append(
+            f"Material [{name}] has {format_count(len(rgba), 'number')} in its color rgba [{text}], "
+            "expected 4: red, green, blue, alpha. It is black, as in RViz2, which does not report this."
+        )
+        return _BLACK
+    return Material(rgba)
+
+
+_BLACK = Material((0.0, 0.0, 0.0, 1.0))
+
+
+def _inertial(element: ET.Element, link: str, problems: list[str]) -> Inertial | None:
+    mass, inertia = element.find("mass"), element.find("inertia")
     try:
-        xx, xy, xz, yy, yz, zz = (float(inertia.get(f"i{axes}", 0)) for axes in _INERTIA)
+        if mass is None:
+            raise _MalformedError("Inertial element must have a mass element")
+        if inertia is None:
+            raise _MalformedError("Inertial element must have inertia element")
+        xx, xy, xz, yy, yz, zz = (_number(f"i{axes}", inertia.attrib) for axes in _INERTIA)
         matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        return Inertial(float(mass.get("value", 0)), matrix, _origin(element))
-    except ValueError:
+        return Inertial(_number("value", mass.attrib), matrix, _origin(element))
+    except _MalformedError as error:
+        problems.append(f"Could not parse inertial element for Link [{link}]: {error}")
         return None
 
 
@@ -128,23 +363,34 @@ def _origin(element: ET.Element) -> Matrix:
     transform[:3, :3] = euler2mat(*_vector(given.get("rpy", "0 0 0")))
     transform[:3, 3] = _vector(given.get("xyz", "0 0 0"))
     if "quat_xyzw" in given:
-        x, y, z, w = _numbers(given["quat_xyzw"])
+        x, y, z, w = _numbers(given["quat_xyzw"], 4)
         transform[:3, :3] = quat2mat((w, x, y, z))
     return transform
 
 
-def _vector(text: str) -> tuple[float, ...]:
-    x, y, z = _numbers(text)
+def _number(name: str, given: Mapping[str, str]) -> float:
+    """Return the number in an attribute, or 0 if it is missing."""
+    text = given.get(name, "0")
+    if not is_number(text):
+        raise _MalformedError(f"{name} [{text}] is not a valid float")
+    return float(text)
+
+
+def _vector(text: str) -> tuple[float, float, float]:
+    x, y, z = _numbers(text, 3)
     return x, y, z
 
 
-def _numbers(text: str) -> tuple[float, ...]:
+def _numbers(text: str, length: int) -> tuple[float, ...]:
+    reason = next(find_vector_errors(text, length), None)
+    if reason:
+        raise _MalformedError(reason)
     return tuple(map(float, text.split()))
 
 
 @dataclass(frozen=True)
-class Follow:
-    """The position of a mimic joint: factor times the position of a joint, plus an offset, [rad] or [m]."""
+class Mimic:
+    """The position of a mimic joint: factor times the position of another joint plus offset, [rad] or [m]."""
 
     joint: str
     factor: float
@@ -156,11 +402,11 @@ class Joint:
     """A joint between two links.
 
     Args:
-        limits: Holds lower, soft_lower_limit … where given, [rad] or [m].
-        axis: Of the motion, in the child's frame.
-        effort: The limit, [N m] or [N]; None without a <limit> tag.
-        velocity: The limit, [rad/s] or [m/s]; infinite without a <limit> tag.
-        transform_joint_to_parent: Where the child is when the position is 0, shape (4, 4).
+        limits: The given limits, like lower or soft_lower_limit, [rad] or [m].
+        axis: Axis of the motion in the child's frame.
+        effort: Limit of the effort, [N m] or [N]; None without a <limit> tag.
+        velocity: Limit of the velocity, [rad/s] or [m/s]; infinite without a <limit> tag.
+        transform_joint_to_parent: The pose of the child at position 0, shape (4, 4).
     """
 
     name: str
@@ -168,7 +414,7 @@ class Joint:
     parent: str
     child: str
     limits: Mapping[str, float]
-    mimic: Follow | None
+    mimic: Mimic | None
     axis: tuple[float, ...]
     effort: float | None
     velocity: float
@@ -188,11 +434,11 @@ class Urdf:
     root: str
     joints: Mapping[str, Joint]
 
-    def followed(self, joint: Joint) -> Follow:
-        """Return the position of a joint by the joint at the end of its mimic chain, perhaps itself.
+    def resolve_mimic(self, joint: Joint) -> Mimic:
+        """Return a joint's position by the joint at the end of its mimic chain, which may be itself.
 
         Raises:
-            CourseError: If joints mimic each other in a ring.
+            CourseError: Joints mimic each other in a cycle.
         """
         chain, factor, offset = [joint.name], 1.0, 0.0
         while (mimic := self.joints[chain[-1]].mimic) and mimic.joint in self.joints:
@@ -200,10 +446,10 @@ class Urdf:
                 raise CourseError(f"Found an infinite recursive mimic chain: {[*chain, mimic.joint]}")
             chain.append(mimic.joint)
             factor, offset = factor * mimic.factor, offset + factor * mimic.offset
-        return Follow(chain[-1], factor, offset)
+        return Mimic(chain[-1], factor, offset)
 
-    def downward(self) -> list[Joint]:
-        """Return the joints that hang on the root, each after those above it."""
+    def joints_from_root(self) -> list[Joint]:
+        """Return the joints connected to the root, parents before children."""
         below: dict[str, list[Joint]] = {}
         for joint in sorted(self.joints.values(), key=lambda joint: joint.name, reverse=True):
             below.setdefault(joint.parent, []).append(joint)
@@ -216,31 +462,32 @@ class Urdf:
 
 @lru_cache(maxsize=32)
 def parse_urdf(text: str) -> Urdf:
-    """Read a URDF.
+    """Parse a URDF.
 
     Raises:
-        CourseError: If it is none, with urdfdom's reason.
+        CourseError: It is invalid. The message contains urdfdom's reason.
     """
     robot = _root(text)
-    reason = next(broken_rules(robot), None)
+    reason = next(find_errors(robot), None)
     if reason:
         raise CourseError(f"The URDF is not valid: {reason}")
     joints = {joint.name: joint for joint in map(_joint, robot.findall("joint"))}
     children = {joint.child for joint in joints.values()}
     links = [link.get("name", "") for link in robot.findall("link")]
     tree = Urdf(robot.get("name", ""), next(link for link in links if link not in children), joints)
-    if len(children) != len(joints) or len(tree.downward()) != len(joints):
+    if len(children) != len(joints) or len(tree.joints_from_root()) != len(joints):
         raise CourseError(NOT_A_TREE)
     return tree
 
 
 def _root(text: str) -> ET.Element:
-    """Return the element of the robot."""
+    """Return the root element of the description."""
     try:
         robot = ET.fromstring(text)
     except ET.ParseError as error:
         raise CourseError(f"The URDF is not XML: {error}. It begins with {text[:40]!r}.") from None
-    if robot.get("version", "1.0") == "1.0":  # which has no quaternions
+    # Version 1.0 of the format does not support quaternions.
+    if robot.get("version", "1.0") == "1.0":
         for origin in robot.iter("origin"):
             origin.attrib.pop("quat_xyzw", None)
     return robot
@@ -256,7 +503,7 @@ def _joint(element: ET.Element) -> Joint:
     limits = {key: float(given[key]) for key in wanted if key in given}
     mimic = of("mimic")
     follow = (
-        Follow(mimic["joint"], float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0)))
+        Mimic(mimic["joint"], float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0)))
         if mimic
         else None
     )
@@ -264,5 +511,5 @@ def _joint(element: ET.Element) -> Joint:
     effort = float(of("limit")["effort"]) if of("limit") else None
     velocity = float(of("limit").get("velocity", "inf"))
     axis = _vector(of("axis").get("xyz", "1 0 0") if kind not in UNMOVED else "1 0 0")
-    parent, child = ends_of(element)
+    parent, child = parent_and_child(element)
     return Joint(name, kind, parent, child, limits, follow, axis, effort, velocity, _origin(element))

@@ -1,104 +1,336 @@
-"""Hints: one line that helps with a common mistake, below the text of ROS or Python.
+"""Hints: one line of help for a common mistake, printed below the error of ROS or Python.
 
-A hint is keyed by the type of the exception, its text, and the mistake with which the raising code marks it
-where the text alone does not tell.
+A hint is found by the type of the exception, by a pattern of its text and, where the text is
+ambiguous, by the mistake with which the raising code has marked the exception.
 """
 
+import dis
 import re
+import sys
 import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
+from types import BuiltinFunctionType, FunctionType, MethodType
 
-from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
+import numpy as np
+
+from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
-from course_lib.ros.not_offered import not_offered
+from course_lib.ros.near_names import (
+    attribute_hint,
+    call_with_fields,
+    constructor_hint,
+    frame_of,
+    import_hint,
+    is_angle,
+    is_student_class,
+    join,
+    key_hint,
+    keyword_hint,
+    module_hint,
+    name_hint,
+    near_field,
+    parameter_hint,
+    surplus_hint,
+    synonyms,
+)
+from course_lib.ros.programs.missing_packages import why_not_offered
 
-MAX_TEXT = 2000  # characters of an error's text
+# A pattern for the line at which the older parser stops, and the newer rule that allows it.
+_NEWER = (
+    (
+        r"(?<!\w)([rR][fF]|[fF][rR]?)[\"']",
+        "an f-string may have quotes, backslashes and line breaks in braces",
+    ),
+    (r"^\s*type\s+\w+", "`type NAME = …` names a type"),
+    (
+        r"^\s*(async\s+def|def|class)\s+\w+\s*\[",
+        "there are type parameters, as in `def f[T](x: T)`",
+    ),
+)
+
+
+def newer_python_hint(error: SyntaxError) -> str:
+    """Return a hint about the syntax of Python 3.12 that a line may use, or "".
+
+    From Python 3.12 on it is always "".
+    """
+    if sys.version_info >= (3, 12):
+        return ""
+    line = error.text or ""
+    rule = next((rule for pattern, rule in _NEWER if re.search(pattern, line)), None)
+    if rule is None:
+        return ""
+    here = ".".join(map(str, sys.version_info[:2]))
+    return (
+        f"in Python 3.12, which ROS 2 Jazzy has, {rule}. Here Python {here} runs: install the kit with "
+        "Python 3.12, or write the line for both."
+    )
+
+
+# Limit on the characters of an error's text that are examined.
+MAX_TEXT = 2000
 
 
 @dataclass(frozen=True)
 class Hint:
-    """The hint for exceptions whose text matches, and that are marked with `mistake` if there is one."""
+    """A hint for exceptions whose text matches and that are marked with `mistake`, if it is set."""
 
     text: str
-    hint: str  # may name the text's groups: {1}
+    # May refer to groups of the match, such as {1}.
+    hint: str
     mistake: Mistake | None = None
 
 
-def _hints() -> dict[str, list[Hint]]:
-    """Read the hints by the type of their exception: at the start, as a program may use up all its files."""
-    table = tomllib.loads(Path(__file__).with_name("hints.toml").read_text(encoding="utf-8"))
-    return {kind: [_hint(*row) for row in rows] for kind, rows in table.items()}
-
-
-def _hint(text: str, line: str, mistake: str = "") -> Hint:
-    return Hint(text, line, Mistake[mistake] if mistake else None)
-
-
-_HINTS = _hints()
+# By exception type. They are read on import, because a program may later use up all file handles.
+_HINTS = {
+    kind: [Hint(text, line, *(Mistake[name] for name in mistake)) for text, line, *mistake in rows]
+    for kind, rows in tomllib.loads(Path(__file__).with_name("hints.toml").read_text("utf-8")).items()
+}
 
 
 def add_hint(error: BaseException) -> None:
-    """Add a line "hint: ..." to an error that is a common mistake, once."""
+    """Add a line "hint: ..." to an exception that is a common mistake, at most once."""
     found = hint(error)
     if found and not getattr(error, "__notes__", None):
         error.add_note(f"hint: {found}")
 
 
 def hint(error: BaseException) -> str:
-    """Return the hint for an exception; "" if there is none."""
-    mistake = mistake_of(error)
+    """Return the hint for an exception, or ""."""
     text = _text(error)
-    types = _types_named(text) if isinstance(error, NameError) else []
-    if types:
-        package, kind, name = types[0].split("/")
-        return f"import it: from {package}.{kind} import {name}; in a notebook run the first cells again."
-    if isinstance(error, ModuleNotFoundError) and (reason := not_offered((error.name or "").split(".")[0])):
-        return reason
+    if isinstance(error, SyntaxError) and (newer := newer_python_hint(error)):
+        return newer
+    if isinstance(error, NameError) and (found := _missing_self_hint(error, text) or name_hint(error)):
+        return found
+    if isinstance(error, ModuleNotFoundError):
+        found = why_not_offered((error.name or "").split(".")[0]) or module_hint(error)
+        if found:
+            return found
+    if (
+        found := key_hint(error)
+        or parameter_hint(error)
+        or keyword_hint(error)
+        or surplus_hint(error)
+        or constructor_hint(error)
+        or _loop_hint(error, text)
+        or _list_hint(error, text)
+        or _value_hint(error, text)
+        or _table_hint(error, text)
+    ):
+        return found
+    if isinstance(error, ModuleNotFoundError) and (imported := _imported_interfaces(error)):
+        package, kind = imported
+        return f"put the folder {package} with its {kind} beside the program, or into the workspace's src."
+    if isinstance(error, ImportError):
+        return import_hint(error)
+    if types := _types_in_error(text):
+        return _field_hint(types, text.rpartition("attribute '")[2].partition("'")[0])
+    if isinstance(error, AttributeError):
+        if similar := attribute_hint(error):
+            return similar
+        attribute = re.match(r"'(\w+)' object has no attribute '(\w+)'$", text)
+        if attribute and is_student_class(type(error.obj)):
+            return f"set `self.{attribute[2]}` in {attribute[1]}.__init__, spelled the same."
+    return ""
+
+
+def _field_hint(types: Sequence[str], wanted: str) -> str:
+    """Return the hint for a field or a constant that a message does not have."""
+    definitions = [definition(name) for name in types]
+    names = [n for one in definitions for n in (*one.constants, *(field.name for field in one.fields))]
+    show = f"`%ros2 interface show {types[0]}` lists its fields."
+    if is_angle(wanted) and {"x", "y", "z", "w"} <= set(names):
+        turn = "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`"
+        return f"a quaternion holds no angle: a turn by yaw about z is {turn}."
+    lists = [f.name for one in definitions for f in one.fields if f.container != "scalar"]
+    if wanted in dir(list) and len(lists) == 1:
+        return f"did you mean `{lists[0]}.{wanted}`? {show}"
+    if wanted == "to_msg":
+        return f"this is a message already: leave out .to_msg(). {show}"
+    constants = [name for one in definitions for name in one.constants]
+    if wanted.isupper() and (near := near_field(wanted, constants)):
+        return f"did you mean `{near}`? {show}"
+    direct = [name for name in synonyms(wanted) if name in names]
+    inner = [path for word in (wanted, *synonyms(wanted)) for name in types for path in _paths_to(name, word)]
+    exact = [path for path in inner if path.endswith(f".{wanted}")]
+    near = next(iter([*exact, *direct, *inner]), "") or near_field(wanted, names)
+    return f"did you mean `{near}`? {show}" if near else show
+
+
+def _value_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a field that is set to a value of another type, or "".
+
+    The text of ROS states the type that the field needs, but not the value.
+    """
+    frame = frame_of(error)
+    needed = re.search(r"field must be (?:of type|a sub message of type) '(\w+)'", text)
+    if frame is None or needed is None or "value" not in frame.f_locals:
+        return ""
+    value, kind = frame.f_locals["value"], needed[1]
+    name = type(value).__name__
+    is_number = kind in ("float", "int")
+    if value is None and is_number:
+        return "this is None: does the function that created it return something?"
+    if isinstance(value, type) and kind != "str":
+        return f"this is the class {value.__name__}: create an object, with `{value.__name__}()`."
+    if isinstance(value, FunctionType | MethodType | BuiltinFunctionType):
+        return f"this is the function {value.__name__}, which is not called: are its ( ) missing?"
+    if is_number and isinstance(value, tuple) and all(isinstance(one, int | float) for one in value):
+        if len(value) == 1:
+            return "remove the comma at the end of the line: it makes a tuple of one item."
+        return f"this is {len(value)} numbers, {value!r}: a decimal number has a point, 0.8, not a comma."
+    if is_number and isinstance(value, str) and not re.search("'(type|action)' field", text):
+        return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
+    if is_number and isinstance(value, list | np.ndarray) and np.size(value) != 1:
+        return f"this is a list of {len(value)} items, and the field takes one: like [0]."
+    if hasattr(type(value), "get_fields_and_field_types"):
+        fields = type(value).get_fields_and_field_types()
+        fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == kind]
+        if fitting:
+            return f"this is a {name}: take its field {fitting[0]}."
+        if is_number and fields:
+            return f"this is a {name}: take one of its fields, {join(list(fields))}."
+        if set(fields) == {"x", "y", "z"} and kind in ("Point", "Vector3"):
+            return f"this is a {name}: `{kind}(x=v.x, y=v.y, z=v.z)` has its numbers, where v is the {name}."
+    return ""
+
+
+def _table_hint(error: BaseException, text: str) -> str:
+    """Return the first matching hint of the table, or "".
+
+    A group ending in "()" becomes a call with the message's fields.
+    """
     for one in _HINTS.get(type(error).__name__, ()):
         match = re.search(one.text, text)
-        if match and one.mistake in (None, mistake):
-            return one.hint.format(match[0], *match.groups())
-    if types := _types_named(text):
-        return f"{_meant(text, types)}%ros2 interface show {' or '.join(types)} lists its fields."
-    return _of_own_class(error, text)
+        if match and one.mistake in (None, mistake_of(error)):
+            groups = (match[0], *match.groups())
+            calls = [call_with_fields(group or "") or f"{group}()" for group in groups]
+            frame = frame_of(error)
+            # The name of the callback that rclpy rejects, or an example of one.
+            name = getattr(frame.f_locals.get("callback") if frame else None, "__name__", "")
+            method = name if isinstance(name, str) and name.isidentifier() else "heard"
+            return one.hint.format(*groups, call=calls[-1], method=method)
+    return ""
+
+
+def _loop_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a message that is used as a list, or ""."""
+    found = re.match(r"'(\w+)' object is not iterable", text)
+    if found is None or not isinstance(error, TypeError):
+        return ""
+    frame, trace = frame_of(error), error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is not None and frame is not None:
+        code = (one for one in dis.get_instructions(frame.f_code) if one.offset == trace.tb_lasti)
+        if any(one.opname.startswith(("BINARY_OP", "INPLACE_ADD")) for one in code):
+            return "+= adds all items of a list. `items.append(item)` adds a single item."
+    types = _types_in_error(f"'{found[1]}' object has no attribute")
+    lists = [f.name for name in types[:1] for f in definition(name).fields if f.container != "scalar"]
+    if types and len(lists) == 1:
+        return f"a {found[1]} is not a list, but has one: loop over its field {lists[0]}."
+    return f"a {found[1]} is a single object: read its fields by their names." if types else ""
+
+
+def _list_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a field with many values that is set to something else, or "".
+
+    The text of ROS does not say what was passed.
+    """
+    frame = frame_of(error)
+    if frame is None or "must be a set or sequence" not in text or "value" not in frame.f_locals:
+        return ""
+    value = frame.f_locals["value"]
+    if isinstance(value, Mapping):
+        return "this is a dictionary, and the field takes a list: of its values, in the right order."
+    if value is None:
+        return "this is None: append() and other methods that change a list return None."
+    if isinstance(value, str | int | float):
+        return f"this is one value, {value!r}, and the field takes many: put them into a list, in [ ]."
+    if isinstance(value, np.ndarray) and value.ndim != 1:
+        return (
+            f"this is an array of {value.ndim} dimensions, and the field takes one: `matrix.ravel()` is flat."
+        )
+    are_plain = re.search(r"each value of type '(float|int|str|bool)'", text)
+    items = list(value) if are_plain and isinstance(value, Sequence | np.ndarray) else []
+    for index, item in enumerate(items):
+        if item is None or (isinstance(item, str) and "'str'" not in text):
+            return f"item {index} of the list is {item!r}, not a number."
+        if isinstance(item, list | tuple | np.ndarray):
+            return f"item {index} is a list in the list: does it have [ ] of its own, or is a * missing?"
+    return ""
+
+
+def _missing_self_hint(error: NameError, text: str) -> str:
+    """Return the hint for a method that uses `self` but does not have it as its first parameter."""
+    frame = frame_of(error)
+    if frame is None or "name 'self' is not" not in text:
+        return ""
+    code = frame.f_code
+    if not code.co_name.isidentifier():
+        return "only methods have self: outside of the class use the name of your node."
+    given = code.co_varnames[: code.co_argcount]
+    kept = given[1:] if given and given[0] in ("this", "node", "robot") else given
+    return f"write self as the method's first parameter: `def {code.co_name}({', '.join(('self', *kept))})`."
+
+
+def _imported_interfaces(error: ModuleNotFoundError) -> tuple[str, str] | None:
+    """Return package and kind if the import of a missing package requests its interfaces."""
+    names = [error.name or ""]
+    trace = error.__traceback__
+    while trace is not None:
+        # The source text is not always available, but the bytecode contains the imported name.
+        code = dis.get_instructions(trace.tb_frame.f_code)
+        names += [
+            str(one.argval) for one in code if (one.offset, one.opname) == (trace.tb_lasti, "IMPORT_NAME")
+        ]
+        trace = trace.tb_next
+    for name in names:
+        package, _, kind = name.partition(".")
+        if package == (error.name or "").partition(".")[0] and kind in ("msg", "srv", "action"):
+            return package, kind
+    return None
 
 
 def _text(error: BaseException) -> str:
-    """Return the text of an error; an error of the student's own class may raise another one here."""
+    """Return the text of an error, or "".
+
+    The `__str__` of a student's exception class may itself raise.
+    """
     try:
         return str(error)[:MAX_TEXT]
     except (Exception, SystemExit):
         return ""
 
 
-def _types_named(text: str) -> list[str]:
-    """Return the types of messages that have the name of which an error complains."""
-    named = re.match(
-        r"(?:type object )?'(\w+)' (?:object )?has no attribute|name '(\w+)' is not defined", text
-    )
-    return [name for name in type_names() if named and name.endswith(f"/{named[1] or named[2]}")]
+def _types_in_error(text: str) -> list[str]:
+    """Return the message types with the class name in an attribute error."""
+    named = re.match(r"(?:type object )?'(\w+)' (?:object )?has no attribute", text)
+    found = [name for name in type_names() if named and name.endswith(f"/{named[1]}")]
+    # example_interfaces repeats the types of std_msgs, which are more likely to be meant.
+    return sorted(found, key=lambda name: name.startswith("example_interfaces/"))
 
 
-def _meant(text: str, types: list[str]) -> str:
-    """Return a question for the field or constant nearest to the one that is not there, or ""."""
-    wanted = text.rpartition("attribute '")[2].partition("'")[0]
-    found = [definition(name) for name in types]
-    inner = [f"{field.name}.{wanted}" for one in found for field in one.fields if _has(field, wanted)]
-    names = [name for one in found for name in (*one.constants, *(field.name for field in one.fields))]
-    close = inner or get_close_matches(wanted, names)
-    return f"did you mean {close[0]}? " if close else ""
+def _paths_to(name: str, wanted: str) -> list[str]:
+    """Return the paths to a field inside of a message's fields, like "results[0].hypothesis.score".
 
-
-def _has(field: FieldDefinition, wanted: str) -> bool:
-    """Return whether a field is a message with a field of this name."""
-    scalar = field.is_message and field.container == "scalar"
-    return scalar and any(inner.name == wanted for inner in definition(field.base).fields)
-
-
-def _of_own_class(error: BaseException, text: str) -> str:
-    """Return the hint for an attribute that an object of the program's own class has not."""
-    named = re.match(r"'(\w+)' object has no attribute '(\w+)'$", text)
-    own = named and getattr(type(getattr(error, "obj", None)), "__module__", "") == "__main__"
-    return f"set self.{named[2]} in {named[1]}.__init__, spelled the same." if named and own else ""
+    The shortest paths come first. Fields of the header are no candidates deep inside.
+    """
+    paths, level = list[str](), [("", name)]
+    # Messages in messages are rarely deeper; a path would not help a beginner then.
+    for _ in range(3):
+        inside = [
+            (f"{path}{field.name}{'' if field.container == 'scalar' else '[0]'}.", field)
+            for path, one in level
+            for field in definition(one).fields
+            if field.is_message
+        ]
+        level = [(path, field.base) for path, field in inside]
+        paths += [
+            f"{path}{wanted}"
+            for path, one in level
+            if any(field.name == wanted for field in definition(one).fields)
+        ]
+    return paths

@@ -1,18 +1,19 @@
-"""Marks on exceptions, by which their hints are found."""
+"""Marks on exceptions, which select their hints."""
 
 from enum import Enum, auto
 from traceback import walk_tb
 from typing import TypeVar
 
-_MARK = "_mistake"  # attribute of an exception
+# The attribute of an exception that stores the mark.
+_MARK = "_mistake"
 ErrorT = TypeVar("ErrorT", bound=BaseException)
 
 
 class Mistake(Enum):
-    """The mistakes with which raising code marks its exceptions."""
+    """The mistakes with which exceptions are marked."""
 
     NO_CALLBACK = auto()
-    TIMER_CALLBACK = auto()  # called with the wrong arguments, as is the next one
+    TIMER_CALLBACK = auto()  # called with wrong arguments, like the next one
     SERVICE_CALLBACK = auto()
     PERIOD = auto()
     REQUEST = auto()
@@ -21,21 +22,23 @@ class Mistake(Enum):
     UNNAMED_FIELD = auto()
     NO_STATUS = auto()
     STAMP = auto()
+    TWO_TYPES = auto()
+    TWO_SPINNERS = auto()
 
 
 def marked(error: ErrorT, mistake: Mistake) -> ErrorT:
-    """Mark an exception that is about to be raised."""
+    """Mark an exception that is about to be raised, and return it."""
     vars(error)[_MARK] = mistake
     return error
 
 
 def mark(error: BaseException, mistake: Mistake, *, depth: int = 1) -> None:
-    """Mark a caught exception if it comes from no deeper than `depth` frames: from the caller's own line."""
+    """Mark a caught exception if it was raised at most `depth` frames deep, in the caller's own line."""
     if len(list(walk_tb(error.__traceback__))) == depth:
         marked(error, mistake)
 
 
 def mistake_of(error: BaseException) -> Mistake | None:
-    """Return the mark of an exception, if it has one."""
+    """Return the mark of an exception, or None."""
     found = vars(error).get(_MARK)
     return found if isinstance(found, Mistake) else None

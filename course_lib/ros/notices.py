@@ -1,8 +1,9 @@
-"""Lines in a cell's output: notices to the student, and log lines that repeat."""
+"""Notices in the output of a cell, and log lines that repeat."""
 
 import sys
 
-SHOWN = 5  # equal lines in a row
+# Number of equal lines in a row that are printed.
+SHOWN = 5
 
 
 def say(line: str) -> None:
@@ -10,40 +11,47 @@ def say(line: str) -> None:
     sys.stdout.write(f"{line}\n")
 
 
-class Replacements:
-    """Nodes that new ones of the same name have replaced, in one line at the end of the cell.
+class ReplacedNodes:
+    """Reports nodes that were replaced by new nodes of the same name, as one line at the end of the cell.
 
-    Outside of cells each is named immediately.
+    Outside of cells, each is reported immediately.
     """
 
     def __init__(self) -> None:
-        self.waits = False  # a cell runs, at whose end somebody calls `tell`
+        # Whether a cell is running, at whose end `report` is called.
+        self.is_deferred = False
         self._names: list[str] = []
 
     def add(self, name: str) -> None:
-        """Note a node's full name."""
+        """Record the full name of a replaced node."""
         self._names.append(name)
-        if not self.waits:
-            self.tell()
+        if not self.is_deferred:
+            self.report()
 
-    def tell(self) -> None:
-        """Print the line, if a node was replaced since the last one."""
+    def report(self) -> None:
+        """Print the line if a node was replaced since the last call."""
         names = list(dict.fromkeys(self._names))
         self._names.clear()
         if len(names) == 1:
             say(f"The new node {names[0]} replaces the one of the same name.")
         elif names:
-            say(f"New nodes replace those of the same names: {', '.join(names)}.")
+            say(f"New nodes replace nodes with the same names: {', '.join(names)}.")
 
 
 class RepeatedLines:
-    """Log lines on stderr, of which equal ones in a row are counted: at 10, 100, 1000 … and at the end."""
+    """Writes log lines to stderr and counts equal lines in a row.
+
+    The count is printed at 10, 100, 1000, … repetitions, and at the end.
+    """
 
     def __init__(self) -> None:
-        self._last, self._times, self._told = "", 0, 0
+        self._last, self._times, self._reported = "", 0, 0
 
     def write(self, what: str, line: str) -> None:
-        """Write a line, unless it repeats the former ones; `what` is all of it but its time."""
+        """Write a line unless it repeats the previous lines.
+
+        `what` is the line without its time.
+        """
         if what != self._last:
             self.end()
             self._last = what
@@ -51,18 +59,19 @@ class RepeatedLines:
         if self._times <= SHOWN:
             sys.stderr.write(f"{line}\n")
         elif str(self._times).strip("0") == "1":
-            self._tell()
+            self._report()
 
     def end(self) -> None:
-        """Write how often the last line was repeated, and forget it."""
-        if self._times > SHOWN and self._told != self._times:
-            self._tell()
-        self._last, self._times, self._told = "", 0, 0
+        """Print how often the last line was repeated, and reset the count."""
+        if self._times > SHOWN and self._reported != self._times:
+            self._report()
+        self._last, self._times, self._reported = "", 0, 0
 
-    def _tell(self) -> None:
-        self._told = self._times
+    def _report(self) -> None:
+        self._reported = self._times
         sys.stderr.write(f"… repeated {self._times - SHOWN} times\n")
 
 
-repeated_lines = RepeatedLines()  # of this process, as stderr is
-replacements = Replacements()
+# One object for the process, because stderr belongs to the process.
+repeated_lines = RepeatedLines()
+replacements = ReplacedNodes()

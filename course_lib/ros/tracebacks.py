@@ -1,52 +1,58 @@
-"""Tracebacks that show the student's own lines, not the kit's, and the line in which code is or failed."""
+"""Tracebacks without the kit's frames, and the line of the student's code that runs or failed."""
 
+import importlib
 import linecache
+import os
 import sys
 import sysconfig
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from traceback import FrameSummary, StackSummary, TracebackException, walk_stack, walk_tb
+from traceback import StackSummary, TracebackException, walk_stack, walk_tb
 from types import TracebackType
 from typing import Any
 
+from course_lib.errors import CourseError
+from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.hints import add_hint
+from course_lib.ros.notices import say
 
 KIT = str(Path(__file__).resolve().parent.parent)
 OTHERS = (KIT, *sysconfig.get_paths().values())
-SHOWN = 6  # frames at each end of a very long traceback
+# Frames between an import and the module, which Python does not show either.
+_HIDDEN = (KIT, "<frozen importlib", importlib.__file__)
+# Number of frames at each end of a very long traceback.
+SHOWN = 6
 
 
-class _Folded(StackSummary):
-    """Frames of which the middle is left out where there are very many, as in an endless recursion."""
+class _AbbreviatedStack(StackSummary):
+    """A stack whose middle is omitted if it is very long, as after infinite recursion."""
 
     def format(self, **kwargs: Any) -> list[str]:
-        """Return the lines of a traceback; the arguments are those of later Python versions."""
+        """Format the lines of a traceback. The arguments are those of later Python versions."""
         hidden = len(self) - 2 * SHOWN
         if hidden <= SHOWN:
             return super().format(**kwargs)
         first, last = (StackSummary.from_list(part) for part in (self[:SHOWN], self[-SHOWN:]))
-        again = " of the same lines" if _repeat(self) else ""
+        lines = {(frame.filename, frame.lineno) for frame in self[SHOWN:-SHOWN]}
+        again = " of the same lines" if len(lines) <= SHOWN else ""
         return [*first.format(**kwargs), f"  … {hidden} more frames{again} …\n", *last.format(**kwargs)]
 
 
-def _repeat(frames: Sequence[FrameSummary]) -> bool:
-    """Return whether the frames in the middle are at few lines."""
-    return len({(frame.filename, frame.lineno) for frame in frames[SHOWN:-SHOWN]}) <= SHOWN
-
-
-def without_the_kit(trace: TracebackType | None) -> tuple[TracebackType | None, int]:
-    """Copy a traceback without the kit's frames and without the middle of very many frames.
+def hide_kit_frames(trace: TracebackType | None) -> tuple[TracebackType | None, int]:
+    """Copy a traceback without the kit's frames, and without the middle of a very long stack.
 
     Returns:
-        The copy, and how many frames of the middle it lacks. Where all frames are the kit's, it has them.
+        The copy, and the number of omitted frames of the middle. A traceback with frames of the kit
+            only is returned whole.
     """
     frames = []
     step = trace
     while step is not None:
         frames.append(step)
         step = step.tb_next
-    own = [frame for frame in frames if not frame.tb_frame.f_code.co_filename.startswith(KIT)]
+    own = [frame for frame in frames if not frame.tb_frame.f_code.co_filename.startswith(_HIDDEN)]
     hidden = len(own) - 2 * SHOWN
     if hidden > SHOWN:
         own = own[:SHOWN] + own[-SHOWN:]
@@ -57,7 +63,7 @@ def without_the_kit(trace: TracebackType | None) -> tuple[TracebackType | None, 
 
 
 def shorten_causes(error: BaseException) -> None:
-    """Leave the kit's frames out of an error's causes, and causes inside the kit out of the error."""
+    """Remove the kit's frames from the causes of an error, and causes that are entirely in the kit."""
     seen = {id(error)}
     outer = error
     while (inner := outer.__cause__ or outer.__context__) is not None and id(inner) not in seen:
@@ -65,69 +71,100 @@ def shorten_causes(error: BaseException) -> None:
         if all(frame.f_code.co_filename.startswith(KIT) for frame, _ in walk_tb(inner.__traceback__)):
             outer.__cause__ = outer.__context__ = None
             return
-        inner.__traceback__ = without_the_kit(inner.__traceback__)[0]
+        inner.__traceback__ = hide_kit_frames(inner.__traceback__)[0]
         outer = inner
 
 
 def print_error(error: BaseException) -> None:
-    """Show an error on stderr as Python does, without the kit's frames and without causes inside the kit."""
+    """Print an error to stderr as Python does, without the kit's frames and without causes in the kit."""
     add_hint(error)
-    shown = TracebackException.from_exception(error)
-    _shorten(shown)
-    sys.stderr.write("".join(shown.format()))
+    trace = TracebackException.from_exception(error)
+    _shorten(trace)
+    module = sys.modules.get(type(error).__module__)
+    is_of_standin = str(getattr(module, "__file__", "")).startswith(os.path.join(KIT, "ros", "standin", ""))
+    # An error of the kit or the stand-in that no line of the user's code has caused, for example
+    # for wrong arguments of a program of the kit, needs no traceback.
+    if (isinstance(error, CourseError) or is_of_standin) and not line_of_traceback(error.__traceback__):
+        sys.stderr.write("".join(trace.format_exception_only()).replace(f"{CourseError.__module__}.", ""))
+        return
+    sys.stderr.write("".join(trace.format()))
 
 
 def print_error_of_thread(args: threading.ExceptHookArgs) -> None:
-    """Show what ended a thread, as `threading.excepthook` does."""
+    """Print the error that ended a thread, as `threading.excepthook` does."""
     if args.exc_value is not None and not isinstance(args.exc_value, SystemExit):
         name = args.thread.name if args.thread else "unknown"
         sys.stderr.write(f"Exception in thread {name}:\n")
         print_error(args.exc_value)
 
 
-def _shorten(shown: TracebackException) -> None:
-    own = [frame for frame in shown.stack if not frame.filename.startswith(KIT)]
-    shown.stack = _Folded(own or shown.stack)
+def _shorten(trace: TracebackException) -> None:
+    own = [frame for frame in trace.stack if not frame.filename.startswith(_HIDDEN)]
+    # A syntax error names its file and line itself; another error of the kit alone needs all
+    # frames.
+    trace.stack = _AbbreviatedStack(own if own or trace.exc_type is SyntaxError else trace.stack)
     for name in ("__cause__", "__context__"):
-        inner: TracebackException | None = getattr(shown, name)
+        inner: TracebackException | None = getattr(trace, name)
         if inner is not None and all(frame.filename.startswith(KIT) for frame in inner.stack):
-            setattr(shown, name, None)
+            setattr(trace, name, None)
         elif inner is not None:
             _shorten(inner)
 
 
 def line_of_traceback(trace: TracebackType | None) -> str:
-    """Return the innermost own line: "cell In[3], line 2: 1 / 0"; "" if there is none."""
-    return _innermost((frame.f_code.co_filename, line) for frame, line in walk_tb(trace))
+    """Return the innermost line of the student's code: "cell In[3], line 2: 1 / 0", or ""."""
+    return _innermost_own_line((frame.f_code.co_filename, line) for frame, line in walk_tb(trace))
 
 
 def line_of_thread(ident: int) -> str:
-    """Return the own line that a thread is in right now; "" if there is none."""
+    """Return the line of the student's code that a thread is executing, or ""."""
     frame = sys._current_frames().get(ident)
     stack = [(frame.f_code.co_filename, line) for frame, line in walk_stack(frame)] if frame else []
-    return _innermost(reversed(stack))
+    return _innermost_own_line(reversed(stack))
 
 
 def is_own(filename: str) -> bool:
-    """Return whether a file is the student's: neither the kit's nor Python's nor a library's."""
+    """Return whether a file belongs to the student, not to the kit, Python or a library."""
     return not filename.startswith(("<frozen", *OTHERS))
 
 
 def name_line(filename: str, line: int) -> str:
-    """Return the name of a line and its text; cells have the name that IPython gives them."""
+    """Return the description of a line with its text.
+
+    Cells have the names that IPython gives them.
+    """
     code = linecache.getline(filename, line).strip()
-    return f"{_cell(filename)}line {line}{code and f': {code}'}"
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    cell = shell.compile.format_code_name(filename) if shell is not None else None
+    prefix = f"{Path(filename).name}, " if filename and not filename.startswith("<") else ""
+    if cell is not None:
+        prefix = f"{cell[0].lower()} {cell[1]}, "
+    return f"{prefix}line {line}{code and f': {code}'}"
 
 
-def _innermost(places: Iterable[tuple[str, int | None]]) -> str:
+def _innermost_own_line(places: Iterable[tuple[str, int | None]]) -> str:
     own = [(name, line) for name, line in places if line and is_own(name)]
     return name_line(*own[-1]) if own else ""
 
 
-def _cell(filename: str) -> str:
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    named = shell.compile.format_code_name(filename) if shell is not None else None
-    if named is not None:
-        return f"{named[0].lower()} {named[1]}, "
-    return f"{Path(filename).name}, " if filename and not filename.startswith("<") else ""
+@contextmanager
+def named_when_interrupted(why: Callable[[], str]) -> Iterator[None]:
+    """Print the program's line and `why()` if the end of the run or Ctrl+C interrupts the `with` block.
+
+    It prints nothing if `why()` is empty. In a notebook the traceback shows the line.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        describe_interruption(why())
+        raise
+
+
+def describe_interruption(reason: str) -> None:
+    """Print a hint with the calling thread's line.
+
+    It prints nothing if the reason is empty, or in a notebook, whose traceback shows the line.
+    """
+    if reason and not current_graph().notebook:
+        say(f"hint: interrupted in {line_of_thread(threading.get_ident()) or 'a wait'}: {reason}")

@@ -12,22 +12,23 @@ from std_msgs.msg import Header
 
 from course_lib.arrays import AnyArray, Bytes, Floats
 from course_lib.errors import CourseError
-from course_lib.sensors.checked import Pose, check_count, check_number
 from course_lib.sensors.sensor_node import Common, SensorNode
-from course_lib.sensors.world import World
+from course_lib.sensors.world import Pose, World, check_count, check_number
 
-_AMBIENT = 0.4  # share of the light that comes from everywhere
-_ROWS = 32  # are shaded at a time: the whole picture would take twice as long, and four times the memory
+# Fraction of ambient light.
+_AMBIENT = 0.4
+# Rows shaded per step. Shading the whole picture takes twice the time and four times the memory.
+_ROWS = 32
 
 
 @dataclass(frozen=True)
 class Pinhole:
-    """The map of a camera from points to pixels; the middle of the first pixel is (0, 0).
+    """A camera's projection of points to pixels. The center of the first pixel is (0, 0).
 
     Args:
         width: [px]
         height: [px]
-        focal: Focal length, [px]; 277 with 320 columns see 60 degrees.
+        focal: Focal length, [px]; 277 with 320 columns is a field of view of 60 degrees.
     """
 
     width: int = 320
@@ -41,13 +42,13 @@ class Pinhole:
 
     @property
     def matrix(self) -> Floats:
-        """K, shape (3, 3): optical frame to pixels."""
+        """The camera matrix K, shape (3, 3), from the optical frame to pixels."""
         middle = (self.width - 1) / 2, (self.height - 1) / 2
         return np.array([[self.focal, 0, middle[0]], [0, self.focal, middle[1]], [0, 0, 1]])
 
     @cached_property
     def rays(self) -> Floats:
-        """Unit vectors through the middles of the pixels, row by row, shape (3, height * width)."""
+        """Unit vectors through the centers of the pixels, row by row, shape (3, height * width)."""
         v, u = np.indices((self.height, self.width)).reshape(2, -1)
         points = np.linalg.inv(self.matrix) @ np.array([u, v, np.ones(len(u))])
         unit: Floats = points / np.linalg.norm(points, axis=0)
@@ -70,15 +71,16 @@ class Pinhole:
 
 
 class CameraNode(SensorNode):
-    """Publishes `<prefix>/image_raw` in colour, `<prefix>/image_raw/compressed` and `<prefix>/camera_info`.
+    """Publishes `<prefix>/image_raw` in color, `<prefix>/image_raw/compressed` and `<prefix>/camera_info`.
 
     Args:
-        world: What there is to see.
-        pose: transform_optical_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
-        prefix: Of the topics.
-        pinhole: The camera's model; None takes 320 x 240 pixels that see 60 degrees.
+        world: The world to measure.
+        pose: transform_optical_to_world, shape (4, 4), [m], or a function of robot time [s] that
+            returns it.
+        prefix: Prefix of the topics.
+        pinhole: The camera's model; by default 320 x 240 pixels with a field of view of 60 degrees.
         compressed: "png", "jpeg", or None for no compressed pictures.
-        common: Name, frame_id, rate, noise, dropout and seed, as `SensorNode` takes them.
+        common: Name, frame_id, rate, noise, dropout and seed, as for `SensorNode`.
     """
 
     def __init__(
@@ -103,7 +105,7 @@ class CameraNode(SensorNode):
         )
 
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
-        """Publish one picture with its CameraInfo."""
+        """Publish a picture with its CameraInfo."""
         pixels = self.picture(seconds, chance)
         self.infos.publish(self.pinhole.info(header))
         self.images.publish(self.pinhole.message(header, pixels, "rgb8"))
@@ -127,29 +129,32 @@ class CameraNode(SensorNode):
 def shade(rays: Floats, distance: Floats, width: int) -> Floats:
     """Return the light on surfaces by their angle to the camera, shape (N,), 0 to 1; edges are dark.
 
-    The surface is what the neighbouring points span, so no shape needs to know its normals.
+    The surface at a pixel is spanned by the points of its neighbors, so shapes need no normals.
     """
     light, block = np.empty(len(distance)), _ROWS * width
     for start in range(0, len(distance), block):
-        rows = slice(start, start + block + width)  # and the one below
-        light[start : start + block] = _shaded(rays[:, rows], distance[rows], width)[:block]
+        # Including the row below, which the differences need.
+        rows = slice(start, start + block + width)
+        light[start : start + block] = _shade(rays[:, rows], distance[rows], width)[:block]
     return light
 
 
-def _shaded(rays: Floats, distance: Floats, width: int) -> Floats:
+def _shade(rays: Floats, distance: Floats, width: int) -> Floats:
     """Return the light on some rows of a picture."""
     points = (rays * np.where(np.isfinite(distance), distance, 1e3)).reshape(3, -1, width)
     right, down = (np.diff(points, axis=axis, append=points.take([-1], axis)) for axis in (2, 1))
     normals = np.cross(right, down, axis=0).reshape(3, -1)
     length = np.linalg.norm(normals, axis=0)
     facing = np.abs((normals * rays).sum(axis=0)) / np.where(length > 0, length, 1)
-    light = np.where(length > 0, _AMBIENT + (1 - _AMBIENT) * facing, 1.0)  # the last row and column stay flat
+    # The last row and column have no neighbors, so they are not shaded.
+    light = np.where(length > 0, _AMBIENT + (1 - _AMBIENT) * facing, 1.0)
     return np.where(np.isfinite(distance), light, 1.0)
 
 
 def compress(pixels: Bytes, kind: Literal["png", "jpeg"]) -> bytes:
     """Compress a picture, shape (height, width, 3), as a PNG or JPEG file."""
-    from PIL import Image as Pictures  # on first use
+    # Imported on first use, because most sensors need no Pillow.
+    from PIL import Image as Pictures
 
     file = io.BytesIO()
     Pictures.fromarray(pixels).save(file, kind)

@@ -11,25 +11,25 @@ from transforms3d.quaternions import mat2quat
 from vision_msgs.msg import Detection3D, Detection3DArray, ObjectHypothesisWithPose
 
 from course_lib.arrays import Floats
-from course_lib.ros.clock import START_NS
-from course_lib.sensors.checked import Pose, check_number, pose_function
-from course_lib.sensors.world import World
+from course_lib.ros.graph.graph import START_NS
+from course_lib.sensors.world import Pose, World, check_number, pose_function
 
-_STEPS = np.array([-0.25, 0.0, 0.25])  # of the size: these points lie in every round or edged shape
+# Factors of a shape's size. These points are inside every shape.
+_STEPS = np.array([-0.25, 0.0, 0.25])
 _POINTS = np.stack(np.meshgrid(_STEPS, _STEPS, _STEPS), axis=-1).reshape(-1, 3)
 
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """A labelled 3D box.
+    """A labeled 3D box.
 
     Args:
-        track: The same number for the same object while it is followed.
-        label: What it is.
+        track: The number of the object while it is tracked.
+        label: The class of the object.
         confidence: 0 to 1.
         transform_box_to_world: Shape (4, 4), [m].
         size: Edges of the box, shape (3,), [m].
-        velocity: In the world, shape (3,), [m/s].
+        velocity: Velocity in the world, shape (3,), [m/s].
     """
 
     track: int
@@ -42,17 +42,19 @@ class Detection:
 
 @dataclass
 class Detector:
-    """Detects the labelled things of a world.
+    """Detects the labeled things of a world.
 
     Args:
-        world: What there is to see.
-        pose: transform_sensor_to_world, shape (4, 4), [m], or a function of robot time [s]; x ahead.
+        world: The world to measure.
+        pose: transform_sensor_to_world, shape (4, 4), [m], or a function of robot time [s]; x
+            points ahead.
         range_max: [m]
-        field_of_view: The whole angle around x, [rad].
-        noise: Standard deviation of places [m] and velocities [m/s].
-        miss_rate: Share of the objects in sight that are overlooked.
-        false_alarms: How many there are each time, on average.
-        keep: How long an object may be out of sight and keep its track, [s].
+        field_of_view: The full angle around x, [rad].
+        noise: Standard deviation of positions [m] and velocities [m/s].
+        miss_rate: Fraction of visible objects that are not detected.
+        false_alarms: Mean number of false alarms per detection.
+        alarm_confidence: Minimum and maximum confidence of a false alarm.
+        keep: Time for which an object that is out of sight keeps its track, [s].
         seed: The same seed gives the same detections.
     """
 
@@ -65,6 +67,7 @@ class Detector:
     false_alarms: float = 0.0
     keep: float = 2.0
     seed: int = 0
+    alarm_confidence: tuple[float, float] = (0.1, 0.5)
 
     def __post_init__(self) -> None:
         check_number("range_max [m]", self.range_max, above=0)
@@ -72,12 +75,18 @@ class Detector:
         check_number("miss_rate", self.miss_rate, low=0, high=1)
         for name in ("noise", "false_alarms", "keep", "seed"):
             check_number(name, getattr(self, name), low=0)
+        for share in self.alarm_confidence:
+            check_number("alarm_confidence", share, low=0, high=1)
         self._transform_at = pose_function("pose of the detector", self.pose)
-        self._tracks = dict[int, tuple[int, float]]()  # thing -> its track, when it was last seen [s]
+        # The track of each thing, and the time at which it was last detected [s].
+        self._tracks = dict[int, tuple[int, float]]()
         self._last_track = 0
 
     def detect(self, seconds: float) -> list[Detection]:
-        """Detect things at a robot time since the start of the run [s]; times must grow from call to call."""
+        """Detect things at a robot time since the start of the run [s].
+
+        Times must increase from call to call.
+        """
         chance = np.random.default_rng((self.seed, round(abs(seconds) * 1e9)))
         found, poses = list[Detection](), self.world.poses(seconds)
         labelled = [number for number, thing in enumerate(self.world.things) if thing.label]
@@ -87,16 +96,16 @@ class Detector:
             missed, errors = chance.random() < self.miss_rate, self.noise * chance.standard_normal((2, 3))
             confidence = confidences.get(number, 0.0)
             if confidence and not missed:
-                found.append(self._detected(number, poses[number], confidence, seconds, errors))
+                found.append(self._detection(number, poses[number], confidence, seconds, errors))
         alarms = chance.poisson(self.false_alarms)
         return found + [self._false_alarm(seconds, chance) for _ in range(alarms)]
 
     def confidence(self, number: int, seconds: float) -> float:
-        """Return the confidence of a thing, 0 to 1: its visible share, reduced to half at range_max."""
+        """Return the confidence of a thing, 0 to 1: its visible fraction, reduced to half at range_max."""
         return float(self._confidences([number], self._transform_at(seconds), self.world.poses(seconds))[0])
 
     def _confidences(self, numbers: list[int], transform_sensor_to_world: Floats, poses: Floats) -> Floats:
-        """Return the confidences of K things, shape (K,): all rays are cast at once."""
+        """Return the confidences of K things, shape (K,), by casting all rays in one call."""
         sizes = np.array([self.world.things[number].shape.size for number in numbers]).reshape(-1, 1, 3)
         rotations, centers = poses[numbers, :3, :3], poses[numbers, None, :3, 3]
         in_world = (_POINTS * sizes @ rotations.transpose(0, 2, 1) + centers).reshape(-1, 3)
@@ -113,7 +122,7 @@ class Detector:
         share *= np.maximum(0.0, 1 - 0.5 * middle / self.range_max)
         return share
 
-    def _detected(
+    def _detection(
         self, number: int, pose: Floats, confidence: float, seconds: float, errors: Floats
     ) -> Detection:
         thing = self.world.things[number]
@@ -133,12 +142,12 @@ class Detector:
         )
 
     def _false_alarm(self, seconds: float, chance: np.random.Generator) -> Detection:
-        """Return an invented box in the field of view, with a label of the world."""
+        """Return a random box in the field of view, with a label of the world."""
         angle, away = chance.uniform(-0.5, 0.5) * self.field_of_view, chance.uniform(0.1, 1) * self.range_max
         transform = np.eye(4)
         transform[:3, 3] = away * np.cos(angle), away * np.sin(angle), 0
         labels = sorted({thing.label for thing in self.world.things if thing.label}) or ["Unknown"]
-        label, confidence = labels[chance.integers(len(labels))], chance.uniform(0.1, 0.5)
+        label, confidence = labels[chance.integers(len(labels))], chance.uniform(*self.alarm_confidence)
         transform, size = self._transform_at(seconds) @ transform, chance.uniform(0.3, 2.0, 3)
         return Detection(self._new_track(), label, confidence, transform, size, np.zeros(3))
 
@@ -151,11 +160,11 @@ class DetectorNode(Node):
     """Publishes vision_msgs/Detection3DArray.
 
     Args:
-        detector: Where detections come from.
-        name: Of the node.
-        topic: Where detections are published.
+        detector: The detector.
+        name: The node's name.
+        topic: The topic of the detections.
         frame_id: The world's frame, in which boxes are given.
-        rate: Detections a second, [Hz].
+        rate: Rate of detections, [Hz].
     """
 
     def __init__(
@@ -174,7 +183,7 @@ class DetectorNode(Node):
         self.timer = self.create_timer(period, self.publish_detections)
 
     def publish_detections(self) -> None:
-        """Detect now and publish."""
+        """Detect things now and publish them."""
         now = self.get_clock().now()
         header = Header(stamp=now.to_msg(), frame_id=self.frame_id)
         found = self.detector.detect((now.nanoseconds - START_NS) * 1e-9)
@@ -183,7 +192,7 @@ class DetectorNode(Node):
 
 
 def detection_message(detection: Detection, header: Header) -> Detection3D:
-    """Return a detection as a message with one hypothesis; its id is the track."""
+    """Return a detection as a message with one hypothesis. Its id is the track."""
     message = Detection3D(header=header, id=str(detection.track))
     _write(message.bbox.center.position, detection.transform_box_to_world[:3, 3])
     for axis, value in zip("xyzw", quaternion(detection.transform_box_to_world[:3, :3]), strict=True):
@@ -202,7 +211,8 @@ def quaternion(rotation: Floats) -> tuple[float, ...]:
     return _quaternion(tuple(rotation.flat))
 
 
-@lru_cache  # most things do not turn
+# Cached, because most things do not rotate.
+@lru_cache
 def _quaternion(rotation: tuple[float, ...]) -> tuple[float, ...]:
     w, x, y, z = map(float, mat2quat(np.reshape(rotation, (3, 3))))
     return x, y, z, w

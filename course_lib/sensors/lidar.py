@@ -8,15 +8,14 @@ from sensor_msgs.msg import LaserScan, PointCloud2, PointField, Range
 from std_msgs.msg import Header
 
 from course_lib.arrays import Floats
-from course_lib.sensors.checked import Pose, check_count, check_limits, check_number
 from course_lib.sensors.sensor_node import Common, SensorNode
-from course_lib.sensors.world import World
+from course_lib.sensors.world import Pose, World, check_count, check_limits, check_number
 
 _POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
 
 
 def beams_at(azimuth: Floats, elevation: Floats) -> Floats:
-    """Return unit vectors, shape (3, N), at angles [rad] about z from x, and up from the xy plane."""
+    """Return unit vectors, shape (3, N), at an azimuth about z from x and an elevation [rad]."""
     level = np.cos(elevation)
     return np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
 
@@ -25,15 +24,16 @@ class LaserScanNode(SensorNode):
     """Publishes sensor_msgs/LaserScan.
 
     Args:
-        world: What there is to see.
-        pose: transform_laser_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
-        topic: Where scans are published.
-        beams: Their number, evenly from `angle_min` to `angle_max`, counter-clockwise.
-        angle_min: Of the first beam, from x about z, [rad].
-        angle_max: Of the last beam, [rad].
-        range_min: Nearer things give -inf, [m].
-        range_max: Farther things give inf, [m].
-        common: Name, frame_id, rate, noise, dropout and seed, as `SensorNode` takes them.
+        world: The world to measure.
+        pose: transform_laser_to_world, shape (4, 4), [m], or a function of robot time [s] that
+            returns it.
+        topic: The topic of the scans.
+        beams: Number of beams, spaced evenly from `angle_min` to `angle_max`, counter-clockwise.
+        angle_min: Angle of the first beam from x about z, [rad].
+        angle_max: Angle of the last beam, [rad].
+        range_min: Shorter distances are -inf, [m].
+        range_max: Longer distances are inf, [m].
+        common: Name, frame_id, rate, noise, dropout and seed, as for `SensorNode`.
     """
 
     def __init__(
@@ -58,9 +58,9 @@ class LaserScanNode(SensorNode):
         self.publisher = self.create_publisher(LaserScan, topic, qos_profile_sensor_data)
 
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
-        """Publish one scan; all its beams belong to the same time."""
+        """Publish a scan. All its beams are measured at the same time."""
         hits = self.world.cast(self.transform_at(seconds), self.rays, seconds)
-        ranges = self.disturbed(hits.distance, self.limits, chance)
+        ranges = self.add_noise(hits.distance, self.limits, chance)
         first, last = float(self.angles[0]), float(self.angles[-1])
         scan = LaserScan(header=header, angle_min=first, angle_max=last, ranges=ranges, scan_time=self.period)
         scan.angle_increment = (last - first) / max(len(ranges) - 1, 1)
@@ -72,15 +72,16 @@ class PointCloudNode(SensorNode):
     """Publishes sensor_msgs/PointCloud2 with the fields x, y, z [m] and rgb.
 
     Args:
-        world: What there is to see.
-        pose: transform_laser_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
-        topic: Where clouds are published.
-        columns: Rays of a ring, evenly around z.
-        rings: Their number, evenly from -`opening` to `opening`.
+        world: The world to measure.
+        pose: transform_laser_to_world, shape (4, 4), [m], or a function of robot time [s] that
+            returns it.
+        topic: The topic of the clouds.
+        columns: Number of rays per ring, spaced evenly around z.
+        rings: Number of rings, spaced evenly from -`opening` to `opening`.
         opening: Elevation of the highest ring, [rad].
-        range_min: Nearer things are left out, [m].
-        range_max: Farther things are left out, [m].
-        common: Name, frame_id, rate, noise, dropout and seed, as `SensorNode` takes them.
+        range_min: Points at shorter distances are omitted, [m].
+        range_max: Points at longer distances are omitted, [m].
+        common: Name, frame_id, rate, noise, dropout and seed, as for `SensorNode`.
     """
 
     def __init__(
@@ -105,9 +106,9 @@ class PointCloudNode(SensorNode):
         self.publisher = self.create_publisher(PointCloud2, topic, qos_profile_sensor_data)
 
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
-        """Publish one cloud of the rays that met something."""
+        """Publish a cloud with the points of all rays that hit something."""
         hits = self.world.cast(self.transform_at(seconds), self.rays, seconds)
-        distance = self.disturbed(hits.distance, self.limits, chance)
+        distance = self.add_noise(hits.distance, self.limits, chance)
         met = np.isfinite(distance)
         points = np.empty(int(met.sum()), _POINT)
         points["x"], points["y"], points["z"] = self.rays[:, met] * distance[met]
@@ -124,8 +125,12 @@ class PointCloudNode(SensorNode):
 
 
 def cone_rays(field_of_view: float, count: int) -> Floats:
-    """Return unit vectors, shape (3, count), evenly over a cone [rad] around x; the first is its axis."""
-    turn = np.arange(count) * np.pi * (3 - np.sqrt(5))  # the golden angle: a sunflower's pattern
+    """Return unit vectors, shape (3, count), spread evenly over a cone [rad] around x.
+
+    The first is its axis.
+    """
+    # The golden angle, as in the pattern of a sunflower's seeds.
+    turn = np.arange(count) * np.pi * (3 - np.sqrt(5))
     ahead = 1 - (1 - np.cos(field_of_view / 2)) * np.arange(count) / max(count - 1, 1)
     aside = np.sqrt(1 - ahead**2)
     return np.array([ahead, aside * np.cos(turn), aside * np.sin(turn)])
@@ -135,15 +140,16 @@ class RangeNode(SensorNode):
     """Publishes sensor_msgs/Range: the distance of the nearest thing in a cone around x.
 
     Args:
-        world: What there is to see.
-        pose: transform_range_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
-        topic: Where ranges are published.
-        field_of_view: The whole angle of the cone, [rad].
-        rays: Their number, evenly over the cone.
-        range_min: Nearer things give -inf, [m].
-        range_max: Farther things give inf, [m].
+        world: The world to measure.
+        pose: transform_range_to_world, shape (4, 4), [m], or a function of robot time [s] that
+            returns it.
+        topic: The topic of the ranges.
+        field_of_view: The full angle of the cone, [rad].
+        rays: Number of rays, spread evenly over the cone.
+        range_min: Shorter distances are -inf, [m].
+        range_max: Longer distances are inf, [m].
         radiation_type: Range.ULTRASOUND or Range.INFRARED.
-        common: Name, frame_id, rate, noise, dropout and seed, as `SensorNode` takes them.
+        common: Name, frame_id, rate, noise, dropout and seed, as for `SensorNode`.
     """
 
     def __init__(
@@ -167,9 +173,12 @@ class RangeNode(SensorNode):
         self.publisher = self.create_publisher(Range, topic, qos_profile_sensor_data)
 
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
-        """Publish one distance with one noise: the nearest of many noisy ones would be too short."""
+        """Publish the shortest distance, with noise.
+
+        Noise is added once, because the minimum of many noisy distances would be too short.
+        """
         hits = self.world.cast(self.transform_at(seconds), self.rays, seconds)
-        nearest = self.disturbed(hits.distance.min(keepdims=True), self.limits, chance)
+        nearest = self.add_noise(hits.distance.min(keepdims=True), self.limits, chance)
         message = Range(header=header, radiation_type=self.radiation_type, field_of_view=self.field_of_view)
         message.min_range, message.max_range = self.limits
         message.range, message.variance = float(nearest[0]), self.noise**2

@@ -1,4 +1,4 @@
-"""The base of all simulated sensors: pose, rate, and noise that repeats."""
+"""The base class of all simulated sensors: pose, rate, and reproducible noise."""
 
 import zlib
 from abc import ABC, abstractmethod
@@ -9,9 +9,8 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from course_lib.arrays import Floats
-from course_lib.ros.clock import START_NS
-from course_lib.sensors.checked import Pose, check_number, pose_function
-from course_lib.sensors.world import World
+from course_lib.ros.graph.graph import START_NS
+from course_lib.sensors.world import Pose, World, check_number, pose_function
 
 
 class Common(TypedDict, total=False):
@@ -29,13 +28,14 @@ class SensorNode(Node, ABC):
     """Calls `measure` of its subclass at a rate.
 
     Args:
-        world: What there is to see.
-        pose: transform_sensor_to_world, shape (4, 4), [m], or a function of robot time [s] that gives it.
-        name: Of the node.
+        world: The world to measure.
+        pose: transform_sensor_to_world, shape (4, 4), [m], or a function of robot time [s] that
+            returns it.
+        name: The node's name.
         frame_id: The sensor's frame in the messages.
-        rate: Measurements a second, [Hz].
-        noise: Standard deviation; of distances in [m], of colours in steps of 1/255.
-        dropout: Share of the values that get lost, 0 to 1.
+        rate: Rate of measurements, [Hz].
+        noise: Standard deviation: of distances in [m], of colors in steps of 1/255.
+        dropout: Fraction of the values that are lost, 0 to 1.
         seed: The same seed gives the same data.
     """
 
@@ -56,27 +56,29 @@ class SensorNode(Node, ABC):
         self.transform_at = pose_function(f"pose of {name}", pose)
         self.noise = check_number("noise", noise, low=0)
         self.dropout = check_number("dropout", dropout, low=0, high=1)
-        self.period = 1 / check_number("rate [Hz]", rate, above=0)  # [s]
+        self.period = 1 / check_number("rate [Hz]", rate, above=0)
         super().__init__(name)
         self.timer = self.create_timer(self.period, self._tick)
 
     @abstractmethod
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
-        """Measure and publish; a subclass has this method.
+        """Measure and publish. Must be overridden.
 
         Args:
-            header: With the stamp and the sensor's frame, for the message.
+            header: The header of the message, with stamp and frame.
             seconds: Robot time since the start of the run, [s].
-            chance: Where noise comes from; it depends on seed, stamp and name.
+            chance: The random generator for noise, which depends on seed, stamp and name.
         """
 
-    def disturbed(self, distance: Floats, limits: tuple[float, float], chance: np.random.Generator) -> Floats:
-        """Return distances with noise; by REP 117 inf is too far, -inf too near, NaN lost.
+    def add_noise(self, distance: Floats, limits: tuple[float, float], chance: np.random.Generator) -> Floats:
+        """Return distances with noise.
+
+        As in REP 117, inf is too far, -inf is too near, and NaN is lost.
 
         Args:
-            distance: What was measured, shape (N,), [m].
-            limits: The nearest and the farthest distance, [m].
-            chance: As `measure` gets it.
+            distance: The measured distances, shape (N,), [m].
+            limits: Minimum and maximum distance, [m].
+            chance: The random generator of `measure`.
         """
         noisy = distance + self.noise * chance.standard_normal(distance.shape)
         noisy[noisy > limits[1]] = np.inf
@@ -87,6 +89,7 @@ class SensorNode(Node, ABC):
     def _tick(self) -> None:
         now = self.get_clock().now()
         header = Header(stamp=now.to_msg(), frame_id=self.frame_id)
-        # From the stamp, not from how often it was asked; other sensors have other noise.
+        # The seed contains the stamp instead of the number of calls, so that a sensor that starts
+        # later has the same noise.
         chance = np.random.default_rng((self.seed, now.nanoseconds, zlib.crc32(self.get_name().encode())))
         self.measure(header, (now.nanoseconds - START_NS) * 1e-9, chance)

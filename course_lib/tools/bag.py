@@ -1,43 +1,57 @@
-"""`ros2 bag record` and `ros2 bag info`, and the options that they share with `ros2 bag play`."""
+"""`ros2 bag record`, `ros2 bag info` and `ros2 bag play`."""
 
 import time
 from argparse import ArgumentTypeError, Namespace
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, read_bag, recorded, write_bag
-from course_lib.ros.interrupts import until_interrupted
-from course_lib.ros.sim_time import CLOCK
-from course_lib.tools.sources import RecordingSource, Source, is_hidden
+from course_lib.ros.graph.graph import Graph, Sample
+from course_lib.ros.graph.topics import CLOCK, tick
+from course_lib.ros.time import pace
+from course_lib.ros.time.interrupts import until_interrupted
+from course_lib.tools.sources import PLAYER, RecordingSource, Source, is_hidden
 from course_lib.tools.tf2 import log_line
-from course_lib.tools.topic.lookup import full_name
-from course_lib.tools.verb import Option, Verb, Write, flag, pattern, value
+from course_lib.tools.topic import full_name
+from course_lib.tools.verb import Option, Verb, Write, flag, pattern, positive, seconds, value
 
 
-def existing(text: str) -> Path:
-    """Read a bag's path, with ros2bag's complaint."""
+def existing_path(text: str) -> Path:
+    """Parse the path of a bag. Raise ros2bag's error if it does not exist."""
     if not Path(text).exists():
         raise ArgumentTypeError(f"Bag path '{text}' does not exist!")
     return Path(text)
 
 
 def several(*flags: str, help: str, metavar: str = "Topic", exclusive: str = "") -> Option:  # noqa: A002  # argparse's own word
-    """Return an option that takes a list."""
+    """Return an option that accepts a list."""
     return value(*flags, help=help, exclusive=exclusive, metavar=metavar, nargs="+", default=[])
 
 
 READER = (
-    value("bag_path", type=existing, help="Bag to open"),
-    value("-s", "--storage", choices=("mcap", "sqlite3"), help="Storage of the bag; it is found out anyway"),
+    value("bag_path", type=existing_path, help="Bag to open"),
+    value(
+        "-s",
+        "--storage",
+        choices=("mcap", "sqlite3"),
+        help="Storage of the bag, which is detected in any case",
+    ),
 )
 
-POLLING = 0.1  # [s] between two looks for new topics
+# Polling period [s] for new topics.
+POLLING = 0.1
 _SELECTIONS = "--all, --all-topics, --all-services, --services, --topics, --topic-types or --regex"
 
 
 def _record_bag(source: Source, arguments: Namespace, write: Write) -> None:
-    """Record until ■, the end of the run, or for a while without a page; over a bag, copy the selection."""
+    """Record until ■, the end of the run, or a fixed time without a page.
+
+    From a bag, copy the selection.
+    """
     arguments.topics = [full_name(topic) for topic in (*arguments.topics, *arguments.topics_positional)]
     arguments.exclude_topics = [full_name(topic) for topic in arguments.exclude_topics]
     if not (arguments.all or arguments.topics or arguments.topic_types or arguments.regex):
@@ -58,7 +72,8 @@ def _record_live(source: Source, arguments: Namespace, write: Write, folder: Pat
         write(log_line("rosbag2_recorder", source.graph.now_ns, text))
 
     limit, start_ns, known = source.limit(), source.graph.now_ns, set[str]()
-    source.wait(lambda: True, 0.0)  # says if rclpy is not started
+    # Raises a CourseError if rclpy is not initialized.
+    source.wait(lambda: True, 0.0)
     say("Listening for topics...")
     chosen = partial(_is_recorded, arguments)
     time_topic = {CLOCK[0]} if arguments.use_sim_time else set[str]()
@@ -78,7 +93,7 @@ def _record_live(source: Source, arguments: Namespace, write: Write, folder: Pat
 
 
 def _is_recorded(arguments: Namespace, topic: str, type_name: str) -> bool:
-    """Select as rosbag2 does (topic_filter.cpp): a regular expression may match any part of a name."""
+    """Select topics as rosbag2 does (topic_filter.cpp): a regular expression may match part of a name."""
     chosen = arguments.all or topic in arguments.topics or type_name in arguments.topic_types
     left_out = topic in arguments.exclude_topics or type_name in arguments.exclude_topic_types
     if not chosen and arguments.regex:
@@ -124,3 +139,169 @@ _INFO = (
 BAG_INFO = Verb(
     "bag", "info", "Print information about a bag to the screen", _INFO, _info, from_start=True, looks=False
 )
+
+
+# Time at the end in which the last message is delivered [s].
+GRACE = 0.1
+
+
+def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
+    if not source.live:
+        raise CourseError(
+            f"There is no subscription: course bag play --run program.py {arguments.bag_path}, "
+            f"or view it: course view --bag {arguments.bag_path}"
+        )
+    recording = read_bag(arguments.bag_path)
+    start_ns = recording.start_ns + round(arguments.start_offset * 1e9)
+    seconds = arguments.playback_duration
+    until_ns = None if seconds < 0 else start_ns + round(seconds * 1e9)
+    samples = list(_selected_samples(recording, start_ns, until_ns, arguments))
+    if not samples:
+        raise CourseError(
+            f"The options select no message of {arguments.bag_path}. `ros2 bag info` lists its topics."
+        )
+    # Raises a CourseError if rclpy is not initialized.
+    source.wait(lambda: True, 0.0)
+    if arguments.start_paused:
+        if not source.graph.notebook or pace.mode() == "fast":
+            raise CourseError("--start-paused needs JupyterLab, where ▶ in the Time panel starts it.")
+        pace.speed_of(source.graph).paused = True
+    for text in (f"Set rate to {arguments.rate:g}", "Playback until timestamp: -1"):
+        write(log_line(PLAYER, source.graph.now_ns, text))
+    graph = source.graph
+    node = graph.add_node(PLAYER, "/")
+    try:
+        publishers = {
+            key: graph.add_publisher(node, *key)
+            for key in dict.fromkeys((s.topic, s.type_name, s.qos) for s in samples)
+        }
+        with until_interrupted():
+            events = [
+                (s.stamp_ns - start_ns, publishers[s.topic, s.type_name, s.qos], s.cdr) for s in samples
+            ]
+            _play(source, arguments, write, _Player(graph, node, events, arguments.rate))
+    finally:
+        graph.remove_node(node)
+
+
+class _Player:
+    """Publishes events (delay [ns], publisher, CDR bytes) at their times on the graph's clock."""
+
+    def __init__(self, graph: Graph, node: int, events: list[tuple[int, int, bytes]], rate: float) -> None:
+        self._graph, self._node, self._events, self._rate = graph, node, events, rate
+
+    def play(self, source: Source) -> None:
+        """Publish all events, until the end of the run or an interrupt."""
+        self._start_ns, self._remaining = self._graph.now_ns, deque(self._events)
+        self._schedule()
+        try:
+            source.wait(lambda: not self._remaining, None)
+            if not self._graph.ended:
+                source.wait(lambda: False, GRACE)
+        finally:
+            self._remaining.clear()
+
+    def _schedule(self) -> None:
+        if self._remaining:
+            due_ns = self._start_ns + round(self._remaining[0][0] / self._rate)
+            self._graph.call_at(due_ns, self._publish, node=self._node, entity=0)
+
+    def _publish(self) -> None:
+        if self._remaining:
+            _, publisher, cdr = self._remaining.popleft()
+            self._graph.publish(publisher, cdr)
+            self._schedule()
+
+
+def _play(source: Source, arguments: Namespace, write: Write, player: _Player) -> None:
+    """Play once, or in a loop until ■. Without a page, the loop ends after a fixed time."""
+    graph, limit = source.graph, source.limit()
+    zero_ns = graph.now_ns
+    while True:
+        source.wait(lambda: False, arguments.delay)
+        player.play(source)
+        if not arguments.loop or graph.ended:
+            return
+        if limit is not None and graph.now_ns - zero_ns >= limit * 1e9:
+            write(f"No page is watching: ros2 bag play stopped after {limit:g} s of robot time.\n")
+            return
+
+
+def _selected_samples(
+    recording: Recording, start_ns: int, until_ns: int | None, arguments: Namespace
+) -> Iterator[Sample]:
+    """Yield the selected samples and samples of /clock, with remapped topics."""
+    names = dict(arguments.remap)
+    selected = (
+        sample
+        for sample in recording.samples
+        if start_ns <= sample.stamp_ns
+        and (until_ns is None or sample.stamp_ns <= until_ns)
+        and _is_played(arguments, sample.topic)
+    )
+    # Samples of /clock are periodic on the wall clock, or precede samples on certain topics.
+    tick_ns = start_ns
+    for sample in selected:
+        stamps: list[int] = []
+        while arguments.clock and tick_ns <= sample.stamp_ns:
+            stamps.append(tick_ns)
+            tick_ns += round(1e9 / arguments.clock * arguments.rate)
+        if arguments.clock_topics_all or sample.topic in arguments.clock_topics:
+            stamps.append(sample.stamp_ns)
+        for one in (*map(tick, stamps), sample):
+            yield replace(one, topic=names.get(one.topic, one.topic), node=0)
+
+
+def _is_played(arguments: Namespace, topic: str) -> bool:
+    """Select topics as rosbag2's storages do: a regular expression must match the whole name."""
+    chosen = topic in arguments.topics or not (arguments.topics or arguments.regex)
+    if not chosen and arguments.regex:
+        chosen = bool(arguments.regex.fullmatch(topic))
+    if arguments.exclude_regex and arguments.exclude_regex.fullmatch(topic):
+        return False
+    return chosen and topic not in arguments.exclude_topics and not (arguments.clock and topic == CLOCK[0])
+
+
+def _rule(text: str) -> tuple[str, str]:
+    old, assign, new = text.partition(":=")
+    if not (assign and old.startswith("/") and new.startswith("/")):
+        raise ArgumentTypeError(f"{text!r}: write /old_topic:=/new_topic")
+    return old, new
+
+
+_PLAY = (
+    *READER,
+    value("-r", "--rate", type=positive(float), default=1.0, help="rate at which to play back messages"),
+    several("--topics", help="Topics to play"),
+    value("-e", "--regex", type=pattern, help="Play only topics that match this expression"),
+    value("-x", "--exclude-regex", type=pattern, help="Leave out topics that match this expression"),
+    several("--exclude-topics", help="Topics not to play"),
+    flag("-l", "--loop", help="Start again at the end, until stopped"),
+    value("-m", "--remap", nargs="+", type=_rule, default=[], help="Other names: /old:=/new"),
+    value(
+        "--clock",
+        nargs="?",
+        type=positive(float),
+        const=40,
+        help="Publish /clock at this rate, in Hz",
+        exclusive="clock",
+    ),
+    several("--clock-topics", help="Publish /clock before messages of these topics", exclusive="clock"),
+    flag("--clock-topics-all", help="Publish /clock before each message", exclusive="clock"),
+    value(
+        "-d",
+        "--delay",
+        type=positive(float),
+        default=0.0,
+        help="Sleep before play (each loop), in seconds",
+    ),
+    value("--start-offset", type=seconds, default=0.0, help="Time in the bag at which to start, in seconds"),
+    value(
+        "--playback-duration",
+        type=seconds,
+        default=-1.0,
+        help="Duration of the part to play, in seconds of the bag",
+    ),
+    flag("-p", "--start-paused", help="Start paused, until the viewer's Time panel resumes time"),
+)
+BAG_PLAY = Verb("bag", "play", "Play back ROS data from a bag", _PLAY, _play_bag)

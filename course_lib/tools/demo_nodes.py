@@ -1,4 +1,7 @@
-"""demo_nodes_py: the nodes that every ROS tutorial begins with, with their own words."""
+"""demo_nodes_py and demo_nodes_cpp: the nodes at the beginning of ROS's tutorials, with their output.
+
+The nodes of demo_nodes_cpp are programs in C++ on a robot. Here they are written in Python.
+"""
 
 import sys
 
@@ -9,38 +12,40 @@ from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
 PERIOD = 1.0  # [s]
-A, B = 2, 3  # that the client adds
+# The numbers that the client adds.
+A, B = 2, 3
 
 
 class Talker(Node):
-    """Counts on `chatter`."""
+    """Publishes a counter on `chatter`."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, is_cpp: bool = False) -> None:
         super().__init__("talker")
-        self._count = 0
-        self._words: Publisher[String] = self.create_publisher(String, "chatter", 10)
+        # The talker in C++ counts from 1 and quotes the text in another way.
+        self._count, self._quote = (1, "'") if is_cpp else (0, '"')
+        self._publisher: Publisher[String] = self.create_publisher(String, "chatter", 10)
         self.create_timer(PERIOD, self._talk)
 
     def _talk(self) -> None:
-        said = String(data=f"Hello World: {self._count}")
+        message = String(data=f"Hello World: {self._count}")
         self._count += 1
-        self.get_logger().info(f'Publishing: "{said.data}"')
-        self._words.publish(said)
+        self.get_logger().info(f"Publishing: {self._quote}{message.data}{self._quote}")
+        self._publisher.publish(message)
 
 
 class Listener(Node):
-    """Prints what `chatter` carries."""
+    """Prints the messages on `chatter`."""
 
     def __init__(self) -> None:
         super().__init__("listener")
-        self.create_subscription(String, "chatter", self._hear, 10)
+        self.create_subscription(String, "chatter", self._on_message, 10)
 
-    def _hear(self, said: String) -> None:
-        self.get_logger().info(f"I heard: [{said.data}]")
+    def _on_message(self, message: String) -> None:
+        self.get_logger().info(f"I heard: [{message.data}]")
 
 
 class AddTwoIntsServer(Node):
-    """Adds."""
+    """Offers a service that adds two integers."""
 
     def __init__(self) -> None:
         super().__init__("add_two_ints_server")
@@ -52,8 +57,28 @@ class AddTwoIntsServer(Node):
         return response
 
 
+class ParameterBlackboard(Node):
+    """A node that accepts all parameters, for the tutorials of `ros2 param`."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "parameter_blackboard",
+            allow_undeclared_parameters=True,
+            automatically_declare_parameters_from_overrides=True,
+        )
+        name, count = self.get_fully_qualified_name(), len(self.get_parameters_by_prefix(""))
+        self.get_logger().info(
+            f"Parameter blackboard node named '{name}' ready, and serving '{count}' parameters already!"
+        )
+
+
+def cpp_talker() -> Talker:
+    """Create the talker of demo_nodes_cpp."""
+    return Talker(is_cpp=True)
+
+
 def add_two_ints() -> None:
-    """Ask the server for one sum."""
+    """Call the service once."""
     node = rclpy.create_node("add_two_ints_client")
     client = node.create_client(AddTwoInts, "add_two_ints")
     while not client.wait_for_service(timeout_sec=1.0):

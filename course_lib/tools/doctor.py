@@ -4,23 +4,26 @@ import platform
 from argparse import Namespace
 from collections.abc import Iterator
 
-from course_lib.ros.graph import EndpointInfo
-from course_lib.ros.qos import Qos, incompatible
+from course_lib.ros.graph.graph import EndpointInfo
+from course_lib.ros.graph.topics import Qos, find_incompatible_policy
 from course_lib.tools.sources import ALWAYS_THERE, Source
 from course_lib.tools.verb import Verb, Write, flag
 
-_REASONS = {  # in the words of rmw_dds_common/src/qos.cpp
+# The texts of rmw_dds_common/src/qos.cpp.
+_REASONS = {
     "RELIABILITY": "Best effort publisher and reliable subscription",
     "DURABILITY": "Volatile publisher and transient local subscription",
     "DEADLINE": "Subscription deadline is less than publisher deadline",
     "LIVELINESS": "Publisher's liveliness is automatic and subscription's is manual by topic",
 }
 _PACKAGES = ("course-lib", "ipywidgets", "jupyterlab", "meshcat", "numpy", "rosbags")
-_SMALL = (  # the types of topics that tell a robot's clock and load no network
+# Topics of these types contain the robot's time stamps and cause little traffic.
+_SMALL = (
     "tf2_msgs/msg/TFMessage", "nav_msgs/msg/Odometry", "sensor_msgs/msg/Imu", "sensor_msgs/msg/JointState",
     "sensor_msgs/msg/LaserScan",
 )  # fmt: skip
-LISTENING = 1.0  # [s]
+# Time to receive them [s].
+LISTENING = 1.0
 Rows = list[tuple[str, object]]
 
 
@@ -33,10 +36,22 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
         write("".join(_table(title, rows) for title, (_, rows) in reports.items()))
         return
     write(_table("ROBOT LINK", link) if link else "")
-    lonely, apart = list(_lonely(source)), list(_apart(source))
-    write("".join(f"ros2doctor/api/{place}: UserWarning: {text}\n" for place, text in (*lonely, *apart)))
-    failed = ["topic"] * bool(lonely and arguments.include_warnings) + ["middleware"] * bool(apart)
-    total = 5 - arguments.exclude_packages  # platform, network, topic, middleware, package
+    # The warnings begin with the lines of ros2doctor's source that print them.
+    unmatched, incompatible = list[str](), list[str]()
+    for topic in source.topics():
+        is_published, is_subscribed = (bool(source.endpoints(topic, kind)) for kind in ("pub", "sub"))
+        if topic not in ALWAYS_THERE and is_published and not is_subscribed:
+            unmatched.append(f"topic.py: 42: UserWarning: Publisher without subscriber detected on {topic}.")
+        elif topic not in ALWAYS_THERE and is_subscribed and not is_published:
+            unmatched.append(f"topic.py: 45: UserWarning: Subscriber without publisher detected on {topic}.")
+    for topic, publisher, subscription in _pairs(source):
+        if reason := problem(publisher.qos, subscription.qos).removeprefix("ERROR: "):
+            text = f"ERROR: QoS compatibility error found on topic '{topic}': {reason}"
+            incompatible.append(f"qos_compatibility.py: 51: UserWarning: {text}")
+    write("".join(f"ros2doctor/api/{text}\n" for text in (*unmatched, *incompatible)))
+    failed = ["topic"] * bool(unmatched and arguments.include_warnings) + ["middleware"] * bool(incompatible)
+    # The number of checks: platform, network, topic, middleware, package.
+    total = 5 - arguments.exclude_packages
     if not failed:
         write(f"\nAll {total} checks passed\n\n")
         return
@@ -46,48 +61,29 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _link(source: Source) -> Rows:
-    """Return the state of the link to a robot, after a moment of listening to its small topics."""
+    """Return the state of the link to a robot, after receiving its small topics for a moment."""
     import rclpy
 
     graph = source.graph
-    if not graph.about_link() or not rclpy.ok():
-        return graph.about_link()
+    if not graph.link_report() or not rclpy.ok():
+        return graph.link_report()
     names = {end.topic for end in graph.endpoints() if end.kind == "pub" and end.type_name in _SMALL}
     end_listening = graph.tap(lambda _: None, lambda: names)
     try:
         source.wait(lambda: False, LISTENING)
-        return graph.about_link()
+        return graph.link_report()
     finally:
         end_listening()
 
 
 def problem(offered: Qos, requested: Qos) -> str:
-    """Return the QoS error of a pair as rclpy's qos_check_compatible words it, or ""."""
-    policy = incompatible(offered, requested)
+    """Return the QoS error of a pair with the text of rclpy's qos_check_compatible, or ""."""
+    policy = find_incompatible_policy(offered, requested)
     if policy == "DEADLINE" and offered.deadline_ns is None:
         return "ERROR: Subscription has a deadline, but publisher does not;"
     if policy == "LIVELINESS" and offered.liveliness == requested.liveliness:
         return "ERROR: Subscription liveliness lease duration is less than publisher;"
     return f"ERROR: {_REASONS[policy]};" if policy else ""
-
-
-def _lonely(source: Source) -> Iterator[tuple[str, str]]:
-    """Yield ros2doctor's source line and warning for topics without publishers or subscriptions."""
-    for topic in source.topics():
-        published, heard = bool(source.endpoints(topic, "pub")), bool(source.endpoints(topic, "sub"))
-        if topic in ALWAYS_THERE or published == heard:
-            continue
-        if published:
-            yield "topic.py: 42", f"Publisher without subscriber detected on {topic}."
-        else:
-            yield "topic.py: 45", f"Subscriber without publisher detected on {topic}."
-
-
-def _apart(source: Source) -> Iterator[tuple[str, str]]:
-    for topic, publisher, subscription in _pairs(source):
-        if reason := problem(publisher.qos, subscription.qos).removeprefix("ERROR: "):
-            text = f"ERROR: QoS compatibility error found on topic '{topic}': {reason}"
-            yield "qos_compatibility.py: 51", text
 
 
 def _pairs(source: Source) -> Iterator[tuple[str, EndpointInfo, EndpointInfo]]:
@@ -97,8 +93,9 @@ def _pairs(source: Source) -> Iterator[tuple[str, EndpointInfo, EndpointInfo]]:
 
 
 def _reports(source: Source, link: Rows) -> dict[str, tuple[str, Rows]]:
-    """Return the category and the rows of each report, by its title."""
-    from importlib import metadata  # slow to import, and `course run` imports all verbs
+    """Return the category and the rows of each report by its title."""
+    # Imported late because it is slow to import, and `course run` imports all verbs.
+    from importlib import metadata
 
     system: Rows = [
         ("system", platform.system()),

@@ -1,41 +1,50 @@
-"""`ros2 launch` and `ros2 run`; in a notebook the processes go on between the cells, as with run_live."""
+"""`ros2 launch` and `ros2 run`.
 
+In a notebook their processes continue between the cells, as with run_live.
+"""
+
+import sys
 import threading
 from argparse import REMAINDER, Namespace
 from functools import partial
+from itertools import pairwise, takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph, current_graph
-from course_lib.ros.live import LiveRun, go_live, live_runs
-from course_lib.ros.package_programs import Executables, RunProgram
-from course_lib.ros.packages import LAUNCH_IN_WORDS, find_package, why_not_found
-from course_lib.ros.process import Processes
+from course_lib.ros.graph.graph import Graph, current_graph
+from course_lib.ros.programs.package_programs import Executables, RunProgram
+from course_lib.ros.programs.packages import LAUNCH_IN_WORDS, find_package, why_not_found
+from course_lib.ros.programs.process import Processes
+from course_lib.ros.time.driving import LiveRun, live_runs, start_live_run
+from course_lib.ros.time.time_lock import time_lock
 from course_lib.tools.sources import Source
-from course_lib.tools.verb import Verb, Write, flag, value
+from course_lib.tools.verb import COURSE_OPTIONS, Verb, Write, flag, value
 
 if TYPE_CHECKING:
-    from course_lib.ros.launch_program import LaunchProgram
+    from course_lib.ros.programs.launch_program import LaunchProgram
 
-_STOP_LIMIT_NS = 10**9  # of robot time that interrupted processes have to end
+# Robot time in which interrupted processes must end.
+_STOP_LIMIT_NS = 10**9
 
 
 class LaunchedRun(LiveRun):
-    """A launch file's processes, running between the cells; stopping it interrupts them."""
+    """The processes of a launch file, which run between the cells.
+
+    Stopping the run interrupts them.
+    """
 
     def __init__(self, graph: Graph, program: "LaunchProgram | RunProgram") -> None:
         super().__init__(graph, ())
         self.file = program.file
         self._processes = Processes()
-        with baton.known():
+        with time_lock.hold():
             self._processes.start(program)
-            baton.wait(self.is_over, until_ns=graph.now_ns, what="the start of the launch")
+            time_lock.wait(self.is_over, until_ns=graph.now_ns, what="the start of the launch")
 
     @property
     def name(self) -> str:
-        """The launch file."""
+        """The name of the launch file."""
         return self.file.name
 
     def is_over(self) -> bool:
@@ -43,18 +52,19 @@ class LaunchedRun(LiveRun):
         return bool(self._processes.ended)
 
     def stop(self) -> None:
-        """Interrupt each process, and wait until all have ended."""
+        """Interrupt all processes and wait until they have ended."""
         if self.running:
             super().stop()
-            with baton.known():
+            with time_lock.hold():
                 self._processes.interrupt()
-                if threading.current_thread() is threading.main_thread():  # else nothing moves robot time
+                # In another thread, nothing would advance robot time.
+                if threading.current_thread() is threading.main_thread():
                     limit_ns = current_graph().now_ns + _STOP_LIMIT_NS
-                    baton.wait(self.is_over, until_ns=limit_ns, what="the ends of the processes")
+                    time_lock.wait(self.is_over, until_ns=limit_ns, what="the ends of the processes")
 
 
 def launch_verbs(executables: Executables) -> tuple[Verb, Verb]:
-    """Return `ros2 launch` and `ros2 run`, which find these executables beside those of packages."""
+    """Return `ros2 launch` and `ros2 run`, which find these executables in addition to those of packages."""
     launch, run = partial(_launch, executables), partial(_run, executables)
     return (
         Verb("launch", "", "Run a launch file", _LAUNCH, launch, from_start=True),
@@ -63,14 +73,14 @@ def launch_verbs(executables: Executables) -> tuple[Verb, Verb]:
 
 
 def _launch(executables: Executables, source: Source, arguments: Namespace, write: Write) -> None:
-    from course_lib.ros.launch_program import LaunchProgram, arguments_of
+    from course_lib.ros.programs.launch_program import LaunchProgram, arguments_of
 
     words = [arguments.package_name, *arguments.launch_file_name]
     named = find_package(words[0])
     if named is None and not Path(words[0]).is_file() and len(words) > 1 and ":=" not in words[1]:
         raise CourseError(why_not_found(words[0]))
     if named is not None and not Path(words[0]).is_file():
-        file, settings = _in_package(named.share, words), words[2:]
+        file, settings = _find_in_package(named.share, words), words[2:]
     else:
         file, settings = Path(words[0]), words[1:]
     if not file.is_file():
@@ -80,35 +90,58 @@ def _launch(executables: Executables, source: Source, arguments: Namespace, writ
     if arguments.show_args:
         write(arguments_of(file) + "\n")
     else:
-        _start(source, LaunchProgram(file, settings, executables))
+        _start(source, LaunchProgram(file, settings, executables, is_strict=arguments.strict))
 
 
-def _in_package(share: Path, words: list[str]) -> Path:
+def _find_in_package(share: Path, words: list[str]) -> Path:
     found = (path for suffix in (".py", *LAUNCH_IN_WORDS) for path in sorted(share.rglob(f"*{suffix}")))
-    files = {path.name: path for path in found if "launch" in path.name}
+    # As in ROS, a launch file may have any name. Only files in a `launch` folder or named so are
+    # listed.
+    files = {path.name: path for path in found}
     if len(words) > 1 and words[1] in files:
         return files[words[1]]
+    listed = [name for name, path in files.items() if "launch" in str(path.relative_to(share))]
     raise CourseError(
         f"file '{words[1] if len(words) > 1 else ''}' was not found in the share directory of package "
-        f"'{words[0]}' which is at '{share}'. There is: {', '.join(files) or 'no launch file'}."
+        f"'{words[0]}' which is at '{share}'. There is: {', '.join(listed) or 'no launch file'}."
     )
 
 
 def _run(executables: Executables, source: Source, arguments: Namespace, write: Write) -> None:
     program = RunProgram(arguments.package_name, arguments.executable_name, arguments.argv, executables)
+    if not current_graph().notebook:
+        _warn_of_course_options(arguments)
     _start(source, program)
 
 
+def _warn_of_course_options(arguments: Namespace) -> None:
+    """Print a hint about options of `course ros2` that the program receives because they follow its name."""
+    words = list(takewhile(lambda word: word != "--ros-args", arguments.argv))
+    for option, number in pairwise([*words, "…"]):
+        if option in COURSE_OPTIONS:
+            sys.stderr.write(
+                f"hint: {option} is passed on to {arguments.executable_name}. To pass it to course, "
+                f"write it first: course ros2 {option} {number} run {arguments.package_name} …\n"
+            )
+
+
 def _start(source: Source, program: "LaunchProgram | RunProgram") -> None:
-    """Run a program to its end; in a notebook start it, in place of an earlier run of the same file."""
+    """Run a program to its end.
+
+    In a notebook, start it and stop an earlier run of the same file.
+    """
     import rclpy
 
     graph = current_graph()
     if not source.live:
-        raise CourseError("Nothing can be started in a recording. Do it in a notebook, or: course run FILE")
+        raise CourseError("A recording cannot start programs. Use a notebook, or: course run FILE")
     if not graph.notebook:
-        rclpy.try_shutdown()  # ros2's own; the program begins with none
+        # The context of the ros2 command itself: the program starts without one.
+        rclpy.try_shutdown()
         program.run()
+        if program.exit_code:
+            # As in ROS, the command exits with the exit code of the program.
+            sys.exit(program.exit_code)
         return
     for former in live_runs(graph):
         if isinstance(former, LaunchedRun) and former.file == program.file:
@@ -116,8 +149,9 @@ def _start(source: Source, program: "LaunchProgram | RunProgram") -> None:
     if not rclpy.ok():
         rclpy.init(args=[])
     run = LaunchedRun(graph, program)
-    if not run.is_over():  # its description failed
-        go_live(run)
+    # The run is already over if its launch description failed.
+    if not run.is_over():
+        start_live_run(run)
 
 
 _LAUNCH = (
@@ -125,6 +159,10 @@ _LAUNCH = (
     value("launch_file_name", nargs="*", help="Name of the launch file, then its arguments: name:=value"),
     flag(
         "-s", "--show-args", "--show-arguments", help="Show arguments that may be given to the launch file."
+    ),
+    flag(
+        "--strict",
+        help="Fail if the launch file refers to anything that cannot run here, instead of skipping it.",
     ),
 )
 _RUN = (

@@ -1,22 +1,25 @@
-"""`%ros2 …`, `%timeout 5 ros2 …` and `%rqt …` in a notebook, and short tracebacks."""
+"""The magics `%ros2 …`, `%timeout 5 ros2 …` and `%rqt …` of a notebook, and short tracebacks."""
 
 import re
 import shlex
+import shutil
+import subprocess
 import sys
 import threading
-from collections.abc import Callable, Sequence
-from contextlib import redirect_stdout
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, redirect_stdout, suppress
 from functools import partial
-from io import StringIO
+from io import StringIO, TextIOBase
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import current_graph
+from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.hints import add_hint
-from course_lib.ros.tracebacks import line_of_traceback, shorten_causes, without_the_kit
-from course_lib.tools.pipes import run_piped
+from course_lib.ros.time.time_lock import time_lock
+from course_lib.ros.tracebacks import hide_kit_frames, line_of_traceback, shorten_causes
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
 from course_lib.tools.verb import Write
@@ -24,13 +27,159 @@ from course_lib.tools.verb import Write
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
 
+# Every machine has one of these shells, except the sandbox in which notebooks are graded.
+SHELLS = ("sh", "cmd")
+_QUOTED = r""""(?:\\.|[^"\\])*"|'[^']*'|\\."""
+# Quoted strings, and the separators of a command line.
+_PARTS = re.compile(rf"{_QUOTED}|(>>|>|\||&+|;)")
+# Redirections of standard error. They have no effect here, because errors are raised.
+_ERRORS = re.compile(rf"{_QUOTED}|((?<!\S)2>(?:&1|>?\s*[^\s|>&;]+))")
+
+# The beginning of a shell command that sources one or more workspaces.
+_SOURCED = re.compile(r"^\s*(?:(?:source|\.)\s+[^\s;&|]*setup\.(?:ba|z)?sh\s*(?:&&|;)\s*)+")
+
+
+def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
+    """Split a line into the commands between `|`, and the mode and path of the file after `>` or `>>`.
+
+    Raises:
+        CourseError: A side of `|` or `>` is empty, or the line uses other syntax of a shell.
+        ValueError: A quotation mark is not closed.
+    """
+    line = _ERRORS.sub(lambda found: "" if found[1] else found[0], line)
+    pieces, signs, start = [], [], 0
+    for found in _PARTS.finditer(line):
+        if found[1]:
+            pieces.append(line[start : found.start()])
+            signs.append(found[1])
+            start = found.end()
+    for sign in signs:
+        if sign[0] in "&;":
+            raise CourseError(
+                f"A line holds one command, without {sign}. Write each command on a line of its own, and "
+                "start programs that keep running with run_live or %ros2 launch."
+            )
+    commands = [shlex.split(piece) for piece in (*pieces, line[start:])]
+    if signs and not all(commands):
+        raise CourseError(
+            f"A command or a file is missing next to {' or '.join(sorted(set(signs)))}: ros2 {line.strip()}"
+        )
+    arrows = [sign for sign in signs if sign != "|"]
+    if not arrows:
+        return commands, None
+    (file, *more) = commands.pop()
+    if signs[-1] == "|" or arrows[1:] or more:
+        raise CourseError(f"Redirect to one file, at the end: ros2 topic list > topics.txt, not: ros2 {line}")
+    return commands, ("a" if arrows == [">>"] else "w", Path(file).expanduser())
+
+
+def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Write) -> None:
+    """Run a command line without its `ros2`. `write` receives the output of the last command.
+
+    Raises:
+        CourseError: A program of the pipeline does not exist, or the line is invalid.
+        ValueError: A quotation mark is not closed.
+    """
+    (words, *filters), target = split(line)
+    # For example: ros2 topic type /chatter | ros2 interface show -
+    if filters and filters[0][0] == "ros2":
+        told: list[str] = []
+        ros2(words, told.append)
+        words = ["".join(told).strip() if word == "-" else word for word in filters.pop(0)[1:]]
+    with ExitStack() as stack:
+        if target is not None:
+            write = stack.enter_context(target[1].open(target[0], encoding="utf-8")).write
+        try:
+            write = stack.enter_context(pipe_through(filters, write)) if filters else write
+        # Raised where notebooks are graded.
+        except PermissionError:
+            write(f"No program may be started here; this is what {filters[0][0]} would be given:\n")
+        # A program prints to standard output itself.
+        if words[:1] == ["run"] and (filters or target):
+            stack.enter_context(redirect_stdout(_CallbackStream(write)))
+        # A program like `head` may close the pipe early.
+        with suppress(BrokenPipeError):
+            ros2(words, write)
+
+
+class _CallbackStream(TextIOBase):
+    """A stream whose text is passed to a function."""
+
+    def __init__(self, pass_on: Write) -> None:
+        self._pass_on = pass_on
+
+    def write(self, text: str) -> int:
+        """Pass the text to the function."""
+        self._pass_on(text)
+        return len(text)
+
+
+@contextmanager
+def pipe_through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Write]:
+    """Start commands as a pipeline and provide a function that writes to the input of the first.
+
+    The output of the last command is written as soon as it is available. Raises a CourseError if a
+    program does not exist, and a PermissionError where programs cannot be started.
+    """
+    if not any(map(shutil.which, SHELLS)):
+        raise PermissionError("no programs in this root")
+    for name in (command[0] for command in commands if shutil.which(command[0]) is None):
+        raise CourseError(f"There is no program {name} on this machine: leave out `| {name} …`.")
+    running: list[subprocess.Popen[bytes]] = []
+    with ExitStack() as stack:
+        result = Path(stack.enter_context(TemporaryDirectory()), "result")
+        come, out = stack.enter_context(result.open("a+b")), stack.enter_context(result.open("ab"))
+        stack.callback(_end, running)
+        for command in commands:
+            # Line buffering, as in a terminal.
+            at_once = ["stdbuf", "-oL"] if shutil.which("stdbuf") else []
+            source = running[-1].stdout if running else subprocess.PIPE
+            started = subprocess.Popen(
+                [*at_once, *command],
+                stdin=source,
+                stdout=out if command is commands[-1] else subprocess.PIPE,
+                stderr=out,
+                # In its own session, so that ■ does not interrupt it.
+                start_new_session=True,
+            )
+            running.append(started)
+            if source and not isinstance(source, int):
+                # From now on only the new process reads from the pipe.
+                source.close()
+        first = running[0].stdin
+        # Its standard input is a pipe.
+        assert first is not None
+
+        def feed(text: str) -> None:
+            first.write(text.encode())
+            first.flush()
+            write(come.read().decode(errors="replace"))
+
+        try:
+            yield feed
+        finally:
+            with suppress(BrokenPipeError):
+                first.close()
+            for process in running:
+                process.wait()
+            write(come.read().decode(errors="replace"))
+
+
+def _end(running: Sequence[subprocess.Popen[bytes]]) -> None:
+    """Kill the programs that still run after a second ■."""
+    for process in running:
+        process.kill()
+        process.wait()
+
 
 def register(shell: "InteractiveShell") -> None:
-    """Register the magics; a second call changes nothing."""
-    from IPython.core.magic import no_var_expand  # braces are YAML's
+    """Register the magics. Calling it again has no effect."""
+    # Braces belong to YAML, so IPython must not expand them.
+    from IPython.core.magic import no_var_expand
 
     shell.register_magic_function(no_var_expand(ros2_magic), "line", "ros2")  # type: ignore[arg-type]  # wrongly typed there
     shell.register_magic_function(rqt_magic, "line", "rqt")  # type: ignore[arg-type]  # as above
+    shell.register_magic_function(rviz2_magic, "line", "rviz2")  # type: ignore[arg-type]  # as above
     catch_shell(shell)
     shell.register_magic_function(no_var_expand(timeout_magic), "line", "timeout")  # type: ignore[arg-type]  # as above
 
@@ -40,7 +189,8 @@ def ros2_magic(line: str, *, interrupted: bool = False) -> None:
 
     Args:
         line: The command without its `ros2`.
-        interrupted: Whether the caller ends an endless command, so that no page is needed for that.
+        interrupted: Whether the caller interrupts an endless command, so that it may run without a
+            page.
     """
     from IPython.core.error import UsageError
 
@@ -51,14 +201,16 @@ def ros2_magic(line: str, *, interrupted: bool = False) -> None:
 
     try:
         run_piped(line, run, sys.stdout.write)
-    except (CourseError, ValueError, OSError) as error:  # an open quotation mark; a file, a program
+    # An open quotation mark, a missing file or a missing program.
+    except (CourseError, ValueError, OSError) as error:
         raise UsageError(str(error)) from None
 
 
 def timeout_magic(line: str) -> None:
-    """Run a `ros2` command and interrupt it, as ■ does, after so many seconds of robot time.
+    """Run a `ros2` command and interrupt it, as ■ does, after a number of seconds of robot time.
 
-    No signal is sent: `course run` counts those as the user's Ctrl+C, and rclpy shuts down at one.
+    It sends no signal, because `course run` counts signals as the user's Ctrl+C, and rclpy shuts
+    down.
     """
     from IPython.core.error import UsageError
 
@@ -69,7 +221,7 @@ def timeout_magic(line: str) -> None:
         )
     graph, thread = current_graph(), threading.current_thread()
     due_ns = graph.now_ns + round(float(found[1]) * 1e9)
-    alarm = graph.call_at(due_ns, lambda: baton.interrupt(thread), node=0, entity=0)
+    alarm = graph.call_at(due_ns, lambda: time_lock.interrupt(thread), node=0, entity=0)
     try:
         ros2_magic(found[2], interrupted=True)
     finally:
@@ -84,22 +236,35 @@ def rqt_magic(line: str) -> None:
 
     try:
         rqt(shlex.split(line))
-    except (CourseError, ValueError) as error:  # an open quotation mark
+    # A ValueError means an open quotation mark.
+    except (CourseError, ValueError) as error:
         raise UsageError(str(error)) from None
 
 
+def rviz2_magic(line: str) -> None:
+    """Print how to show RViz's view in a notebook. `line` contains the arguments of `rviz2`."""
+    words = line.split()
+    layout = words[words.index("-d") + 1] if "-d" in words[:-1] else None
+    call = "Viewer()" if layout is None else f"Viewer.from_rviz({layout!r})"
+    sys.stderr.write(
+        f"There is no window here. A cell shows the view: from course_lib import Viewer; viewer = {call}; "
+        "viewer\n"
+    )
+
+
 def catch_shell(shell: "InteractiveShell") -> None:
-    """Run `!ros2 …` and `x = !ros2 …` as %ros2: a shell has no access to this notebook's nodes."""
+    """Run `!ros2 …` and `x = !ros2 …` as %ros2, because a shell has no access to this notebook's nodes."""
     system: Callable[[str], Any] = shell.system
     getoutput: Callable[..., Any] = shell.getoutput
     if getattr(system, "__module__", "") == __name__:
-        return  # the extension was loaded before
+        # The extension was loaded before.
+        return
 
     def run(command: str) -> Any:
         magic = _magic_for(command)
         return magic() if magic else system(command)
 
-    def captured(command: str, *args: Any, **settings: Any) -> Any:
+    def capture_output(command: str, *args: Any, **settings: Any) -> Any:
         magic = _magic_for(command)
         if magic is None:
             return getoutput(command, *args, **settings)
@@ -109,15 +274,17 @@ def catch_shell(shell: "InteractiveShell") -> None:
             magic()
         return SList(written.getvalue().splitlines())
 
-    vars(shell).update(system=run, getoutput=captured)
+    vars(shell).update(system=run, getoutput=capture_output)
     for name in ("bash", "sh"):
-        if name in shell.magics_manager.magics["cell"]:
-            known: Callable[[str, str], Any] = shell.magics_manager.magics["cell"][name]
+        # IPython's table may hold a placeholder that looks the name up again, and would find
+        # `_script`.
+        known = shell.find_cell_magic(name)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        if known is not None:
             shell.register_magic_function(partial(_script, known), "cell", name)  # type: ignore[arg-type]  # as above
 
 
 def _script(known: Callable[[str, str], Any], line: str, cell: str) -> Any:
-    """Run a cell of shell script; where it calls `ros2`, name the magic first."""
+    """Run a cell of shell script. If it calls `ros2`, print a hint to the magic first."""
     found = re.search(r"^\s*((?:timeout\s+\S+\s+)?ros2\s.+)", cell, re.MULTILINE)
     if found:
         sys.stderr.write(f"A shell can't see this notebook's nodes. In a cell write %{found[1].strip()}\n")
@@ -125,7 +292,13 @@ def _script(known: Callable[[str, str], Any], line: str, cell: str) -> Any:
 
 
 def _magic_for(command: str) -> Callable[[], None] | None:
-    """Return the magic for a line that was meant for the shell, if one exists."""
+    """Return the magic for a line that is addressed to the shell, if there is one."""
+    # Programs find their workspace without `source install/setup.bash`.
+    command = _SOURCED.sub("", command)
+    if command.split()[:1] == ["rviz2"]:
+        return partial(rviz2_magic, command.partition("rviz2")[2])
+    # In ROS, `rqt_graph` is a separate program.
+    command = re.sub(r"^\s*rqt_(?=\w)", "rqt ", command)
     found = re.fullmatch(r"\s*(ros2|rqt|timeout(?=\s+\S+\s+ros2\s))\b(.*)", command, re.DOTALL)
     if found is None:
         return None
@@ -135,7 +308,7 @@ def _magic_for(command: str) -> Callable[[], None] | None:
 
 
 def shorten_tracebacks(shell: "InteractiveShell") -> None:
-    """Leave the kit's frames out of tracebacks; print CourseError and interrupts as one line."""
+    """Hide the kit's frames in tracebacks, and print CourseError and interrupts as one line."""
     shell.set_custom_exc((Exception, KeyboardInterrupt), _show_error)  # type: ignore[no-untyped-call]  # IPython does not annotate it
 
 
@@ -152,7 +325,7 @@ def _show_error(
         shell._showtraceback(kind, error, [f"{kind.__name__}: {said}"])
     else:
         add_hint(error)
-        own, hidden = without_the_kit(trace)
+        own, hidden = hide_kit_frames(trace)
         shorten_causes(error)
         if hidden:
             error.add_note(f"({hidden} frames in the middle are not shown)")

@@ -13,13 +13,14 @@ from course_lib.tools.verb import NODE_OPTIONS, Option, Run, Verb, Write, flag, 
 if TYPE_CHECKING:
     from rclpy.task import Future
 
-ANSWER_LIMIT = 5.0  # [s] for an answer
+# Time limit for a response [s].
+ANSWER_LIMIT = 5.0
 
 
 def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
     wanted, pattern = arguments.node_name, arguments.filter or re.compile("")
-    for node_name in [found_node(source, wanted)] if wanted else parameter_nodes(source):
-        with asked(source, node_name) as ask:
+    for node_name in [find_node(source, wanted)] if wanted else parameter_nodes(source):
+        with parameter_client(source, node_name) as ask:
             names = ask("list_parameters", arguments.param_prefixes).result.names
             names = [name for name in sorted(names) if pattern.match(name)]
             types = ask("describe_parameters", names).descriptors if arguments.param_type else []
@@ -33,7 +34,7 @@ def _get(source: Source, arguments: Namespace, write: Write) -> None:
     from rclpy.parameter import Parameter, parameter_value_to_python
 
     name = arguments.parameter_name
-    with asked(source, arguments.node_name) as ask:
+    with parameter_client(source, arguments.node_name) as ask:
         values = ask("get_parameters", [name]).values
         if not values:
             there = ask("list_parameters").result.names
@@ -51,23 +52,23 @@ def _get(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _set_one(source: Source, arguments: Namespace, write: Write) -> None:
-    """Set a parameter; its type is that of the YAML value."""
+    """Set a parameter. The YAML value determines the type."""
     from rclpy.parameter import Parameter
 
-    from course_lib.ros.parameter_yaml import read_value
+    from course_lib.ros.programs.parameter_yaml import read_value
 
     try:
         new = Parameter(arguments.parameter_name, value=read_value(arguments.value))
     except ValueError as error:
         raise CourseError(f"{arguments.value!r} is not a parameter value: {error}") from error
-    with asked(source, arguments.node_name) as ask:
+    with parameter_client(source, arguments.node_name) as ask:
         (result,) = ask("set_parameters", [new]).results
     words = "Set parameter successful" if result.successful else "Setting parameter failed"
-    write(_with_reason(words, result))
+    write(_format_result(words, result))
 
 
 def _describe(source: Source, arguments: Namespace, write: Write) -> None:
-    with asked(source, arguments.node_name) as ask:
+    with parameter_client(source, arguments.node_name) as ask:
         descriptors = ask("describe_parameters", arguments.parameter_names).descriptors
     for one in descriptors:
         lines = [f"Parameter name: {one.name}", f"  Type: {_kind(one.type)}"]
@@ -82,12 +83,12 @@ def _describe(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _dump(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print a node's parameters as the YAML that `load` and `--params-file` read."""
+    """Print a node's parameters as YAML that `load` and `--params-file` can read."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
     from rclpy.parameter import parameter_value_to_python
 
-    node_name, parameters = found_node(source, arguments.node_name), dict[str, Any]()
-    with asked(source, node_name) as ask:
+    node_name, parameters = find_node(source, arguments.node_name), dict[str, Any]()
+    with parameter_client(source, node_name) as ask:
         names = sorted(ask("list_parameters").result.names)
         values = ask("get_parameters", names).values
     for name, one in zip(names, values, strict=True):
@@ -104,28 +105,33 @@ def _load(source: Source, arguments: Namespace, write: Write) -> None:
 
     try:
         found = parameter_dict_from_yaml_file(arguments.parameter_file, not arguments.no_use_wildcard)
-    except (OSError, RuntimeError) as error:
+    except OSError as error:
+        file = arguments.parameter_file
+        raise CourseError(
+            f"{file} cannot be read: {error.strerror}. `ros2 param dump` writes such a file."
+        ) from error
+    except RuntimeError as error:
         raise CourseError(f"{error}. `ros2 param dump` writes such a file.") from error
-    with asked(source, arguments.node_name) as ask:
+    with parameter_client(source, arguments.node_name) as ask:
         results = ask("set_parameters", list(found.values())).results
     for name, result in zip(found, results, strict=True):
         words = f"Set parameter {name} {'successful' if result.successful else 'failed'}"
-        write(_with_reason(words, result))
+        write(_format_result(words, result))
 
 
 def _delete(source: Source, arguments: Namespace, write: Write) -> None:
-    with asked(source, arguments.node_name) as ask:
+    with parameter_client(source, arguments.node_name) as ask:
         (result,) = ask("delete_parameters", [arguments.parameter_name]).results
     words = "Deleted parameter successfully" if result.successful else "Deleting parameter failed"
-    write(_with_reason(words, result))
+    write(_format_result(words, result))
 
 
 @contextmanager
-def asked(source: Source, node_name: str) -> Iterator[Any]:
-    """Provide a function that calls a method of a node's AsyncParameterClient and returns the answer."""
+def parameter_client(source: Source, node_name: str) -> Iterator[Any]:
+    """Provide a function that calls a method of a node's AsyncParameterClient and returns the response."""
     from rclpy.parameter_client import AsyncParameterClient
 
-    full = found_node(source, node_name)
+    full = find_node(source, node_name)
     with own_node(source) as node:
         client = AsyncParameterClient(node, full)
 
@@ -139,14 +145,14 @@ def asked(source: Source, node_name: str) -> Iterator[Any]:
 def parameter_nodes(source: Source) -> Sequence[str]:
     """List the full names of nodes with parameter services."""
     if not source.live:
-        raise CourseError("Parameters belong to nodes that run: start one, like run_live(MyNode()).")
+        raise CourseError("Parameters need a running node. Start one, like run_live(MyNode()).")
     services = {e.service[0] for e in source.graph.endpoints() if e.is_service and e.service}
     end = "/list_parameters"
     return sorted(name.removesuffix(end) for name in services if name.endswith(end))
 
 
-def found_node(source: Source, name: str) -> str:
-    """Return a node's full name; raises a CourseError if it does not exist."""
+def find_node(source: Source, name: str) -> str:
+    """Return a node's full name. Raise a CourseError if it does not exist."""
     full = name if name.startswith("/") else f"/{name}"
     if full not in parameter_nodes(source):
         raise CourseError(
@@ -156,13 +162,13 @@ def found_node(source: Source, name: str) -> str:
 
 
 def _kind(number: int) -> str:
-    """Return the name of a type in ros2cli's words, like "integer array"."""
+    """Return the name of a type as ros2cli writes it, like "integer array"."""
     from rclpy.parameter import Parameter
 
     return Parameter.Type(number).name.lower().replace("_", " ").replace("bool", "boolean")
 
 
-def _with_reason(words: str, result: Any) -> str:
+def _format_result(words: str, result: Any) -> str:
     return f"{words}: {result.reason}\n" if result.reason else f"{words}\n"
 
 

@@ -1,33 +1,147 @@
 """`performance_report`: measurements of topics and callbacks, as tables and charts."""
 
+import struct
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from html import escape
 from io import BytesIO, StringIO
+from itertools import pairwise
 from pathlib import Path
+from statistics import fmean, pstdev
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, read_bag, record
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import current_graph
-from course_lib.tools.performance_rows import (
-    CallbackRow,
-    CallbackRun,
-    TopicRow,
-    callback_rows,
-    callback_run,
-    topic_rows,
-)
+from course_lib.ros.graph.graph import Sample, current_graph
+from course_lib.ros.messages import message_class
+from course_lib.ros.time.driving import spin_for
 from course_lib.tools.sources import ALWAYS_THERE
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from rclpy.node import Node
 
-_COLUMNS: dict[str, tuple[str, float, str]] = {  # field: heading, factor, format
+_SECOND = 10**9  # [ns]
+
+
+@dataclass(frozen=True)
+class TopicRow:
+    """Measurements of a topic.
+
+    Latency is the time from the header's stamp to reception, None without stamps.
+    """
+
+    topic: str
+    messages: int
+    # 0 for fewer than two messages, as is the jitter [Hz].
+    rate: float
+    # Standard deviation of the time between messages [s].
+    jitter: float
+    # Mean latency [s].
+    latency: float | None
+    longest_latency: float | None  # [s]
+    # Mean size as CDR [bytes].
+    size: float
+    # In bytes per second.
+    bandwidth: float
+
+
+@dataclass(frozen=True)
+class CallbackRow:
+    """Measurements of a callback in robot time, except `load`, which depends on the machine."""
+
+    node: str
+    callback: str
+    calls: int
+    # Time from start to end [s].
+    longest: float
+    # Time from ready to start [s].
+    longest_wait: float
+    # Fraction of the time during which the callback ran.
+    busy: float
+    # Fraction of a processor used in real time; differs from run to run.
+    load: float
+
+
+@dataclass(frozen=True)
+class CallbackRun:
+    """One run of a callback: times in [ns] of robot time, processor time in [s]."""
+
+    node: str
+    callback: str
+    ready_ns: int
+    start_ns: int
+    end_ns: int
+    processor: float
+
+
+def callback_run(entity: Any, ready_ns: int, start_ns: int, processor: float) -> CallbackRun:
+    """Return the run of a callback that has just ended.
+
+    Its label is the topic, service or period.
+    """
+    handle = entity._course_node
+    period = getattr(entity, "timer_period_ns", None)
+    name = getattr(entity, "topic_name", None) or getattr(entity, "srv_name", None)
+    if period is not None:
+        name = f"timer {period / _SECOND:g} s"
+    return CallbackRun(
+        handle.full_name, name or type(entity).__name__, ready_ns, start_ns, handle.graph.now_ns, processor
+    )
+
+
+def callback_rows(calls: Sequence[CallbackRun], seconds: float) -> list[CallbackRow]:
+    """Measure the callbacks over a time [s], sorted by node and name."""
+    by_name: dict[tuple[str, str], list[CallbackRun]] = {}
+    for call in calls:
+        by_name.setdefault((call.node, call.callback), []).append(call)
+    return [
+        CallbackRow(
+            *name,
+            calls=len(found),
+            longest=max(c.end_ns - c.start_ns for c in found) / _SECOND,
+            longest_wait=max(c.start_ns - c.ready_ns for c in found) / _SECOND,
+            busy=sum(c.end_ns - c.start_ns for c in found) / _SECOND / seconds,
+            load=sum(c.processor for c in found) / seconds,
+        )
+        for name, found in sorted(by_name.items())
+    ]
+
+
+def _topic(topic: str, samples: list[Sample], delay_ns: int) -> TopicRow:
+    stamps = [sample.stamp_ns for sample in samples]
+    gaps = [(b - a) / _SECOND for a, b in pairwise(stamps)]
+    rate = 1 / fmean(gaps) if sum(gaps) else 0.0
+    latencies = [
+        (sample.stamp_ns + delay_ns - made_ns) / _SECOND
+        for sample in samples
+        if (made_ns := header_stamp(sample)) is not None
+    ]
+    size = fmean(len(sample.cdr) for sample in samples)
+    return TopicRow(
+        topic,
+        len(samples),
+        rate=rate,
+        jitter=pstdev(gaps) if gaps else 0.0,
+        latency=fmean(latencies) if latencies else None,
+        longest_latency=max(latencies, default=None),
+        size=size,
+        bandwidth=size * rate,
+    )
+
+
+def header_stamp(sample: Sample) -> int | None:
+    """Read the stamp [ns] from the bytes of a message's header; None without a header or stamp."""
+    fields = message_class(sample.type_name).get_fields_and_field_types()
+    if next(iter(fields.items()), None) != ("header", "std_msgs/Header"):
+        return None
+    seconds, nanoseconds = struct.unpack_from("<iI" if sample.cdr[1] else ">iI", sample.cdr, 4)
+    return seconds * _SECOND + nanoseconds or None
+
+
+# Heading, factor and format by field.
+_COLUMNS: dict[str, tuple[str, float, str]] = {
     "rate": ("Rate (Hz)", 1, ".2f"),
     "jitter": ("Jitter (ms)", 1e3, ".2f"),
     "latency": ("Latency (ms)", 1e3, ".1f"),
@@ -42,7 +156,8 @@ _COLUMNS: dict[str, tuple[str, float, str]] = {  # field: heading, factor, forma
 _NOTE = "* processor time on this machine at the wall clock's pace: all other numbers are by robot time"
 
 
-_SHORTEST = 0.004  # of the picture's width: what a callback that takes no robot time is drawn with
+# Fraction of the picture's width for callbacks that take no robot time.
+_SHORTEST = 0.004
 _RAN, _WAITED = "tab:blue", "lightgrey"
 _ROW = 0.35  # [inch]
 
@@ -82,7 +197,11 @@ def _overview(topics: Sequence[TopicRow], callbacks: Sequence[CallbackRow]) -> C
     heights = [2 + len(bars) for _, bars in panels]
     grid = figure.subplots(len(panels), squeeze=False, gridspec_kw={"height_ratios": heights})
     for axes, (title, bars) in zip(grid.flat, panels, strict=True):
-        _bars(axes, title, bars)
+        drawn = axes.barh([name for name, _ in bars], [value for _, value in bars], color=_RAN)
+        axes.bar_label(drawn, fmt="%.3g", padding=3)
+        axes.set_title(title, fontsize=10, loc="left")
+        axes.invert_yaxis()
+        axes.margins(x=0.12)
     lines = (
         f"{title}: {', '.join(f'{name} {value:.3g}' for name, value in bars)}." for title, bars in panels
     )
@@ -90,10 +209,11 @@ def _overview(topics: Sequence[TopicRow], callbacks: Sequence[CallbackRow]) -> C
 
 
 def _timeline(calls: Sequence[CallbackRun], start_ns: int, begin: float, end: float) -> Chart:
-    """Draw a lane per callback: dark while it ran, hatched while it was ready and waited."""
+    """Draw a lane for each callback: dark while it ran, hatched while it was ready and waited."""
     from matplotlib.figure import Figure
 
-    lanes: dict[str, list[tuple[float, float, float]]] = {}  # ready, begun, ended [s]
+    # Ready, begun, ended [s].
+    lanes: dict[str, list[tuple[float, float, float]]] = {}
     for call in calls:
         times = [(ns - start_ns) * 1e-9 for ns in (call.ready_ns, call.start_ns, call.end_ns)]
         if times[0] <= end and times[2] >= begin:
@@ -114,32 +234,24 @@ def _timeline(calls: Sequence[CallbackRun], start_ns: int, begin: float, end: fl
     axes.set_yticks(range(len(lanes)), list(lanes))
     axes.set_title("Callbacks: dark while they ran, hatched while they waited for their turn", fontsize=10)
     axes.grid(axis="x", alpha=0.4)
-    lines = (_lane(name, runs) for name, runs in lanes.items())
+    lines = []
+    for name, runs in lanes.items():
+        longest = max(ended - began for _, began, ended in runs) * 1e3  # [ms]
+        wait = max(began - ready for ready, began, _ in runs) * 1e3  # [ms]
+        lines.append(
+            f"{name}: {len(runs)} calls, the longest {longest:.3g} ms, the longest wait {wait:.3g} ms."
+        )
     return Chart(figure, f"Callback timeline from {begin:g} to {end:g} s of robot time. {' '.join(lines)}")
-
-
-def _bars(axes: "Axes", title: str, bars: Sequence[tuple[str, float]]) -> None:
-    drawn = axes.barh([name for name, _ in bars], [value for _, value in bars], color=_RAN)
-    axes.bar_label(drawn, fmt="%.3g", padding=3)
-    axes.set_title(title, fontsize=10, loc="left")
-    axes.invert_yaxis()
-    axes.margins(x=0.12)
-
-
-def _lane(name: str, runs: Sequence[tuple[float, float, float]]) -> str:
-    longest = max(ended - began for _, began, ended in runs) * 1e3  # [ms]
-    wait = max(began - ready for ready, began, _ in runs) * 1e3  # [ms]
-    return f"{name}: {len(runs)} calls, the longest {longest:.3g} ms, the longest wait {wait:.3g} ms."
 
 
 @dataclass(frozen=True, repr=False)
 class PerformanceReport:
-    """Measurements of topics and callbacks; a cell shows them as tables.
+    """Measurements of topics and callbacks. A cell displays them as tables.
 
     Attributes:
         seconds: Measured robot time, [s].
         start_ns: Start of the measured time, [ns].
-        calls: Every run of a callback, in the order of their ends; empty for a bag.
+        calls: All runs of callbacks in the order of their ends; empty for a bag.
     """
 
     seconds: float
@@ -150,14 +262,14 @@ class PerformanceReport:
 
     @property
     def busy(self) -> dict[str, float]:
-        """The share of robot time in which callbacks of a node ran, by node."""
+        """The fraction of robot time during which callbacks of a node ran, by node."""
         nodes = dict.fromkeys((row.node for row in self.callbacks), 0.0)
         for row in self.callbacks:
             nodes[row.node] += row.busy
         return nodes
 
     def to_plain(self) -> dict[str, Any]:
-        """Return the measurements that repeat in every run, without `load`, as dicts and lists."""
+        """Return the measurements that are equal in every run, without `load`, as dicts and lists."""
         callbacks = [{k: v for k, v in asdict(row).items() if k != "load"} for row in self.callbacks]
         return {
             "seconds": self.seconds,
@@ -167,7 +279,7 @@ class PerformanceReport:
         }
 
     def figure(self) -> Chart:
-        """Draw rates, latencies and the busy shares of callbacks as bars."""
+        """Draw the rates, latencies and busy fractions as bar charts."""
         return _overview(self.topics, self.callbacks)
 
     def timeline(self, begin: float = 0.0, end: float | None = None) -> Chart:
@@ -204,7 +316,7 @@ class PerformanceReport:
         return tables + (f"<p>{_NOTE}</p>" if self.callbacks else "")
 
     def _grids(self) -> Iterator[tuple[str, list[str], list[list[str]]]]:
-        """Yield title, headings and rows of each table that has rows."""
+        """Yield title, headings and rows of each table that is not empty."""
         for title, rows in (
             (f"Topics in {self.seconds:g} s of robot time", self.topics),
             ("Callbacks", self.callbacks),
@@ -216,15 +328,15 @@ class PerformanceReport:
 
 
 def performance_report(what: "float | Recording | str | Path", *nodes: "Node") -> PerformanceReport:
-    """Measure nodes while they run, together with live ones, or measure a recording.
+    """Measure nodes while they run together with live nodes, or measure a recording.
 
     Args:
-        what: Seconds of robot time, like `performance_report(5.0, camera, detector)`; or a recording, or a
-            bag's folder.
+        what: Seconds of robot time, like `performance_report(5.0, camera, detector)`; or a
+            recording, or a bag's folder.
         nodes: Nodes to run.
 
     Raises:
-        CourseError: Not a time, no node to run, or no bag in the folder.
+        CourseError: The time is invalid, there is no node to run, or the folder has no bag.
     """
     if not isinstance(what, int | float):
         recording = what if isinstance(what, Recording) else read_bag(what)
@@ -249,7 +361,11 @@ def _report(
     recording: Recording, start_ns: int, end_ns: int, calls: Sequence[CallbackRun], delay_ns: int
 ) -> PerformanceReport:
     seconds = (end_ns - start_ns) * 1e-9
-    topics = [row for row in topic_rows(recording.samples, delay_ns) if row.topic not in ALWAYS_THERE]
+    by_topic: dict[tuple[str, str], list[Sample]] = {}
+    for sample in recording.samples:
+        if sample.topic not in ALWAYS_THERE:
+            by_topic.setdefault((sample.topic, sample.type_name), []).append(sample)
+    topics = [_topic(topic, samples, delay_ns) for (topic, _), samples in sorted(by_topic.items())]
     callbacks = callback_rows(calls, seconds) if seconds else ()
     return PerformanceReport(seconds, start_ns, tuple(topics), tuple(callbacks), tuple(calls))
 

@@ -1,4 +1,4 @@
-"""`ros2 pkg`: the kit's packages and the user's own, and new Python packages."""
+"""`ros2 pkg`, for the kit's packages, the user's packages and new Python packages."""
 
 from argparse import Namespace
 from functools import partial
@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.package_template import PackageText, check_package_name, package_files
-from course_lib.ros.packages import find_package, packages
-from course_lib.ros.standin_path import STANDIN, provided
+from course_lib.ros.programs.import_path import STANDIN, provided_packages
+from course_lib.ros.programs.packages import find_package, packages
 from course_lib.tools.sources import Source
 from course_lib.tools.verb import Verb, Write, flag, value
 
 if TYPE_CHECKING:
-    from course_lib.ros.package_programs import Executables
+    from course_lib.ros.programs.package_programs import Executables
 
-_LICENSES = (  # the SPDX identifiers of ament_copyright
+# The SPDX identifiers that ament_copyright accepts.
+_LICENSES = (
     "Apache-2.0", "BSL-1.0", "BSD-2.0", "BSD-2-Clause", "BSD-3-Clause",
     "GPL-3.0-only", "LGPL-3.0-only", "MIT", "MIT-0",
 )  # fmt: skip
@@ -27,7 +28,7 @@ _MAIN = "def main():\n    print('Hi from {package}.')\n\n\nif __name__ == '__mai
 
 
 def pkg_verbs(executables: "Executables") -> tuple[Verb, ...]:
-    """Return the verbs of `ros2 pkg`, which know these executables beside those of packages."""
+    """Return the verbs of `ros2 pkg`, which list these executables in addition to those of packages."""
     verb = partial(Verb, "pkg", looks=False)
     return (
         verb("create", "Create a new ROS 2 package", _CREATE, _create),
@@ -75,7 +76,7 @@ def _xml(executables: "Executables", source: Source, arguments: Namespace, write
     manifest = _share(executables, arguments.package_name) / "package.xml"
     if not manifest.is_file():
         raise CourseError(
-            f"Package XML manifest not found: {arguments.package_name} is a part of the kit, not a folder "
+            f"Package XML manifest not found: {arguments.package_name} is part of the kit, not a folder "
             "of yours."
         )
     root = ElementTree.parse(manifest).getroot()
@@ -89,7 +90,7 @@ def _xml(executables: "Executables", source: Source, arguments: Namespace, write
 
 
 def _names(executables: "Executables") -> list[str]:
-    return sorted({*provided(), *packages(), *(package for package, _ in executables)})
+    return sorted({*provided_packages(), *packages(), *(package for package, _ in executables)})
 
 
 def _prefix_of(executables: "Executables", package: str) -> Path:
@@ -109,7 +110,17 @@ def _create(source: Source, arguments: Namespace, write: Write) -> None:
         write("Supported licenses:\n" + "\n".join(_LICENSES) + "\n")
         return
     _check(arguments)
-    text = _text(arguments)
+    node, maintainer = arguments.node_name, arguments.maintainer_name or _user()
+    text = PackageText(
+        arguments.package_name,
+        maintainer=maintainer,
+        email=arguments.maintainer_email or f"{maintainer}@todo.todo",
+        description=arguments.description,
+        license=arguments.license,
+        version="0.0.0",
+        executables={node: f"{node}:main"} if node else {},
+        depends=arguments.dependencies,
+    )
     write("going to create a new package\n")
     for what, said in (
         ("package name", text.name),
@@ -134,34 +145,23 @@ def _create(source: Source, arguments: Namespace, write: Write) -> None:
         )
 
 
-def _text(arguments: Namespace) -> PackageText:
-    node, maintainer = arguments.node_name, arguments.maintainer_name or _user()
-    return PackageText(
-        arguments.package_name,
-        maintainer=maintainer,
-        email=arguments.maintainer_email or f"{maintainer}@todo.todo",
-        description=arguments.description,
-        license=arguments.license,
-        version="0.0.0",
-        executables={node: f"{node}:main"} if node else {},
-        depends=arguments.dependencies,
-    )
-
-
 def _user() -> str:
     import getpass
 
     try:
         return getpass.getuser()
-    except (KeyError, OSError) as error:  # on hubs where users are numbers
-        raise CourseError("This machine has no name for you: add --maintainer-name NAME.") from error
+    # On some hubs, users have numbers only.
+    except (KeyError, OSError) as error:
+        raise CourseError(
+            "Your name is not configured on this machine: add --maintainer-name NAME."
+        ) from error
 
 
 def _check(arguments: Namespace) -> None:
     name, kind = arguments.package_name, arguments.build_type
     if kind != "ament_python":
         raise CourseError(
-            f"{kind} packages hold C++, which ROS itself builds. Write: "
+            f"{kind} packages contain C++, which only ROS builds. Use: "
             f"ros2 pkg create --build-type ament_python {name}"
         )
     if name == "test":
@@ -173,13 +173,16 @@ def _check(arguments: Namespace) -> None:
     folder = Path(arguments.destination_directory, name)
     if folder.exists():
         raise CourseError(
-            f"\nAborted!\nThe directory already exists: {_shown(arguments, name)}\nEither remove the "
+            f"\nAborted!\nThe directory already exists: {_join_path(arguments, name)}\nEither remove the "
             "directory or choose a different destination directory or package name"
         )
 
 
 def _write_files(text: PackageText, arguments: Namespace, write: Write) -> None:
-    """Write the files of ros2cli's template, in its order; a path with a slash at its end is a folder."""
+    """Write the files of ros2cli's template in its order.
+
+    A path that ends with a slash is a folder.
+    """
     name, files = text.name, package_files(text)
     code = [f"{name}/{node}.py" for node in text.executables]
     files |= dict.fromkeys(code, _MAIN.format(package=name))
@@ -188,7 +191,7 @@ def _write_files(text: PackageText, arguments: Namespace, write: Write) -> None:
         if path == f"{name}/":
             write("creating source folder\n")
         what = "creating" if path in files else "creating folder"
-        write(f"{what} {_shown(arguments, f'{name}/{path}'.rstrip('/'))}\n")
+        write(f"{what} {_join_path(arguments, f'{name}/{path}'.rstrip('/'))}\n")
         target = Path(arguments.destination_directory, name, path)
         if path in files:
             target.write_text(files[path], encoding="utf-8")
@@ -196,8 +199,8 @@ def _write_files(text: PackageText, arguments: Namespace, write: Write) -> None:
             target.mkdir(parents=True)
 
 
-def _shown(arguments: Namespace, path: str) -> str:
-    """Join the destination and a path as os.path.join does: a dot stays in front."""
+def _join_path(arguments: Namespace, path: str) -> str:
+    """Join the destination and a path as os.path.join does, which keeps a leading dot."""
     return f"{arguments.destination_directory.rstrip('/')}/{path}"
 
 

@@ -1,7 +1,7 @@
-"""The `ros2` command line: the tables of its verbs and of the kit's executables."""
+"""The `ros2` command line: its verbs and the executables of the kit."""
 
 import sys
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
@@ -9,31 +9,52 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.graph import current_graph
-from course_lib.tools.action import ACTION_VERBS
-from course_lib.tools.bag import BAG_INFO, BAG_RECORD
-from course_lib.tools.bag_play import BAG_PLAY
+from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.robot.connect import connect, disconnect
+from course_lib.tools.bag import BAG_INFO, BAG_PLAY, BAG_RECORD
 from course_lib.tools.doctor import DOCTOR_VERBS
-from course_lib.tools.executables import NODE_EXECUTABLES, own_words, spin, with_rclpy
-from course_lib.tools.interface import INTERFACE_VERBS
+from course_lib.tools.entities import (
+    ACTION_VERBS,
+    INTERFACE_VERBS,
+    LIFECYCLE_VERBS,
+    NODE_VERBS,
+    SERVICE_VERBS,
+)
+from course_lib.tools.executables import NODE_EXECUTABLES, program_arguments, run_with_rclpy, spin
 from course_lib.tools.launch import launch_verbs
-from course_lib.tools.lifecycle import LIFECYCLE_VERBS
-from course_lib.tools.node import NODE_VERBS
 from course_lib.tools.param import PARAM_VERBS
 from course_lib.tools.pkg import pkg_verbs
-from course_lib.tools.robot_link import LINK_VERBS
-from course_lib.tools.service import SERVICE_VERBS
 from course_lib.tools.sources import DISCOVERY, GraphSource, Source
-from course_lib.tools.static_transform import STATIC_TRANSFORM_PUBLISHER
-from course_lib.tools.tf2 import TF2_ECHO, TF2_MONITOR
-from course_lib.tools.topic.list import TOPIC_LISTS
-from course_lib.tools.topic.pub import TOPIC_PUB
-from course_lib.tools.topic.subscribe import TOPIC_ECHO, TOPIC_MEASURES
-from course_lib.tools.verb import Verb, Write
-from course_lib.tools.view_frames import VIEW_FRAMES
+from course_lib.tools.tf2 import STATIC_TRANSFORM_PUBLISHER, TF2_ECHO, TF2_MONITOR, VIEW_FRAMES
+from course_lib.tools.topic import TOPIC_ECHO, TOPIC_LISTS, TOPIC_MEASURES, TOPIC_PUB
+from course_lib.tools.verb import COURSE_OPTIONS, Verb, Write, value
 
 if TYPE_CHECKING:
-    from course_lib.ros.package_programs import Executables
+    from course_lib.ros.programs.package_programs import Executables
+
+
+def _connect(source: Source, arguments: Namespace, write: Write) -> None:
+    connect(arguments.router, domain=arguments.domain, send=arguments.send, call=arguments.call)
+
+
+_OPTIONS = (
+    value("router", help="The robot over DDS, dds/192.168.1.5, or its Zenoh router, tcp/192.168.1.5:7447"),
+    value("--domain", type=int, help="The robot's ROS_DOMAIN_ID"),
+    value("--send", action="append", default=[], help="A topic that may be published to the robot"),
+    value("--call", action="append", default=[], help="A service or action that may be called"),
+)
+LINK_VERBS = (
+    Verb("connect", "", "Link this notebook to a robot", _OPTIONS, _connect, from_start=True, looks=False),
+    Verb(
+        "disconnect",
+        "",
+        "End the link to the robot",
+        (),
+        lambda *_: disconnect(),
+        from_start=True,
+        looks=False,
+    ),
+)
 
 _TOOLS = (("tf2_ros", "tf2_echo"), ("tf2_ros", "tf2_monitor"), ("tf2_tools", "view_frames"))
 
@@ -41,14 +62,15 @@ _TOOLS = (("tf2_ros", "tf2_echo"), ("tf2_ros", "tf2_monitor"), ("tf2_tools", "vi
 def _ros2_executable(*words: str) -> None:
     """Run `ros2 <words>` with the arguments of the running program."""
     source = GraphSource(current_graph(), discovery=DISCOVERY)
-    ros2([*words, *own_words()], source, sys.stdout.write)
+    ros2([*words, *program_arguments()], source, sys.stdout.write)
 
 
 def _static_transform_publisher() -> None:
-    words = own_words()
+    words = program_arguments()
     if words and words[0].startswith("--"):
         pairs = zip_longest(words[::2], words[1::2], fillvalue="")
-        words = [f"{name}={setting}" for name, setting in pairs]  # argparse takes a lone -1e-3 for an option
+        # Joined with "=", because argparse would take a separate -1e-3 for an option.
+        words = [f"{name}={setting}" for name, setting in pairs]
     command = ["run", "tf2_ros", "static_transform_publisher", *words]
     ros2(command, GraphSource(current_graph()), sys.stdout.write)
     spin()
@@ -56,9 +78,9 @@ def _static_transform_publisher() -> None:
 
 EXECUTABLES: "Executables" = {
     **NODE_EXECUTABLES,
-    ("ros2cli", "ros2"): partial(with_rclpy, _ros2_executable),
-    ("tf2_ros", "static_transform_publisher"): partial(with_rclpy, _static_transform_publisher),
-    **{words: partial(with_rclpy, partial(_ros2_executable, "run", *words)) for words in _TOOLS},
+    ("ros2cli", "ros2"): partial(run_with_rclpy, _ros2_executable),
+    ("tf2_ros", "static_transform_publisher"): partial(run_with_rclpy, _static_transform_publisher),
+    **{words: partial(run_with_rclpy, partial(_ros2_executable, "run", *words)) for words in _TOOLS},
 }
 VERBS = (
     TOPIC_ECHO,
@@ -81,9 +103,11 @@ VERBS = (
     *DOCTOR_VERBS,
     *LINK_VERBS,
     *pkg_verbs(EXECUTABLES),
-    *launch_verbs(EXECUTABLES),  # after the executables that are verbs
+    # These verbs need the executables, some of which are verbs themselves.
+    *launch_verbs(EXECUTABLES),
 )
-COMMANDS = {  # what ros2cli says of them
+# The descriptions are from ros2cli.
+COMMANDS = {
     "action": "Various action related sub-commands",
     "connect": "Link this notebook to a robot",
     "disconnect": "End the link to the robot",
@@ -100,6 +124,16 @@ COMMANDS = {  # what ros2cli says of them
     "topic": "Various topic related sub-commands",
     "wtf": "Use `wtf` as alias to `doctor`",
 }
+# Commands of ros2cli that the kit does not have, with the reasons.
+_NOT_OFFERED = {
+    "component": "Here components start as nodes: `ros2 node list` lists them, and a launch file starts them",
+    "control": "It belongs to ros2_control, which is made of compiled plugins",
+    "daemon": "No daemon is needed here",
+    "multicast": "No network is used here. `ros2 doctor` shows the link to a robot",
+    "security": "Messages are not encrypted here",
+    "test": "Tests of nodes and launch files run with pytest",
+    "trace": "Callbacks are not traced here",
+}
 HELP = {"-h", "--help"}
 _BUFFERING = (
     "Do not force line buffering in stdout and instead use the python default buffering, which might be "
@@ -108,10 +142,10 @@ _BUFFERING = (
 
 
 def ros2(words: Sequence[str], source: Source, write: Write) -> None:
-    """Run `ros2 <words>`; `write` receives the output.
+    """Run `ros2 <words>`. `write` receives the output.
 
     Raises:
-        CourseError: No such command or argument, or what the command itself finds wrong.
+        CourseError: The command or an argument is unknown, or the command itself reports an error.
     """
     verb = find_verb(words)
     if verb is None:
@@ -128,20 +162,25 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
 
 
 def find_verb(words: Sequence[str]) -> Verb | None:
-    """Return the verb that a command line begins with."""
+    """Return the verb at the beginning of a command line."""
     return next((verb for verb in VERBS if verb.words == list(words[: len(verb.words)])), None)
 
 
 class _Parser(ArgumentParser):
-    """An argument parser that raises instead of exiting."""
+    """An argument parser that raises an error instead of exiting."""
 
     write: Write
 
     def error(self, message: str) -> NoReturn:
-        """Print the usage, and raise the message with the nearest option."""
+        """Print the usage, and raise an error with the message and the closest option."""
         self.write(self.format_usage())
         if message.startswith("unrecognized arguments: -"):
-            message += did_you_mean(message.split()[2], self._option_string_actions)
+            option, *rest = message.split()[2:]
+            if option.partition("=")[0] in COURSE_OPTIONS:
+                message += f". Options of course come first: course ros2 {' '.join((option, *rest[:1]))} "
+                message += f"{self.prog.removeprefix('ros2 ')} …"
+            else:
+                message += did_you_mean(option, self._option_string_actions)
         raise CourseError(f"{self.prog}: error: {message}")
 
 
@@ -156,7 +195,7 @@ def _parser(verb: Verb, write: Write) -> ArgumentParser:
 
 
 def _explain(words: list[str], write: Write) -> None:
-    """Print the words that can follow an incomplete command; raises a CourseError for a wrong one."""
+    """Print the possible continuations of a command. Raise a CourseError for an unknown command."""
     known = 0
     while any(verb.words[: known + 1] == words[: known + 1] for verb in VERBS) and known < len(words):
         known += 1
@@ -183,5 +222,6 @@ def _explain(words: list[str], write: Write) -> None:
     else:
         metavar = f"argument Call `{prog} <command> -h` for more detailed usage."
         choices = ", ".join(map(repr, sorted(names)))
-        hint = did_you_mean(rest[0], names)
+        reason = "" if path else _NOT_OFFERED.get(rest[0], "")
+        hint = f". {reason}" if reason else did_you_mean(rest[0], names)
         parser.error(f"{metavar}: invalid choice: {rest[0]!r} (choose from {choices}){hint}")

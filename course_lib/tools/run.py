@@ -1,27 +1,26 @@
-"""`course run` and `course ros2`: unmodified programs on robot time, recorded, or with a tool beside them."""
+"""`course run` and `course ros2`: run unmodified programs in robot time, record them or apply a ros2 tool."""
 
-import os
-import subprocess
 import sys
-from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError
-from course_lib.recording import Recording, read_bag, recorded
-from course_lib.ros import standin_path
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.pace import WallPace
-from course_lib.ros.process import Function
-from course_lib.ros.program import run_files
-from course_lib.ros.program_thread import AtEnd
-from course_lib.ros.zenoh.connect import RobotAddress, link_to
-from course_lib.tools.ros2 import EXECUTABLES, HELP, find_verb, ros2
-from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.programs import import_path
+from course_lib.ros.programs.process import Function
+from course_lib.ros.programs.program import run_files
+from course_lib.ros.time.pace import WallPace
+from course_lib.ros.time.time_lock import AtEnd, time_lock
 
-HASH_SEED = "0"
-_WHERE = ("--run program.py", "--bag folder", "--robot tcp/HOST:7447")
+if TYPE_CHECKING:
+    from course_lib.ros.robot.connect import RobotAddress
+
+# Verbs, recordings and links to robots are imported where they are used, because a small program
+# needs none of them.
+_WHERE = ("--run program.py", "--bag folder", "--robot dds/HOST")
 
 
 def run(
@@ -32,39 +31,79 @@ def run(
     bag: Path | None,
     args: Sequence[str],
     real_time: bool,
-    robot: RobotAddress | None = None,
+    robot: "RobotAddress | None" = None,
+    is_strict: bool = False,
 ) -> int:
-    """Run programs that share one graph, in their start order; return their exit code.
+    """Run programs that share one graph, in the order of their start.
 
     Args:
         files: Python files, launch files, notebooks.
         seconds: Robot time to run, [s]; None runs until the programs end.
-        seed: Seeds every source of chance.
+        seed: Seed of all random numbers.
         bag: Folder of the recording, which must not exist.
-        args: `sys.argv` of each program, behind its name.
-        real_time: Keep the wall clock's pace instead of running at full speed.
-        robot: The robot that they are linked to; robot time is the wall clock then.
+        args: The arguments in `sys.argv` of each program.
+        real_time: Whether robot time runs in real time instead of at full speed.
+        robot: The robot to link to. Its robot time is real time.
+        is_strict: Whether a launch fails if it refers to something that cannot run here, which is
+            otherwise ignored.
+
+    Returns:
+        The exit code of the programs.
 
     Raises:
-        CourseError: If a file cannot be run, the recording cannot be written or the robot not be reached.
+        CourseError: A file cannot be run, the recording cannot be written, or the robot cannot be
+            reached.
     """
     if bag is not None and bag.exists():
-        raise CourseError(f"{bag} is there already. Give the recording another folder, or remove that one.")
-    graph = Graph() if robot is None else link_to(robot)
+        raise CourseError(f"{bag} already exists. Choose another folder for the recording, or remove it.")
+    graph = _graph(robot)
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     if real_time:
         graph.pace = WallPace(graph)
-    with nullcontext() if bag is None else recorded(graph, bag):
-        with use_graph(graph):
-            code = run_files(files, seed=seed, args=args, own=EXECUTABLES)
+    with nullcontext() if bag is None else _record_bag(graph, bag):
+        with use_graph(graph), time_lock.report_busy_main_thread(graph):
+            code = run_files(files, seed=seed, args=args, own=_OwnExecutables(), is_strict=is_strict)
         graph.close()
     return code
 
 
+class _OwnExecutables(Mapping[tuple[str, str], Callable[[], object]]):
+    """The kit's executables, which are imported when a launch file refers to one."""
+
+    def __getitem__(self, name: tuple[str, str]) -> Callable[[], object]:
+        return _executables()[name]
+
+    def __iter__(self) -> Iterator[tuple[str, str]]:
+        return iter(_executables())
+
+    def __len__(self) -> int:
+        return len(_executables())
+
+
+def _executables() -> Mapping[tuple[str, str], Callable[[], object]]:
+    from course_lib.tools.ros2 import EXECUTABLES
+
+    return EXECUTABLES
+
+
+def _graph(robot: "RobotAddress | None") -> Graph:
+    if robot is None:
+        return Graph()
+    from course_lib.ros.robot.connect import link_to
+
+    return link_to(robot)
+
+
+def _record_bag(graph: Graph, bag: Path) -> AbstractContextManager[object]:
+    from course_lib.recording import recorded
+
+    return recorded(graph, bag)
+
+
 def show_arguments(files: Sequence[Path]) -> str:
-    """Describe the arguments that launch files declare; raises a CourseError for other files."""
-    standin_path.install()
-    from course_lib.ros.launch_program import arguments_of
+    """Describe the arguments that launch files declare, or raise a CourseError for other files."""
+    import_path.install()
+    from course_lib.ros.programs.launch_program import arguments_of
 
     return "\n".join(arguments_of(file) for file in files)
 
@@ -75,39 +114,62 @@ def ros2_over(
     files: Sequence[Path],
     bag: Path | None,
     seconds: float | None,
-    robot: RobotAddress | None = None,
+    robot: "RobotAddress | None" = None,
 ) -> int:
-    """Run `ros2 <words>` beside programs, over a recording or a robot; return the exit code of the programs.
+    """Run `ros2 <words>` on programs, a recording or a robot, and return the exit code of the programs.
 
     Raises:
-        CourseError: None or several of the three; otherwise as `ros2`.
+        CourseError: None or several of the three are given, or `ros2` raises it.
     """
-    standin_path.install()  # verbs import rclpy
+    # The verbs import rclpy.
+    import_path.install()
+    from course_lib.tools.ros2 import HELP, find_verb, ros2
+    from course_lib.tools.sources import DISCOVERY, GraphSource, RecordingSource
+
     verb = find_verb(words)
-    needs_nothing = not words or bool(HELP & set(words)) or (verb is not None and not verb.looks)
+    is_file = bool(words) and Path(words[0]).is_file()
+    # An unknown command is explained without a source.
+    is_unknown = verb is None and not is_file
+    needs_nothing = is_unknown or bool(HELP & set(words)) or (verb is not None and not verb.looks)
     starts = verb is not None and verb.words[0] in ("launch", "run") and bag is None
     if bool(files) + (bag is not None) + (robot is not None) != 1 and not (needs_nothing or starts):
+        if is_file:
+            raise CourseError(
+                f"{words[0]} is not a command of ros2. A program is given with --run: "
+                f"course ros2 --run {' '.join(words) if len(words) > 1 else f'{words[0]} topic list'}"
+            )
         ways = (f"course ros2 {where} {words[0]} …" for where in _WHERE)
-        raise CourseError(f"Say where to look: {', or '.join(ways)}")
+        raise CourseError(f"Choose what to inspect: {', or '.join(ways)}")
     if (files or starts or robot) and not needs_nothing:
         tool = partial(ros2, words, write=sys.stdout.write)
-        graph = Graph() if robot is None else link_to(robot)
+        graph = _graph(robot)
         source = GraphSource(graph, discovery=DISCOVERY)
-        return run_beside(files, lambda _: tool(source), seconds=seconds, graph=graph)
+        # What the programs print goes to stderr, so that the output of the verb can be piped.
+        with redirect_stdout(sys.stderr) if files else nullcontext():
+            return run_with_tool(files, lambda _: tool(source), seconds=seconds, graph=graph)
+    from course_lib.recording import Recording, read_bag
+
     ros2(words, RecordingSource(Recording(()) if bag is None else read_bag(bag)), sys.stdout.write)
     return 0
 
 
-def run_beside(
+def run_with_tool(
     files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float | None, graph: Graph | None = None
 ) -> int:
-    """Run programs, and a tool as soon as each of them waits; return their exit code. They end with the tool.
+    """Run programs, and a tool as soon as each of them waits. The programs end with the tool.
 
-    None for `seconds` lets the tool run to its end; a graph that is passed is closed.
+    Args:
+        files: The programs.
+        tool: The function to call with the graph.
+        seconds: Limit of robot time, [s]; None lets the tool run to its end.
+        graph: The graph of the programs, which is closed; by default a new one.
+
+    Returns:
+        The exit code of the programs.
 
     Raises:
-        CourseError: If a file cannot be run, or the tool raises it.
-        BrokenPipeError: The reader of the tool's output is gone.
+        CourseError: A file cannot be run, or the tool raises it.
+        BrokenPipeError: The reader of the tool's output has closed the pipe.
     """
     graph, wrong = graph or Graph(), list[Exception]()
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
@@ -125,21 +187,10 @@ def run_beside(
             graph.end_ns = graph.now_ns
 
     with use_graph(graph):
-        tools = Function("ros2", beside, (), at_end=AtEnd.RETURN)  # a verb says what it lacked
-        code = run_files(files, seed=0, beside=[tools], own=EXECUTABLES)
+        # At the limit the tool returns, so that a verb can report what it did not receive.
+        tools = Function("ros2", beside, (), at_end=AtEnd.RETURN)
+        code = run_files(files, seed=0, extra_processes=[tools], own=_OwnExecutables())
     graph.close()
     if wrong:
         raise wrong[0]
     return code
-
-
-def with_fixed_hashes() -> None:
-    """Restart this command with a fixed hash seed, so that sets keep their order from run to run."""
-    if os.environ.get("PYTHONHASHSEED") == HASH_SEED:
-        return
-    command = [sys.executable, "-m", "course_lib", *sys.argv[1:]]
-    environment = os.environ | {"PYTHONHASHSEED": HASH_SEED}
-    if os.name == "posix":
-        sys.stdout.flush()
-        os.execve(sys.executable, command, environment)
-    sys.exit(subprocess.run(command, env=environment, check=False).returncode)

@@ -1,4 +1,8 @@
-"""Sources of the tools' data: the nodes of a run, or a recording."""
+"""Sources of data for the tools: the nodes of a run, or a recording.
+
+A tool does not know which of them it reads. A recording is streamed as if it were played, with the
+player as its only node, so `ros2 topic hz` gives the same result for both.
+"""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -10,54 +14,63 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros import pace
-from course_lib.ros.driving import running_nodes, wait_for
-from course_lib.ros.graph import EndpointInfo, Graph, Sample
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.graph import EndpointInfo, Graph, Sample
+from course_lib.ros.graph.topics import Qos
+from course_lib.ros.time import pace
+from course_lib.ros.time.driving import running_nodes, wait_for
 
 if TYPE_CHECKING:
     from rclpy.node import Node
     from rclpy.task import Future
 
-ALWAYS_THERE = {  # topics of every ROS node, the command line's own among them
+# Topics of every ROS node, including the node of the command line.
+ALWAYS_THERE = {
     "/parameter_events": ["rcl_interfaces/msg/ParameterEvent"],
     "/rosout": ["rcl_interfaces/msg/Log"],
 }
-NODE_NAME = "_ros2cli"  # ROS hides names that begin with an underscore
-PLAYER = "rosbag2_player"  # the node that publishes when ROS plays a recording
-DISCOVERY = 0.5  # [s] that ros2cli waits for nodes to come up
+# ROS hides nodes whose names begin with an underscore.
+NODE_NAME = "_ros2cli"
+# The node that publishes when ROS plays a recording.
+PLAYER = "rosbag2_player"
+# Time that ros2cli waits for discovery [s].
+DISCOVERY = 0.5
 
-Topics = Mapping[tuple[str, str], Qos]  # (name, type) of topics, and how they are subscribed to
-TimedSample = tuple[int, Sample | None]  # robot time [ns] and a message; None at a tick of the clock
+# The QoS of the subscription by name and type of the topic.
+Topics = Mapping[tuple[str, str], Qos]
+# Robot time [ns] and a message; None at a tick of the clock.
+TimedSample = tuple[int, Sample | None]
 
 
 @dataclass(frozen=True, slots=True)
 class Listening:
-    """Limits of a stream: in all, without a message, and the interval between its ticks, [s]."""
+    """Limits of a stream: total time, time without a message, and the period of its ticks, [s]."""
 
     seconds: float | None = None
     patience: float | None = None
-    every: float | None = None  # the first tick is at the start
+    # The first tick is at the start.
+    every: float | None = None
 
 
 class Source(ABC):
     """Topics, endpoints and messages for tools.
 
     Args:
-        graph: The nodes.
-        always_there: Topics that exist without nodes, with their types.
+        graph: The graph that contains the nodes.
+        always_there: Types of topics that exist even without nodes.
     """
 
-    live: bool  # whether nodes run that can be called and waited for
-    discovery = 0.0  # [s] to wait for nodes that are coming up
+    # Whether nodes run that can be called and waited for.
+    live: bool
+    # Time to wait for nodes that are still starting [s].
+    discovery = 0.0
 
     def __init__(self, graph: Graph, always_there: Mapping[str, list[str]]) -> None:
         self.graph = graph
-        self._always_there = always_there
+        self._permanent_nodes = always_there
 
     def topics(self, *, hidden: bool = True) -> dict[str, list[str]]:
-        """Return the sorted types of each topic, by name."""
-        found = {name: set(types) for name, types in self._always_there.items()}
+        """Return the sorted types of each topic by name."""
+        found = {name: set(types) for name, types in self._permanent_nodes.items()}
         for endpoint in (e for e in self.graph.endpoints() if e.service is None):
             found.setdefault(endpoint.topic, set()).add(endpoint.type_name)
         return {name: sorted(found[name]) for name in sorted(found) if hidden or not is_hidden(name)}
@@ -66,29 +79,32 @@ class Source(ABC):
         """List a topic's publishers or subscriptions."""
         return [end for end in self.graph.endpoints_on(topic) if end.kind == kind]
 
-    def offered(self, topic: str) -> list[Qos]:
+    def offered_qos(self, topic: str) -> list[Qos]:
         """List the QoS of the topic's publishers."""
         return [endpoint.qos for endpoint in self.endpoints(topic, "pub")]
 
     def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
-        """Return the longest time of an endless tool, [s]: `enough`, or None until ■ or the run's end."""
+        """Return the time limit of an endless tool [s]: `enough`, or None until ■ or the end of the run."""
         return None
 
     @abstractmethod
     def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
-        """Wait for at most so much robot time [s]; return the last value of `ready()`."""
+        """Wait until `ready()` is true, at most for a time in robot time [s].
+
+        Return its last value.
+        """
 
     @abstractmethod
     def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
-        """Yield the messages of several topics, and ticks."""
+        """Yield the messages of topics, and ticks."""
 
     @abstractmethod
     def why_silent(self, topic: str, qos: Qos) -> str:
-        """Return the reason for a topic without messages, as a sentence behind a space, or ""."""
+        """Return why a topic has no messages, as a sentence after a space, or ""."""
 
 
 class GraphSource(Source):
-    """The nodes of a run; waiting for messages runs those that are live."""
+    """The nodes of a run. Waiting for messages runs the live nodes."""
 
     live = True
 
@@ -97,22 +113,22 @@ class GraphSource(Source):
         self.discovery, self._interrupted = discovery, interrupted
 
     def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
-        """Return a limit for notebooks without a page, in which nobody presses ■ and no %timeout ends."""
-        alone = self.graph.notebook and pace.wanted() == "fast" and not self._interrupted
+        """Return a limit for notebooks without a page, where no ■ and no %timeout can interrupt."""
+        alone = self.graph.notebook and pace.mode() == "fast" and not self._interrupted
         return enough if alone else None
 
     def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
-        """Wait; raises a CourseError if rclpy has not been started."""
+        """Wait, or raise a CourseError if rclpy has not been initialized."""
         import rclpy
 
         if not rclpy.ok():
             raise CourseError(
-                "rclpy is not started: call rclpy.init() and run a node, like run_live(MyNode())."
+                "rclpy is not initialized: call rclpy.init() and run a node, like run_live(MyNode())."
             )
         return wait_for(ready, seconds=seconds)
 
     def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
-        """Yield the messages that reach subscriptions of a node of our own, and ticks."""
+        """Yield the messages received by the subscriptions of a separate node, and ticks."""
         graph, every = self.graph, limits.every
         start_ns = heard_ns = tick_ns = graph.now_ns
         with self._arrivals(topics) as arrived:
@@ -131,14 +147,15 @@ class GraphSource(Source):
                     return
 
     def why_silent(self, topic: str, qos: Qos) -> str:
-        """Name missing publishers, incompatible QoS or missing nodes."""
+        """Report missing publishers, incompatible QoS or missing nodes."""
         publishers = self.endpoints(topic, "pub")
         if not publishers:
-            return " Nobody publishes on it."
+            return " It has no publisher."
         others = self.endpoints(topic, "sub")
-        with self._arrivals({(topic, publishers[0].type_name): qos}):  # over a link Zenoh lets all QoS pass
+        # A linked robot accepts all QoS, because Zenoh does not compare them.
+        with self._arrivals({(topic, publishers[0].type_name): qos}):
             ours = next(one for one in self.endpoints(topic, "sub") if one not in others)
-            policies = [self.graph.apart(one, ours) for one in publishers]
+            policies = [self.graph.incompatible_policy(one, ours) for one in publishers]
         if all(policies):
             return f" Its publishers offer incompatible QoS: {policies[0]}."
         if running_nodes() or not self.graph.notebook:
@@ -147,7 +164,7 @@ class GraphSource(Source):
 
     @contextmanager
     def _arrivals(self, topics: Topics) -> Iterator[deque[tuple[int, Sample]]]:
-        """Subscribe within a `with` block, to a queue that messages are appended to."""
+        """Subscribe to topics within a `with` block, and provide a queue of their messages."""
         arrived: deque[tuple[int, Sample]] = deque()
         node = self.graph.add_node(NODE_NAME, "/")
 
@@ -163,7 +180,7 @@ class GraphSource(Source):
 
 
 class RecordingSource(Source):
-    """A recording, streamed as if it were played, in no time."""
+    """A recording, streamed as if it were played, without taking time."""
 
     live = False
 
@@ -176,7 +193,7 @@ class RecordingSource(Source):
                 self.graph.add_publisher(player, topic.name, topic.type_name, qos)
 
     def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
-        """Return `ready()`: nothing changes in a recording."""
+        """Return `ready()`, because nothing changes in a recording."""
         return ready()
 
     def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
@@ -195,25 +212,26 @@ class RecordingSource(Source):
                 yield sample.stamp_ns, sample
 
     def why_silent(self, topic: str, qos: Qos) -> str:
-        """Return the one reason: the topic has messages, but the limit ends before them."""
+        """Report that all messages of the topic were recorded after the time limit."""
         return " All of them were recorded later."
 
 
 def is_hidden(name: str) -> bool:
-    """Return whether a part of a topic's, service's or node's name begins with an underscore."""
+    """Return whether a component of a topic, service or node name begins with an underscore."""
     return any(part.startswith("_") for part in name.split("/"))
 
 
 @contextmanager
 def own_node(source: Source, name: str = NODE_NAME, *, use_sim_time: bool = False) -> "Iterator[Node]":
-    """Run a node of the tool's own, together with the live ones, within a `with` block.
+    """Run a separate node together with the live ones within a `with` block.
 
     Raises:
-        CourseError: The source is a recording, or the name is not one of nodes.
+        CourseError: The source is a recording, or the name is not valid for a node.
     """
     if not source.live:
-        raise CourseError("A recording gives no answers. Ask nodes that run: course ros2 --run program.py …")
-    source.wait(lambda: True, 0.0)  # raises if rclpy is not started
+        raise CourseError("A recording cannot respond. Use running nodes: course ros2 --run program.py …")
+    # This raises an error if rclpy is not initialized.
+    source.wait(lambda: True, 0.0)
     from rclpy.exceptions import InvalidNodeNameException
     from rclpy.node import Node
     from rclpy.parameter import Parameter
@@ -232,7 +250,14 @@ def own_node(source: Source, name: str = NODE_NAME, *, use_sim_time: bool = Fals
 
 
 def answer(source: Source, future: "Future[Any]", server: str, seconds: float | None) -> Any:
-    """Return a future's result; raises a CourseError if it takes longer than so many seconds."""
-    if not source.wait(future.arrived, seconds):
-        raise CourseError(f"{server} does not answer: is it running? Start it, like run_live(node).")
+    """Return a future's result.
+
+    Raise a CourseError if it is not complete after a number of seconds, or if a link has held the
+    call back.
+    """
+    blocked = [name for name in source.graph.take_blocked_calls() if f"{name}/".startswith(f"{server}/")]
+    if blocked:
+        raise CourseError(f"{server} was not called, because the link to the robot only listens.")
+    if not source.wait(lambda: not future._pending(), seconds):
+        raise CourseError(f"{server} does not respond. Is it running? Start it, like run_live(node).")
     return future.result()

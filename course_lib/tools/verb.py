@@ -1,23 +1,36 @@
-"""Verbs of the `ros2` command line, their options, and those that several commands share."""
+"""The verbs of the `ros2` command line, their options, and options that several commands share."""
 
 import re
 from argparse import ArgumentTypeError, Namespace
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from course_lib.errors import CourseError, did_you_mean
+from course_lib.ros.messages import RosMessage, type_name
+from course_lib.ros.messages.conversions import SetTime, set_fields
+from course_lib.ros.messages.definitions import type_names
 from course_lib.tools.sources import Source
 
-Write = Callable[[str], object]  # takes text, line ends included
+# Receives text with its line ends.
+Write = Callable[[str], object]
 Run = Callable[[Source, Namespace, Write], None]
-Types = Mapping[str, list[str]]  # of topics, services or actions, by name
-MOST = 1e9  # [s] or [Hz]: what is beyond does not fit a clock's nanoseconds
-FindTypes = Callable[[Source, bool], Types]  # the flag adds hidden names
+# Types of topics, services or actions by name.
+Types = Mapping[str, list[str]]
+# Limit for times [s] and rates [Hz]. Larger values overflow a clock's nanoseconds.
+MOST = 1e9
+# Options of `course ros2` itself, which end where the words of ros2 begin.
+COURSE_OPTIONS = frozenset({"--run", "--bag", "--seconds", "--robot"})
+# The second argument includes hidden names.
+FindTypes = Callable[[Source, bool], Types]
 
 
 @dataclass(frozen=True)
 class Option:
-    """One argument, in argparse's words; of those with the same `exclusive` only one may be given."""
+    """An argument, described for argparse.
+
+    Arguments with the same `exclusive` exclude each other.
+    """
 
     flags: tuple[str, ...]
     settings: Mapping[str, Any]
@@ -26,12 +39,12 @@ class Option:
 
 @dataclass(frozen=True)
 class Verb:
-    """`ros2 <command> <name>` with its arguments; the command of an executable is `run <package>`.
+    """`ros2 <command> <name>` with its arguments. The command of an executable is `run <package>`.
 
     Args:
         name: Empty for a command without verbs, like `ros2 doctor`.
-        run: Raises a CourseError with ROS's words for wrong arguments.
-        from_start: Whether it listens from its first moment; others first wait for nodes that come up.
+        run: The function, which raises a CourseError with ROS's text for invalid arguments.
+        from_start: Whether it subscribes immediately. Other verbs first wait for nodes to start.
         looks: Whether it needs nodes or a recording.
     """
 
@@ -45,22 +58,22 @@ class Verb:
 
     @property
     def words(self) -> list[str]:
-        """The words behind `ros2` that select this verb."""
+        """The words after `ros2` that select this verb."""
         return f"{self.command} {self.name}".split()
 
 
 def flag(*flags: str, help: str, exclusive: str = "", **settings: Any) -> Option:  # noqa: A002  # argparse's own word
-    """Return an option that is on or off."""
+    """Return an option without a value."""
     return Option(flags, {"action": "store_true", "help": help, **settings}, exclusive)
 
 
 def value(*flags: str, help: str, exclusive: str = "", **settings: Any) -> Option:  # noqa: A002  # argparse's own word
-    """Return an option with a value, or, without a dash, a positional argument."""
+    """Return an option with a value or, without a dash, a positional argument."""
     return Option(flags, {"help": help, **settings}, exclusive)
 
 
 def positive(kind: type[int] | type[float]) -> Callable[[str], float]:
-    """Return an argparse type for positive numbers, with ros2cli's complaint."""
+    """Return a type for argparse that accepts positive numbers, with ros2cli's error text."""
 
     def read(text: str) -> float:
         try:
@@ -78,7 +91,7 @@ def positive(kind: type[int] | type[float]) -> Callable[[str], float]:
 
 
 def seconds(text: str) -> float:
-    """Read a time, of either sign: an argparse type."""
+    """Convert an argument to a time [s], which may be negative."""
     number = float(text)
     if not abs(number) <= MOST:
         raise ArgumentTypeError(f"{text!r} is not a time in seconds, {-MOST:g} … {MOST:g}")
@@ -86,7 +99,7 @@ def seconds(text: str) -> float:
 
 
 def unsigned(text: str) -> int:
-    """Read an integer from 0 on, with ros2cli's complaint."""
+    """Convert an argument to a non-negative integer, with ros2cli's error text."""
     number = int(text) if text.strip().isdecimal() else -1
     if number < 0:
         raise ArgumentTypeError("value must be non-negative integer")
@@ -94,14 +107,15 @@ def unsigned(text: str) -> int:
 
 
 def pattern(text: str) -> re.Pattern[str]:
-    """Read a regular expression."""
+    """Convert an argument to a regular expression."""
     try:
         return re.compile(text)
     except re.error as error:
         raise ArgumentTypeError(f"{text!r} is not a regular expression: {error}") from error
 
 
-NODE_OPTIONS = (  # of verbs that look at the graph (ros2cli.node.strategy)
+# Options of verbs that inspect the graph (ros2cli.node.strategy).
+NODE_OPTIONS = (
     value("--spin-time", type=seconds, default=0.0, help="Spin time in seconds to wait for discovery"),
     flag("-s", "--use-sim-time", help="Enable ROS simulation time"),
     flag("--no-daemon", help="Do not spawn nor use an already running daemon; here there is none"),
@@ -114,7 +128,7 @@ def show_types(kind: str) -> Option:
 
 
 def count(kind: str) -> Option:
-    """Return the option that prints the number of names in place of the names."""
+    """Return the option that prints the number of names instead of the names."""
     help_text = f"Only display the number of {kind}s discovered"
     return flag("-c", f"--count-{kind}s", dest="count", help=help_text)
 
@@ -125,7 +139,7 @@ def hidden(kind: str) -> Option:
 
 
 def write_names(found: Types, arguments: Namespace, write: Write) -> None:
-    """Print names, or their number, as the options `show_types` and `count` ask for."""
+    """Print names with types, or their number, depending on the options `show_types` and `count`."""
     if arguments.count:
         write(f"{len(found)}\n")
         return
@@ -133,8 +147,20 @@ def write_names(found: Types, arguments: Namespace, write: Write) -> None:
         write(f"{name} [{', '.join(types)}]\n" if arguments.show_types else f"{name}\n")
 
 
+def list_verb(kind: str, about: str, find: FindTypes, *options: Option) -> Verb:
+    """Return the verb that prints names with types, or their number."""
+
+    def run(source: Source, arguments: Namespace, write: Write) -> None:
+        write_names(find(source, getattr(arguments, "hidden", True)), arguments, write)
+
+    return Verb(kind, "list", about, (*NODE_OPTIONS, show_types(kind), count(kind), *options), run)
+
+
 def type_verb(kind: str, about: str, find: FindTypes, name: Option) -> Verb:
-    """Return the verb that prints the types of a name; as in ROS nothing for an unknown name."""
+    """Return the verb that prints the types of a name.
+
+    As in ROS, it prints nothing for an unknown name.
+    """
 
     def run(source: Source, arguments: Namespace, write: Write) -> None:
         types = find(source, True).get(getattr(arguments, f"{kind}_name"), ())
@@ -144,7 +170,7 @@ def type_verb(kind: str, about: str, find: FindTypes, name: Option) -> Verb:
 
 
 def find_verb(kind: str, find: FindTypes, type_help: str) -> Verb:
-    """Return the verb that prints the names of a type."""
+    """Return the verb that prints the names with a given type."""
 
     def run(source: Source, arguments: Namespace, write: Write) -> None:
         wanted = getattr(arguments, f"{kind}_type")
@@ -153,3 +179,63 @@ def find_verb(kind: str, find: FindTypes, type_help: str) -> Verb:
 
     options = (*NODE_OPTIONS, value(f"{kind}_type", help=type_help), count(kind), hidden(kind))
     return Verb(kind, "find", f"Output a list of available {kind}s of a given type", options, run)
+
+
+def kind_of(find: Any, type_name: str, folder: str) -> Any:
+    """Return the class of a message, service or action type.
+
+    As in ROS, its folder may be omitted.
+    """
+    package, *rest = type_name.split("/")
+    whole = "/".join([package, folder, *rest] if len(rest) == 1 else [package, *rest])
+    try:
+        return find(whole)
+    except CourseError as error:
+        # The error already has ROS's text.
+        if folder == "msg":
+            raise
+        word, end = {"srv": ("service", "_Request"), "action": ("action", "_Goal")}[folder]
+        there = [
+            name.removesuffix(end) for name in type_names() if f"/{folder}/" in name and name.endswith(end)
+        ]
+        if whole in there:
+            raise
+        same_name = [name for name in there if name.rpartition("/")[2] == type_name.rpartition("/")[2]]
+        message = f"The passed {word} type is invalid: {whole}{did_you_mean(whole, same_name or there)}"
+        raise CourseError(message) from error
+
+
+def check_type(name: str, type_name: str, there: Mapping[str, Sequence[str]]) -> None:
+    """Raise a CourseError if a name exists with a different type, because waiting for it would never end."""
+    if name in there and type_name not in there[name]:
+        raise CourseError(f"{name} has the type {', '.join(there[name])}, not {type_name}.")
+
+
+def fill(message: RosMessage, text: str) -> list[SetTime]:
+    """Set a message's fields from YAML like ``{header: auto, x: 1.0}``.
+
+    Returns:
+        Functions that set the times given as ``now``, or as ``auto`` for a header.
+
+    Raises:
+        CourseError: The text is not YAML or not a dictionary, or a value is invalid. The message is
+            ROS's.
+    """
+    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+
+    try:
+        values = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise CourseError(f"{text!r} is not YAML: {error}. Write it like '{{x: 1.0, y: 2.0}}'.") from error
+    if not isinstance(values, dict):
+        raise CourseError(
+            "The passed value needs to be a dictionary in YAML format, like '{x: 1.0}' or 'x: 1.0' "
+            "with a space after the colon."
+        )
+    try:
+        return set_fields(message, values)
+    except (AttributeError, AssertionError, TypeError, ValueError, OverflowError) as error:
+        fields = ", ".join(f"{name}: {of}" for name, of in message.get_fields_and_field_types().items())
+        raise CourseError(
+            f"Failed to populate field: {error}. {type_name(message)} has {fields or 'no field'}."
+        ) from error

@@ -1,53 +1,126 @@
-"""Everything that a scene can hold, as plain arrays: checked, converted and frozen when it is made."""
+"""The camera, and all objects that a scene can contain, made of validated and immutable arrays.
 
+Meshes from files are converted once to the arrays that are drawn.
+"""
+
+import re
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from io import BytesIO
+from math import pi, tan
+from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from course_lib.arrays import Bytes, Float32s, UInt32s
+from course_lib.arrays import Bytes, Float32s, Floats, Matrix, Reals, UInt32s, Vector
 from course_lib.errors import CourseError
-from course_lib.viewer.camera import Camera
+
+FAR = 1000.0  # [m]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A view of the scene, in the scene's own frame and [m]."""
+
+    # Position.
+    eye: Vector = (5.0, 5.0, 7.071068)
+    # Focal point, around which it orbits.
+    target: Vector = (0.0, 0.0, 0.0)
+    # Direction that is up in the image.
+    up: Vector = (0.0, 0.0, 1.0)
+    # Opening angle [rad]; 45 degrees in RViz.
+    vertical_fov: float = pi / 4
+    # Near clipping distance.
+    near: float = 0.01
+    # pixels per metre of a view without perspective; None for perspective
+    orthographic_scale: float | None = None
+    # offset of the focal point to the right of and below the image center, in image heights
+    shift: tuple[float, float] = (0.0, 0.0)
+    # Far clipping distance.
+    far: float = FAR
+
+    def __post_init__(self) -> None:
+        for name in ("eye", "target", "up"):
+            value = tuple(float(number) for number in getattr(self, name))
+            if len(value) != 3 or not np.isfinite(value).all():
+                raise CourseError(
+                    f"Camera({name}={value}) is not a point: expected three finite numbers (x, y, z)."
+                )
+            object.__setattr__(self, name, value)
+        if self.eye == self.target:
+            raise CourseError(
+                f"The camera's eye and target are both {self.eye}, so it has no viewing direction."
+            )
+
+    def view_matrix(self) -> Matrix:
+        """Return the transform from the scene to the camera (x right, y up, -z ahead), shape (4, 4)."""
+        ahead = _unit(np.subtract(self.target, self.eye))
+        side = np.cross(ahead, self.up)
+        # If the camera looks along `up`, any perpendicular direction can be up.
+        if np.linalg.norm(side) < 1e-6:
+            side = np.cross(ahead, (0.0, 1.0, 0.0) if abs(ahead[1]) < 0.9 else (1.0, 0.0, 0.0))
+        right = _unit(side)
+        rotation = np.stack([right, np.cross(right, ahead), -ahead])
+        transform_scene_to_camera = np.eye(4)
+        transform_scene_to_camera[:3, :3] = rotation
+        transform_scene_to_camera[:3, 3] = -rotation @ np.asarray(self.eye)
+        return transform_scene_to_camera
+
+    def pixels_per_metre(self, depth: Reals, height: int) -> Reals:
+        """Return the pixels per metre at depths in front of the eye, in an image of the given height."""
+        if self.orthographic_scale is not None:
+            return np.full_like(depth, self.orthographic_scale)
+        return 0.5 * height / tan(self.vertical_fov / 2) / depth
+
+
+def _unit(vector: Floats) -> Floats:
+    length: float = np.linalg.norm(vector).item()
+    return vector / length
 
 
 class ShapeError(CourseError):
-    """An array does not have the shape that its name asks for."""
+    """Raised for an array with an unexpected shape."""
 
 
-def checked(name: str, value: npt.ArrayLike, dtype: npt.DTypeLike, *shapes: tuple[int | None, ...]) -> Any:
-    """Return a read-only copy of an array that has one of the shapes (None stands for any length).
+def checked_array(
+    name: str, value: npt.ArrayLike, dtype: npt.DTypeLike, *shapes: tuple[int | None, ...]
+) -> Any:
+    """Return a read-only copy of an array of one of the given shapes, where None matches any length.
 
     Raises:
-        ShapeError: If it has none of them; the message shows both shapes.
+        ShapeError: It has none of them; the message has both shapes.
     """
     array = np.array(value, dtype=dtype)
-    if array.size == 0 and not shapes[0][0]:  # [] is an empty list of anything
+    # An empty list is treated as an array of the first shape.
+    if array.size == 0 and not shapes[0][0]:
         array = array.reshape(tuple(length or 0 for length in shapes[0]))
-    if array.shape not in shapes and not any(_fits(array.shape, shape) for shape in shapes):
+    if array.shape not in shapes and not any(
+        len(array.shape) == len(shape)
+        and all(w in (None, n) for n, w in zip(array.shape, shape, strict=True))
+        for shape in shapes
+    ):
         wanted = " or ".join(_shape_text(shape) for shape in shapes)
         raise ShapeError(f"{name} has shape {_shape_text(array.shape)}, expected {wanted}.")
     array.setflags(write=False)
     return array
 
 
-def floats(name: str, value: npt.ArrayLike, *shapes: tuple[int | None, ...]) -> Float32s:
-    """Check an array and keep it in single precision, as it is drawn."""
-    array: Float32s = checked(name, value, np.float32, *shapes)
+def float_array(name: str, value: npt.ArrayLike, *shapes: tuple[int | None, ...]) -> Float32s:
+    """Check an array, and convert it to single precision."""
+    array: Float32s = checked_array(name, value, np.float32, *shapes)
     return array
 
 
 def rgba(value: npt.ArrayLike, count: int | None = None) -> Float32s:
-    """Check RGBA, shape (4,), or also (count, 4), and keep it within 0..1; NaN becomes 0."""
+    """Check RGBA, shape (4,) or with `count` also (count, 4), and clip it to 0..1; NaN becomes 0."""
     shapes = ((4,),) if count is None else ((count, 4), (4,))
-    checked_rgba: Float32s = np.nan_to_num(floats("colors", value, *shapes)).clip(0, 1)
+    checked_rgba: Float32s = np.nan_to_num(float_array("colors", value, *shapes)).clip(0, 1)
     checked_rgba.setflags(write=False)
     return checked_rgba
-
-
-def _fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
-    return len(shape) == len(wanted) and all(w in (None, n) for n, w in zip(shape, wanted, strict=True))
 
 
 def _shape_text(shape: tuple[int | None, ...]) -> str:
@@ -57,37 +130,39 @@ def _shape_text(shape: tuple[int | None, ...]) -> str:
 Shape: TypeAlias = Literal["box", "sphere", "cylinder", "cone"]
 Spot: TypeAlias = Literal["square", "disc", "sphere", "box", "tile"]
 
-OPAQUE_FROM = 0.9998  # below this alpha RViz blends, and writes no depth
+# Below this alpha RViz blends, and writes no depth.
+OPAQUE_FROM = 0.9998
 
 
 class Solids:
-    """Many copies of one unit shape.
+    """Copies of one unit shape.
 
     Args:
-        shape: Unit box, sphere of diameter 1, or cylinder or cone of diameter 1 and height 1 along z; all
-            are centred on their origin, the tip of the cone points to +z.
+        shape: Unit box, sphere of diameter 1, or cylinder or cone of diameter 1 and height 1 along
+            z; all are centered at their origin, and the tip of the cone points to +z.
         placements: Affine transforms from the unit shape to the node, shape (N, 4, 4), [m].
-        colors: RGBA, 0 to 1, shape (N, 4), or (4,) for all of them.
+        colors: RGBA, 0 to 1, shape (N, 4), or (4,) for a single color.
         lit: Whether faces are shaded.
     """
 
     def __init__(self, shape: Shape, placements: ArrayLike, colors: ArrayLike, lit: bool = True) -> None:
         if shape not in get_args(Shape):
-            raise CourseError(f"Solids(shape={shape!r}): take one of {', '.join(get_args(Shape))}.")
+            raise CourseError(f"Solids(shape={shape!r}): expected one of {', '.join(get_args(Shape))}.")
         self.shape: Shape = shape
-        self.placements = floats("placements", placements, (None, 4, 4))
+        self.placements = float_array("placements", placements, (None, 4, 4))
         self.colors = rgba(colors, len(self.placements))
         self.lit = lit
 
 
 class Mesh:
-    """Triangles, seen from both sides.
+    """Two-sided triangles.
 
     Args:
         vertices: Shape (V, 3), [m].
-        faces: Corners of each triangle by index, shape (F, 3); None if each three vertices make one.
-        colors: RGBA, 0 to 1, shape (V, 4), or (4,) for all of them.
-        normals: Unit normals at the vertices, shape (V, 3); None gives each triangle its own.
+        faces: Triangles by index of their vertices, shape (F, 3); None if three consecutive
+            vertices form a triangle.
+        colors: RGBA, 0 to 1, shape (V, 4), or (4,) for a single color.
+        normals: Unit normals at the vertices, shape (V, 3); None uses the normal of each triangle.
         lit: Whether faces are shaded.
     """
 
@@ -99,26 +174,36 @@ class Mesh:
         normals: ArrayLike | None = None,
         lit: bool = True,
     ) -> None:
-        self.vertices = floats("vertices", vertices, (None, 3))
+        self.vertices = float_array("vertices", vertices, (None, 3))
         count = len(self.vertices)
-        self.faces = _faces(faces, count)
+        if faces is None:
+            if count % 3:
+                raise CourseError(f"A mesh without faces needs 3 vertices per triangle, there are {count}.")
+            faces = np.arange(count).reshape(-1, 3)
+        corners: UInt32s = checked_array("faces", faces, np.uint32, (None, 3))
+        if corners.size and corners.max() >= count:
+            raise CourseError(
+                f"A face of the mesh has the vertex index {corners.max()}, "
+                f"but the last vertex is {count - 1}."
+            )
+        self.faces = corners
         self.colors = rgba(colors, count)
-        self.normals = None if normals is None else floats("normals", normals, (count, 3))
+        self.normals = None if normals is None else float_array("normals", normals, (count, 3))
         self.lit = lit
 
 
 class Lines:
-    """Strips that turn their flat side to the camera, as RViz's billboard lines do.
+    """Flat strips that face the camera, like RViz's billboard lines.
 
     Args:
-        points: Shape (P, 3), [m]; joined one after the other, or, if not ``strip``, in pairs.
-        colors: RGBA, 0 to 1, shape (P, 4), or (4,) for all of them.
+        points: Shape (P, 3), [m]; each is joined to the next or, without ``strip``, in pairs.
+        colors: RGBA, 0 to 1, shape (P, 4), or (4,) for a single color.
         width: Width of the strip, [m]; 0 draws a line that is one pixel wide.
         strip: Whether each point is joined to the next.
     """
 
     def __init__(self, points: ArrayLike, colors: ArrayLike, width: float = 0.0, strip: bool = True) -> None:
-        self.points = floats("points", points, (None, 3))
+        self.points = float_array("points", points, (None, 3))
         if not strip and len(self.points) % 2:
             raise CourseError(f"Lines in pairs need an even number of points, there are {len(self.points)}.")
         self.colors = rgba(colors, len(self.points))
@@ -127,16 +212,16 @@ class Lines:
 
 
 class Points:
-    """Spots as RViz's point clouds have them: flat and turned to the camera, or along the node's axes.
+    """Spots as in RViz's point clouds: flat and facing the camera, or along the node's axes.
 
     Args:
         points: Shape (P, 3), [m].
-        colors: RGBA, 0 to 1, shape (P, 4), or (4,) for all of them.
-        size: Width and height, for boxes also depth, in [m], or in pixels.
+        colors: RGBA, 0 to 1, shape (P, 4), or (4,) for a single color.
+        size: Width and height (for boxes also depth) in [m] or in pixels.
         pixels: Whether the size is in pixels.
-        spot: What is drawn at each point; RViz's spheres are discs, darker at the rim; boxes
-            keep the node's axes, tiles lie in its xy plane.
-        grow: Whether the size is that at z = 1 m, and in proportion elsewhere.
+        spot: The shape drawn at each point. RViz's spheres are discs, darker at the rim; boxes keep
+            the node's axes, tiles are in its xy plane.
+        grow: Whether the size applies at z = 1 m and is proportional to z.
     """
 
     def __init__(
@@ -148,7 +233,7 @@ class Points:
         spot: Spot = "square",
         grow: bool = False,
     ) -> None:
-        self.points = floats("points", points, (None, 3))
+        self.points = float_array("points", points, (None, 3))
         self.colors = rgba(colors, len(self.points))
         self.size = (*map(float, size), 0.0)[:3]
         self.pixels = pixels
@@ -157,13 +242,13 @@ class Points:
 
 
 class Text:
-    """Words that face the camera, at the origin of their node.
+    """Text that faces the camera, at the origin of its node.
 
     Args:
-        text: May have several lines.
+        text: The text, which may have several lines.
         height: Height of a capital letter, [m].
         color: RGBA, 0 to 1, shape (4,).
-        below: Whether all of it is below the origin in the picture; else it is centred there.
+        below: Whether the text is below the origin in the image, instead of centered at it.
     """
 
     def __init__(
@@ -176,34 +261,34 @@ class Text:
 
 
 class Sheet:
-    """Cells in the xy plane of its node, the first one at the origin; nothing shades them.
+    """Cells in the xy plane of a node, the first one at the origin, without shading.
 
-    What lies in the same plane is seen on it.
+    Other objects in the same plane are drawn over it.
 
     Args:
-        cells: Numbers of their colours, shape (rows, columns); rows go along y.
+        cells: Color indices, shape (rows, columns); rows are along y.
         colors: Shape (256, 4).
-        width: Of a cell in [m].
-        behind: Whether it is behind everything, wherever it is.
+        width: Width of a cell [m].
+        behind: Whether it is drawn behind everything else.
     """
 
     def __init__(self, cells: ArrayLike, colors: ArrayLike, width: float, behind: bool = False) -> None:
-        self.cells: Bytes = checked("cells", cells, np.uint8, (None, None))
+        self.cells: Bytes = checked_array("cells", cells, np.uint8, (None, None))
         self.colors = rgba(colors, 256)
         self.width = float(width)
         self.behind = behind
 
 
 class Inset:
-    """A picture in a corner of the view, in front of everything, wherever its node is.
+    """An image in a corner of the view, in front of the scene; the position of its node is irrelevant.
 
     Args:
         pixels: RGB, 0..255, shape (rows, columns, 3).
-        aspect: Width of what is shown through its height.
-        camera: Draws the scene from there over the picture; None shows the picture alone.
-        behind: Whether the picture is behind the scene; else the scene's background is.
-        over: How much of the picture covers the scene, 0..1.
-        hidden: Paths of nodes that this camera does not see.
+        aspect: Width divided by height of the displayed image.
+        camera: The camera that draws the scene over the image; None shows only the image.
+        behind: Whether the image is behind the scene, instead of the background color.
+        over: Opacity of the image over the scene, 0..1.
+        hidden: Paths of nodes that this camera does not draw.
     """
 
     def __init__(
@@ -215,7 +300,7 @@ class Inset:
         over: float = 0.0,
         hidden: tuple[str, ...] = (),
     ) -> None:
-        self.pixels: Bytes = checked("pixels", pixels, np.uint8, (None, None, 3))
+        self.pixels: Bytes = checked_array("pixels", pixels, np.uint8, (None, None, 3))
         rows, columns = self.pixels.shape[:2]
         self.aspect = float(aspect or columns / max(rows, 1))
         self.camera = camera
@@ -225,26 +310,112 @@ class Inset:
 
 
 class MeshcatObject:
-    """An object that only three.js can draw, as the meshcat package describes it.
+    """An object that only three.js can draw, in meshcat's description.
 
     Args:
         json: three.js's JSON of the object, with its geometries and materials.
+        stand_in: What is drawn in its place into a picture; None if nothing is alike.
     """
 
-    def __init__(self, json: Mapping[str, Any]) -> None:
+    def __init__(self, json: Mapping[str, Any], stand_in: "Mesh | None" = None) -> None:
         self.json = json
+        self.stand_in = stand_in
 
 
 Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | Sheet | Inset | MeshcatObject
 
 
-def _faces(faces: ArrayLike | None, count: int) -> UInt32s:
-    """Return the corners of all triangles, shape (F, 3)."""
-    if faces is None:
-        if count % 3:
-            raise CourseError(f"A mesh without faces needs 3 vertices per triangle, there are {count}.")
-        faces = np.arange(count).reshape(-1, 3)
-    corners: UInt32s = checked("faces", faces, np.uint32, (None, 3))
-    if corners.size and corners.max() >= count:
-        raise CourseError(f"A face of the mesh names vertex {corners.max()}, the last one is {count - 1}.")
-    return corners
+# A mesh of trimesh, and the transform from it to the file's frame.
+Part: TypeAlias = tuple[Any, Matrix]
+
+FORMATS = ("dae", "stl", "obj")
+
+# Material bindings of a DAE file. pycollada drops parts with a broken material, RViz does not.
+_PAINT = re.compile(rb"<bind_material>.*?</bind_material>", re.S)
+# Color of a file without colors.
+_PLAIN = np.array([0.7, 0.7, 0.7, 1.0], np.float32)
+
+
+class MeshFileError(CourseError):
+    """Raised for a mesh file that cannot be read."""
+
+
+def load_mesh(path: Path) -> Mesh:
+    """Read a DAE, STL or OBJ file. As in RViz, its unit is applied, but not its up axis.
+
+    Raises:
+        MeshFileError: It is not such a file, or is damaged.
+    """
+    try:
+        return parse_mesh(path.read_bytes(), path.suffix.lstrip(".").lower(), folder=path.parent)
+    except (OSError, MeshFileError) as error:
+        raise MeshFileError(f"{path}: {error}") from error
+
+
+@lru_cache(maxsize=128)
+def parse_mesh(
+    data: bytes, file_format: str, color: tuple[float, ...] | None = None, folder: Path | None = None
+) -> Mesh:
+    """Parse the content of a file, see `load_mesh`; textures are read from the folder.
+
+    `color` is a single RGBA color; None uses the file's materials, or gray if it has none.
+    """
+    # Imported here because it is slow to load.
+    from trimesh.units import unit_conversion
+
+    if file_format not in FORMATS:
+        raise MeshFileError(
+            f"{file_format!r} is not a supported mesh format; use one of {', '.join(FORMATS)}."
+        )
+    try:
+        scene, parts = _read(data, file_format, folder)
+        if not parts and _PAINT.search(data):
+            scene, parts = _read(_PAINT.sub(b"", data), file_format, folder)
+        unit = unit_conversion(scene.units or "meters", "meters")  # [m]
+    except Exception as error:
+        # trimesh's readers can raise any exception for a damaged file.
+        raise MeshFileError(f"This is not a readable {file_format.upper()} file: {error}") from error
+    if not any(len(mesh.faces) for mesh, _ in parts):
+        raise MeshFileError(f"This is not a readable {file_format.upper()} file: it has no triangles.")
+    meshes = [mesh for mesh, _ in parts]
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    # Normals from the file are in the cache; otherwise trimesh would compute them.
+    smooth = all("vertex_normals" in mesh._cache for mesh in meshes)
+    return Mesh(
+        np.concatenate([mesh.vertices @ place[:3, :3].T + place[:3, 3] for mesh, place in parts]) * unit,
+        np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]),
+        np.concatenate([_colors(mesh) for mesh in meshes]) if color is None else color,
+        np.concatenate([_normals(mesh, place) for mesh, place in parts]) if smooth else None,
+    )
+
+
+def _read(data: bytes, file_format: str, folder: Path | None) -> tuple[Any, list[Part]]:
+    """Return trimesh's scene, and its meshes with their transforms to the file's frame."""
+    import trimesh
+    from trimesh.resolvers import FilePathResolver
+
+    textures = FilePathResolver(str(folder)) if folder else None
+    scene: Any = trimesh.load_scene(BytesIO(data), file_type=file_format, resolver=textures)
+    placed = (scene.graph[node] for node in scene.graph.nodes_geometry)
+    parts = [(scene.geometry[name], place) for place, name in placed]
+    return scene, [(mesh, place) for mesh, place in parts if isinstance(mesh, trimesh.Trimesh)]
+
+
+def _normals(mesh: Any, transform_mesh_to_file: Matrix) -> Matrix:
+    """Return unit normals at a mesh's vertices, shape (V, 3), after a transform that may scale."""
+    turned = mesh.vertex_normals @ np.linalg.pinv(transform_mesh_to_file[:3, :3])
+    normals: Matrix = turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-12)
+    return normals
+
+
+def _colors(part: Any) -> Float32s:
+    """Return the colors of a part's vertices, shape (V, 4): vertex colors, or the material's color."""
+    visual, colors = part.visual, _PLAIN
+    if visual.kind == "texture" and getattr(visual.material, "image", None) and visual.uv is not None:
+        # The colors are sampled from the texture.
+        visual = visual.to_color()
+    if visual.kind == "vertex":
+        colors = visual.vertex_colors / np.float32(255)
+    elif visual.kind == "texture":
+        colors = visual.material.main_color / np.float32(255)
+    return np.broadcast_to(colors, (len(part.vertices), 4))

@@ -1,31 +1,50 @@
-"""Scenes as msgpack for a page, with arrays as meshcat's own decoder reads them."""
+"""The format of all messages between Python and a page.
 
+Scenes are msgpack, with arrays in the extension types of meshcat's own decoder. Other messages are
+JSON; in Python they are subclasses of `Message`, which msgspec encodes, decodes and checks.
+"""
+
+from collections.abc import Mapping
+from math import isfinite
 from typing import Any
 
 import msgpack
+import msgspec
 import numpy as np
 
-from course_lib.arrays import AnyArray, Float32s
+from course_lib.arrays import Float32s
+from course_lib.errors import CourseError
 from course_lib.viewer.drawables import Drawable, Inset, MeshcatObject, Sheet, Solids, Text
+from course_lib.viewer.renderer import rasterize
 from course_lib.viewer.scene import Node, Scene, What
-from course_lib.viewer.text import rasterized
 
-_UINT8, _UINT32, _FLOAT32 = 0x12, 0x16, 0x17  # meshcat's msgpack extension types
+# meshcat's msgpack extension types.
+_UINT8, _UINT32, _FLOAT32 = 0x12, 0x16, 0x17
 
 
 def pack(value: Any) -> bytes:
-    """Write plain values, arrays and meshcat's packed arrays as msgpack."""
-    packed: bytes = msgpack.packb(value, default=_extended)
+    """Encode plain values, arrays and meshcat's packed arrays as msgpack."""
+    packed: bytes = msgpack.packb(value, default=_encode_value)
     return packed
 
 
 def snapshot(scene: Scene) -> bytes:
-    """Write a whole scene as one batch."""
-    return pack(whole(scene))
+    """Encode a whole scene as one batch."""
+    return pack(scene_batch(scene))
 
 
-def whole(scene: Scene) -> dict[str, Any]:
-    """Return the batch that makes a scene out of nothing."""
+def still(scene: Scene) -> bytes:
+    """Encode a whole scene for one picture, replacing objects whose textures a page loads later."""
+    batch = scene_batch(scene)
+    for command in batch["commands"]:
+        node = scene.find(command["path"]) if command["type"] == "object" else None
+        if node is not None and isinstance(node.object, MeshcatObject) and node.object.stand_in is not None:
+            command["object"] = _fields_of(node.object.stand_in)
+    return pack(batch)
+
+
+def scene_batch(scene: Scene) -> dict[str, Any]:
+    """Return the batch that creates a scene."""
     with scene.lock:
         batch = commands(scene, "background", "") + commands(scene, "camera", "")
         moved = []
@@ -41,7 +60,7 @@ def whole(scene: Scene) -> dict[str, Any]:
 
 
 def placements(nodes: list[Node]) -> dict[str, Any]:
-    """Write where nodes are; a node that is nowhere (not a number) stays where it was."""
+    """Return the transforms of nodes. A node whose transform is not finite is not moved."""
     matrices = np.array([node.matrix for node in nodes], np.float32).reshape(-1, 4, 4)
     somewhere = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
     if len(somewhere) < len(nodes):
@@ -50,32 +69,36 @@ def placements(nodes: list[Node]) -> dict[str, Any]:
 
 
 def commands(scene: Scene, what: What, path: str) -> list[dict[str, Any]]:
-    """Write the present value of one thing in the scene."""
+    """Return the commands that set the present value of one item of the scene."""
     node = scene.find(path)
     if what == "delete":
         return [{"type": "delete", "path": path}]
-    if what == "background":
-        return [{"type": "background", "color": scene.background}]
+    if what in ("background", "look"):
+        look = {} if scene.look == "RViz" else {"look": scene.look}
+        return [{"type": "background", "color": scene.background, **look}]
     if what == "camera":
         return [{"type": "camera", **vars(scene.camera)}]
     if what == "animation" and scene.animation is not None:
         return [{"type": "animation", **scene.animation}]
     if what == "object" and node is not None and node.object is not None:
-        return [{"type": "object", "path": path, "object": _described(node.object)}]
+        return [{"type": "object", "path": path, "object": _fields_of(node.object)}]
     if what == "visible" and node is not None:
         return [{"type": "visible", "path": path, "value": node.visible}]
     return []
 
 
 def columns(matrices: Float32s) -> Float32s:
-    """Return the upper three rows of affine matrices, column by column, shape (N, 4, 3)."""
+    """Return the upper three rows of affine matrices in column-major order, shape (N, 4, 3)."""
     return np.ascontiguousarray(matrices[:, :3].transpose(0, 2, 1))
 
 
-def _extended(value: Any) -> Any:
-    """Write what msgpack does not know; meshcat's umsgpack.Ext is recognized by its two fields."""
+def _encode_value(value: Any) -> Any:
+    """Encode values that msgpack does not support. meshcat's umsgpack.Ext is recognized by its two fields."""
     if isinstance(value, np.ndarray):
-        return _packed_array(value)
+        for dtype, code in ((np.float32, _FLOAT32), (np.uint32, _UINT32), (np.uint8, _UINT8)):
+            if value.dtype == dtype:
+                return msgpack.ExtType(code, value.tobytes())
+        return value.tolist()
     if isinstance(value, np.generic):
         return value.item()
     if hasattr(value, "type") and hasattr(value, "data"):
@@ -83,15 +106,8 @@ def _extended(value: Any) -> Any:
     raise TypeError(f"A scene cannot hold {value!r}.")
 
 
-def _packed_array(array: AnyArray) -> Any:
-    for dtype, code in ((np.float32, _FLOAT32), (np.uint32, _UINT32), (np.uint8, _UINT8)):
-        if array.dtype == dtype:
-            return msgpack.ExtType(code, array.tobytes())
-    return array.tolist()
-
-
-def _described(thing: Drawable) -> dict[str, Any]:
-    """Name the kind of an object and list its fields, as the page's builders read them."""
+def _fields_of(thing: Drawable) -> dict[str, Any]:
+    """Return the kind and the fields of an object, as the page's builders read them."""
     if isinstance(thing, MeshcatObject):
         return {"kind": "meshcat", "json": thing.json}
     fields = dict(vars(thing))
@@ -100,7 +116,10 @@ def _described(thing: Drawable) -> dict[str, Any]:
     if isinstance(thing, Solids):
         fields["placements"] = columns(thing.placements)
     if isinstance(thing, Text):
-        fields.update(_glyphs(thing))
+        glyphs = rasterize(thing.text)
+        rows, cols = glyphs.mask.shape
+        size = thing.height / glyphs.pixels_per_height  # [m] per pixel
+        fields.update(mask=glyphs.mask, rows=rows, columns=cols, pixel=size)
     if isinstance(thing, Sheet):
         fields.update(rows=thing.cells.shape[0], columns=thing.cells.shape[1])
     if isinstance(thing, Inset):
@@ -109,8 +128,53 @@ def _described(thing: Drawable) -> dict[str, Any]:
     return {"kind": type(thing).__name__.lower(), **fields}
 
 
-def _glyphs(text: Text) -> dict[str, Any]:
-    glyphs = rasterized(text.text)
-    rows, cols = glyphs.mask.shape
-    size = text.height / glyphs.pixels_per_height  # [m] per pixel
-    return {"mask": glyphs.mask, "rows": rows, "columns": cols, "pixel": size}
+# The fields of every message of a page, which `PageLink` reads.
+ENVELOPE = frozenset({"type", "page", "number"})
+
+
+class Message(msgspec.Struct, frozen=True, rename="camel", omit_defaults=True, forbid_unknown_fields=True):
+    """Base class of the JSON messages between Python and a page; fields have JavaScript's names there."""
+
+
+class MessageError(CourseError):
+    """Raised for a message of a page that does not match its class."""
+
+
+def to_json(message: Message) -> dict[str, Any]:
+    """Return a message as JSON values, without fields that have their defaults."""
+    content: dict[str, Any] = msgspec.to_builtins(message, enc_hook=_plain_number)
+    return content
+
+
+def from_json(kind: Any, content: Mapping[str, Any]) -> Any:
+    """Build a message from the JSON values of a page.
+
+    Args:
+        kind: A class of messages, or a union of such classes.
+        content: The values; those of the envelope are left out.
+
+    Raises:
+        MessageError: If a field is missing, unknown or of another type; names it.
+    """
+    given = {name: value for name, value in content.items() if name not in ENVELOPE}
+    if not _is_finite(given):
+        raise MessageError(f"The page sent {str(given)[:200]}: expected numbers that are finite.")
+    try:
+        return msgspec.convert(given, kind)
+    except msgspec.ValidationError as error:
+        raise MessageError(f"The page sent {str(given)[:200]}: {error}.") from None
+
+
+def _is_finite(value: Any) -> bool:
+    """Return whether JSON values hold neither NaN nor an infinite number."""
+    if isinstance(value, Mapping):
+        return all(map(_is_finite, value.values()))
+    if isinstance(value, list):
+        return all(map(_is_finite, value))
+    return not isinstance(value, float) or isfinite(value)
+
+
+def _plain_number(value: Any) -> Any:
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise NotImplementedError(f"{type(value).__name__} is not sent to a page")

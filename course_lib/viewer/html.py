@@ -1,26 +1,106 @@
-"""Scenes as web pages that need nothing but themselves."""
+"""Scenes as self-contained web pages."""
 
 import base64
 import gzip
+import hashlib
+import json
+import re
+from functools import cache
 from html import escape
+from importlib.util import find_spec
 from pathlib import Path
 
-from course_lib.viewer import assets, encoding
-from course_lib.viewer.film import Film
-from course_lib.viewer.scene import Scene, described
+from course_lib.errors import CourseError
+from course_lib.viewer import encoding
+from course_lib.viewer.scene import Scene, describe_scene
+from course_lib.viewer.scene_recording import SceneRecording
+
+# The JavaScript modules, each after the modules that it imports.
+_MODULES = (
+    "decode", "encode", "icons", "materials", "quality", "coarse", "studio", "surfaces", "billboards",
+    "orbit", "insets", "labels", "mirror", "renderer", "panels/parts", "view", "panels/time",
+    "panels/editors", "panels/tree", "panels/gestures", "panels/panels", "panels/desk", "panels/place",
+    "film", "player", "link", "page", "socket",
+)  # fmt: skip
+_FOLDER = Path(__file__).parent / "js"
+
+# Defines `module` for meshcat's bundle, and hides a RequireJS that the page may have loaded.
+_SCRIPT = b"""\
+globalThis["%(key)s"] ??= (() => {
+const MeshCat = ((module, exports, define) => { %(meshcat)s
+return module.exports; }).call(globalThis, { exports: {} }, {}, undefined);
+const { THREE } = MeshCat;
+%(ours)s
+return { Link, follow, mount, mountAll, picture, unpacked };
+})();
+"""
+
+
+def bundle() -> tuple[str, str]:
+    """Return the global name of the viewer in a page, and the script that defines it."""
+    key, zipped = _build_bundle()
+    return key, gzip.decompress(zipped).decode()
+
+
+def bundle_name() -> str:
+    """Return the global name of the viewer in a page."""
+    return _build_bundle()[0]
+
+
+def bundle_zipped() -> bytes:
+    """Return the compressed script."""
+    return _build_bundle()[1]
+
+
+@cache
+def _build_bundle() -> tuple[str, bytes]:
+    """Return the name and the compressed script; uncompressed it would take 2 MB of each kernel."""
+    style = json.dumps((_FOLDER / "panels" / "desk.css").read_text("utf-8"))
+    scripts = [f"const DESK_STYLE = {style};"]
+    for name in _MODULES:
+        # All modules form one function, so their imports and exports are removed. Comments and
+        # indentation are removed because each page with a view holds the script.
+        text = re.sub(r"/\*\*.*?\*/", "", (_FOLDER / f"{name}.js").read_text("utf-8"), flags=re.S)
+        text = re.sub(r"^\s*//.*\n| +// .*$", "", text, flags=re.M)
+        text = re.sub(r"^import [^;]*;$", "", text, flags=re.M)
+        scripts.append(re.sub(r"^(export |[ \t]+)", "", text, flags=re.M))
+    # Importing meshcat would take a second, and its script as a string would take twice the memory.
+    package = find_spec("meshcat")
+    if package is None or package.origin is None:
+        raise CourseError("The package meshcat is missing: pip install meshcat==0.3.2")
+    meshcat = (Path(package.origin).parent / "viewer" / "dist" / "main.min.js").read_bytes()
+    ours = "\n".join(scripts).encode()
+    key = "__courseViewer_" + hashlib.sha256(meshcat + ours).hexdigest()[:12]
+    script = _SCRIPT % {b"key": key.encode(), b"meshcat": meshcat, b"ours": ours}
+    return key, gzip.compress(script, 9, mtime=0)
+
+
+@cache
+def widget_module() -> str:
+    """Return the module of a widget, which loads the script."""
+    return (_FOLDER / "widget.js").read_text("utf-8").replace("__KEY__", bundle_name())
+
 
 _PAGE = """\
 <!doctype html>
 <html lang="en">
 <meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
 <link rel="icon" href="data:,">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
 <style>html, body {{ margin: 0; height: 100%; background: rgb{background} }}</style>
 {fragment}
-{script}
+<script>{script}</script>
 </html>
 """
+
+# Only scripts of the kit can run, identified by their hashes, whatever a student's text contains,
+# and nothing is loaded. In a page with scenes, the viewer needs eval to unpack itself.
+_POLICY = (
+    "default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; img-src data: blob:; "
+    "font-src data:; connect-src {connect}; base-uri 'none'; form-action 'none'"
+)
 
 _FRAGMENT = """\
 <div class="course-scene" style="height:{height};overflow:hidden" data-label="{words}" data-alone="{alone}">\
@@ -44,49 +124,73 @@ _CODE = """\
 """
 
 
-def save_html(scene: Scene | Film, path: str | Path, title: str = "3D view") -> Path:
-    """Write one page that shows a scene, or plays a film, also offline and from a file."""
-    fragment = scene_fragment(scene, height="100%", label=title, alone=True)
-    shown = scene.scene if isinstance(scene, Film) else scene
-    background = str(shown.background)
-    page = _PAGE.format(title=escape(title), background=background, fragment=fragment, script=bundle_script())
+def save_html(scene: Scene | SceneRecording, path: str | Path, title: str = "3D view") -> Path:
+    """Write a page that shows a scene, or plays a recording, and works offline and as a local file."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page, encoding="utf-8")
+    path.write_text(static_page(scene, title), encoding="utf-8")
     return path
 
 
-def scene_fragment(
-    scene: Scene | Film, *, height: str = "300px", label: str = "3D view", alone: bool = False
+def static_page(scene: Scene | SceneRecording, title: str = "3D view") -> str:
+    """Return the text of such a page."""
+    fragment = scene_fragment(scene, height="100%", label=title, alone=True)
+    shown = scene.scene if isinstance(scene, SceneRecording) else scene
+    background = str(shown.background)
+    return _page(title, background, fragment, bundle_code())
+
+
+def content_policy(
+    *scripts: str, has_scenes: bool = True, loads_viewer: bool = False, connect: str = "'none'"
 ) -> str:
-    """Return the element that shows a scene in a page; `bundle_script` comes once, after the last one.
+    """Return the Content-Security-Policy of a page, which also applies to a page opened as a file.
 
     Args:
-        scene: What to show as it is now, or what to play; then a time bar is below.
-        height: In any of CSS's units.
-        label: What it is; for those who cannot see it, a list of what is drawn follows.
-        alone: Whether the wheel may zoom without a click before, as nothing else needs it.
+        scripts: The exact texts of its script elements.
+        has_scenes: Whether the viewer runs in it.
+        loads_viewer: Whether these scripts load the viewer from another file.
+        connect: Where scripts may connect to.
     """
-    packed = scene.packed() if isinstance(scene, Film) else encoding.snapshot(scene)
+    hashes = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts]
+    allowed = [f"'sha256-{one}'" for one in hashes]
+    allowed += ["'unsafe-eval'"] * has_scenes + ["'strict-dynamic'"] * loads_viewer
+    return _POLICY.format(scripts=" ".join(allowed) or "'none'", connect=connect)
+
+
+def _page(title: str, background: object, fragment: str, script: str, connect: str = "'none'") -> str:
+    policy = content_policy(script, connect=connect)
+    return _PAGE.format(
+        title=escape(title), background=background, fragment=fragment, script=script, policy=policy
+    )
+
+
+def scene_fragment(
+    scene: Scene | SceneRecording, *, height: str = "300px", label: str = "3D view", alone: bool = False
+) -> str:
+    """Return the element that shows a scene in a page; put `bundle_code` once after the last one.
+
+    Args:
+        scene: A scene to show in its current state, or a recording to play with a time bar.
+        height: A CSS length.
+        label: A name for screen readers; a list of the drawn objects is appended.
+        alone: Whether the wheel zooms without a previous click, because nothing else in the page
+            needs it.
+    """
+    packed = scene.packed() if isinstance(scene, SceneRecording) else encoding.snapshot(scene)
     zipped = base64.b64encode(gzip.compress(packed, 6, mtime=0)).decode()
-    words = escape(described(scene.scene if isinstance(scene, Film) else scene, label))
+    words = escape(describe_scene(scene.scene if isinstance(scene, SceneRecording) else scene, label))
     return _FRAGMENT.format(
         height=height, label=escape(label), words=words, alone=str(alone).lower(), scene=zipped
     )
 
 
 def live_page(title: str) -> str:
-    """Return a page that follows the scene of the program that it comes from, over a WebSocket."""
-    script = bundle_script('(viewer) => viewer.follow(document.querySelector("main"))')
-    return _PAGE.format(title=escape(title), background=Scene().background, fragment=_MAIN, script=script)
-
-
-def bundle_script(start: str = MOUNT_ALL) -> str:
-    """Return the element that starts all scenes of a page."""
-    return f"<script>\n{bundle_code(start)}</script>"
+    """Return a page that shows the scene of the serving program, over a WebSocket."""
+    script = bundle_code('(viewer) => viewer.follow(document.querySelector("main"))')
+    return _page(title, Scene().background, _MAIN, script, connect="'self' ws: wss:")
 
 
 def bundle_code(start: str = MOUNT_ALL) -> str:
-    """Return what that element does, for pages that share one file of it; `start` is given the viewer."""
-    zipped = base64.b64encode(assets.bundle_zipped()).decode()
-    return _CODE.format(zipped=zipped, key=assets.bundle_name(), start=start)
+    """Return the script that starts all scenes of a page. `start` is a function that is given the viewer."""
+    zipped = base64.b64encode(bundle_zipped()).decode()
+    return _CODE.format(zipped=zipped, key=bundle_name(), start=start)

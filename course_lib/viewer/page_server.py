@@ -1,4 +1,4 @@
-"""A scene as a page of its own, on 127.0.0.1 or behind a JupyterHub's proxy."""
+"""A scene as a separate page, on 127.0.0.1 or behind the proxy of a JupyterHub."""
 
 import asyncio
 import json
@@ -16,32 +16,33 @@ from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketHandler
 
 from course_lib.errors import CourseError
-from course_lib.foreign import read_json
-from course_lib.surroundings import address, hub_prefix, need_way_out
+from course_lib.host import address, hub_prefix, require_reachable_page
+from course_lib.third_party import read_json
 from course_lib.viewer.html import live_page
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
 
-_MAX_MESSAGE = 64 << 20  # bytes; a picture that a page sends may be large
+# In bytes. A picture that a page sends may be large.
+_MAX_MESSAGE = 64 << 20
 
 
 class Guarded(RequestHandler):
-    """Base of the handlers: only requests with this host and token are answered.
+    """Base class of handlers that respond only to requests with the right host and token.
 
-    The token is in the path: a cookie would go to every port of this machine, whoever listens there.
-    Behind a hub's proxy the host is the hub's name; no browser of this machine can be tricked.
+    The token is in the path, because a cookie would be sent to every port of this machine. Behind a
+    hub's proxy the host is the hub's name, and DNS rebinding is not possible.
     """
 
     port: int
     token: str
 
     def prepare(self) -> None:
-        """Refuse a wrong host or token."""
+        """Reject a wrong host or token."""
         names = {f"{name}:{self.port}" for name in ("127.0.0.1", "localhost")}
         here = self.request.host in names or hub_prefix() is not None
         token = self.path_args[0] if self.path_args else ""
         if not here or not secrets.compare_digest(token.encode(), self.token.encode()):
-            raise HTTPError(403, reason="Open the address that was printed, with its token")
+            raise HTTPError(403, reason="Open the printed URL, including its token")
         self.set_header("Cache-Control", "no-store")
         self.set_header("Referrer-Policy", "no-referrer")
 
@@ -52,31 +53,33 @@ class _SceneHandler(Guarded):
 
 
 class PageHandler(_SceneHandler):
-    """The handler of the page itself."""
+    """Serves the page itself."""
 
     def get(self, _: str) -> None:
-        """Answer GET."""
+        """Respond to GET."""
         self.finish(live_page(self.server.title))
 
 
 class SocketHandler(_SceneHandler, WebSocketHandler):
-    """The WebSocket of one open page; a message is JSON, a line end and the buffers."""
+    """The WebSocket of one open page. A message consists of JSON, a newline and the buffers."""
 
-    page: str | None = None  # how the page calls itself
+    # The page's id.
+    page: str | None = None
 
     def check_origin(self, origin: str) -> bool:
-        """Refuse connections from other pages."""
-        return urlsplit(origin).netloc == self.request.host  # a hub's scheme is that of its front
+        """Reject connections from other pages."""
+        # The scheme may differ behind a hub's proxy.
+        return urlsplit(origin).netloc == self.request.host
 
     def open(self, *_: str, **__: str) -> None:
-        """Begin with the whole scene."""
+        """Send the whole scene."""
         number, snapshot = self.server.link.snapshot()
         hello = {"type": "reset", "number": number, "label": self.server.title}
-        self.write_message(framed(hello, [snapshot]), binary=True)
+        self.write_message(frame_message(hello, [snapshot]), binary=True)
         self.server.sockets.add(self)
 
     def on_message(self, message: str | bytes) -> None:
-        """Handle a message of the page."""
+        """Handle a message from the page."""
         try:
             content = read_json(message)
         except ValueError:
@@ -87,40 +90,40 @@ class SocketHandler(_SceneHandler, WebSocketHandler):
             self.server.link.receive(content)
 
     def on_close(self) -> None:
-        """Forget the page."""
+        """Remove the page."""
         self.server.sockets.discard(self)
         if self.page is not None:
             self.server.link.receive({"type": "views", "page": self.page, "count": 0})
 
 
-def framed(content: dict[str, Any], buffers: list[bytes]) -> bytes:
-    """Write a message as one piece."""
+def frame_message(content: dict[str, Any], buffers: list[bytes]) -> bytes:
+    """Encode a message and its buffers as one byte string."""
     head = json.dumps(content | {"sizes": [len(buffer) for buffer in buffers]}).encode()
     return b"\n".join([head, b"".join(buffers)])
 
 
 def bound(port: int) -> list[socket.socket]:
-    """Bind a port of this machine; 0 is a free one.
+    """Bind a port of this machine; 0 selects a free one.
 
     Raises:
-        CourseError: The port cannot be had.
+        CourseError: The port is not available.
     """
     try:
         return bind_sockets(port, "127.0.0.1")
     except (OSError, OverflowError) as error:
-        said = f"Port {port} cannot be had: {error}. Take another one, or 0 for any."
-        raise CourseError(said) from None
+        message = f"Port {port} is not available: {error}. Choose another one, or 0 for any."
+        raise CourseError(message) from None
 
 
 class PageServer:
-    """A server of a scene to the browsers of this machine, until it is closed or its process ends.
+    """Serves a scene to the browsers of this machine, until it is closed or its process ends.
 
     Args:
-        scene: What the page shows.
-        title: The page's title, and the view's name for those who cannot see it.
-        port: Where to listen; 0 lets the system choose a free one.
-        token: The secret part of the address; None makes one up.
-        turn: Entered while what a page has said is dealt with.
+        scene: The scene to show.
+        title: The title of the page, and the view's name for screen readers.
+        port: The port; 0 lets the system choose a free one.
+        token: The secret part of the URL; None generates one.
+        turn: Context manager around the handling of messages from pages.
     """
 
     def __init__(
@@ -135,7 +138,7 @@ class PageServer:
         self.port = port
         self.token = token or secrets.token_urlsafe(24)
         self.link = PageLink(scene, self._send, turn)
-        self.sockets: set[SocketHandler] = set()  # the open pages
+        self.sockets: set[SocketHandler] = set()
         self._listening: list[socket.socket] = []
         self._ended = asyncio.Event()
         self._closed = False
@@ -143,21 +146,21 @@ class PageServer:
 
     @property
     def url(self) -> str:
-        """The address of the page, with its secret."""
+        """The URL of the page, including its token."""
         return address(self.port, f"{self.token}/")
 
     def listen(self) -> None:
-        """Bind the port; the address is known from now on.
+        """Bind the port, so that the URL is known.
 
         Raises:
-            CourseError: The port cannot be had, or no browser would reach it.
+            CourseError: The port is not available, or browsers could not reach it.
         """
-        need_way_out()
+        require_reachable_page()
         self._listening = bound(self.port)
         self.port = self._listening[0].getsockname()[1]
 
     def start(self) -> None:
-        """Listen, and serve in a thread of its own from now on."""
+        """Bind the port, and serve in a thread."""
         self.listen()
         threading.Thread(target=lambda: asyncio.run(self.serve()), name="page", daemon=True).start()
 
@@ -169,9 +172,10 @@ class PageServer:
             self._loop.call_soon_threadsafe(self._ended.set)
 
     async def serve(self) -> None:
-        """Serve where it listens, until it is closed or this is cancelled."""
+        """Serve until it is closed or cancelled."""
         self._loop = asyncio.get_running_loop()
-        if self._closed:  # before the loop was there to be told
+        # The server may have been closed before this loop existed.
+        if self._closed:
             self._ended.set()
         handlers = (("", PageHandler), ("socket", SocketHandler))
         routes = [(rf"/([^/]*)/{name}", handler, {"server": self}) for name, handler in handlers]
@@ -189,7 +193,7 @@ class PageServer:
     def _send(self, content: dict[str, Any], buffers: list[bytes]) -> None:
         """Send to all pages, from any thread."""
         if self._loop is not None and not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._broadcast, framed(content, buffers))
+            self._loop.call_soon_threadsafe(self._broadcast, frame_message(content, buffers))
 
     def _broadcast(self, message: bytes) -> None:
         for page in tuple(self.sockets):

@@ -1,4 +1,4 @@
-"""Pictures of a scene: by Chromium or Chrome where one is found, else by numpy."""
+"""Images of a scene, rendered by Chromium or Chrome if available, else by numpy."""
 
 import base64
 import contextlib
@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -14,7 +15,8 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from course_lib.errors import CourseError
-from course_lib.viewer import assets, encoding, zbuffer
+from course_lib.viewer import encoding, html
+from course_lib.viewer.renderer import draw
 from course_lib.viewer.scene import Scene
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
@@ -25,7 +27,7 @@ _PLACES = (
     r"C:\Program Files (x86)\Microsoft\Edge\Application\msedge.exe",
 )
 
-# Software GL, as machines without a screen have no other; nothing is fetched and nothing reported.
+# Machines without a screen have only software GL. All network requests and reports are disabled.
 FLAGS = [
     "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-component-update",
@@ -35,22 +37,22 @@ FLAGS = [
 
 @cache
 def find_browser() -> str | None:
-    """Return the browser's program, or None."""
+    """Return the path of a browser, or None."""
     found = [shutil.which(name) for name in _NAMES] + [place for place in _PLACES if Path(place).exists()]
     return next((program for program in found if program), None)
 
 
 def dump_dom(program: str, page: str, timeout: float) -> str:
-    """Load a page, let its scripts run, and return what became of it.
+    """Load a page, let its scripts run, and return the resulting DOM as text.
 
     Args:
         program: See `find_browser`.
-        page: The page's text; scripts must be done when it has loaded.
-        timeout: When to give up, in [s].
+        page: The text of the page; its scripts must finish while it loads.
+        timeout: The timeout [s].
 
     Raises:
-        TimeoutError: If the browser took longer; it has been ended.
-        OSError: If it cannot be started.
+        TimeoutError: The browser took longer and was killed.
+        OSError: It cannot be started.
     """
     with tempfile.TemporaryDirectory(prefix="course-", ignore_cleanup_errors=True) as folder:
         path = Path(folder, "scene.html")
@@ -66,45 +68,54 @@ def dump_dom(program: str, page: str, timeout: float) -> str:
         try:
             return process.communicate(timeout=timeout)[0].decode("utf-8", "replace")
         except subprocess.TimeoutExpired:
-            raise TimeoutError(f"{program} did not draw within {timeout:g} s.") from None
+            raise TimeoutError(f"{program} did not finish within {timeout:g} s.") from None
         finally:
-            _end(process)
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End the browser with all its helpers."""
-    if os.name == "posix":
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-    else:
-        process.kill()
-    process.wait()
+            # Kill the browser with all its helper processes.
+            if os.name == "posix":
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)
+            else:
+                process.kill()
+            process.wait()
 
 
 Renderer: TypeAlias = Literal["page", "chromium", "numpy"]
 
 _TIMEOUT = 60.0  # [s]
 
-# Nothing in this page waits, so that it is done when it has loaded.
+# Nothing in this page is asynchronous, so it is complete when it has loaded.
 _PAGE = """\
-<!doctype html><meta charset="utf-8"><body><script>%(script)s</script><script>
-document.body.dataset.picture = globalThis["%(key)s"].picture("%(scene)s", %(width)d, %(height)d);
-</script>"""
+<!doctype html><meta charset="utf-8"><meta http-equiv="Content-Security-Policy" content="%(policy)s">
+<body><script>%(script)s</script><script>%(start)s</script>"""
+_START = 'document.body.dataset.picture = globalThis["%(key)s"].picture("%(scene)s", %(width)d, %(height)d);'
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of a scene."""
+    """An image of a scene."""
 
-    png: bytes  # the file's content
-    renderer: Renderer  # what drew it
-    note: str = ""  # why it was not drawn by a browser, or ""
+    # Content of the file.
+    png: bytes
+    # The program that rendered it.
+    renderer: Renderer
+    # Reason for not using a browser, or "".
+    note: str = ""
 
     def save(self, path: str | Path) -> None:
-        """Write the file, and the folder that it lies in."""
+        """Write the file, and create its folder."""
         path = Path(path)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(self.png)
+
+    def _repr_png_(self) -> bytes:
+        """Return the PNG, to display it below a notebook cell."""
+        return self.png
+
+    def __repr__(self) -> str:
+        # The width and height follow the signature and the head of a PNG file's first chunk.
+        width, height = struct.unpack_from(">II", self.png, 16)
+        note = f" ({self.note})" if self.note else ""
+        return f"<Picture of {width} x {height} pixels, drawn by {self.renderer}{note}>"
 
 
 def screenshot(
@@ -113,40 +124,38 @@ def screenshot(
     size: tuple[int, int] = (800, 600),
     renderer: Literal["auto", "chromium", "numpy"] = "auto",
 ) -> Picture:
-    """Draw a scene as it is now, into a PNG of a size in pixels.
+    """Render the current state of a scene as a PNG with a size in pixels.
 
-    "auto" takes Chromium or Chrome where found, and numpy if there is none or it fails.
+    "auto" uses Chromium or Chrome if available, and numpy if there is none or if it fails.
 
     Raises:
-        CourseError: If "chromium" was asked for and could not draw.
+        CourseError: "chromium" was requested and failed.
     """
     if renderer == "numpy":
-        picture = Picture(zbuffer.draw(scene, size), "numpy")
+        picture = Picture(draw(scene, size), "numpy")
     else:
         try:
-            picture = Picture(_by_browser(scene, size), "chromium")
-        except (CourseError, OSError) as error:  # TimeoutError is an OSError
+            picture = Picture(_draw_in_browser(scene, size), "chromium")
+        # TimeoutError is an OSError.
+        except (CourseError, OSError) as error:
             if renderer == "chromium":
-                raise CourseError(f"{error} Take renderer='numpy', which needs no browser.") from error
-            picture = Picture(zbuffer.draw(scene, size), "numpy", note=str(error))
+                raise CourseError(f"{error} Use renderer='numpy', which needs no browser.") from error
+            picture = Picture(draw(scene, size), "numpy", note=str(error))
     if path is not None:
         picture.save(path)
     return picture
 
 
-def _by_browser(scene: Scene, size: tuple[int, int]) -> bytes:
+def _draw_in_browser(scene: Scene, size: tuple[int, int]) -> bytes:
     program = find_browser()
     if program is None:
         raise CourseError("No Chromium or Chrome was found on this machine.")
-    key, script = assets.bundle()
-    page = _PAGE % {
-        "script": script.replace("</script", r"<\\/script"),
-        "key": key,
-        "scene": base64.b64encode(encoding.snapshot(scene)).decode(),
-        "width": size[0],
-        "height": size[1],
-    }
+    key, script = html.bundle()
+    script = script.replace("</script", r"<\\/script")
+    packed = base64.b64encode(encoding.still(scene)).decode()
+    start = _START % {"key": key, "scene": packed, "width": size[0], "height": size[1]}
+    page = _PAGE % {"policy": html.content_policy(script, start), "script": script, "start": start}
     found = re.search(r'data-picture="data:image/png;base64,([^"]+)"', dump_dom(program, page, _TIMEOUT))
     if found is None:
-        raise CourseError(f"{program} came back without a picture: is WebGL switched off?")
+        raise CourseError(f"{program} returned no image: is WebGL disabled?")
     return base64.b64decode(found[1])

@@ -1,10 +1,18 @@
-"""meshcat's Visualizer and its window, drawing into a scene, with no server and no page of its own."""
+"""meshcat's interface to a scene: its Visualizer, its window, and its objects as drawables.
 
-from collections.abc import Callable, Mapping
+Code for meshcat draws into a scene of this kit, without a server. Objects with an equivalent
+drawable are converted, so that pages and images agree; the page's three.js draws the others. A page
+loads the images of textures a little later, but a screenshot cannot wait: there, a textured mesh
+becomes triangles with colored vertices, fine enough to show the texture.
+"""
+
+import base64
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from io import BytesIO
 from math import atan, radians, tan
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import meshcat
 import numpy as np
@@ -12,60 +20,366 @@ import numpy.typing as npt
 from meshcat.path import Path
 from PIL import Image
 
-from course_lib.arrays import Floats, Matrix
+from course_lib.arrays import Float32s, Floats, Matrix
 from course_lib.errors import CourseError
-from course_lib.viewer.camera import Camera
-from course_lib.viewer.meshcat_objects import drawable_of, recolored
+from course_lib.viewer.drawables import (
+    Camera,
+    Drawable,
+    Lines,
+    Mesh,
+    MeshcatObject,
+    Points,
+    Shape,
+    Solids,
+    Text,
+    float_array,
+    parse_mesh,
+    rgba,
+)
+from course_lib.viewer.html import static_page
 from course_lib.viewer.picture import screenshot
-from course_lib.viewer.scene import Scene, described
+from course_lib.viewer.scene import Scene, describe_scene
 
-_HEIGHT = 400.0  # [px] of a view, for cameras that say how many metres fit into it
-_AHEAD = np.array([0.0, 1.0, 0.0])  # direction of a camera whose target is its own position
+Json: TypeAlias = Mapping[str, Any]
+# Vertices, shape (V, 3), texture coordinates, shape (V, 2), and faces, shape (F, 3).
+Surface: TypeAlias = tuple[Floats, Floats, Floats]
+
+# The number of steps along each side of a surface.
+_STEPS = 48
+_PREFIX = "base64,"
+# three.js's wrappings of a texture coordinate: repeated, clamped, mirrored.
+_WRAPPINGS: Mapping[int, Callable[[Floats], Floats]] = {
+    1000: lambda at: at % 1.0,
+    1001: lambda at: np.clip(at, 0.0, 1.0),
+    1002: lambda at: 1.0 - np.abs(at % 2.0 - 1.0),
+}
+
+
+def textured_mesh(
+    json: Json, geometry: Json, material: Json, color: Float32s, transform: Matrix
+) -> Mesh | None:
+    """Return a mesh colored by its texture, or None without a texture or for other geometries.
+
+    Args:
+        json: The object, with its textures and images.
+        geometry: The geometry of the object.
+        material: The material of the object.
+        color: The material's RGBA, which multiplies the texture.
+        transform: The transform from the geometry to the object's node, shape (4, 4).
+    """
+    surface = _SURFACES.get(str(geometry.get("type")))
+    texture: Json = next((one for one in json.get("textures", ()) if one["uuid"] == material.get("map")), {})
+    image: Json = next((one for one in json.get("images", ()) if one["uuid"] == texture.get("image")), {})
+    url = str(image.get("url", ""))
+    if surface is None or not url.startswith("data:image/") or _PREFIX not in url:
+        return None
+    try:
+        with Image.open(BytesIO(base64.b64decode(url.partition(_PREFIX)[2]))) as picture:
+            pixels = np.asarray(picture.convert("RGBA"), dtype=float) / 255
+    except Exception:
+        # Image decoders can raise any exception for a damaged file.
+        return None
+    vertices, coordinates, faces = surface(geometry)
+    if not len(vertices):
+        return None
+    # The colors of the image at the texture coordinates, where v points up.
+    repeat = np.asarray(texture.get("repeat", (1, 1)), float)
+    wraps = [_WRAPPINGS.get(int(wrap), _WRAPPINGS[1001]) for wrap in texture.get("wrap", (1001, 1001))]
+    u, v = (wrap(coordinates[:, axis] * repeat[axis]) for axis, wrap in enumerate(wraps))
+    rows, columns = pixels.shape[:2]
+    row = np.minimum(((1.0 - v) * rows).astype(int), rows - 1)
+    colors = pixels[row, np.minimum((u * columns).astype(int), columns - 1)] * color
+    if not material.get("transparent"):
+        colors[:, 3] = 1.0
+    placed = vertices @ transform[:3, :3].T + transform[:3, 3]
+    return Mesh(placed, faces, colors, lit=material.get("type") != "MeshBasicMaterial")
+
+
+def _grid(place: Callable[[Floats, Floats], Floats]) -> Surface:
+    """Return a surface over u and v from 0 to 1; `place` computes its points, shape (V, 3)."""
+    u, v = (part.ravel() for part in np.meshgrid(*[np.linspace(0, 1, _STEPS + 1)] * 2))
+    corner = (np.arange(_STEPS)[:, None] * (_STEPS + 1) + np.arange(_STEPS)).ravel()
+    right, up = corner + 1, corner + _STEPS + 1
+    faces = np.concatenate([np.column_stack([corner, right, up]), np.column_stack([right, up + 1, up])])
+    return place(u, v), np.column_stack([u, v]), faces
+
+
+def _join(*surfaces: Surface) -> Surface:
+    starts = np.cumsum([0, *(len(vertices) for vertices, _, _ in surfaces[:-1])])
+    return (
+        np.concatenate([vertices for vertices, _, _ in surfaces]),
+        np.concatenate([coordinates for _, coordinates, _ in surfaces]),
+        np.concatenate([faces + start for (_, _, faces), start in zip(surfaces, starts, strict=True)]),
+    )
+
+
+def _box(box: Json) -> Surface:
+    """Return six sides, each with the whole image, oriented like three.js's BoxGeometry."""
+    half = np.array([box["width"], box["height"], box["depth"]], float) / 2
+    # The axes of u, v and of the side, with their directions; v points up in the picture.
+    sides = (
+        (2, -1, 1, 1, 0, 1), (2, 1, 1, 1, 0, -1), (0, 1, 2, -1, 1, 1),
+        (0, 1, 2, 1, 1, -1), (0, 1, 1, 1, 2, 1), (0, -1, 1, 1, 2, -1),
+    )  # fmt: skip
+
+    def side(u_axis: int, u_sign: int, v_axis: int, v_sign: int, axis: int, sign: int) -> Surface:
+        def place(u: Floats, v: Floats) -> Floats:
+            points = np.empty((len(u), 3))
+            points[:, u_axis] = (2 * u - 1) * half[u_axis] * u_sign
+            points[:, v_axis] = (2 * v - 1) * half[v_axis] * v_sign
+            points[:, axis] = half[axis] * sign
+            return points
+
+        return _grid(place)
+
+    return _join(*(side(*one) for one in sides))
+
+
+def _sphere(ball: Json) -> Surface:
+    def place(u: Floats, v: Floats) -> Floats:
+        around, down = 2 * np.pi * u, np.pi * (1 - v)
+        directions = [-np.cos(around) * np.sin(down), np.cos(down), np.sin(around) * np.sin(down)]
+        points: Floats = np.column_stack(directions) * ball["radius"]
+        return points
+
+    return _grid(place)
+
+
+def _cylinder_surface(cylinder: Json) -> Surface:
+    top, bottom, height = (float(cylinder[name]) for name in ("radiusTop", "radiusBottom", "height"))
+
+    def wall(u: Floats, v: Floats) -> Floats:
+        radius, around = bottom + (top - bottom) * v, 2 * np.pi * u
+        return np.column_stack([radius * np.sin(around), (v - 0.5) * height, radius * np.cos(around)])
+
+    def cap(radius: float, sign: float) -> Surface:
+        points, polar, faces = _grid(
+            lambda u, v: np.column_stack(
+                [
+                    radius * v * np.sin(2 * np.pi * u),
+                    0 * u + sign * height / 2,
+                    radius * v * np.cos(2 * np.pi * u),
+                ]
+            )
+        )
+        around = 2 * np.pi * polar[:, 0]
+        flat = np.column_stack([np.cos(around), np.sin(around) * sign]) * polar[:, 1:] / 2 + 0.5
+        return points, flat, faces
+
+    return _join(_grid(wall), cap(top, 1.0), cap(bottom, -1.0))
+
+
+def _triangles(geometry: Json) -> Surface:
+    """Return the triangles of a BufferGeometry, subdivided into small ones. Without uv there are none."""
+    attributes = geometry["data"]["attributes"]
+    if "uv" not in attributes:
+        return np.empty((0, 3)), np.empty((0, 2)), np.empty((0, 3))
+    data = [np.frombuffer(attributes[name]["array"].data, np.float32) for name in ("position", "uv")]
+    points, coordinates = data[0].reshape(-1, 3), data[1].reshape(-1, 2)
+    index = geometry["data"].get("index")
+    order = np.arange(len(points)) if index is None else np.frombuffer(index["array"].data, np.uint32)
+    corners = order.reshape(-1, 3)
+    steps = int(np.clip(np.sqrt(50_000 / max(len(corners), 1)), 1, _STEPS))
+    # The points that subdivide a triangle, as weights of its corners, and the small triangles.
+    pairs = [(i, j) for i in range(steps + 1) for j in range(steps + 1 - i)]
+    number = {pair: index for index, pair in enumerate(pairs)}
+    weights = np.array([(steps - i - j, i, j) for i, j in pairs], float) / steps
+    upright = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in pairs if i + j < steps]
+    inverted = [
+        (number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in pairs if i + j < steps - 1
+    ]
+    faces = np.array(upright + inverted)
+    many = (np.einsum("wc,fcx->fwx", weights, part[corners]) for part in (points, coordinates))
+    vertices, places = (part.reshape(-1, part.shape[-1]) for part in many)
+    starts = np.arange(len(corners)) * len(weights)
+    return vertices, places, (starts[:, None, None] + faces).reshape(-1, 3)
+
+
+_SURFACES: Mapping[str, Callable[[Json], Surface]] = {
+    "BoxGeometry": _box,
+    "PlaneGeometry": lambda plane: _grid(
+        lambda u, v: np.column_stack(
+            [(u - 0.5) * float(plane.get("width", 1)), (v - 0.5) * float(plane.get("height", 1)), 0 * u]
+        )
+    ),
+    "SphereGeometry": _sphere,
+    "CylinderGeometry": _cylinder_surface,
+    "BufferGeometry": _triangles,
+}
+
+
+# meshcat's msgpack extensions.
+_TYPES = {0x12: np.uint8, 0x15: np.int32, 0x16: np.uint32, 0x17: np.float32}
+# The axis of three.js's cylinders is y.
+_TRANSFORM_UP_TO_Y = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+
+
+def drawable_of(json: Json) -> Drawable:
+    """Convert an object of meshcat. Objects without an equivalent are left to the page's three.js.
+
+    Boxes, spheres, cylinders, triangles, points, lines and mesh files have an equivalent, unless
+    they have textures or are wire frames.
+    """
+    thing = json["object"]
+    geometry, material = _resolve(json, "geometry", "geometries"), _resolve(json, "material", "materials")
+    # meshcat stores the matrix column by column.
+    transform_geometry_to_node = np.reshape(thing.get("matrix", np.eye(4)), (4, 4)).T
+    file = thing if thing["type"] == "_meshfile_object" else geometry
+    special = material.get("map") or material.get("wireframe") or file.get("resources")
+    if str(file.get("type", "")).startswith("_meshfile") and not special:
+        content = file["data"].encode() if isinstance(file["data"], str) else bytes(file["data"].data)
+        color = tuple(_color(material).tolist()) if material else None
+        return _transform_drawable(parse_mesh(content, file["format"], color), transform_geometry_to_node)
+    lit = material.get("type") != "MeshBasicMaterial"
+    if thing["type"] == "Mesh" and geometry.get("type") in _SOLIDS and not special:
+        shape, transform_unit_to_geometry = _SOLIDS[geometry["type"]](geometry)
+        placement = transform_geometry_to_node @ transform_unit_to_geometry
+        return Solids(shape, [placement], _color(material), lit)
+    if thing["type"] in _BUFFERS and geometry.get("type") == "BufferGeometry" and not special:
+        attributes = geometry["data"]["attributes"]
+        colors = _colors(attributes, material)
+        drawn = _BUFFERS[thing["type"]](_array(attributes["position"]), colors, geometry["data"], material)
+        return _transform_drawable(drawn, transform_geometry_to_node)
+    if thing["type"] != "Mesh" or not material.get("map"):
+        return MeshcatObject(json, None)
+    return MeshcatObject(
+        json, textured_mesh(json, geometry, material, _color(material), transform_geometry_to_node)
+    )
+
+
+def _resolve(json: Json, field: str, library: str) -> Json:
+    """Return the entry of `library` whose uuid is in the object's `field`, or {} if there is none."""
+    wanted = json["object"].get(field)
+    return next((part for part in json.get(library, ()) if part["uuid"] == wanted), {})
+
+
+def recolor(thing: Drawable, color: Sequence[float]) -> Drawable:
+    """Return the same object in a single color, RGBA in 0..1."""
+    if isinstance(thing, MeshcatObject):
+        red, green, blue, alpha = (round(255 * part) for part in color)
+        paint = {"color": red << 16 | green << 8 | blue, "opacity": alpha / 255, "transparent": alpha < 255}
+        materials = [{**material, **paint} for material in thing.json.get("materials", ())]
+        return drawable_of({**thing.json, "materials": materials})
+    other = copy(thing)
+    setattr(other, "color" if isinstance(other, Text) else "colors", rgba(color))
+    return other
+
+
+def _color(material: Json) -> Float32s:
+    rgb = int(material.get("color", 0xFFFFFF))
+    alpha = float(material.get("opacity", 1)) if material.get("transparent") else 1.0
+    parts = [(rgb >> shift & 255) / 255 for shift in (16, 8, 0)]
+    return np.array([*parts, alpha], np.float32)
+
+
+def _colors(attributes: Json, material: Json) -> Float32s:
+    """Return the colors of the vertices if the material uses them, shape (V, 4), else its own color."""
+    color = _color(material)
+    if not material.get("vertexColors") or "color" not in attributes:
+        return color
+    rgb = _array(attributes["color"])
+    return np.column_stack([rgb, np.full(len(rgb), color[3])]).astype(np.float32)
+
+
+def _array(packed: Json) -> Any:
+    """Return an array of triples, shape (N, 3)."""
+    return np.frombuffer(packed["array"].data, _TYPES[packed["array"].type]).reshape(-1, 3)
+
+
+def _transform_drawable(drawn: Drawable, transform: Matrix) -> Drawable:
+    """Transform a mesh, points or lines."""
+    if np.array_equal(transform, np.eye(4)):
+        return drawn
+    other = copy(drawn)
+    field = "vertices" if isinstance(drawn, Mesh) else "points"
+    placed = getattr(drawn, field) @ transform[:3, :3].T + transform[:3, 3]
+    setattr(other, field, float_array(field, placed, (None, 3)))
+    if isinstance(other, Mesh):
+        # Normals are invalid after a transform with scaling.
+        other.normals = None
+    return other
+
+
+def _mesh(points: Float32s, colors: Float32s, data: Json, material: Json) -> Mesh:
+    lit = material.get("type") != "MeshBasicMaterial"
+    return Mesh(points, _array(data["index"]) if "index" in data else None, colors, lit=lit)
+
+
+def _points(points: Float32s, colors: Float32s, _: Json, material: Json) -> Points:
+    size = material.get("size", 0.001)  # [m]
+    return Points(points, colors, (size, size))
+
+
+_BUFFERS: dict[str, Callable[[Float32s, Float32s, Json, Json], Drawable]] = {
+    "Mesh": _mesh,
+    "Points": _points,
+    "Line": lambda points, colors, *_: Lines(points, colors),
+    "LineSegments": lambda points, colors, *_: Lines(points, colors, strip=False),
+}
+
+
+_SOLIDS: dict[str, Callable[[Json], tuple[Shape, Matrix]]] = {
+    "BoxGeometry": lambda box: ("box", np.diag([box["width"], box["height"], box["depth"], 1])),
+    "SphereGeometry": lambda ball: ("sphere", np.diag([2 * ball["radius"]] * 3 + [1])),
+    "CylinderGeometry": lambda geometry: (
+        "cylinder" if geometry["radiusTop"] else "cone",
+        _TRANSFORM_UP_TO_Y
+        @ np.diag([2 * geometry["radiusBottom"], 2 * geometry["radiusBottom"], geometry["height"], 1]),
+    ),
+}
+
+
+# View height assumed for cameras that specify their extent in metres [px].
+_HEIGHT = 400.0
+# Direction of a camera whose target is its own position.
+_AHEAD = np.array([0.0, 1.0, 0.0])
 
 
 class MeshcatCamera:
-    """The scene's camera behind meshcat's commands."""
+    """The scene's camera, controlled by meshcat's commands."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._transform_camera_to_scene: Matrix = np.eye(4)  # of the node /Cameras/default
+        # The transform of the node /Cameras/default.
+        self._transform_camera_to_scene: Matrix = np.eye(4)
 
     def place(self, transform_camera_to_scene: Matrix) -> None:
-        """Move the whole frame, with the eye and the target in it."""
+        """Move the camera's frame, including eye and target."""
         eye, target = self._local(self._scene.camera.eye), self._local(self._scene.camera.target)
         self._transform_camera_to_scene = transform_camera_to_scene
-        self._look(eye, target)
+        self._look_at(eye, target)
 
     def aim(self, target: npt.ArrayLike) -> None:
         """Look at a point in the frame, shape (3,), in [m]."""
-        self._look(self._local(self._scene.camera.eye), np.asarray(target, float))
+        self._look_at(self._local(self._scene.camera.eye), np.asarray(target, float))
 
     def set_property(self, name: str, value: Any) -> None:
         """Set the eye's position, with y up as in meshcat, or three.js's zoom, fov [deg] or near [m]."""
         camera = self._scene.camera
         if name == "position":
             x, up, minus_y = value
-            self._look(np.array([x, -minus_y, up], float), self._local(camera.target))
+            self._look_at(np.array([x, -minus_y, up], float), self._local(camera.target))
         elif name == "zoom":
-            self._scene.camera = replace(camera, vertical_fov=_zoomed(Camera.vertical_fov, value))
+            self._scene.camera = replace(camera, vertical_fov=_zoom_fov(Camera.vertical_fov, value))
         elif name == "fov":
             self._scene.camera = replace(camera, vertical_fov=radians(value))
         elif name == "near":
             self._scene.camera = replace(camera, near=float(value))
 
     def set_object(self, json: Mapping[str, Any]) -> None:
-        """Set the camera from one of three.js's."""
+        """Set the camera from a camera of three.js."""
         zoom = json.get("zoom", 1.0)
         if json["type"] == "OrthographicCamera":
             scale = _HEIGHT * zoom / (json["top"] - json["bottom"])
             self._scene.camera = replace(self._scene.camera, orthographic_scale=scale)
         else:
-            fov = _zoomed(radians(json["fov"]), zoom)
+            fov = _zoom_fov(radians(json["fov"]), zoom)
             camera = replace(self._scene.camera, vertical_fov=fov, near=json["near"], orthographic_scale=None)
             self._scene.camera = camera
 
-    def _look(self, eye: Floats, target: Floats) -> None:
-        if np.array_equal(eye, target):  # Pinocchio's disableCameraControl
+    def _look_at(self, eye: Floats, target: Floats) -> None:
+        # Pinocchio's disableCameraControl sets both to the same point.
+        if np.array_equal(eye, target):
             target = eye + _AHEAD
         rotation, origin = self._transform_camera_to_scene[:3, :3], self._transform_camera_to_scene[:3, 3]
         points = {"eye": rotation @ eye + origin, "target": rotation @ target + origin, "up": rotation[:, 2]}
@@ -78,16 +392,17 @@ class MeshcatCamera:
         return local
 
 
-def _zoomed(fov: float, zoom: float) -> float:
+def _zoom_fov(fov: float, zoom: float) -> float:
     return 2 * atan(tan(fov / 2) / zoom)
 
 
 _CAMERA = "Cameras/default"
-_FURNITURE = ("Lights", "Grid", "Axes")  # the first names of meshcat's own page, which is not there
+# Nodes of meshcat's own page, which this viewer lacks.
+_FURNITURE = ("Lights", "Grid", "Axes")
 
 
 class Command(Protocol):
-    """One of meshcat's commands."""
+    """A command of meshcat."""
 
     def lower(self) -> dict[str, Any]:
         """Return the command as plain values."""
@@ -103,24 +418,32 @@ class Window:
         self._camera = MeshcatCamera(scene)
         self.aim = self._camera.aim
         self._handlers: dict[str, Callable[[str, dict[str, Any]], None]] = {
-            "set_object": self._set_object,
+            "set_object": lambda path, command: (
+                self._camera.set_object(command["object"]["object"])
+                if path.startswith(_CAMERA)
+                else self.scene.set_object(path, drawable_of(command["object"]))
+            ),
             "set_transform": lambda path, command: self.place(path, np.reshape(command["matrix"], (4, 4)).T),
             "set_property": self._set_property,
-            "set_animation": self._set_animation,
+            "set_animation": lambda _, command: self.scene.set_animation(
+                {name: command[name] for name in ("animations", "options")}
+            ),
             "delete": lambda path, _: self.scene.delete(path),
         }
 
     def send(self, command: Command) -> None:
-        """Carry out a command.
+        """Execute a command.
 
         Raises:
-            CourseError: If the scene has nothing like it.
+            CourseError: The scene has no equivalent of the command.
         """
         lowered = command.lower()
         handler = self._handlers.get(lowered["type"])
         if handler is None:
             known = ", ".join(self._handlers)
-            raise CourseError(f"meshcat's command {lowered['type']!r} is not known here; these are: {known}.")
+            raise CourseError(
+                f"meshcat's command {lowered['type']!r} is not supported; supported commands: {known}."
+            )
         path = lowered["path"].strip("/")
         if not path.startswith(_FURNITURE):
             handler(path, lowered)
@@ -133,11 +456,15 @@ class Window:
             self.scene.set_transform(path, matrix)
 
     def get_image(self, width: int | None = None, height: int | None = None) -> Image.Image:
-        """Return a picture of the scene; sizes in pixels."""
+        """Return an image of the scene with a size in pixels."""
         return Image.open(BytesIO(screenshot(self.scene, size=(width or 800, height or 600)).png))
 
+    def get_scene(self) -> str:
+        """Return a page that shows the scene, for meshcat's `static_html` and `render_static`."""
+        return static_page(self.scene)
+
     def open(self) -> "Window":
-        """Do nothing: the page that shows the scene opens it."""
+        """Do nothing: the page that shows the scene is opened elsewhere."""
         return self
 
     def wait(self) -> str:
@@ -147,14 +474,8 @@ class Window:
     def close(self) -> None:
         """Do nothing: there is no server to stop."""
 
-    def _set_object(self, path: str, command: dict[str, Any]) -> None:
-        if path.startswith(_CAMERA):
-            self._camera.set_object(command["object"]["object"])
-        else:
-            self.scene.set_object(path, drawable_of(command["object"]))
-
     def _set_property(self, path: str, command: dict[str, Any]) -> None:
-        """Set what changes a picture; of three.js's many other properties none does."""
+        """Set a property that affects the picture; three.js's many other properties are ignored."""
         name, value = command["property"], command["value"]
         if path == "Background":
             if name == "top_color":
@@ -165,26 +486,27 @@ class Window:
             self.scene.set_visible(path, value)
         elif name in ("position", "quaternion", "scale"):
             node = self.scene.find(path)
-            self.scene.set_transform(path, _with(np.eye(4) if node is None else node.matrix, name, value))
+            self.scene.set_transform(
+                path, _replace_part(np.eye(4) if node is None else node.matrix, name, value)
+            )
         elif name == "color":
             for node in self.scene.node(path).subtree():
                 if node.object is not None:
-                    self.scene.set_object(node.path, recolored(node.object, value))
-
-    def _set_animation(self, path: str, command: dict[str, Any]) -> None:
-        self.scene.set_animation({name: command[name] for name in ("animations", "options")})
+                    self.scene.set_object(node.path, recolor(node.object, value))
 
 
-def _with(matrix: Matrix, name: str, value: npt.ArrayLike) -> Matrix:
-    """Change a transform's position [m], quaternion (x, y, z, w) or scale, and keep the other two."""
-    from meshcat.transformations import quaternion_matrix  # here: meshcat is slow to load
+def _replace_part(matrix: Matrix, name: str, value: npt.ArrayLike) -> Matrix:
+    """Replace a transform's position [m], quaternion (x, y, z, w) or scale, and keep the other two."""
+    # Imported here because meshcat is slow to load.
+    from meshcat.transformations import quaternion_matrix
 
     changed, numbers = matrix.copy(), np.asarray(value, float)
     scale = np.linalg.norm(matrix[:3, :3], axis=0)
     if name == "position":
         changed[:3, 3] = numbers
     elif name == "quaternion":
-        changed[:3, :3] = quaternion_matrix(np.roll(numbers, 1))[:3, :3] * scale  # its order: w, x, y, z
+        # meshcat's order is w, x, y, z.
+        changed[:3, :3] = quaternion_matrix(np.roll(numbers, 1))[:3, :3] * scale
     else:
         changed[:3, :3] = matrix[:3, :3] / np.where(scale, scale, 1) * numbers
     return changed
@@ -197,7 +519,8 @@ _IDENTITY = np.eye(4)
 class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no types
     """A meshcat.Visualizer that draws into a scene: ``MeshcatVisualizer.initViewer(viewer=...)``."""
 
-    __slots__ = ("place",)  # the path as the scene writes it
+    # The path as the scene writes it.
+    __slots__ = ("place",)
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(window=Window(scene))
@@ -205,7 +528,7 @@ class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no ty
 
     @staticmethod
     def view_into(window: Window, path: Path) -> "Visualizer":
-        """Return the part of the tree at a path."""
+        """Return a part of the tree."""
         part = Visualizer.__new__(Visualizer)
         part.window, part.path, part.place = window, path, "/".join(path.entries)
         return part
@@ -214,25 +537,26 @@ class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no ty
         return self.view_into(self.window, self.path.append(path))
 
     def set_transform(self, matrix: npt.ArrayLike = _IDENTITY) -> None:
-        """Place this part in its parent, by the transform from the one to the other, shape (4, 4), in [m]."""
+        """Set the transform from this part to its parent, shape (4, 4), in [m]."""
         self.window.place(self.place, matrix)
 
     def set_cam_pos(self, value: npt.ArrayLike) -> None:
-        """Put the camera's eye at a point (x, y, z) in [m], as meshcat 0.3.3 does."""
+        """Move the camera's eye to a point (x, y, z) in [m], like meshcat 0.3.3."""
         x, y, z = np.asarray(value, float)
         self[_CAMERA_OBJECT].set_property("position", [x, z, -y])
 
     def set_cam_target(self, value: npt.ArrayLike) -> None:
-        """Point the camera at (x, y, z), [m], as meshcat 0.3.3 does."""
+        """Point the camera at (x, y, z), [m], like meshcat 0.3.3."""
         self.window.aim(value)
 
     def get_image(self, w: int | None = None, h: int | None = None) -> Image.Image:
-        """Return a picture of the scene; sizes in pixels."""
+        """Return a picture of the scene with a size in pixels."""
         image: Image.Image = self.window.get_image(w, h)
         return image
 
     def jupyter_cell(self, height: int = 400) -> Any:
-        """Return a view for a cell; height in pixels."""
-        from course_lib.viewer.widget import SceneWidget  # here: heavy
+        """Return a view with a height [px], for the last line of a cell."""
+        # Imported here because it is slow to load.
+        from course_lib.viewer.widget import SceneWidget
 
-        return SceneWidget(self.window.scene, height, words=described(self.window.scene, "3D view"))
+        return SceneWidget(self.window.scene, height, words=describe_scene(self.window.scene, "3D view"))

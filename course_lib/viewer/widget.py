@@ -1,61 +1,125 @@
-"""A scene in a notebook's cell, over the kernel's own connection to the page."""
+"""A scene in a notebook cell, connected to the page through the kernel."""
 
 import base64
 import os
+import threading
 import uuid
 from collections.abc import Callable
+from io import BytesIO
 from typing import Any
 
 import anywidget
 import traitlets
 from IPython.core.getipython import get_ipython
 from ipywidgets import Widget
+from PIL import Image, ImageDraw, ImageFont
 
-from course_lib.viewer import assets, zbuffer
+from course_lib.viewer import html, renderer
 from course_lib.viewer.drawables import Mesh, Points, Solids
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
 
 
 class SidePanel:
-    """The panel of one widget, opened and closed as its pages ask: only they know what JupyterLab is.
+    """The panel next to the notebook, which shows one view of the kernel at a time.
 
-    Args:
-        widget: What the panel shows.
-        title: Of the panel's tab.
+    Pages request it, because they know whether they are JupyterLab. Their messages arrive in another thread.
     """
 
-    def __init__(self, widget: Widget, title: str) -> None:
-        self._widget, self._title = widget, title
+    def __init__(self) -> None:
+        # Whether the views of the next cells take the panel.
+        self.is_wanted = False
+        self._lock = threading.RLock()
+        # Widgets that were in the panel, or wait for it; the last one is to be shown.
+        self._docked: list[SceneWidget] = []
+        self._shown: SceneWidget | None = None
         self._panel: Widget | None = None
 
-    def take(self, order: dict[str, Any]) -> str:
-        """Open or close the panel; with `again` false, one that was opened before will do.
+    def take(self, widget: "SceneWidget") -> None:
+        """Have a widget, which a cell is about to show, take the panel, if the notebook uses one."""
+        with self._lock:
+            if self.is_wanted:
+                self._add(widget)
+                if self._panel is not None:
+                    self._show(widget)
 
-        Returns:
-            The panel's model, or "".
+    def receive(self, widget: "SceneWidget", order: dict[str, Any]) -> None:
+        """Execute the order of a page that shows a widget.
+
+        Its action is "open" (a new panel with this widget), "take" (an open panel shows this widget), "join"
+        (a panel opens with the last widget, unless there is one), "close", or "gone" (the reader has closed
+        the panel with this model).
         """
-        wanted = bool(order.get("open"))
-        if not wanted or order.get("again", True):
-            self.close()
-        if wanted and self._panel is None:
-            from sidecar import Sidecar  # here: most kernels never need it
-
-            view = {"version_major": 2, "version_minor": 0, "model_id": self._widget.model_id}
-            data = {"application/vnd.jupyter.widget-view+json": view}
-            shown = {"output_type": "display_data", "data": data, "metadata": {}}
-            self._panel = Sidecar(title=self._title, anchor="split-right", outputs=(shown,))
-        return "" if self._panel is None else str(self._panel.model_id)
+        action = order.get("action")
+        with self._lock:
+            if action == "close" or (action == "gone" and order.get("panel") == widget.panel):
+                self.close()
+            if action == "open":
+                self.is_wanted = True
+                self._remove_panel()
+            if action in ("open", "take") or (action == "join" and not self._docked):
+                self._add(widget)
+            if action in ("open", "take") or (action == "join" and self._panel is None):
+                self._show(self._docked[-1])
 
     def close(self) -> None:
-        """Remove the panel from the page."""
+        """Remove the panel from the page, and show the views in their cells from now on."""
+        with self._lock:
+            self.is_wanted = False
+            for widget in self._docked:
+                widget.beside = False
+            self._docked.clear()
+            self._remove_panel()
+
+    def forget(self, widget: "SceneWidget") -> None:
+        """Remove the panel if it shows a widget that is being closed."""
+        with self._lock:
+            if widget in self._docked:
+                self._docked.remove(widget)
+            if widget is self._shown:
+                self._remove_panel()
+
+    def _add(self, widget: "SceneWidget") -> None:
+        """Make a widget the last one."""
+        if widget in self._docked:
+            self._docked.remove(widget)
+        self._docked.append(widget)
+        widget.beside = True
+
+    def _show(self, widget: "SceneWidget") -> None:
+        if widget is self._shown:
+            return
+        view = {"version_major": 2, "version_minor": 0, "model_id": widget.model_id}
+        data = {"application/vnd.jupyter.widget-view+json": view}
+        outputs = ({"output_type": "display_data", "data": data, "metadata": {}},)
+        if self._shown is not None:
+            self._shown.panel = ""
+        if self._panel is None:
+            # Imported here because most kernels never need it.
+            from sidecar import Sidecar
+
+            self._panel = Sidecar(title=widget.label, anchor="split-right", outputs=outputs)
+        else:
+            self._panel.outputs = outputs
+        self._shown = widget
+        widget.panel = str(self._panel.model_id)
+
+    def _remove_panel(self) -> None:
+        if self._shown is not None:
+            self._shown.panel = ""
         if self._panel is not None:
             self._panel.close()
-            self._panel = None
+        self._shown = self._panel = None
 
 
-_PICTURE_WIDTH = 480  # [px] of the picture for pages that cannot show the scene itself
-_PICTURE_LIMIT = 200_000  # triangles; more take seconds to draw
+side_panel = SidePanel()
+
+# Width [px] of the picture for pages without scripts.
+_PICTURE_WIDTH = 480
+# The same text as in js/link.js.
+_CAPTION = "Picture of a 3D view. Run the cells in JupyterLab to bring it to life."
+# The maximum number of triangles; more take seconds to draw.
+_PICTURE_LIMIT = 200_000
 
 
 class _Code(anywidget.AnyWidget):
@@ -72,39 +136,52 @@ class SceneWidget(anywidget.AnyWidget):
         scene: What to show.
         height: Height of the view in [px]; its width is that of the cell.
         label: What the view shows, for those who cannot see it.
-        rest: The traits `film` and `panels` of a view at rest, and `words`.
+        rest: The traits `film`, `plays` and `panels` of a view at rest, and `words`.
     """
 
-    _esm = assets.widget_module()
+    _esm = html.widget_module()
     name = traitlets.Unicode().tag(sync=True)
     code = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int(400).tag(sync=True)
     label = traitlets.Unicode("3D view").tag(sync=True)
-    words = traitlets.Unicode().tag(sync=True)  # the label with what is drawn, where no panels tell it
-    beside = traitlets.Bool(False).tag(sync=True)  # JupyterLab shall show it beside the notebook
-    panel = traitlets.Unicode().tag(sync=True)  # the model that holds it there
-    film = traitlets.Bytes().tag(sync=True)  # what a view at rest plays
-    panels = traitlets.Unicode().tag(sync=True)  # what its panels show, as JSON
+    # Label and contents, for a view without panels.
+    words = traitlets.Unicode().tag(sync=True)
+    # Whether JupyterLab shows it, or another view of the notebook, in a side panel.
+    beside = traitlets.Bool(False).tag(sync=True)
+    # Model of the side panel, while it shows this widget.
+    panel = traitlets.Unicode().tag(sync=True)
+    # Recording of a frozen view.
+    film = traitlets.Bytes().tag(sync=True)
+    # Whether the recording plays repeatedly while it is in sight.
+    plays = traitlets.Bool(False).tag(sync=True)
+    # State of its panels, as JSON.
+    panels = traitlets.Unicode().tag(sync=True)
     snapshot = traitlets.Bytes().tag(sync=True)
     number = traitlets.Int().tag(sync=True)
 
-    def __init__(self, scene: Scene, height: int = 400, label: str = "3D view", **rest: bytes | str) -> None:
+    def __init__(
+        self, scene: Scene, height: int = 400, label: str = "3D view", **rest: bytes | str | bool
+    ) -> None:
         self.scene = scene
-        self._saved = -1  # number of the scene in the last state
-        self.keeps: object = None  # whatever must live as long as a page shows this
-        self.on_views: Callable[[int], None] = lambda count: (
-            None
-        )  # called with the number of views in all pages
+        # Number of the last saved scene.
+        self._saved = -1
+        # Object that is kept alive while a page shows the widget.
+        self.keeps: object = None
+        # Called with the number of views in all pages.
+        self.on_views: Callable[[int], None] = lambda count: None
         self.link = PageLink(scene, lambda content, buffers: self.send(content, buffers))
         self.link.on_views = lambda count: self.on_views(count)
-        shown = {"name": uuid.uuid4().hex, "code": _shared_code().model_id, "height": height, "label": label}
-        super().__init__(**shown, **rest)
-        self._panel = SidePanel(self, label)
-        self.link.listen("dock", self._dock)
+        global _code
+        if _code is None or _code.comm is None:
+            _code = _Code(code=html.bundle_zipped())
+        traits = {"name": uuid.uuid4().hex, "code": _code.model_id, "height": height, "label": label}
+        super().__init__(**traits, **rest)
+        self.link.listen("dock", lambda order: side_panel.receive(self, order))
         self.on_msg(lambda _, content, buffers: self.link.receive(content, buffers))
         self.comm.on_close(lambda _: self.close())
         if hasattr(self.comm, "_reply_subshell_for"):
-            # ipykernel 7.4 holds a page's messages back while a cell runs, JupyterLab's subshell or not.
+            # ipykernel 7.4 holds a page's messages back while a cell runs, JupyterLab's subshell or
+            # not.
             self.comm._reply_subshell_for = lambda data, default: default
         if "JPY_SESSION_NAME" in os.environ:
             # A page is open, but after a restart its messages wait for the running cell's end.
@@ -114,7 +191,7 @@ class SceneWidget(anywidget.AnyWidget):
             self._shell.events.register("post_run_cell", self._save)
 
     def get_state(self, key: Any = None, drop_defaults: bool = False) -> dict[str, Any]:
-        """Return the traits, with the scene as it is now: pages ask for them when they load."""
+        """Return the traits with the present scene. Pages request them when they load."""
         state: dict[str, Any] = super().get_state(key, drop_defaults)
         if "snapshot" in state or "number" in state:
             state["number"], state["snapshot"] = self.link.snapshot()
@@ -122,23 +199,20 @@ class SceneWidget(anywidget.AnyWidget):
         return state
 
     def flush(self) -> None:
-        """Send what has changed now, not with the next batch."""
+        """Send all changes now, without waiting for the next batch."""
         self.link.flush()
 
     def close(self) -> None:
         """Remove the views from all pages and stop following the scene."""
         self.link.close()
-        self._panel.close()
+        side_panel.forget(self)
         if self._shell is not None:
             self._shell.events.unregister("post_run_cell", self._save)
             self._shell = None
         super().close()
 
-    def _dock(self, order: dict[str, Any]) -> None:
-        self.panel = self._panel.take(order)
-
     def _save(self, _: object) -> None:
-        """Save the present scene in a notebook that runs without a page, as by nbconvert."""
+        """Save the present scene in a notebook that runs without a page, for example by nbconvert."""
         if not self.link.watched and self.link.snapshot()[0] != self._saved:
             self.send_state(["snapshot", "number"])
 
@@ -147,23 +221,28 @@ class SceneWidget(anywidget.AnyWidget):
         data, metadata = super()._repr_mimebundle_(**kwargs) or ({}, {})
         data["text/plain"] = f"{self.label}: {len(self.scene.objects())} objects"
         if _triangles(self.scene) <= _PICTURE_LIMIT:
-            png = zbuffer.draw(self.scene, (_PICTURE_WIDTH, self.height * _PICTURE_WIDTH // 800))
-            data["image/png"] = base64.b64encode(png).decode()
+            png = renderer.draw(self.scene, (_PICTURE_WIDTH, self.height * _PICTURE_WIDTH // 800))
+            data["image/png"] = base64.b64encode(_with_caption(png)).decode()
         return data, metadata
 
 
 _code: _Code | None = None
 
 
-def _shared_code() -> _Code:
-    global _code
-    if _code is None or _code.comm is None:
-        _code = _Code(code=assets.bundle_zipped())
-    return _code
+def _with_caption(png: bytes) -> bytes:
+    """Add a caption to a picture, which explains how to get the interactive view."""
+    picture = Image.open(BytesIO(png)).convert("RGB")
+    font = ImageFont.load_default(12)
+    whole = Image.new("RGB", (picture.width, picture.height + 20), "white")
+    whole.paste(picture, (0, 0))
+    ImageDraw.Draw(whole).text((4, picture.height + 3), _CAPTION, fill="black", font=font)
+    small = BytesIO()
+    whole.quantize(128).save(small, "png", optimize=True)
+    return small.getvalue()
 
 
 def _triangles(scene: Scene) -> int:
-    """Estimate how many triangles a picture has."""
+    """Estimate the number of triangles in a picture."""
     things = scene.objects().values()
     count = sum(len(thing.faces) for thing in things if isinstance(thing, Mesh))
     count += sum(2 * len(thing.points) for thing in things if isinstance(thing, Points))

@@ -31,7 +31,7 @@ SQUARE = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0)
 
 def steady(*content: Check, hz: float) -> tuple[Check, ...]:
     """Return checks of content for the whole scenario; the rate [Hz], stamps and frame are formal."""
-    always = expect_throughout(TOPIC).titled("published from beginning to end").worth(0)
+    always = expect_throughout(TOPIC, hz=hz).titled("published the whole time").worth(0)
     formal = (
         expect_frame(TOPIC, "map").titled("in the frame map"),
         expect_rate(TOPIC, hz).titled(f"{hz:g} times a second" if hz > 1 else "once a second"),
@@ -48,7 +48,8 @@ RED_CUBE = Task(
     hints=(
         "Which fields does a marker need to be visible? Look at section 2 of the lesson.",
         "The cube's edge is 1 m, so its centre is half an edge above the ground. Scales are lengths.",
-        "Set pose.position.z = 0.5, scale.x, scale.y and scale.z to 1.0, color.r = 1.0 and color.a = 0.8.",
+        "Set `pose.position.z = 0.5`, `scale.x = 1.0` and the other scales, `color.r = 1.0`, "
+        "and `color.a = 0.8`.",
     ),
     scenarios=(
         Scenario(
@@ -56,7 +57,7 @@ RED_CUBE = Task(
             seconds=6.0,  # [s]
             seed=1,
             checks=steady(
-                expect_marker(TOPIC, type="CUBE", scale=(1.0, 1.0, 1.0)).titled("a cube, 1 m large"),
+                expect_marker(TOPIC, type="CUBE", scale=(1.0, 1.0, 1.0)).titled("a cube with 1 m edges"),
                 expect_marker(TOPIC, position=(0.0, 0.0, 0.5)).titled("above the origin, on the ground"),
                 expect_marker(TOPIC, color=(*RED, 0.8)).titled("red, alpha 0.8"),
                 hz=1.0,
@@ -74,7 +75,7 @@ BLUE_CYLINDER = Task(
     hints=(
         "pose.position is the centre of the cylinder, not its lower end.",
         "scale.x and scale.y are diameters, scale.z is the height. Half of the height lies below the centre.",
-        "With HEIGHT as your height: pose.position.z = HEIGHT / 2 and scale.z = HEIGHT.",
+        "With your own height: `pose.position.z = height / 2` and `scale.z = height`.",
     ),
     scenarios=(
         Scenario(
@@ -107,7 +108,8 @@ TRAFFIC_LIGHT = Task(
     hints=(
         "Compare each line with the list in the task: the frame letter by letter, then place, alpha and id.",
         "Is the alpha of a new marker 1? Which of x, y and z points up? What if two markers share ns and id?",
-        "Set the frame to map, position.z = height, color.a = 1.0, and take id=number from enumerate(LAMPS).",
+        '`header.frame_id = "map"`, `pose.position.z = height`, `color.a = 1.0`, and `id=number` from '
+        "`enumerate(LAMPS)`.",
     ),
     scenarios=(
         Scenario(
@@ -145,7 +147,7 @@ PURPLE_CIRCLE = Task(
     hints=(
         "A point on a circle: x = r cos(angle), y = r sin(angle). What must change between two calls?",
         "math.cos takes radians. A full turn is 2 pi, and it takes 10 s at 10 calls a second.",
-        "Start with self.angle = 0.0; in every call use it, then add 2 * math.pi / 100 to it.",
+        "Start with `self.angle = 0.0`; use it in every call, then `self.angle += 2 * math.pi / 100`.",
     ),
     scenarios=(
         Scenario(
@@ -154,7 +156,7 @@ PURPLE_CIRCLE = Task(
             seed=1,
             checks=steady(
                 expect_marker(TOPIC, type="SPHERE", scale=(0.5, 0.5, 0.5), color=(*PURPLE, 1.0)).titled(
-                    "a purple sphere, 0.5 m large"
+                    "a purple sphere, 0.5 m in diameter"
                 ),
                 expect_circle(TOPIC, radius=2.0, height=0.5).titled(
                     "on a circle of radius 2 m, 0.5 m above the ground"
@@ -162,7 +164,7 @@ PURPLE_CIRCLE = Task(
                 expect_circle(TOPIC, radius=2.0, period=10.0, counter_clockwise=True).titled(
                     "counter-clockwise, one turn in 10 s"
                 ),
-                expect_marker_count(TOPIC, 1).worth(0.25).titled("one sphere, without a trail"),
+                expect_marker_count(TOPIC, 1).titled("one sphere, without a trail"),
                 hz=10.0,
             ),
         ),
@@ -179,6 +181,37 @@ PURPLE_CIRCLE = Task(
     ),
 )
 
+HEADING_ARROW = Task(
+    "week01.heading_arrow",
+    title="An arrow with your heading",
+    kind="node",
+    name="HeadingArrowNode",
+    hints=(
+        "A turn about z changes two of the four numbers of a quaternion. Which two? The lesson says it.",
+        "math.sin and math.cos take radians, and a quaternion holds half of the angle.",
+        "With your heading in radians: `orientation.z = math.sin(heading / 2)` and "
+        "`orientation.w = math.cos(heading / 2)`.",
+    ),
+    scenarios=(
+        Scenario(
+            "public",
+            seconds=6.0,  # [s]
+            seed=1,
+            checks=steady(
+                expect_marker(TOPIC, type="ARROW", yaw=my("heading", times=math.pi / 180)).titled(
+                    "the arrow points along your heading"
+                ),
+                expect_marker(TOPIC, type="ARROW", position=(0.0, 0.0, 0.5), scale=(1.5, 0.15, 0.15))
+                .worth(0.25)
+                .titled("1.5 m long, 0.5 m above the origin"),
+                hz=1.0,
+            ),
+        ),
+    ),
+    # [degrees]; at 90 a swap of z and w would go unnoticed.
+    personal={"heading": (40.0, 110.0, 150.0, -35.0, -70.0, -130.0)},
+)
+
 SQUARE_ROUTE = Task(
     "week01.square_route",
     title="Stretch: a closed square route",
@@ -187,7 +220,7 @@ SQUARE_ROUTE = Task(
     hints=(
         "A LINE_STRIP connects each point to the next one, and it doesn't close by itself.",
         "Points are geometry_msgs/msg/Point. The width of the line is scale.x; a width of 0 draws nothing.",
-        "Append the four corners to marker.points, then the first corner once more; scale.x = 0.05.",
+        "Append the four corners to marker.points, then the first corner once more; `scale.x = 0.05`.",
     ),
     scenarios=(
         Scenario(
@@ -214,4 +247,4 @@ SQUARE_ROUTE = Task(
     ),
 )
 
-TASKS = (RED_CUBE, BLUE_CYLINDER, PURPLE_CIRCLE, TRAFFIC_LIGHT, SQUARE_ROUTE)
+TASKS = (RED_CUBE, BLUE_CYLINDER, PURPLE_CIRCLE, TRAFFIC_LIGHT, HEADING_ARROW, SQUARE_ROUTE)

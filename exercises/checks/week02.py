@@ -63,7 +63,7 @@ JOINT_WAVE = Task(
                     expect_joint_states(NAMES, moving=True).titled("six names, six positions"),
                     expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25)
                     .titled("the shoulder swings by your amplitude, and first rises")
-                    .worth(2),
+                    .worth(4),
                     expect_joint_swing("elbow_joint", amplitude=0.5, hz=0.5).titled(
                         "the elbow swings by 0.5 rad"
                     ),
@@ -108,8 +108,8 @@ TOOL_PLACE = Task(
     name="tool_place",
     hints=(
         "Begin with np.eye(4). Each joint adds a shift, then a turn. How do you combine matrices?",
-        "In the loop: place = place @ shifted(shift) @ turned(axis, angle).",
-        "At the end, transform the tip: (place @ [*tip, 1.0])[:3].",
+        "In the loop: `place = place @ shifted(shift) @ turned(axis, angle)`.",
+        "At the end, transform the tip: `(place @ [*tip, 1.0])[:3]`.",
     ),
     scenarios=(
         Scenario(
@@ -173,8 +173,9 @@ MENDED_STATES = Task(
     ),
 )
 
+DELAY = 0.15  # [s] from the stamp of a scan to its arrival
 COUNTING = sum(ranges is not NOTHING for ranges in SCANS)
-AGAIN = expect_throughout("/nearest").titled("published again and again").worth(0)
+AGAIN = expect_throughout("/nearest", hz=2.0).titled("published again and again").worth(0)
 SPHERE = (
     expect_marker("/nearest", type="SPHERE", scale=(0.2, 0.2, 0.2), color=(1.0, 0.0, 0.0, 1.0))
     .titled("a red sphere of 0.2 m")
@@ -197,7 +198,7 @@ NEAREST_OBSTACLE = Task(
             seconds=3.0,  # [s]
             seed=1,
             inputs=tuple(
-                inputs.scan(ranges, at=0.3 + step / 2, first=-1.5, step=0.5)
+                inputs.scan(ranges, at=0.3 + step / 2, first=-1.5, step=0.5, delay=DELAY)
                 for step, ranges in enumerate(SCANS)
             ),
             checks=(
@@ -214,10 +215,10 @@ NEAREST_OBSTACLE = Task(
                         )
                         .titled("one for each scan in which a beam counts, none for the others")
                         .requiring(SPHERE),
-                        expect_marker_count("/nearest", 1).titled("one sphere").requiring(SPHERE).worth(0.5),
+                        expect_marker_count("/nearest", 1).titled("one sphere").requiring(SPHERE),
                     ),
                     expect_frame("/nearest", "laser").titled("in the frame of the scan"),
-                    expect_stamps("/nearest").titled("with the stamp of the scan"),
+                    expect_stamps("/nearest", delay=DELAY).titled("with the stamp of the scan"),
                 ),
             ),
         ),

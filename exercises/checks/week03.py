@@ -25,9 +25,12 @@ ABOVE = 0.5  # [m] between the top of a box and its label
 
 PERSON = inputs.Found(1, "Person", (2.0, 1.0, 0.9), (0.5, 0.5, 1.8), 0.95)
 CAR = inputs.Found(2, "Car", (5.0, -2.0, 0.8), (4.5, 2.0, 1.6), 0.9, yaw=0.4)
-BICYCLE = inputs.Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.75)
+# A box is drawn for an unsure detection, too.
+BICYCLE = inputs.Found(5, "Bicycle", (3.0, 3.0, 0.5), (1.8, 0.6, 1.0), 0.25)
 OBJECTS = (PERSON, CAR, BICYCLE)
 COUNT = 6  # messages, twice a second
+# The detector needs this long, so that the stamp of a message is not the time when it arrives.
+DELAY = 0.2  # [s]
 
 
 def walked(found: inputs.Found, steps: int) -> inputs.Found:
@@ -37,7 +40,7 @@ def walked(found: inputs.Found, steps: int) -> inputs.Found:
 
 
 TWICE_A_SECOND = tuple(
-    inputs.detections((walked(PERSON, step + 1 - COUNT), CAR, BICYCLE), at=0.4 + step / 2)
+    inputs.detections((walked(PERSON, step + 1 - COUNT), CAR, BICYCLE), at=0.4 + step / 2, delay=DELAY)
     for step in range(COUNT)
 )
 
@@ -72,7 +75,7 @@ def from_messages(namespace: str, *content: Check, at: float | None = None) -> t
         content,
         expect_marker(MARKERS, ns=namespace, at=at).titled(f"in the namespace {namespace}"),
         expect_frame(MARKERS, "base_link").titled("in the frame of the detections"),
-        expect_stamps(MARKERS).titled("stamped like the detections"),
+        expect_stamps(MARKERS, delay=DELAY).titled("stamped like the detections"),
     )
 
 
@@ -87,22 +90,22 @@ def for_each_message(namespace: str, count: Check, *details: Check) -> tuple[Che
 
 CONFIDENCE_COLOR = Task(
     "week03.confidence_color",
-    title="The colour of a confidence",
+    title="A color for a confidence",
     kind="function",
     name="confidence_color",
     hints=(
-        "A confident detection is green, an unsure one is red. What colour is half sure?",
+        "A confident detection is green, an unsure one is red. Which color is half sure?",
         "Green is the confidence itself. Red and green add up to 1.",
-        "red, green = 1.0 - confidence, confidence",
+        "Red is `1.0 - confidence`, and green is the confidence.",
     ),
     scenarios=(
         Scenario(
             "public",
             calls=(Call(1.0), Call(0.75), Call(0.0)),
             checks=(
-                expect_value(color_of(1.0), call=0, name="the colour of 1.0"),
-                expect_value(color_of(0.75), call=1, name="the colour of 0.75"),
-                expect_value(color_of(0.0), call=2, name="the colour of 0.0"),
+                expect_value(color_of(1.0), call=0, name="the color of 1.0"),
+                expect_value(color_of(0.75), call=1, name="the color of 0.75"),
+                expect_value(color_of(0.0), call=2, name="the color of 0.0"),
             ),
         ),
     ),
@@ -115,9 +118,10 @@ BOXES = Task(
     name="BoxNode",
     hints=(
         "Make one marker per detection, all in one MarkerArray. Which field makes a good marker id?",
-        "The centre is detection.bbox.center, the size is detection.bbox.size. Ids are texts: use int(...).",
-        "In the loop: marker.header = message.header, marker.pose = detection.bbox.center, marker.scale = "
-        "detection.bbox.size, marker.lifetime = Duration(seconds=1.0).to_msg().",
+        "The center is detection.bbox.center, the size is detection.bbox.size. The id of a detection is a "
+        "string: int(...) makes a number of it.",
+        "In the loop set `header = message.header`, `pose = detection.bbox.center`, "
+        "`scale = detection.bbox.size` and `lifetime = Duration(seconds=1.0).to_msg()`.",
     ),
     scenarios=(
         Scenario(
@@ -130,7 +134,7 @@ BOXES = Task(
                 expect_marker_count(MARKERS, 3, type="CUBE").titled("three boxes"),
                 *(
                     expect_marker(MARKERS, **expected_box(found)).titled(
-                        f"the {found.label.lower()}'s box: id, place, turn, size and colour"
+                        f"the {found.label.lower()}'s box: id, place, turn, size and color"
                     )
                     for found in OBJECTS
                 ),
@@ -149,7 +153,7 @@ LABELS = Task(
     hints=(
         "The centre of a box is not its top. How far is the top above the centre?",
         "z is centre + half the height + 0.5 m. The height of the letters is scale.z.",
-        'marker.text = f"{label} ({score:.2f})", and pose.position.z = center.z + size.z / 2 + 0.5.',
+        'The text is f"{label} ({score:.2f})"; z is the centre\'s, plus half the height, plus 0.5.',
     ),
     scenarios=(
         Scenario(
@@ -172,7 +176,9 @@ LABELS = Task(
                     )
                     for found in (PERSON, CAR)
                 ),
-                expect_marker(MARKERS, scale=(None, None, my("letters"))).titled("letters of your height"),
+                expect_marker(MARKERS, scale=(None, None, my("letters")))
+                .titled("letters of your height")
+                .worth(4),
                 expect_marker(MARKERS, color=(1.0, 1.0, 1.0, 1.0)).titled("white, alpha 1"),
                 expect_marker(MARKERS, lifetime=1.0).titled("a lifetime of 1 s"),
             ),
@@ -193,7 +199,8 @@ SURE = Task(
     hints=(
         "At which place in the array must DELETEALL be? Which detections does > leave out, compared to >=?",
         "Two markers with the same ns and id are one marker. And is every detection in the frame map?",
-        "Begin with Marker(action=Marker.DELETEALL); score >= threshold; int(detection.id); message.header.",
+        "Begin with Marker(action=Marker.DELETEALL); take score >= threshold, int(detection.id) and "
+        "message.header.",
     ),
     scenarios=(
         Scenario(
@@ -201,18 +208,19 @@ SURE = Task(
             seconds=3.0,  # [s]
             seed=1,
             inputs=(
-                inputs.detections((*OBJECTS, JUST_SURE, NOT_SURE), at=0.5),
-                inputs.detections((PERSON, BICYCLE), at=1.5),
-                inputs.detections((), at=2.5),
+                # Here >, < and <= all leave another number of boxes than >=.
+                inputs.detections((PERSON, CAR, JUST_SURE, NOT_SURE), at=0.5, delay=DELAY),
+                inputs.detections((PERSON, BICYCLE), at=1.5, delay=DELAY),
+                inputs.detections((), at=2.5, delay=DELAY),
             ),
             checks=from_messages(
                 "boxes",
                 expect_marker_count(MARKERS, 3, type="CUBE", at=1.0).titled(
-                    "at first the person, the car, and a sign just at your threshold"
+                    "at first the person, the car, and a sign exactly at your threshold"
                 ),
                 expect_marker(MARKERS, at=1.0, **expected_box(CAR)).titled("the car's box is right"),
                 expect_marker(MARKERS, at=1.0, id=JUST_SURE.track, position=JUST_SURE.center).titled(
-                    "at least your threshold: equal is enough"
+                    "at least your threshold (equal counts)"
                 ),
                 expect_marker(MARKERS, at=1.0, lifetime=0.0).titled("no lifetime").worth(0.5),
                 expect_marker(MARKERS, at=2.0, **expected_box(PERSON)).titled(
@@ -234,7 +242,8 @@ SURE = Task(
 )
 
 STAMPS = (0.1, 0.6, 1.0, 1.6)  # [s]
-DELAYS = (0.0, 0.0, 0.04, 0.0)  # [s] of the arrival: velocities come from the stamps
+# Not each message takes equally long, so that velocities must be computed from the stamps.
+DELAYS = (DELAY, DELAY, DELAY + 0.04, DELAY)  # [s]
 SEEN = (
     (PERSON,),
     (replace(PERSON, center=(2.5, 1.0, 0.9)), BICYCLE),
@@ -242,7 +251,7 @@ SEEN = (
     (replace(PERSON, center=(3.6, 1.0, 0.9)), replace(BICYCLE, center=(3.0, 3.5, 0.8)), CAR),
 )
 MET = tuple(
-    replace(inputs.detections(found, at=stamp), at=stamp + delay)
+    inputs.detections(found, at=stamp + delay, delay=delay)
     for found, stamp, delay in zip(SEEN, STAMPS, DELAYS, strict=True)
 )
 PERSON_ARROW = ((3.6, 1.0, 0.9), (4.6, 1.0, 0.9))  # [m], at 1 m/s

@@ -64,13 +64,14 @@ POINT_TO_WORLD = Task(
             calls=(
                 Call([1.0, 0.0, 0.5], 2.0, 0.0, 0.0),
                 Call([1.3, 0.0, 0.5], 2.0, 0.0, math.pi / 2),
-                Call([1.0, 0.5, -0.2], -1.0, 3.0, math.pi / 2),
+                # This turn has the cosine 0.8 and the sine 0.6, and so shows both.
+                Call([1.0, 0.5, -0.2], -1.0, 3.0, math.atan2(0.6, 0.8)),
             ),
             checks=(
                 expect_value([3.0, 0.0, 0.5], call=0, unit="m", name="the point, robot not turned"),
                 expect_value([2.0, 1.3, 0.5], call=1, unit="m", name="the point, robot turned by 90°"),
                 expect_value(
-                    [-1.5, 4.0, -0.2], call=2, unit="m", name="a point on the left, robot elsewhere"
+                    [-0.5, 4.0, -0.2], call=2, unit="m", name="a point on the left, robot elsewhere"
                 ),
             ),
         ),
@@ -98,9 +99,9 @@ ROBOT_FRAMES = Task(
             seed=1,
             checks=with_formal(
                 (
-                    expect_circling_frame("map", "base_link", radius=my("radius"), height=0.0).titled(
-                        "on your circle, on the ground"
-                    ),
+                    expect_circling_frame("map", "base_link", radius=my("radius"), height=0.0)
+                    .titled("on your circle, on the ground")
+                    .worth(3),
                     expect_circling_frame(
                         "map", "base_link", period=8.0, counter_clockwise=True, start=0.0
                     ).titled("counter-clockwise, one round in 8 s, from the angle 0"),
@@ -247,12 +248,12 @@ IN_BETWEEN = Task(
         Scenario(
             "public",
             calls=(
-                Call([0.0, 0.0, 0.0], [1.0, 2.0, 0.4], 0.5),
+                Call([1.0, 3.0, 0.1], [3.0, 1.0, 0.5], 0.25),
                 Call([0.0, 1.0, 3.0], [0.0, 1.0, -3.0], 0.25),
                 Call([0.0, 0.0, -3.0], [0.0, 0.0, 3.0], 0.25),
             ),
             checks=(
-                expect_value([0.5, 1.0, 0.2], call=0, name="the pose half way"),
+                expect_value([1.5, 2.5, 0.2], call=0, name="the pose after a quarter of the way"),
                 expect_value(
                     [0.0, 1.0, 3.0 + 0.25 * (2 * math.pi - 6.0)],
                     call=1,

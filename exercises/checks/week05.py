@@ -64,10 +64,10 @@ def detections(at: float) -> Message:
 
 
 def robot(at: float) -> Iterator[Message]:
-    """The robot as it stands there: its frames, a half circle of 3 m, one person."""
+    """The robot as it stands there: its frames, a half circle of 3 m, one person whom the laser sees."""
     base = inputs.pose("world", "base_link", (1.0, 0.0, 0.0))
     yield inputs.transforms((base, inputs.pose("base_link", "laser", (0.2, 0.0, 0.0))), at)
-    yield inputs.scan([3.0] * 31, at, first=-1.5, step=0.1)  # [m], [rad]
+    yield inputs.scan([3.0] * 14 + [1.55] * 3 + [3.0] * 14, at, first=-1.5, step=0.1)  # [m], [rad]
     yield detections(at)
 
 
@@ -89,9 +89,10 @@ ROBOT_LAYOUT = Task(
             "public",
             calls=(Call(),),
             checks=(
-                expect_layout(
-                    fixed_frame="world", view="Orbit", view_properties={"Distance": my("distance")}
-                ).titled("Fixed Frame and view"),
+                expect_layout(fixed_frame="world").titled("the Fixed Frame"),
+                expect_layout(view="Orbit", view_properties={"Distance": my("distance")})
+                .worth(4)
+                .titled("the view, at your distance"),
                 expect_display("Grid", properties={"Plane Cell Count": 50}).titled("the grid"),
                 expect_display("TF", properties={"Show Names": True}).titled("TF with names"),
                 expect_display("MarkerArray", "/detections", properties={"Name": "Detections"}).titled(
@@ -121,7 +122,7 @@ LAYOUT_FOR = Task(
     hints=(
         "topics.items() gives pairs of a topic and its display. viewer.add takes the class first.",
         "viewer.add(display_class, topic, name=topic) returns the display. Set properties by labels.",
-        "added = made.add(display_class, topic, name=topic); for sensors set Topic/Reliability Policy.",
+        "`added = made.add(display_class, topic, name=topic)`; for sensors set Topic/Reliability Policy.",
     ),
     scenarios=(
         Scenario(
@@ -184,7 +185,10 @@ MENDED_LAYOUT = Task(
     ),
 )
 
-HALF_FULL = expect_value([[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN], call=0, name="a half full bar")
+BAR = ("size", "centre", "color")
+HALF_FULL = expect_value(
+    [[0.2, 0.2, 0.5], [0.0, 0.0, 0.25], GREEN], call=0, name="a half full bar", parts=BAR
+)
 
 BATTERY_BAR = Task(
     "week05.battery_bar",
@@ -192,9 +196,9 @@ BATTERY_BAR = Task(
     kind="function",
     name="battery_bar",
     hints=(
-        "Where is the centre of a bar that stands on the ground? Which color at just 0.2? What about 1.2?",
+        "Where is the centre of a bar that stands on the ground? Which color at exactly 0.2? What about 1.2?",
         "The centre is at half the height; green starts at 0.2; the charge is limited before it is used.",
-        "charge = min(max(charge, 0.0), 1.0); the color is green from 0.2 on, else red.",
+        "`charge = min(max(charge, 0.0), 1.0)`; the color is green from 0.2 on, else red.",
     ),
     scenarios=(
         Scenario(
@@ -202,11 +206,23 @@ BATTERY_BAR = Task(
             calls=(Call(0.5, 1.0), Call(0.1, 2.0), Call(0.2, 1.0), Call(1.2, 1.0), Call(-0.1, 1.0)),
             checks=lightly(
                 HALF_FULL,
-                expect_value([[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], RED], call=1, name="a nearly empty bar"),
-                expect_value([[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], GREEN], call=2, name="a bar at just 0.2"),
-                expect_value([[0.2, 0.2, 1.0], [0.0, 0.0, 0.5], GREEN], call=3, name="a charge above 1"),
                 expect_value(
-                    [[0.2, 0.2, 0.0], [0.0, 0.0, 0.0], RED], call=4, name="a charge below 0"
+                    [[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], RED], call=1, name="a nearly empty bar", parts=BAR
+                ),
+                expect_value(
+                    [[0.2, 0.2, 0.2], [0.0, 0.0, 0.1], GREEN], call=2, name="a bar at exactly 0.2", parts=BAR
+                ),
+                expect_value(
+                    [[0.2, 0.2, 1.0], [0.0, 0.0, 0.5], GREEN],
+                    call=3,
+                    name="a bar at a charge above 1",
+                    parts=BAR,
+                ),
+                expect_value(
+                    [[0.2, 0.2, 0.0], [0.0, 0.0, 0.0], RED],
+                    call=4,
+                    name="a bar at a charge below 0",
+                    parts=BAR,
                 ).requiring(HALF_FULL),
             ),
         ),
@@ -244,11 +260,11 @@ PLACE = {"--x": 0.2, "--z": my("height"), "--frame-id": "base_link", "--child-fr
 LAUNCH_FILE = Task(
     "week05.launch_file",
     title="A launch file",
-    kind="function",
+    kind="launch",
     name="launch_file",
     hints=(
-        "Take the lesson's launch file, and change the default, the name and the words.",
-        "Each word is a string of its own, numbers too: '--x', '0.2'. Which frame is the parent?",
+        "Take the lesson's launch file, and change the default, the name and the arguments.",
+        "Each argument is a string of its own, numbers too: '--x', '0.2'. Which frame is the parent?",
         "arguments=['-d', LaunchConfiguration('layout')]; '--frame-id', 'base_link', '--child-frame-id', …",
     ),
     scenarios=(
@@ -263,9 +279,9 @@ LAUNCH_FILE = Task(
                 expect_launch_node("tf2_ros", "static_transform_publisher", name="camera_frame").titled(
                     "a static transform publisher, with its name"
                 ),
-                expect_launch_node("tf2_ros", "static_transform_publisher", options=PLACE).titled(
-                    "the frames and the place of the camera"
-                ),
+                expect_launch_node("tf2_ros", "static_transform_publisher", options=PLACE)
+                .worth(2)
+                .titled("the frames and the place of the camera"),
             ),
         ),
     ),

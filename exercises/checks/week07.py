@@ -41,7 +41,8 @@ SEEN = [inputs.detections(OBJECTS, at=0.2 + step / 5, frame="world") for step in
 
 AHEAD = inputs.corners((0.0, 0.0, 4.0), (0.5, 1.8, 0.5))
 ASIDE = inputs.corners((1.0, -0.5, 3.0), (1.0, 0.6, 2.0))
-BEYOND = inputs.corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0))
+# The first corner of one is ahead, the last one of the other: all corners have to be looked at.
+BEYOND = inputs.corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0))[::-1]
 CLOSE = inputs.corners((0.0, 0.0, 1.05), (0.5, 0.5, 2.0))
 PARTLY = "a box that is partly behind the camera"
 EDGE = [[0.0, 0.0, 0.1], [0.2, 0.1, 1.0]]  # just far enough
@@ -74,14 +75,20 @@ BOX_ON_IMAGE = Task(
 )
 
 GREEN, GREY = (0.0, 1.0, 0.0, 0.5), (0.5, 0.5, 0.5, 0.5)  # RGBA
+WITH_LABELS: dict[str, Any] = {"allow_others": True}  # each box has a label on the same topic
 LOOKS: dict[str, Any] = {"type": "CUBE", "position": PERSON.center, "scale": PERSON.size, "color": GREEN}
-ALWAYS = expect_throughout(MARKERS).worth(0)
-PERSON_BOX = expect_marker(MARKERS, ns="boxes", id=1, **LOOKS).requiring(ALWAYS).titled("the person's box")
+ALWAYS = expect_throughout(MARKERS, hz=10.0).worth(0)
+PERSON_BOX = (
+    expect_marker(MARKERS, ns="boxes", id=1, **LOOKS, **WITH_LABELS)
+    .requiring(ALWAYS)
+    .titled("the person's box")
+)
 SURE, SUREST = (PERSON_BOX.titled(f"the person's box, {why}") for why in ("sure enough", "the surest"))
-PERSON_BEFORE = expect_marker(MARKERS, ns="boxes", id=1, **LOOKS, at=1.5)
-DOG_BOX = expect_marker(MARKERS, type="CUBE", ns="boxes", id=7, scale=DOG.size, color=GREY).requiring(ALWAYS)
+PERSON_BEFORE = expect_marker(MARKERS, ns="boxes", id=1, **LOOKS, at=1.5, **WITH_LABELS)
+DOG_BOX = expect_marker(MARKERS, type="CUBE", ns="boxes", id=7, scale=DOG.size, color=GREY, **WITH_LABELS)
+DOG_BOX = DOG_BOX.requiring(ALWAYS)
 BLUE = (0.0, 0.5, 1.0, 0.5)  # RGBA
-BLUE_CAR = expect_marker(MARKERS, type="CUBE", ns="boxes", id=2, color=BLUE, at=1.3)
+BLUE_CAR = expect_marker(MARKERS, type="CUBE", ns="boxes", id=2, color=BLUE, at=1.3, **WITH_LABELS)
 BLUE_CAR = BLUE_CAR.requiring(ALWAYS).titled("the car in its new color")
 
 
@@ -123,7 +130,12 @@ MARKERS_TASK = Task(
                 expect_rate(MARKERS, 10.0).requiring(PERSON_BOX).worth(0.2),
             ),
         ),
-        changed(boxes(1).titled("one is above your threshold"), SURE, confidence_threshold=my("threshold")),
+        changed(
+            boxes(1).titled("one is above your threshold"),
+            SURE,
+            confidence_threshold=my("threshold"),
+            marker_update_rate=10.0,  # [Hz], the default: the node must stand it
+        ),
         changed(BLUE_CAR, boxes(1).titled("one box only"), SUREST, car_color=list(BLUE), max_detections=1),
         Scenario(
             "the detector stops",
@@ -139,7 +151,7 @@ MARKERS_TASK = Task(
 )
 
 EARLY, LATER, LAST = (inputs.on_circle(at) for at in (1.08, 3.08, 4.98))  # [m]
-KEPT_UP = expect_throughout(TRAJECTORY).worth(0)
+KEPT_UP = expect_throughout(TRAJECTORY, hz=10.0, begin=1.1).worth(0)
 WAY = expect_path(
     TRAJECTORY, count=40, frame="world", ends=(EARLY, LAST), yaw=4.98 + pi / 2, tolerance=0.2
 ).requiring(KEPT_UP)
@@ -176,6 +188,8 @@ TRAJECTORY_TASK = Task(
             inputs=(
                 inputs.set_parameters("/trajectory_node", 0.2, world_frame="odom", base_frame="base"),
                 inputs.set_parameters("/trajectory_node", 3.0, trajectory_max_points=20),
+                # The default, which changes nothing, and which the node must stand.
+                inputs.set_parameters("/trajectory_node", 3.5, trajectory_update_rate=10.0),  # [Hz]
                 *inputs.circling(0.53, 4.99, "odom", "base"),
             ),
             checks=lightly(LAST_20.titled("the last 20 poses, in the frames that were set")),
@@ -211,7 +225,10 @@ PARAMS = Task(
             "public",
             calls=(Call(),),
             checks=(
-                *(parameter("/perception_node", name, value) for name, value in PERCEPTION.items()),
+                *(
+                    parameter("/perception_node", name, value).worth(1 + 2 * (name == "confidence_threshold"))
+                    for name, value in PERCEPTION.items()
+                ),
                 parameter("/trajectory_node", "trajectory_max_points", 50),
                 *(parameter(node, "world_frame", "odom").worth(0.25) for node in ALL_NODES),
             ),

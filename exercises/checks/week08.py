@@ -68,7 +68,7 @@ JOINT_AT = Task(
     hints=(
         "u is t / seconds while the joint moves. It must never be below 0 or above 1.",
         "After the end t / seconds is above 1. min(..., 1.0) cuts it. And before the start?",
-        "u = min(max(t / seconds, 0.0), 1.0)",
+        "`u = min(max(t / seconds, 0.0), 1.0)`",
     ),
     scenarios=(
         Scenario(
@@ -108,9 +108,9 @@ SWEEP_NODE = Task(
                 expect_trajectory(ARM, standing(1.5), at=1.0, seconds=3.0, points=1).titled(
                     "the first command"
                 ),
-                expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, points=1).titled(
-                    "the second command, with your number"
-                ),
+                expect_trajectory(
+                    ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, points=1, of=2
+                ).titled("the second command, with your number"),
                 expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, of=2)
                 .worth(0.5)
                 .titled("two commands, and no more"),
@@ -125,6 +125,7 @@ SLOWLY = [(0.0, 0.0, 0.7 + 0.006 * step) for step in range(1, 6)]
 SLOW = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *SLOWLY, (0.0, 0.0, 0.75), (0.0, 0.0, 0.77)]
 SMALL_DRIVE = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.06, 0.0, 0.6), (0.06, 0.0, 0.7), (0.06, 0.0, 0.8)]
 FAR_IN_STEPS = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.08, 0.0, 0.6), (0.16, 0.0, 0.6), (0.16, 0.0, 0.8)]
+TWO_DRIVES = [(x, 0.0, z) for x in (0.0, 0.2, 0.4) for z in (0.5, 0.6, 0.7, 0.7)]
 
 
 def painted(steps: Sequence[tuple[float, float, float]]) -> list[list[tuple[float, float, float]]]:
@@ -167,7 +168,7 @@ PAINT_NODE = Task(
     hints=(
         "self.place('base_link', WRIST)[2] is the height. Keep it in self.height for the next tick.",
         "Put both lookups into a try, with except TransformException: return. Then compare, then paint.",
-        "math.dist(base, self.base) > 0.1: self.new_stripe(self.marker.id + 1). Then self.base = base.",
+        "math.dist(base, self.base) > 0.1: self.new_stripe(self.marker.id + 1). Then `self.base = base`.",
     ),
     scenarios=(
         Scenario(
@@ -188,6 +189,7 @@ PAINT_NODE = Task(
         rule("a wrist that moves by 0.006 m paints nothing, by 0.02 m it does", SLOW),
         rule("a drive of less than 0.1 m does not begin a stripe", SMALL_DRIVE),
         rule("two small drives together begin a stripe", FAR_IN_STEPS),
+        rule("each of three stripes has an id of its own", TWO_DRIVES),
     ),
     ghost=tuple(
         Message(
@@ -228,10 +230,12 @@ LIFT_AND_ELBOW = Task(
                 Call(*folded(0.3, math.pi / 2)),
                 Call(1.2, 0.5),
                 Call(0.01, -0.02),
+                Call(*folded(-1.9, 0.4)),
             ),
             checks=lightly(
                 ABOVE,
                 expect_value([0.3, math.pi / 2], call=1, unit="rad", name="(lift, elbow) for a place below"),
+                expect_value([-1.9, 0.4], call=4, unit="rad", name="(lift, elbow) for a place behind"),
                 expect_value([], call=2, name="the answer for a place out of reach").requiring(ABOVE),
                 expect_value([], call=3, name="the answer for a place too near").requiring(ABOVE),
             ),

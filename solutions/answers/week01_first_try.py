@@ -1,4 +1,4 @@
-"""Answers to week 1 as students write them at first: each of the five is wrong in its own way."""
+"""Answers to week 1 as students write them at first: each of the six is wrong in its own way."""
 
 import math
 
@@ -10,7 +10,7 @@ from course_lib.grading import my_values
 
 
 class MarkerNode(Node):
-    """Base of the five nodes."""
+    """Base of the six nodes."""
 
     def __init__(self, period: float = 1.0) -> None:
         super().__init__("first_try")
@@ -81,6 +81,19 @@ class PurpleCircleNode(MarkerNode):
         marker.color.r = marker.color.b = 1.0
         self.publisher.publish(marker)
         self.angle += 0.05
+
+
+class HeadingArrowNode(MarkerNode):
+    """Mistake: the heading stays in degrees."""
+
+    def publish_marker(self) -> None:
+        heading = my_values("week01.heading_arrow")["heading"]
+        marker = self.marker(Marker.ARROW, 0.15)
+        marker.scale.x = 1.5
+        marker.pose.position.z = 0.5
+        marker.pose.orientation.z = math.sin(heading / 2)
+        marker.pose.orientation.w = math.cos(heading / 2)
+        self.publisher.publish(marker)
 
 
 class SquareRouteNode(MarkerNode):

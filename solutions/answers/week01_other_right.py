@@ -1,7 +1,7 @@
 """Right answers to week 1 that look nothing like ours: one class, arrays, time instead of counting."""
 
 import numpy as np
-from geometry_msgs.msg import Point, Vector3
+from geometry_msgs.msg import Point, Quaternion, Vector3
 from rclpy.node import Node
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker
@@ -70,6 +70,14 @@ class PurpleCircleNode(Publisher):
         turn = np.exp(2j * np.pi * seconds / 10.0)
         at = [2.0 * float(turn.real), 2.0 * float(turn.imag), 0.5]
         return [shape(Marker.SPHERE, [0.5] * 3, [1.0, 0.0, 1.0, 1.0], at)]
+
+
+class HeadingArrowNode(Publisher):
+    def draw(self, seconds: float) -> list[Marker]:
+        half = np.exp(0.5j * np.radians(my_values("week01.heading_arrow")["heading"]))
+        arrow = shape(Marker.ARROW, [1.5, 0.15, 0.15], [0.0, 1.0, 1.0, 0.5], [0.0, 0.0, 0.5])
+        arrow.pose.orientation = Quaternion(z=float(half.imag), w=float(half.real))
+        return [arrow]
 
 
 class SquareRouteNode(Publisher):

@@ -6,6 +6,8 @@ from geometry_msgs.msg import Point
 from rclpy.node import Node
 from visualization_msgs.msg import Marker
 
+from course_lib.grading import my_values
+
 TOPIC = "/visualization_marker"
 
 
@@ -86,6 +88,22 @@ class PurpleCircleNode(Node):
         marker.pose.position.z = 0.5
         self.publisher.publish(marker)
         self.angle += 3.6
+
+
+class HeadingArrowNode(Node):
+    """Writes the angle itself into the quaternion."""
+
+    def __init__(self) -> None:
+        super().__init__("heading_arrow")
+        self.publisher = self.create_publisher(Marker, TOPIC, 10)
+        self.timer = self.create_timer(1.0, self.tick)
+
+    def tick(self) -> None:
+        marker = stamped(self, Marker.ARROW, (1.0, 1.0, 0.0))
+        marker.scale.x, marker.scale.y, marker.scale.z = 1.5, 0.15, 0.15
+        marker.pose.position.z = 0.5
+        marker.pose.orientation.z = math.radians(my_values("week01.heading_arrow")["heading"])
+        self.publisher.publish(marker)
 
 
 class SquareRouteNode(Node):

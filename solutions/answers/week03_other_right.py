@@ -22,7 +22,7 @@ def confidence_color(confidence: float) -> Any:
 
 
 class Drawer(Node):
-    """Draws each detection with `draw`, and stamps it anew."""
+    """Draws each detection with `draw`, with the header of its message."""
 
     def __init__(self) -> None:
         super().__init__(type(self).__name__.lower())
@@ -36,8 +36,7 @@ class Drawer(Node):
         for detection in message.detections:
             for marker in self.draw(detection, message):
                 marker.id = int(detection.id)
-                marker.header.frame_id = message.header.frame_id
-                marker.header.stamp = self.get_clock().now().to_msg()
+                marker.header = message.header
                 array.markers.append(marker)
         array.markers.extend(self.gone(message))
         self.out.publish(array)

@@ -67,6 +67,11 @@ def launch_file() -> str:
     height = my_values("week05.launch_file")["height"]
     words = ["--x", "0.2", "--z", str(height), "--frame-id", "base_link", "--child-frame-id", "camera_link"]
     return f"""
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch_ros.actions import Node
+
+
 def generate_launch_description():
     return LaunchDescription([
         DeclareLaunchArgument("layout", default_value="robot_layout.rviz"),

@@ -71,6 +71,11 @@ def launch_file() -> str:
     height = my_values("week05.launch_file")["height"]
     words = ["--x 0.2", f"--z {height}", "--frame-id base_link", "--child-frame-id camera_link"]
     return f"""
+from launch import LaunchDescription
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+
 def generate_launch_description():
     layout = LaunchConfiguration("layout")
     rviz = Node(package="rviz2", executable="rviz2", arguments=["-d", layout])

@@ -87,7 +87,7 @@ trajectory_node:
 
 
 def dashboard_layout() -> str:
-    """Both paths in the colour they come with."""
+    """Both paths in the color they come with."""
     made = Viewer(fixed_frame="world")
     made.add("TF", show_names=True)
     made.add("MarkerArray", "/perception/markers")

@@ -1,5 +1,7 @@
 """Week 1, the first marker: hidden scenarios and checks."""
 
+import math
+
 from course_lib.grading import (
     Check,
     Scenario,
@@ -22,7 +24,7 @@ SQUARE = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0)
 
 def longer(*content: Check, hz: float, seconds: float, seed: int) -> tuple[Scenario, ...]:
     """A longer run with another seed: what the public scenario asks for must hold to its end."""
-    always = expect_throughout(TOPIC).worth(0)
+    always = expect_throughout(TOPIC, hz=hz).worth(0)
     formal = (expect_frame(TOPIC, "map"), expect_rate(TOPIC, hz), expect_stamps(TOPIC))
     checks = with_formal([check.requiring(always) for check in content], *formal)
     return (Scenario("longer", seconds=seconds, seed=seed, checks=(always, *checks)),)
@@ -66,10 +68,17 @@ HIDDEN = {
         expect_marker(TOPIC, type="SPHERE", scale=(0.5, 0.5, 0.5), color=(1.0, 0.0, 1.0, 1.0)),
         expect_circle(TOPIC, radius=2.0, height=0.5),
         expect_circle(TOPIC, radius=2.0, period=10.0, counter_clockwise=True),
-        expect_marker_count(TOPIC, 1).worth(0.25),
+        expect_marker_count(TOPIC, 1),
         hz=10.0,
         seconds=25.0,  # [s]
         seed=17,
+    ),
+    "week01.heading_arrow": longer(
+        expect_marker(TOPIC, type="ARROW", yaw=my("heading", times=math.pi / 180)),
+        expect_marker(TOPIC, type="ARROW", position=(0.0, 0.0, 0.5), scale=(1.5, 0.15, 0.15)).worth(0.25),
+        hz=1.0,
+        seconds=10.0,  # [s]
+        seed=23,
     ),
     "week01.square_route": longer(
         expect_marker(TOPIC, type="LINE_STRIP", points=(*SQUARE, SQUARE[0])),

@@ -1,9 +1,11 @@
 """Week 2, joint states: hidden scenarios and checks."""
 
 import math
+from collections.abc import Sequence
 
 from course_lib.grading import (
     Call,
+    Message,
     Scenario,
     expect_frame,
     expect_joint_states,
@@ -33,12 +35,13 @@ NAMES = (
 UR10 = [["z", [0.0, 0.0, 0.1273]], ["y", [0.0, 0.220941, 0.0]], ["y", [0.0, -0.1719, 0.612]]]  # axes, [m]
 PAN, LIFT, ELBOW = 0.7, 0.6, 1.1  # [rad]
 SCAN_STEP = math.radians(30)
+DELAY = 0.2  # [s] from the stamp of a scan to its arrival
 LAST = (-math.inf, 7.0, 0.0, math.nan, 6.5, 31.0, 2.25, 2.5, math.inf)  # [m]; the last beam but two
 TOWARDS = -math.radians(120) + 6 * SCAN_STEP  # [rad]
 WRISTS = {f"wrist_{number}_joint": 0.0 for number in (1, 2, 3)}  # [rad]
 POSE = {"shoulder_lift": -90, "elbow": 60, "wrist_1": -45, "wrist_2": 90, "wrist_3": 0}  # [deg]
 MARKER, COUNTING = "visualization_msgs/msg/Marker", 31  # scans in which a beam counts
-AGAIN = expect_throughout("/nearest")
+AGAIN = expect_throughout("/nearest", hz=4.0)
 SPHERE = expect_marker(
     "/nearest", type="SPHERE", scale=(0.2, 0.2, 0.2), color=(1.0, 0.0, 0.0, 1.0)
 ).requiring(AGAIN)
@@ -53,6 +56,11 @@ def wrist() -> list[float]:
     return [x, reach * math.sin(PAN) + side * math.cos(PAN), height]
 
 
+def rear_scan(ranges: Sequence[float], at: float, first: float = -1.0, step: float = 0.2) -> Message:
+    """Return a message of the scanner at the rear, which arrives `at` [s] after the start."""
+    return inputs.scan(ranges, at=at, frame="rear", first=first, step=step, delay=DELAY)
+
+
 HIDDEN = {
     "week02.joint_wave": (
         Scenario(
@@ -62,7 +70,7 @@ HIDDEN = {
             checks=with_formal(
                 (
                     expect_joint_states(NAMES, moving=True),
-                    expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25).worth(2),
+                    expect_joint_swing("shoulder_pan_joint", amplitude=my("amplitude"), hz=0.25).worth(4),
                     expect_joint_swing("elbow_joint", amplitude=0.5, hz=0.5),
                     expect_joints_still({"shoulder_lift_joint": -1.2, **WRISTS}),
                 ),
@@ -120,12 +128,10 @@ HIDDEN = {
             seconds=8.0,  # [s]
             seed=13,
             inputs=(
-                *(
-                    inputs.scan((3.0,) * 9, at=0.1 + n / 4, frame="rear", first=-1.0, step=0.2)
-                    for n in range(30)
-                ),
-                inputs.scan((math.inf,) * 9, at=7.7, frame="rear", first=-1.0, step=0.2),  # nothing near
-                inputs.scan(LAST, at=7.8, frame="rear", first=-math.radians(120), step=SCAN_STEP),
+                *(rear_scan((3.0,) * 9, at=0.1 + n / 4) for n in range(30)),
+                # Nothing is near.
+                rear_scan((math.inf,) * 9, at=7.7),
+                rear_scan(LAST, at=7.8, first=-math.radians(120), step=SCAN_STEP),
             ),
             checks=with_formal(
                 (
@@ -137,10 +143,10 @@ HIDDEN = {
                     .requiring(AGAIN)
                     .worth(2),
                     expect_topic("/nearest", MARKER, at_least=COUNTING, at_most=COUNTING).requiring(SPHERE),
-                    expect_marker_count("/nearest", 1).requiring(SPHERE).worth(0.5),
+                    expect_marker_count("/nearest", 1).requiring(SPHERE),
                 ),
                 expect_frame("/nearest", "rear"),
-                expect_stamps("/nearest"),
+                expect_stamps("/nearest", delay=DELAY),
             ),
         ),
     ),

@@ -25,8 +25,10 @@ TRUCK_COLOR, CHILD_COLOR = (0.6, 0.4, 0.0, 0.5), (0.001, 0.999, 0.0, 0.5)
 
 # A truck, in another frame, at another rate, for longer.
 COUNT = 25  # messages
+DELAY = 0.3  # [s] from the stamp of a message to its arrival
 OTHERS = tuple(
-    inputs.detections((TRUCK, DOG, CHILD), at=0.1 + step / 5, frame="odom") for step in range(COUNT)
+    inputs.detections((TRUCK, DOG, CHILD), at=0.1 + step / 5, frame="odom", delay=DELAY)
+    for step in range(COUNT)
 )
 SURE = replace(DOG, confidence=my("threshold"))  # just sure enough
 UNSURE = replace(TRUCK, confidence=my("threshold", times=0.99))
@@ -38,6 +40,7 @@ CIRCLING = tuple(
         ],
         at=0.2 + 0.25 * step,
         frame="odom",
+        delay=DELAY,
     )
     for step in range(12)
 )
@@ -48,7 +51,7 @@ def from_messages(namespace: str, *content: Check, at: float | None = None) -> t
     formal = (
         expect_marker(MARKERS, ns=namespace, at=at),
         expect_frame(MARKERS, "odom"),
-        expect_stamps(MARKERS),
+        expect_stamps(MARKERS, delay=DELAY),
     )
     return with_formal(content, *formal)
 
@@ -106,7 +109,7 @@ HIDDEN = {
                 expect_marker_count(MARKERS, 3, type="TEXT_VIEW_FACING"),
                 expect_marker(MARKERS, id=12, text="Child (1.00)").worth(2),
                 expect_marker(MARKERS, id=7, position=(-4.0, 1.5, 1.4 + 1.4 + 0.5)).worth(2),
-                expect_marker(MARKERS, scale=(None, None, my("letters"))),
+                expect_marker(MARKERS, scale=(None, None, my("letters"))).worth(4),
                 expect_marker(MARKERS, color=(1.0, 1.0, 1.0, 1.0)),
                 expect_marker(MARKERS, lifetime=1.0),
             ),
@@ -118,9 +121,9 @@ HIDDEN = {
             seconds=4.0,  # [s]
             seed=13,
             inputs=(
-                inputs.detections((SURE, UNSURE, CHILD), at=0.5, frame="odom"),
-                inputs.detections((SURE, UNSURE), at=2.0, frame="odom"),
-                inputs.detections((), at=3.5, frame="odom"),
+                inputs.detections((SURE, UNSURE, CHILD), at=0.5, frame="odom", delay=DELAY),
+                inputs.detections((SURE, UNSURE), at=2.0, frame="odom", delay=DELAY),
+                inputs.detections((), at=3.5, frame="odom", delay=DELAY),
             ),
             checks=from_messages(
                 "boxes",

@@ -59,7 +59,9 @@ NEAR = inputs.corners((0.0, 0.0, 1.05), (0.6, 0.4, 2.0))  # its front is 0.05 m 
 JUST = [[0.0, 0.0, 0.1], [0.1, 0.1, 1.0]]
 ASIDE_BOX = expect_value(rectangle(ASIDE), call=0, tolerance=0.01)
 
-ALWAYS, KEPT_UP = expect_throughout(MARKERS), expect_throughout(TRAJECTORY)
+ALWAYS = expect_throughout(MARKERS, hz=10.0)
+KEPT_UP = expect_throughout(TRAJECTORY, hz=10.0, begin=1.1)
+WITH_LABELS: dict[str, Any] = {"allow_others": True}  # each box has a label on the same topic
 DOG_LOOKS: dict[str, Any] = {
     "type": "CUBE",
     "frame": "odom",
@@ -67,11 +69,13 @@ DOG_LOOKS: dict[str, Any] = {
     "scale": DOG.size,
     "color": (0.5, 0.5, 0.5, 0.5),
 }
-DOG_BOX = expect_marker(MARKERS, ns="boxes", id=3, **DOG_LOOKS).requiring(ALWAYS)
-RED_CAR = expect_marker(MARKERS, ns="boxes", id=8, color=(1.0, 0.0, 0.0, 0.5), lifetime=1.0)
-BICYCLE_BOX = expect_marker(MARKERS, ns="boxes", id=4, position=BICYCLE.center, scale=BICYCLE.size)
-LAST_CAR = expect_marker(MARKERS, ns="boxes", id=6, color=(0.2, 0.4, 0.6, 0.8), at=1.8)
-DOG_BEFORE = expect_marker(MARKERS, ns="boxes", id=3, **DOG_LOOKS, at=1.5)
+DOG_BOX = expect_marker(MARKERS, ns="boxes", id=3, **DOG_LOOKS, **WITH_LABELS).requiring(ALWAYS)
+RED_CAR = expect_marker(MARKERS, ns="boxes", id=8, color=(1.0, 0.0, 0.0, 0.5), lifetime=1.0, **WITH_LABELS)
+BICYCLE_BOX = expect_marker(
+    MARKERS, ns="boxes", id=4, position=BICYCLE.center, scale=BICYCLE.size, **WITH_LABELS
+)
+LAST_CAR = expect_marker(MARKERS, ns="boxes", id=6, color=(0.2, 0.4, 0.6, 0.8), at=1.8, **WITH_LABELS)
+DOG_BEFORE = expect_marker(MARKERS, ns="boxes", id=3, **DOG_LOOKS, at=1.5, **WITH_LABELS)
 LAST_100 = expect_path(
     TRAJECTORY, count=100, frame="world", ends=((1.22, 1.0, 0.2), (5.14, 1.0, 0.2)), yaw=1.2, tolerance=0.06
 ).requiring(KEPT_UP)
@@ -173,7 +177,12 @@ HIDDEN = {
             "all of it",
             calls=(Call(),),
             checks=(
-                *(expect_parameters("/perception_node", {name: PERCEPTION[name]}) for name in PERCEPTION),
+                *(
+                    expect_parameters("/perception_node", {name: PERCEPTION[name]}).worth(
+                        1 + 2 * (name == "confidence_threshold")
+                    )
+                    for name in PERCEPTION
+                ),
                 expect_parameters("/trajectory_node", {"trajectory_max_points": 50}),
                 *(expect_parameters(node, {"world_frame": "odom"}).worth(0.25) for node in ALL_NODES),
             ),

@@ -74,7 +74,7 @@ def folded(lift: float, elbow: float) -> tuple[float, float]:
     return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
 
 
-LIFT = expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, points=1)
+LIFT = expect_trajectory(ARM, standing(my("lift")), index=1, at=5.0, seconds=3.0, points=1, of=2)
 HALF, AFTER = expect_value(4.0, call=3, unit="rad"), expect_value(3.0, call=2, unit="rad")
 POINTWISE, ONE_BY_ONE = (
     expect_topic(PAINT, "visualization_msgs/msg/Marker", at_least=sum(map(len, painted(steps))))
@@ -137,12 +137,19 @@ HIDDEN = {
     "week08.lift_and_elbow": (
         Scenario(
             "other places",
-            calls=(Call(*folded(-0.4, 1.1)), Call(*folded(0.2, 0.3)), Call(0.02, -0.01), Call(0.9, -0.9)),
+            calls=(
+                Call(*folded(-0.4, 1.1)),
+                Call(*folded(0.2, 0.3)),
+                Call(0.02, -0.01),
+                Call(0.9, -0.9),
+                Call(*folded(-2.0, 0.7)),
+            ),
             checks=(
                 NEAR_PLACE,
                 expect_value([0.2, 0.3], call=1, unit="rad"),
                 expect_value([], call=2).requiring(NEAR_PLACE),
                 expect_value([], call=3).requiring(NEAR_PLACE),
+                expect_value([-2.0, 0.7], call=4, unit="rad"),
             ),
         ),
     ),

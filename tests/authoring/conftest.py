@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.authoring.new_week import new_week
-from course_lib.grading.records import Course
+from course_lib.authoring.new import new_week
+from course_lib.grading.store import Course
 
 Break = Callable[[str, str, str], None]
 

@@ -1,20 +1,18 @@
 """Every aspect of `course verify` notices what it is for, and names the place."""
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
-from course_lib.authoring.answers import read_answers
-from course_lib.authoring.edits import edits_of
-from course_lib.authoring.flaw import Flaw
-from course_lib.authoring.memory import refuse_broken
-from course_lib.authoring.mutants import operators
-from course_lib.authoring.new_week import new_week, template_picture
+from course_lib.authoring.edits import make_edits, operators, read_answers
+from course_lib.authoring.fields import Flaw
+from course_lib.authoring.new import new_week, template_picture
 from course_lib.authoring.rehearsal import cells_of
-from course_lib.authoring.verify import WeekReport, lines, verify
+from course_lib.authoring.verify import WeekReport, lines, refuse_broken, verify
 from course_lib.errors import CourseError
-from course_lib.grading.records import Course, catalog_of
+from course_lib.grading.store import Course, catalog_of
 from tests.authoring.conftest import Break, empty_course, write
 
 TOML = "exercises/course.toml"
@@ -38,7 +36,12 @@ RUN: list[Row] = [
         "the solution with {'height': 0.8} has",
         PUBLIC,
     ),
-    ("stub", [(EXERCISE, "raise NotImplementedError", "print")], "does not say what is missing", SOLUTION),
+    (
+        "stub",
+        [(EXERCISE, "raise NotImplementedError", "print")],
+        "the stub does not raise NotImplementedError",
+        SOLUTION,
+    ),
     (
         "empty",
         [
@@ -118,7 +121,7 @@ def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, WeekReport]:
         for name, old, new in changes:
             write(course, *(part.replace("week09", week) for part in (name, old, new)))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("course_lib.authoring.week.operators", lambda _: MUTANTS)
+        patch.setattr("course_lib.authoring.verify.operators", lambda _: MUTANTS)
         return {report.week: report for report in verify(course, WEEKS, jobs=2)}
 
 
@@ -128,7 +131,7 @@ def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, WeekReport]:
     [(week, aspect, text, place) for week, (aspect, _, text, place) in zip(WEEKS, RUN, strict=True)],
     ids=[f"{aspect}-{text[:40]}" for aspect, _, text, _ in RUN],
 )
-def test_a_fault_that_shows_when_answers_run_is_found(
+def test_fault_visible_when_answers_run_is_reported(
     reports: dict[str, WeekReport], week: str, aspect: str, text: str, place: str
 ) -> None:
     found = [flaw for flaw in reports[week].flaws if flaw.aspect == aspect]
@@ -136,24 +139,31 @@ def test_a_fault_that_shows_when_answers_run_is_found(
     assert [f for f in found if text in f.text and place in f.place], list(map(str, reports[week].flaws))
 
 
+WEIGHTLESS = """import dataclasses
+_ONE = POST.scenarios[0]
+_ONE = dataclasses.replace(_ONE, checks=tuple(check.worth(0) for check in _ONE.checks))
+POST = dataclasses.replace(POST, scenarios=(_ONE,))
+TASKS = (POST,)"""
+NOTHING_WEIGHS = [(PUBLIC, "TASKS = (POST,)", WEIGHTLESS), (HIDDEN, "HIDDEN = {", "HIDDEN = {}\n_ = {")]
 READ: list[Row] = [
     ("files", [(PUBLIC, "(0.6, 0.8, 1.2, 1.4)}", "()}")], "'height': (), expected a tuple of options", ""),
     ("files", [(PUBLIC, "(0.6, 0.8, 1.2, 1.4)}", "(0.6)}")], "0.6, expected a tuple of options", ""),
-    ("files", [(PUBLIC, SHAPE, SHAPE.replace(".t", ".worth(-1).t"))], "is worth -1: expected 0 or more", ""),
+    ("files", [(PUBLIC, SHAPE, SHAPE.replace(".t", ".worth(-1).t"))], "the weight -1: expected a number", ""),
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "NameError: name 'PST' is not defined. Did you mean POST", ""),
     ("files", [(PUBLIC, "(POST,)", "(PST,)")], "checks/week09.py line 59: ", ""),
     ("files", [(TOML, "post = 100", "pots = 100")], "course.toml has points for ['week09.pots']", ""),
     ("files", [(TOML, "title = \"O", "titel = \"O")], "toml line 7: weeks: week09: titel: unknown key", ""),
     ("files", [(TOML, "post = 100", "post = 90")], "line 6: weeks: week09: points: they sum to 90", ""),
-    ("files", [(TOML, "week09", "week08")], "course.toml has no points for week09, but there is ", ""),
+    ("files", [(TOML, "week09", "week08")], "course.toml has no points for week09, but ", ""),
     ("files", [(ANSWERS, 'miss = "red"', 'mis = "red"')], "week09.toml line 21: week09.post: ", ""),
     ("quiz", [(QUIZ, "right = true\n", "")], "has 0", ""),
     ("quiz", [(QUIZ, "[[question]]", "[[questoin]]")], "no table 'questoin'. Did you mean question?", ""),
-    ("quiz", [(QUIZ, '"0.4 m"', "0.4")], "week09.toml line 4: 0.4, expected a text in quotes", ""),
+    ("quiz", [(QUIZ, '"0.4 m"', "0.4")], "week09.toml line 4: 0.4, expected a string in quotes", ""),
     ("quiz", [(QUIZ, "right = true", "right = 'true'")], "right = 'true', expected true or false", ""),
     ("quiz", [(QUIZ, "[[question]]", "[question]")], "week09.toml line 3: expected [[question]]", ""),
     ("lesson", [(LESSON, '"cell_type": "code"', '"cell": "code"')], "cell 2 has no 'cell_type'", LESSON),
-    ("fresh", [(EXERCISE, "Save the notebook", "Save it")], "it is not what the solution gives", EXERCISE),
+    ("files", NOTHING_WEIGHS, "week09.post: all its checks have the weight 0, so it gives no points", ""),
+    ("fresh", [(EXERCISE, "Save the notebook", "Save it")], "it differs from the exercise", EXERCISE),
     ("fresh", [(SOLUTION, "# end of solution", "# end of it")], "an answer is not closed", SOLUTION),
     (
         "fields",
@@ -169,7 +179,7 @@ READ: list[Row] = [
 
 @pytest.mark.parametrize(("aspect", "changes", "text", "place"), READ, ids=lambda value: str(value)[:40])
 @pytest.mark.usefixtures("_nothing_runs")
-def test_a_fault_that_shows_when_files_are_read_is_found(
+def test_fault_visible_when_files_are_read_is_reported(
     course: Course, change: Break, aspect: str, changes: list[tuple[str, str, str]], text: str, place: str
 ) -> None:
     for one in changes:
@@ -182,7 +192,7 @@ def test_a_fault_that_shows_when_files_are_read_is_found(
 # what stands in the answers, what somebody writes instead, and what is said of it without a run
 CHANGES = [
     ('"position.z = height / 2"', '"position.y = 1"', "'position.y = 1' is in 0 cells of the solution"),
-    ('"scale.z = height"', '"height"', "times in the cell with PostNode, expected once: take more"),
+    ('"scale.z = height"', '"height"', "times in the cell with PostNode, expected once: include more"),
     ("# Wrong answers", "[same]\npots = []\n# Wrong", "[same]: there is no task 'week09.pots'"),
     ("# Wrong answers", "[same]\npost = ['lifetime: none']\n# Wrong", "no mutant 'lifetime: none'"),
     ('says = "too low"', 'says = "too (low"', "'too (low' is not a regular expression"),
@@ -190,14 +200,14 @@ CHANGES = [
 
 
 @pytest.mark.parametrize(("old", "new", "text"), CHANGES, ids=[row[2][:40] for row in CHANGES])
-def test_an_answer_that_changes_something_else_than_meant_is_named(
+def test_answer_with_unintended_change_is_reported(
     course: Course, change: Break, old: str, new: str, text: str
 ) -> None:
     change(ANSWERS, old, new)
     cells = cells_of(course.solutions / "week09_solution.ipynb")
     try:
         answers = read_answers(course.solutions, "week09")
-        found = edits_of(catalog_of(course).of_week("week09"), answers, cells, GENERAL)
+        found = make_edits(catalog_of(course).of_week("week09"), answers, cells, GENERAL)
         said = [str(flaw) for flaw in found if isinstance(flaw, Flaw)]
     except CourseError as error:
         said = [str(error)]
@@ -208,25 +218,25 @@ MUTANT = "[[mutant]]\nname = 'no alpha'\npattern = 'color.a = (1).0'\nreplacemen
 
 
 @pytest.mark.usefixtures("_nothing_runs")
-def test_a_mutant_that_changes_no_solution_is_named(course: Course) -> None:
+def test_mutant_without_match_in_any_solution_is_reported(course: Course) -> None:
     file = course.solutions / "answers" / "mutants.toml"
     file.write_text(MUTANT.format("pass"))
     assert [report.week for report in verify(course, jobs=1)] == ["week09"]
     file.write_text(MUTANT.format("pass").replace("color.a", "colour.a"))
     _, extras = verify(course, jobs=1)
     assert [str(flaw) for flaw in extras.flaws] == [
-        f"{file} line 2: the pattern of the mutant 'no alpha' is in no solution"
+        f"{file} line 2: the pattern of the mutant 'no alpha' does not match any solution"
     ]
 
 
-def test_a_mutant_whose_replacement_names_no_group_is_refused(course: Course) -> None:
+def test_mutant_replacement_with_unknown_group_is_rejected(course: Course) -> None:
     (course.solutions / "answers" / "mutants.toml").write_text(MUTANT.format(r"\2"))
     with pytest.raises(CourseError, match=r"mutants\.toml: invalid group reference 2"):
         operators(course.solutions)
 
 
 @pytest.mark.usefixtures("_nothing_runs")
-def test_what_is_left_of_the_template_is_named_until_it_is_replaced(course: Course, change: Break) -> None:
+def test_template_placeholders_are_reported_until_replaced(course: Course, change: Break) -> None:
     picture = f"{LESSON}, its picture, which is the template's: 1 REPLACE"
     hints = "exercises/mistakes/week09.toml, which is the template's: 1 REPLACE"
     said = lines(list(verify(course, jobs=1)), course)
@@ -237,7 +247,68 @@ def test_what_is_left_of_the_template_is_named_until_it_is_replaced(course: Cour
     assert not [line for line in said if "its picture" in line or "exercises/mistakes" in line]
 
 
-def test_the_wrong_answer_that_keeps_most_points_is_named(course: Course) -> None:
+@pytest.mark.parametrize(
+    ("topic", "said"),
+    [
+        ("/posst", "the solution does not use the input topic '/posst'. Did you mean post?"),
+        ("/post", ""),
+        ("/odometry", ""),
+    ],
+)
+@pytest.mark.usefixtures("_nothing_runs")
+def test_misspelled_input_topic_is_reported(course: Course, change: Break, topic: str, said: str) -> None:
+    made = f'inputs=(Message("{topic}", "std_msgs/msg/Bool", {{"data": True}}),),\n'
+    change(PUBLIC, "            seed=1,\n", f"            seed=1,\n            {made}")
+    change(PUBLIC, "    Check,\n", "    Check,\n    Message,\n")
+    (report,) = verify(course, jobs=1)
+    found = [str(flaw) for flaw in report.flaws if flaw.aspect == "fields"]
+    assert len(found) == bool(said)
+    assert all(said in line and "checks/week09.py line 46" in line for line in found)
+
+
+@pytest.mark.slow
+def test_endless_loop_in_a_solution_ends_the_verification_of_its_week(course: Course, change: Break) -> None:
+    change(TOML, "[weeks]\n", "[limits]\ncell_seconds = 1\nscenario_seconds = 1\n\n[weeks]\n")
+    change(
+        SOLUTION,
+        'height = my_values(\\"week09.post\\")',
+        'while True: pass\\n        my_values(\\"week09.post\\")',
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("course_lib.authoring.verify._check_exercise", lambda *_: iter(()))
+        patch.setattr("course_lib.authoring.verify.page_flaws", lambda *_: iter(()))
+        patch.setattr("course_lib.authoring.verify.make_edits", lambda *_: pytest.fail("it went on"))
+        (report,) = verify(course, ("week09",), jobs=1)
+    assert {flaw.aspect for flaw in report.flaws} == {"solution"}
+    assert any("still running after 1 s: is it an endless loop?" in f.text for f in report.flaws)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("return True", "TypeError: the check returned True, expected passed(...) or failed(...)"),
+        ("return evidence.nothing", "AttributeError: 'Evidence' object has no attribute 'nothing'"),
+        ("while True: pass", "TimeoutError: it takes more than 5 s"),
+    ],
+)
+def test_broken_check_of_an_author_is_reported_once_and_ends_its_week(
+    course: Course, change: Break, body: str, said: str
+) -> None:
+    change(PUBLIC, "POST = Task(", f"def own(evidence):\n    {body}\n\n\nPOST = Task(")
+    change(PUBLIC, "checks=steady(", 'checks=steady(Check("my own", own),')
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("course_lib.authoring.verify._check_exercise", lambda *_: iter(()))
+        patch.setattr("course_lib.authoring.verify.page_flaws", lambda *_: iter(()))
+        patch.setattr("course_lib.authoring.verify.make_edits", lambda *_: pytest.fail("it went on"))
+        patch.setattr("course_lib.authoring.rehearsal._hollow_results", lambda *_: pytest.fail("hollow"))
+        (report,) = verify(course, ("week09",), jobs=1)
+    (flaw,) = [flaw for flaw in report.flaws if flaw.aspect == "solution"]
+    assert said in flaw.text
+    assert re.search(r"checks/week09\.py line \d+: ", flaw.text)
+
+
+def test_wrong_answer_with_most_points_is_reported(course: Course) -> None:
     report = WeekReport("week09", (), kept={"week09.post: red": 0.9, "a": 0.1, "b": 0.2})
     (line,) = [line for line in lines([report], course) if "wrong answers" in line]
     assert line.startswith("week09: 3 wrong answers keep 0.20 of their task's points in the median, ")
@@ -248,14 +319,17 @@ def test_the_wrong_answer_that_keeps_most_points_is_named(course: Course) -> Non
     "line", ["from vizualization_msgs.msg import Marker", "from visualization_msgs.msgs import Marker"]
 )
 @pytest.mark.usefixtures("_nothing_runs")
-def test_an_import_that_fails_in_a_solution_ends_nothing(course: Course, change: Break, line: str) -> None:
+def test_failing_import_in_a_solution_does_not_end_verification(
+    course: Course, change: Break, line: str
+) -> None:
     change(SOLUTION, "from visualization_msgs.msg import Marker", line)
     (report,) = verify(course, jobs=1)
     assert {flaw.aspect for flaw in report.flaws} == {"fresh"}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("_nothing_runs")
-def test_a_faulty_week_does_not_keep_the_others_from_being_verified(course: Course, change: Break) -> None:
+def test_faulty_week_does_not_prevent_verification_of_other_weeks(course: Course, change: Break) -> None:
     new_week("week10", "Planning", course)
     change(PUBLIC, "TASKS = (POST,)", "TASKS = POST")
     nine, ten = verify(course, jobs=1)
@@ -263,8 +337,9 @@ def test_a_faulty_week_does_not_keep_the_others_from_being_verified(course: Cour
     assert (ten.week, ten.flaws) == ("week10", ())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("_nothing_runs")
-def test_nor_does_a_fault_in_its_part_of_course_toml_but_nothing_is_released(
+def test_faulty_week_table_in_course_toml_prevents_release_but_not_verification_of_other_weeks(
     course: Course, change: Break
 ) -> None:
     new_week("week10", "Planning", course)
@@ -272,11 +347,11 @@ def test_nor_does_a_fault_in_its_part_of_course_toml_but_nothing_is_released(
     nine, ten = verify(course, jobs=1)
     assert (nine.week, nine.cell("files"), nine.cell("solution")) == ("week09", "✘", ".")
     assert (ten.week, ten.flaws) == ("week10", ())
-    with pytest.raises(CourseError, match=r"nothing is released.*line \d+: weeks: week09: points"):
+    with pytest.raises(CourseError, match=r"nothing was released.*line \d+: weeks: week09: points"):
         refuse_broken(course)
 
 
-def test_a_broken_course_is_not_released_and_what_was_verified_is_not_run_again(
+def test_broken_course_is_not_released_and_verified_weeks_are_not_rerun(
     course: Course, change: Break, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     verified = list[str]()
@@ -286,12 +361,16 @@ def test_a_broken_course_is_not_released_and_what_was_verified_is_not_run_again(
         yield from (WeekReport(week, flaws) for week in weeks)
 
     flaws: tuple[Flaw, ...] = (Flaw("quiz", "no right answer", "week09.toml line 3"),)
-    monkeypatch.setattr("course_lib.authoring.memory.verify", look)
-    with pytest.raises(CourseError, match=r"nothing is released\. week09, quiz: week09\.toml line 3"):
-        refuse_broken(course)
-    flaws = ()
-    refuse_broken(course)
-    refuse_broken(course)
+    monkeypatch.setattr("course_lib.authoring.verify.verify", look)
+    said = list[str]()
+    with pytest.raises(CourseError, match=r"nothing was released\. week09, quiz: week09\.toml line 3"):
+        refuse_broken(course, said.append)
+    assert said[1] == "week09: 1 to correct. quiz: week09.toml line 3: no right answer"
+    flaws, said = (), []
+    refuse_broken(course, said.append)
+    assert said == ["verifying week09 (1 of 1), which can take minutes …"]
+    refuse_broken(course, said.append)
+    assert len(said) == 1
     assert verified == ["week09", "week09"]
     change(QUIZ, "0.8 m stands", "0.9 m stands")
     refuse_broken(course)

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.authoring.flaw import ASPECTS
-from course_lib.authoring.new_week import notebook_of
+from course_lib.authoring.fields import ASPECTS
+from course_lib.authoring.new import parse_notebook
 from course_lib.course.exercise import notebook_text, read_notebook, source
 from tests.authoring.test_new_course import BUILT_HERE, ROOT, install, run
 from tests.test_contributing import edit
@@ -66,7 +66,7 @@ class Author:
     def _cells(self, path: Path, before: str, text: str) -> None:
         notebook = read_notebook(path)
         place = next(i for i, cell in enumerate(notebook["cells"]) if cell["id"] == before)
-        notebook["cells"][place:place] = notebook_of(text, {})["cells"]
+        notebook["cells"][place:place] = parse_notebook(text, {})["cells"]
         path.write_text(notebook_text(notebook), "utf-8")
 
     def _cell(self, path: Path, name: str, change: str) -> None:
@@ -83,7 +83,7 @@ class Author:
 
 
 @pytest.mark.slow
-def test_the_example_of_the_page_is_made_verified_released_and_graded(tmp_path: Path) -> None:
+def test_guide_example_can_be_created_verified_released_and_graded(tmp_path: Path) -> None:
     author = Author(tmp_path)
     for language, options, text in BLOCK.findall(PAGE):
         author.do(language, dict(one.split("=") for one in options.split()), text)
@@ -91,16 +91,16 @@ def test_the_example_of_the_page_is_made_verified_released_and_graded(tmp_path: 
     (row,) = csv.DictReader((tmp_path / "graded" / "gradebook.csv").read_text().splitlines())
     assert (row["student"], row["score"], row["max_score"]) == ("ada", "100.0", "100.0")
     (result,) = (tmp_path / "graded" / "results").rglob("week09_exercise.json")
-    tasks = {task["task"]: task["score"] for task in json.loads(result.read_text())["tasks"]}
+    tasks = {task["task"]: task["score"] for task in json.loads(result.read_text())["judgement"]["tasks"]}
     assert tasks == {"week09.post": 60.0, "week09.cell_of": 40.0}
 
 
-def test_the_page_has_every_word_of_the_vocabulary() -> None:
+def test_guide_page_lists_every_expect_function() -> None:
     public = (ROOT / "course_lib" / "grading" / "__init__.pyi").read_text("utf-8")
     assert sorted(word for word, _ in WORD.findall(PAGE)) == sorted(set(re.findall(r"\bexpect_\w+", public)))
 
 
-def test_the_page_has_every_mistake_that_a_word_names() -> None:
+def test_guide_page_lists_every_mistake_reported_by_a_check() -> None:
     text = resources.files("course_lib.grading.vocabulary").joinpath("hints.toml").read_text("utf-8")
     named = {mistake for _, row in WORD.findall(PAGE) for mistake in row.split("; ")}
     named |= set(re.findall(r'"([^"]+)"', SAID_ONCE.replace("\n", " ")))
@@ -109,12 +109,12 @@ def test_the_page_has_every_mistake_that_a_word_names() -> None:
     assert {mistake for mistake in named - known if mistake != "as `expect_level`"} == set()
 
 
-def test_the_page_has_every_column_of_the_table() -> None:
+def test_guide_page_describes_every_column_of_the_verification_table() -> None:
     for aspect, meaning in ASPECTS.items():
         assert f"| {aspect} | {meaning} |" in PAGE
 
 
-def test_every_link_of_the_page_leads_somewhere() -> None:
+def test_every_link_of_the_guide_page_resolves() -> None:
     titles = [title.lower() for title in re.findall(r"^## (.+)$", PAGE, re.MULTILINE)]
     anchors = {re.sub(r"[^\w\- ]", "", title).replace(" ", "-") for title in titles}
     assert {link[1:] for link in re.findall(r"\]\((#[^)]+)\)", PAGE)} <= anchors

@@ -3,7 +3,7 @@
 import pytest
 
 from course_lib.authoring.verify import page_flaws
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
 from tests.authoring.conftest import Break
 
 SOLUTION, LESSON = "solutions/week09_solution.ipynb", "notebooks/week09_occupancy_maps.ipynb"
@@ -28,7 +28,7 @@ ASKED = [
 
 
 @pytest.mark.parametrize(("file", "old", "new", "text"), ASKED, ids=[row[3][:40] for row in ASKED])
-def test_a_question_that_no_file_has_is_named(
+def test_undefined_question_is_reported(
     course: Course, change: Break, file: str, old: str, new: str, text: str
 ) -> None:
     change(file, old, new)
@@ -39,7 +39,7 @@ def test_a_question_that_no_file_has_is_named(
 # what stands in the lesson, what somebody writes instead, and what is said of it
 LESSONS = [
     ("attachment:picture.png", "picture.png", "the first cell has no picture"),
-    ("(attachment:picture.png", "(attachment:pic.png", "'attachment:pic.png' is not there"),
+    ("(attachment:picture.png", "(attachment:pic.png", "'attachment:pic.png' is missing"),
     ("**After this lesson you can**", "**You can**", "missing: **After this lesson you can**"),
     ("**A true story.**", "**A story.**", "above '## Do you remember?'"),
     ("> Source:", "> From:", "has no line '> Source: …'"),
@@ -62,11 +62,11 @@ LESSONS = [
         "load_robot is imported from course_lib, but",
     ),
     ("rclpy.init()", "rclpy.init(", "SyntaxError"),
-    ("## 4. Recap", "#### 4. Recap", "is of level 4, below one of level 2"),
+    ("## 4. Recap", "#### 4. Recap", "has level 4, but follows one of level 2"),
     ("# Week 9: Occupancy", "## Week 9: Occupancy", "expected one title"),
-    ("Understanding topics, an official ROS 2 tutorial", "here", "the link 'here' needs words"),
+    ("Understanding topics, an official ROS 2 tutorial", "here", "the link 'here' needs a description"),
     ('"outputs": []', '"outputs": [{"output_type": "stream", "name": "stdout", "text": []}]', "have outputs"),
-    ('"nbformat": 4,', '"nbformat":4,', "its JSON has another layout"),
+    ('"nbformat": 4,', '"nbformat":4,', "its JSON is formatted differently"),
     ("Nothing is marked.", f"Nothing {'is it and ' * 12} marked.", "a sentence has"),
     ("rclpy.init()", "rclpy.init()" + 25 * "\\nprint()", "expected at most 25"),
     ("my_values", "my_value", "an answer uses my_values, which no lesson up to this week shows"),
@@ -74,7 +74,7 @@ LESSONS = [
 
 
 @pytest.mark.parametrize(("old", "new", "text"), LESSONS, ids=[row[2][:40] for row in LESSONS])
-def test_a_lesson_against_a_rule_is_named(
+def test_lesson_that_violates_a_rule_is_reported(
     course: Course, change: Break, old: str, new: str, text: str
 ) -> None:
     change(LESSON, old, new)

@@ -7,18 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from course_lib import cli_author
-from course_lib.authoring.flaw import ASPECTS
-from course_lib.authoring.new_week import new_week
+from course_lib import cli
+from course_lib.authoring.fields import ASPECTS
+from course_lib.authoring.new import new_week
 from course_lib.authoring.verify import lines, verify
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
+from tests.patience import PATIENCE
 from tests.test_house import PUBLIC
 
 
 @pytest.mark.slow
-def test_a_new_week_is_right_in_every_aspect(course: Course) -> None:
+def test_new_week_passes_every_verification(course: Course) -> None:
     (report,) = verify(course, ["week09"], jobs=2)
     assert [str(flaw) for flaw in report.flaws] == []
     assert {report.cell(aspect) for aspect in ASPECTS} == {"✔"}
@@ -30,7 +31,9 @@ def test_a_new_week_is_right_in_every_aspect(course: Course) -> None:
     assert lesson in lines([report], course)
 
 
-def test_it_has_lesson_solution_exercise_checks_quizzes_hints_answers_and_points(course: Course) -> None:
+def test_new_week_has_lesson_solution_exercise_checks_quizzes_hints_answers_and_points(
+    course: Course,
+) -> None:
     root = course.exercises.parent
     names = {path.relative_to(root).as_posix() for path in root.rglob("*09*")}
     assert names == {
@@ -48,11 +51,11 @@ def test_it_has_lesson_solution_exercise_checks_quizzes_hints_answers_and_points
     assert (week.title, week.points) == ("Occupancy maps", {"post": 100.0})
 
 
-def test_its_python_files_are_as_the_formatter_writes_them_and_import_public_modules(course: Course) -> None:
+def test_python_files_of_a_new_week_are_formatted_and_import_public_modules(course: Course) -> None:
     files = [str(path) for path in course.exercises.parent.rglob("checks/*.py")]
     for words in (["format", "--check"], ["check"]):
         command = [sys.executable, "-m", "ruff", *words, "--line-length", "110", *files]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
         assert done.returncode == 0, done.stdout
     for path in files:
         text = Path(path).read_text("utf-8")
@@ -63,14 +66,14 @@ def test_its_python_files_are_as_the_formatter_writes_them_and_import_public_mod
     ("week", "title", "message"),
     [
         ("week9", "Maps", "'week9' is not the name of a week: expected one like week09"),
-        ("week09", "Maps", "week09 is in .* already: 'Occupancy maps'"),
+        ("week09", "Maps", "week09 is already in .*: 'Occupancy maps'"),
         ("week10", 'Maps"', "expected 1 to 60 letters"),
         ("week10", "a\nb", "expected 1 to 60 letters"),
         ("week10", "../../up", "expected 1 to 60 letters"),
         ("week10", "x" * 61, "expected 1 to 60 letters"),
     ],
 )
-def test_a_name_or_a_title_that_does_not_fit_is_refused_and_nothing_is_written(
+def test_invalid_week_name_or_title_is_rejected_and_nothing_is_written(
     course: Course, week: str, title: str, message: str
 ) -> None:
     before = sorted(course.exercises.parent.rglob("*"))
@@ -79,19 +82,19 @@ def test_a_name_or_a_title_that_does_not_fit_is_refused_and_nothing_is_written(
     assert sorted(course.exercises.parent.rglob("*")) == before
 
 
-def test_a_release_notes_what_is_left_of_the_template(
+def test_release_reports_template_placeholders(
     course: Course, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("course_lib.grading.records.this_course", lambda: course)
-    monkeypatch.setattr("course_lib.authoring.memory.refuse_broken", lambda _: None)  # takes minutes
-    monkeypatch.setattr("course_lib.course.hand_out.release", lambda out: [out])
-    cli_author.release(tmp_path / "out")
+    monkeypatch.setattr("course_lib.grading.store.this_course", lambda: course)
+    monkeypatch.setattr("course_lib.authoring.verify.refuse_broken", lambda *_: None)  # takes minutes
+    monkeypatch.setattr("course_lib.course.student_folder.release", lambda out, solutions: [out])
+    cli.release(tmp_path / "out")
     note, done = capsys.readouterr().out.splitlines()
     assert re.fullmatch(r"note: week09: \d+ places of the template left, look for REPLACE", note)
     assert done.startswith("Released 1 parts")
 
 
-def test_a_week_that_is_faulty_in_course_toml_is_not_written_again_but_another_one_is(
+def test_week_with_a_faulty_table_is_not_overwritten_and_another_week_is_created(
     course: Course,
 ) -> None:
     settings = course.exercises / "course.toml"
@@ -102,15 +105,15 @@ def test_a_week_that_is_faulty_in_course_toml_is_not_written_again_but_another_o
     assert list(read_course_file(settings).weeks) == ["week10"]
 
 
-def test_a_file_that_is_there_is_not_written_over(course: Course) -> None:
+def test_existing_file_is_not_overwritten(course: Course) -> None:
     mine = course.solutions / "week10_solution.ipynb"
     mine.write_text("mine")
-    with pytest.raises(CourseError, match="is there already"):
+    with pytest.raises(CourseError, match="already exists"):
         new_week("week10", "Maps", course)
     assert mine.read_text() == "mine"
     assert not (course.exercises / "checks/week10.py").exists()
 
 
-def test_the_lesson_of_a_later_week_names_the_one_before(course: Course) -> None:
+def test_lesson_of_a_later_week_refers_to_the_previous_week(course: Course) -> None:
     new_week("week10", "Planning", course)
     assert "do `week09_occupancy_maps.ipynb`." in (course.lessons / "week10_planning.ipynb").read_text()

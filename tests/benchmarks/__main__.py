@@ -19,7 +19,7 @@ from tests.benchmarks.table import Row, installed, markdown, page, refreshed
 
 ROOT = Path(__file__).parents[2]
 DOCS, README = ROOT / "docs" / "benchmarks.md", ROOT / "README.md"
-HERE = ("course-lib", "meshcat", "pin", "viser", "pytransform3d", "rosbags")
+HERE = ("course-lib", "meshcat", "pin", "viser", "rerun-sdk", "pytransform3d", "rosbags")
 THERE = ("nbgrader", "otter-grader")
 
 
@@ -45,7 +45,9 @@ def main() -> None:
         versions = installed(HERE) | versions_of(peers)
     print("\n" + markdown(rows))
     if options.write:
-        DOCS.write_text(page(rows, versions, load), encoding="utf-8")
+        # What follows the table is written by hand.
+        _, heading, sections = DOCS.read_text(encoding="utf-8").partition("\n## ")
+        DOCS.write_text(page(rows, versions, load) + heading + sections, encoding="utf-8")
         README.write_text(refreshed(README.read_text(encoding="utf-8"), rows), encoding="utf-8")
 
 

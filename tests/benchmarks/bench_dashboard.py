@@ -9,7 +9,7 @@ import time
 from types import ModuleType
 from typing import Any
 
-from course_lib.ros.standin_path import install
+from course_lib.ros.programs.import_path import install
 
 install()
 
@@ -17,7 +17,7 @@ import rclpy  # noqa: E402  # needs the stand-in's packages
 
 from course_lib import spin_for  # noqa: E402  # as above
 from course_lib.course.exercise import read_notebook, source  # noqa: E402  # as above
-from course_lib.course.installation import lessons_dir  # noqa: E402  # as above
+from course_lib.course.state import lessons_dir  # noqa: E402  # as above
 from course_lib.sensors.camera import Pinhole  # noqa: E402  # as above
 
 RUNS = 5

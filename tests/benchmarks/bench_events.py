@@ -6,10 +6,9 @@ Printed for a tenth, a half and all of the load, as ratios: the cost per message
 import time
 from functools import partial
 
-from course_lib.ros import standin_path
-from course_lib.ros.baton import baton
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
+from course_lib.ros.programs import import_path
+from course_lib.ros.time.time_lock import time_lock
 
 SECONDS = 60  # [s] of robot time
 PERIOD = 0.6  # [s] of each timer: 100 messages a minute
@@ -28,7 +27,7 @@ def run(timers: int) -> tuple[float, int]:
         heard += 1
 
     start = time.process_time()
-    with use_graph(Graph(end_ns=START_NS + SECONDS * 10**9)), baton.known():
+    with use_graph(Graph(end_ns=START_NS + SECONDS * 10**9)), time_lock.hold():
         rclpy.init()
         node = Node("bench")
         publisher = node.create_publisher(Int32, "numbers", 10)
@@ -41,7 +40,7 @@ def run(timers: int) -> tuple[float, int]:
 
 def main() -> None:
     """Print one line per load."""
-    standin_path.install()
+    import_path.install()
     peer = None
     for timers in (100, 500, 1_000):
         busy, heard = run(timers)

@@ -30,9 +30,9 @@ def memory(pid: int) -> float:
 
 def robot(port: int, width: int, height: int, hz: float) -> None:
     """Publish images for ever."""
+    from course_lib.ros.graph.topics import Qos
     from course_lib.ros.messages import message_class, serialize
-    from course_lib.ros.qos import Qos
-    from course_lib.ros.zenoh.connect import RobotAddress, link_to
+    from course_lib.ros.robot.connect import RobotAddress, link_to
 
     graph = link_to(RobotAddress(f"127.0.0.1:{port}", everything=True))
     out = graph.add_publisher(graph.add_node("camera", "/"), TOPIC, IMAGE, Qos(depth=5))
@@ -52,8 +52,8 @@ class Kit:
 
     def __init__(self, port: int) -> None:
         from course_lib import Viewer
-        from course_lib.ros.graph import use_graph
-        from course_lib.ros.zenoh.connect import RobotAddress, link_to
+        from course_lib.ros.graph.graph import use_graph
+        from course_lib.ros.robot.connect import RobotAddress, link_to
 
         self.graph = link_to(RobotAddress(f"127.0.0.1:{port}"))
         self.shown, self.bytes = 0, 0
@@ -95,7 +95,7 @@ def flood(seconds: float, width: int, height: int, hz: float) -> bool:
             shown = ", ".join(f"{name} {size:6.1f} MB" for name, size in rows[-1].items())
             print(f"{number * EVERY:5.0f} s  {shown}; {rate:6.1f} MB/s shown", flush=True)
             time.sleep(BUSY)
-        said = [f"{name}: {value}" for name, value in kit.graph.about_link() if name == TOPIC]
+        said = [f"{name}: {value}" for name, value in kit.graph.link_report() if name == TOPIC]
         print("doctor:", *said)
         camera.kill()
     kit.graph.close()
@@ -109,9 +109,9 @@ def flood(seconds: float, width: int, height: int, hz: float) -> bool:
 
 def main() -> None:
     """Flood once; the exit code is 1 where the memory grows."""
-    from course_lib.ros import standin_path
+    from course_lib.ros.programs import import_path
 
-    standin_path.install()
+    import_path.install()
     if sys.argv[1:2] == ["robot"]:
         robot(int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]), float(sys.argv[5]))
     words = [float(word) for word in sys.argv[1:]] or [SECONDS, WIDTH, HEIGHT, HZ]

@@ -1,6 +1,6 @@
-"""100,000 judgements and 100,000 inputs of parsers: no exception escapes, nothing takes beyond its time.
+"""100,000 judgements, inputs of parsers and hand-ins: no exception escapes, and no hand-in has a wrong owner.
 
-    python tests/benchmarks/bench_fuzz.py [JUDGEMENTS [INPUTS]]
+    python tests/benchmarks/bench_fuzz.py [JUDGEMENTS [INPUTS [HAND_INS]]]
 
 Half of the judgements are every word of the vocabulary over made-up evidence, half are the course's own
 checks over what its solutions published and returned, spoilt. A fifth of the inputs are streams of a hostile
@@ -22,13 +22,15 @@ from hypothesis import HealthCheck, given, settings
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from course_lib.ros.standin_path import install
+from course_lib.ros.programs.import_path import install
 from tests.hostile.fuzzing import streams, swallow
+from tests.hostile.hand_ins import collect_class, read_class
 from tests.hostile.judging import course_over, right_runs, words_over
 from tests.hostile.parsing import STAFFS, STUDENTS, parse_any
 
 JUDGEMENTS = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
 INPUTS = int(sys.argv[2]) if len(sys.argv) > 2 else 100_000
+HAND_INS = int(sys.argv[3]) if len(sys.argv) > 3 else 100_000
 ROUNDS = 50
 BATCH, WARM_UP = 500, 5  # streams; batches, until every import and every cache of bounded size is there
 
@@ -75,8 +77,23 @@ def swallow_streams(count: int) -> list[float]:
     return held
 
 
+def hand_ins(count: int) -> str:
+    """Read and collect so many hand-ins with names that students chose; a fifth of them as archives."""
+    start, chance, names, archives = time.perf_counter(), random.Random(1), 0, 0
+    while names < count * 4 // 5:
+        names += read_class(chance)
+    while archives < count // 5:
+        archives += collect_class(chance)
+    took = time.perf_counter() - start
+    return f"{names} names and {archives} collected hand-ins in {took:.0f} s, none with a wrong owner or time"
+
+
 def main() -> None:
     install()
+    if HAND_INS:
+        print(hand_ins(HAND_INS))
+    if not JUDGEMENTS and not INPUTS:
+        return
     warnings.simplefilter("ignore", RuntimeWarning)  # numpy's, over infinite numbers
     start = time.perf_counter()
     words = until(JUDGEMENTS // 2, lambda seed: words_over(random.Random(seed), ROUNDS))
@@ -87,6 +104,8 @@ def main() -> None:
     print(
         f"{words + course} judgements in {took:.0f} s, none raised; {before:.0f} MB, then {memory():.0f} MB"
     )
+    if not INPUTS:
+        return
     start, slowest = time.perf_counter(), 0.0
     chance = random.Random(0)
     for number in range(INPUTS * 4 // 5):

@@ -24,7 +24,7 @@ from pathlib import Path
 import psutil
 
 from course_lib.grading.grade import grade
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
 from tests.benchmarks.graded_weeks import nbgrader_cost, rows
 from tests.benchmarks.table import Row, markdown
 from tests.grading.conftest import CHECKS, COURSE, HIDDEN

@@ -9,16 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from course_lib.ros.standin_path import install
+from course_lib.ros.programs.import_path import install
 
 install()
 
-from course_lib.robots.inverse_kinematics import (  # noqa: E402  # needs the stand-in's packages
+from course_lib.robots.kinematics import (  # noqa: E402  # needs the stand-in's packages  # noqa: E402  # as above
     ACCURACY,
     LONGEST_STEP,
+    joint_poses,
     joints_for,
+    link_poses,
 )
-from course_lib.robots.kinematics import joint_poses, link_poses  # noqa: E402  # as above
 from course_lib.robots.mobile_manipulator import START, mobile_manipulator  # noqa: E402  # as above
 from course_lib.robots.robot import load_robot  # noqa: E402  # as above
 from course_lib.robots.urdf import MOVING  # noqa: E402  # as above

@@ -8,9 +8,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from course_lib.displays.marker.drawables import points
-from course_lib.ros import standin_path
+from course_lib.displays.shapes import points_of
 from course_lib.ros.messages import deserialize, serialize
+from course_lib.ros.programs import import_path
 
 COUNT = 200_000
 
@@ -33,7 +33,7 @@ def cost(work: Callable[[], Any]) -> tuple[float, Any]:
 
 def main() -> None:
     """Print one line per step on the way of a marker."""
-    standin_path.install()
+    import_path.install()
     from geometry_msgs.msg import Point
     from visualization_msgs.msg import Marker
 
@@ -41,7 +41,7 @@ def main() -> None:
     made, many = cost(lambda: [Point(x=float(i), y=0.0, z=0.0) for i in range(COUNT)])
     sent, cdr = cost(lambda: serialize(Marker(type=Marker.POINTS, points=many)))
     read, marker = cost(lambda: deserialize(cdr, Marker))
-    drawn, _ = cost(lambda: points(marker))
+    drawn, _ = cost(lambda: points_of(marker))
     for name, each in (("bare", bare), ("made", made), ("sent", sent), ("read", read), ("drawn", drawn)):
         print(f"{name:6} {each:5.2f} us for each point  {each / bare:5.1f}x")
 

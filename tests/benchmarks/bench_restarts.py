@@ -15,9 +15,9 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 TIMES = 20
 
-from course_lib.ros import standin_path  # noqa: E402  # finds the checkout
+from course_lib.ros.programs import import_path  # noqa: E402  # finds the checkout
 
-standin_path.install()
+import_path.install()
 
 from tests.gateway.test_restarts import Gateways, View, restarted  # noqa: E402
 from tests.ros.zenoh.conftest import Routers  # noqa: E402

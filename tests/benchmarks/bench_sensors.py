@@ -6,14 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from course_lib.ros.standin_path import install
+from course_lib.ros.programs.import_path import install
 
 install()
 
 from course_lib.sensors.camera import Pinhole  # noqa: E402  # as above
 from course_lib.sensors.lidar import beams_at  # noqa: E402  # needs the stand-in's packages
-from course_lib.sensors.shapes import box, cylinder, plane, sphere  # noqa: E402  # as above
-from course_lib.sensors.world import Thing, World, circle, placed  # noqa: E402  # as above  # noqa: E402  # as above
+from course_lib.sensors.world import Thing, World, box, circle, cylinder, placed, plane, sphere  # noqa: E402  # as above  # noqa: E402  # as above  # noqa: E402  # as above
 
 RUNS = 30
 OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1], [0, 0, 0, 1]], float)  # looks along x

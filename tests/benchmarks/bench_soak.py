@@ -62,9 +62,9 @@ def main() -> None:
             samples.append(sample(page, session, resyncs))
             print(f"{elapsed / 60:7.1f} " + "".join(f"{v:14.1f}" for v in astuple(samples[-1])), flush=True)
         page.wait_for_timeout(1000)
-        behind = server.link._stream.number - max(p.number for p in server.link._flow.pages.values())
+        behind = server.link.number - max(p.number for p in server.link._flow.pages.values())
     server.close()
-    print(f"{server.link._stream.number} batches, the page is {behind} behind")
+    print(f"{server.link.number} batches, the page is {behind} behind")
     sys.exit(verdict(samples))
 
 

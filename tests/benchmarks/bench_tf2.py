@@ -12,16 +12,15 @@ import numpy as np
 from pytransform3d.trajectories import pqs_from_transforms
 from pytransform3d.transform_manager import NumpyTimeseriesTransform, TemporalTransformManager
 
-from course_lib.errors import counted
-from course_lib.ros.standin_path import install
+from course_lib.errors import format_count
+from course_lib.ros.programs.import_path import install
 
 install()
 
 from rclpy.time import Time  # noqa: E402  # needs the stand-in's packages
 from tf2_ros import Buffer  # noqa: E402  # as above
 
-from course_lib.ros.tf2_core import BufferCore  # noqa: E402  # as above
-from course_lib.ros.tf2_transform import Transform  # noqa: E402  # as above
+from course_lib.ros.tf2 import BufferCore, Transform  # noqa: E402  # as above
 from tests.benchmarks.table import Row, markdown  # noqa: E402  # as above
 
 START, RATE, SECONDS = 1_000, 100, 10  # [s], [Hz], [s]
@@ -92,7 +91,7 @@ def measured(length: int, times: list[float], recent: list[float]) -> Iterator[R
     }
     peer = {"pytransform3d": per_second(theirs, times)}
     for name, rate in rates.items():
-        yield Row(f"{name}, lookups over {counted(length, 'frame')}", "1/s", rate, peer, less=False)
+        yield Row(f"{name}, lookups over {format_count(length, 'frame')}", "1/s", rate, peer, less=False)
 
 
 if __name__ == "__main__":

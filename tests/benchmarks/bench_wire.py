@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from course_lib.ros import standin_path
+from course_lib.ros.programs import import_path
 from tests.benchmarks.table import Row, markdown
 
 CALLS = 1000
@@ -25,7 +25,7 @@ def best(call: Callable[[], object]) -> float:
 
 def rows() -> Iterator[Row]:
     """Yield a row for each direction and message."""
-    standin_path.install()
+    import_path.install()
     from geometry_msgs.msg import Point
     from sensor_msgs.msg import JointState
     from std_msgs.msg import Int32

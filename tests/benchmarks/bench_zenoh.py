@@ -74,8 +74,8 @@ def by_tcp(received: Received, send: Callable[[str, int], None]) -> None:
 
 def by_kit(received: Received, send: Callable[[str, int], None], port: int, behind: str = "") -> None:
     """Receive in a linked graph, maybe behind a gateway at an address."""
-    from course_lib.ros.qos import Qos
-    from course_lib.ros.zenoh.connect import RobotAddress, link_to
+    from course_lib.ros.graph.topics import Qos
+    from course_lib.ros.robot.connect import RobotAddress, link_to
 
     graph = link_to(RobotAddress(behind or f"127.0.0.1:{port}"))
     from std_msgs.msg import String
@@ -114,14 +114,14 @@ def sender(kind: str, port: int) -> None:
         connection = socket.create_connection(("127.0.0.1", port))
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         paced(lambda text: connection.sendall(STAMP.pack(len(text)) + text.encode()))
-    from course_lib.ros import standin_path
+    from course_lib.ros.programs import import_path
 
-    standin_path.install()
+    import_path.install()
     from std_msgs.msg import String
 
+    from course_lib.ros.graph.topics import Qos
     from course_lib.ros.messages import serialize
-    from course_lib.ros.qos import Qos
-    from course_lib.ros.zenoh.connect import RobotAddress, link_to
+    from course_lib.ros.robot.connect import RobotAddress, link_to
 
     graph = link_to(RobotAddress(f"127.0.0.1:{port}", send=["/bench"]))
     qos = Qos(history="keep_all")  # as a reliable publisher that loses nothing
@@ -132,9 +132,9 @@ def sender(kind: str, port: int) -> None:
 
 def main() -> None:
     """Print a row for each way."""
-    from course_lib.ros import standin_path
+    from course_lib.ros.programs import import_path
 
-    standin_path.install()
+    import_path.install()
     from tests.gateway.test_restarts import Gateways
     from tests.ros.zenoh.conftest import Routers
 

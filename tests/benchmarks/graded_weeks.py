@@ -12,10 +12,9 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from course_lib.authoring.mutants import mutants, operators
-from course_lib.course.installation import solutions_dir
-from course_lib.grading.run.job import Job, plan
-from course_lib.grading.run.run import run_scenarios
+from course_lib.authoring.edits import mutants, operators
+from course_lib.course.state import solutions_dir
+from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from tests.notebooks.graded import STUDENT, WEEKS, catalog, cells_of, solution
 
 
@@ -36,7 +35,7 @@ def submissions(week: str, most: int) -> list[list[str]]:
 
 def cost(cells: list[str], week: str) -> tuple[float, float]:
     """[s] of CPU in the jail, of all its processes, and in the grader beside it."""
-    steps = plan(catalog().of_week(week), catalog(), hidden=True)
+    steps = plan_scenarios(catalog().of_week(week), catalog(), hidden=True)
     begun = time.process_time()
     made = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
     return made.usage.cpu_seconds, time.process_time() - begun

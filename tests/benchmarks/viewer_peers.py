@@ -1,8 +1,10 @@
-"""Three viewers behind one small interface, each with its own server and a real page."""
+"""Viewers behind one small interface, each with its own server and a real page."""
 
 import logging
+import socket
 import threading
 import time
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -59,7 +61,7 @@ class Ours:
         return self.count
 
     def _number(self) -> int:
-        return self.server.link._stream.number
+        return self.server.link.number
 
     def cloud(self, points: Floats) -> None:
         """Show a red cloud."""
@@ -69,6 +71,16 @@ class Ours:
 
     def watch(self, page: Page) -> None:
         """Do nothing: the page answers by itself."""
+
+    def mesh(self, vertices: Floats, faces: NDArray[np.integer]) -> None:
+        """Show a mesh."""
+        from course_lib.viewer.drawables import Mesh
+
+        self.scene.set_object("mesh", Mesh(vertices, faces, (0.8, 0.8, 0.8, 1)))
+
+    def move_mesh(self, matrix: Floats) -> None:
+        """Place the mesh."""
+        self.scene.set_transform("mesh", matrix)
 
     def close(self) -> None:
         """Stop the server."""
@@ -117,6 +129,17 @@ class Meshcat:
         colors = np.zeros_like(points.T)
         colors[0] = 1
         self.visualizer["cloud"].set_object(g.PointCloud(points.T, colors, size=0.05))
+
+    def mesh(self, vertices: Floats, faces: NDArray[np.integer]) -> None:
+        """Show a mesh."""
+        import meshcat.geometry as g
+
+        shape = g.TriangularMeshGeometry(vertices, faces)
+        self.visualizer["mesh"].set_object(shape, g.MeshLambertMaterial(color=0xCCCCCC))
+
+    def move_mesh(self, matrix: Floats) -> None:
+        """Place the mesh."""
+        self.visualizer["mesh"].set_transform(matrix)
 
     def close(self) -> None:
         """Stop the server."""
@@ -181,6 +204,15 @@ class Viser:
             "/cloud", points, (255, 0, 0), point_size=0.05, precision="float32", point_shading="flat"
         )
 
+    def mesh(self, vertices: Floats, faces: NDArray[np.integer]) -> None:
+        """Show a mesh."""
+        self.shown = self.visualizer.scene.add_mesh_simple("/mesh", vertices, faces, color=(204, 204, 204))
+
+    def move_mesh(self, matrix: Floats) -> None:
+        """Place the mesh."""
+        self.shown.position = matrix[:3, 3]
+        self.visualizer.flush()
+
     def close(self) -> None:
         """Stop the server."""
         self.visualizer.stop()
@@ -196,4 +228,75 @@ def add_boxes(peer: Any, count: int) -> None:
         peer.parts.append(part)
 
 
-PEERS: tuple[Any, ...] = (Ours, Meshcat, Viser)
+class Rerun:
+    """Rerun's viewer of pages and notebooks; what it sends is counted where it is logged, to its credit."""
+
+    name = "rerun"
+    pinocchio_class = ""
+
+    def __init__(self) -> None:
+        import rerun
+
+        self.rerun = rerun
+        self.stream = rerun.RecordingStream("benchmark")
+        connect_to = self.stream.serve_grpc(grpc_port=free_port())
+        port = free_port()
+        rerun.serve_web_viewer(web_port=port, open_browser=False, connect_to=connect_to)
+        self.url = f"http://127.0.0.1:{port}/?url={connect_to}"
+        self.count = 0
+        self.parts = 0
+
+    def boxes(self, count: int) -> None:
+        """Add boxes."""
+        box = self.rerun.Boxes3D(half_sizes=[[0.025] * 3], colors=[[255, 0, 0]], fill_mode="solid")
+        for number in range(count):
+            self.stream.log(f"part{number}", box)
+        self.parts = count
+
+    def move(self, matrices: Floats) -> None:
+        """Place all boxes: position and rotation."""
+        for number, matrix in enumerate(matrices):
+            place = self.rerun.Transform3D(translation=matrix[:3, 3], mat3x3=matrix[:3, :3])
+            self.stream.log(f"part{number}", place)
+        self.stream.flush()
+        self.count += len(matrices)
+
+    move_each = move
+
+    def watch(self, page: Page) -> None:
+        """Do nothing: what is logged is counted."""
+
+    def arrived(self, _: Page) -> int:
+        """Count the transforms that were logged for the page."""
+        return self.count
+
+    def cloud(self, points: Floats) -> None:
+        """Show a red cloud."""
+        self.stream.log("cloud", self.rerun.Points3D(points, colors=[[255, 0, 0]], radii=0.025))
+        self.stream.flush()
+
+    def mesh(self, vertices: Floats, faces: NDArray[np.integer]) -> None:
+        """Show a mesh."""
+        shape = self.rerun.Mesh3D(
+            vertex_positions=vertices, triangle_indices=faces, albedo_factor=[204, 204, 204]
+        )
+        self.stream.log("mesh", shape)
+
+    def move_mesh(self, matrix: Floats) -> None:
+        """Place the mesh."""
+        self.stream.log("mesh", self.rerun.Transform3D(translation=matrix[:3, 3]))
+        self.stream.flush()
+
+    def close(self) -> None:
+        """Disconnect; its servers end with this process."""
+        self.stream.disconnect()
+
+
+def free_port() -> int:
+    """Return a port that nothing listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+PEERS: tuple[Any, ...] = (Ours, Meshcat, Viser, *((Rerun,) if find_spec("rerun") else ()))

@@ -1,8 +1,10 @@
-"""The kit's judgement of a launch file or a layout of a public repository; nothing is started."""
+"""The kit's judgement of a launch file or a layout of a public repository; only `started` starts it."""
 
 import multiprocessing
 import os
 import re
+import subprocess
+import sys
 from collections.abc import Iterable, Iterator
 from importlib import import_module
 from multiprocessing.connection import Connection
@@ -10,19 +12,28 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Protocol
 
+from course_lib.tools.ros2 import EXECUTABLES
+
 LIMIT = 60.0  # [s] of the wall clock for one file
 SUFFIXES = {"launch": (".py", ".xml", ".yaml", ".yml", ".launch"), "layout": (".rviz",)}
 NO_FILES = {"build", "install", "log", "test", "tests"}
 _PRELOADED = (
-    *("course_lib.ros.launch_program", "launch_ros.frontend", "nav2_common.launch", "xacro"),
+    *("course_lib.ros.programs.launch_program", "launch_ros.frontend", "nav2_common.launch", "xacro"),
     *("course_lib.displays.session", "course_lib.displays.writer"),
 )
-_COMMON = {"TURTLEBOT3_MODEL": "burger", "USER": "student"}  # of the environment, in courses
+COMMON = {"TURTLEBOT3_MODEL": "burger", "USER": "student"}  # of the environment, in courses
 _NEEDED = re.compile(r'Required launch argument "(\w+)"')
 _MISSING = re.compile(  # the name of a package in a line that says that it is missing, or of a program
     r"package '([\w.-]+)' not found|No module named '([\w-]+)|"
     r"`([\w./-]+)[^`]*` (?:would run outside|cannot run)"
 )
+_LEFT_OUT = re.compile(r" is left out: (?:.*?package '([\w.-]+)'|(.{1,80}))")
+# The last lines of programs that the end of a run, which is Ctrl+C, ends on a robot, too.
+AT_THE_END = (
+    *("rcl_shutdown already called", "publisher's context is invalid"),
+    "Context must be initialized before it can be shutdown",
+)
+_DIED = re.compile(r"^\[ERROR\] \[([\w.-]+)\]: process has died", re.MULTILINE)
 _ABSENT = re.compile(r"No such file or directory|[Ff]ile not found|No such launch file")
 
 Judged = tuple[str, str]  # the result and its reason
@@ -67,9 +78,9 @@ def judgement(clone: Path, row: Placed, what: str) -> Judged:
 
 
 def _preload() -> None:
-    from course_lib.ros import standin_path
+    from course_lib.ros.programs import import_path
 
-    standin_path.install()
+    import_path.install()
     for name in _PRELOADED:
         import_module(name)
 
@@ -77,7 +88,7 @@ def _preload() -> None:
 def _child(sender: "Connection[Judged, Judged]", file: Path, clone: Path, what: str) -> None:
     with TemporaryDirectory() as folder:
         packages = sorted({str(path.parents[1]) for path in clone.rglob("package.xml")})
-        os.environ |= {"HOME": folder, "ROS_PACKAGE_PATH": os.pathsep.join(packages), **_COMMON}
+        os.environ |= {"HOME": folder, "ROS_PACKAGE_PATH": os.pathsep.join(packages), **COMMON}
         os.chdir(folder)
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, 1)
@@ -87,6 +98,54 @@ def _child(sender: "Connection[Judged, Judged]", file: Path, clone: Path, what: 
         except BaseException as error:  # whatever the file raises
             judged = judged_error(error, clone)
         sender.send(judged)
+
+
+def started(clone: Path, row: Placed) -> Judged:
+    """Run a launch file for two seconds of robot time, as a student does in the clone's folder.
+
+    The result is `starts`, `starts in part` where something was left out, `needs` where all of it was, or an
+    argument is required, or `fails` with the last line.
+    """
+    file = clone / row.path
+    if not file.is_file():
+        return "missing", "no such clone"
+    with TemporaryDirectory() as home:
+        words = [sys.executable, "-m", "course_lib", "run", str(file.resolve()), "--seconds", "2"]
+        environment = os.environ | {"HOME": home, **COMMON}
+        try:
+            done = subprocess.run(
+                words,
+                cwd=clone,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                timeout=LIMIT,
+            )
+        except subprocess.TimeoutExpired:
+            return "fails", f"took more than {LIMIT:g} s"
+    has_started = "process started with pid" in done.stdout
+    if has_started and (done.returncode == 0 or _died_at_the_end(done.stdout + done.stderr)):
+        return "starts in part" if " is left out: " in done.stdout else "starts", ""
+    if needed := _NEEDED.search(done.stdout):
+        return "needs", f"argument {needed[1]}"
+    left_out = _LEFT_OUT.search(done.stdout)
+    if left_out is not None and "[ERROR]" not in done.stdout and "Traceback" not in done.stderr:
+        return "needs", next(name for name in left_out.groups() if name)
+    lines = [
+        line for line in (done.stdout + done.stderr).splitlines() if line and not line.startswith("hint")
+    ]
+    return "fails", lines[-1].replace(f"{clone.resolve()}/", "")[:160] if lines else "it starts nothing"
+
+
+def _died_at_the_end(output: str) -> bool:
+    """Return whether processes died only because the run ended."""
+    died = _DIED.findall(output)
+    lines = {name: [line for line in output.splitlines() if line.startswith(f"[{name}]")] for name in died}
+    return bool(died) and all(
+        any(text in line for text in AT_THE_END for line in lines[name]) for name in died
+    )
 
 
 def judged_error(error: BaseException, clone: Path) -> Judged:
@@ -103,7 +162,7 @@ def described(file: Path) -> Judged:
     from launch.entities import LaunchContext
     from launch.launch_description_sources import AnyLaunchDescriptionSource
 
-    from course_lib.ros.launch_program import prepare_imports
+    from course_lib.ros.programs.launch_program import prepare_imports
 
     given: dict[str, str] = {}
     prepare_imports(file)
@@ -143,6 +202,10 @@ class _Dry:
         list(words)
 
     start_component = start
+
+    def has_executable(self, package: str, executable: str) -> bool:
+        """Return whether the kit itself has an executable."""
+        return (package, executable) in EXECUTABLES
 
     def start_file(self, action: Any, file: Path, words: Iterable[str]) -> None:
         """Evaluate the words."""

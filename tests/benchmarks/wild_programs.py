@@ -3,7 +3,8 @@
 FOLDER holds clones, named `owner+name`. The rows of tests/data/wild_programs.toml are run for five seconds of
 robot time and compared with their results; `--find` runs all programs of the clones and writes their rows.
 `--what launch` and `--what layout` do the same with launch files, which are described, and with layouts,
-which are loaded, saved and loaded again: tests/benchmarks/wild_files.py.
+which are loaded, saved and loaded again: tests/benchmarks/wild_files.py. `--what launch --find --start`
+starts the launch files for two seconds instead.
 """
 
 import argparse
@@ -19,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tests.benchmarks.wild_files import files_of, judgement
+from tests.benchmarks.wild_files import AT_THE_END, COMMON, files_of, judgement, started
 
 _DATA = Path(__file__).parents[1] / "data"
 ROWS = _DATA / "wild_programs.toml"
@@ -32,6 +33,15 @@ SECONDS, LIMIT = "5", 90.0  # [s] of robot time, and of the wall clock
 IMPORTS = re.compile(r"^\s*(import|from) rclpy", re.MULTILINE)
 NO_PROGRAM = ("test", "tests", "setup.py", "conftest.py", "__init__.py", "build", "install")
 LACKS = re.compile(r"No module named '([^'.]+)")
+# What a program needs that is not given to it here, in ROS either: it cannot count.
+_NEEDS = (
+    (re.compile(r"EOFError: EOF when reading"), "keyboard input"),
+    (re.compile(r"ParameterUninitializedException: The parameter '([\w.]+)'"), "parameter {}"),
+    (re.compile(r"PackageNotFoundError: package '([\w-]+)' not found"), "{}"),
+    (re.compile(r"\busage:|error: (?:the following|one of the) arguments", re.IGNORECASE), "arguments"),
+    (re.compile(r"hint: in (Python 3\.1\d)"), "{}"),
+    (re.compile(r"termios\.error"), "a terminal"),
+)
 
 
 @dataclass(frozen=True)
@@ -67,11 +77,15 @@ def main() -> int:
     parser.add_argument("--what", choices=TABLES, default="program")
     parser.add_argument("--find", action="store_true", help="print a row for each program of the clones")
     parser.add_argument("--most", type=int, default=10**6, help="how many of a clone `--find` runs")
+    parser.add_argument("--start", action="store_true", help="start the launch files instead")
     arguments = parser.parse_args()
     what, counts, changed = arguments.what, Counter[str](), 0
     for row in found(arguments.folder, arguments.most, what) if arguments.find else table(what):
         clone = arguments.folder / row.repository.replace("/", "+")
-        result, reason = outcome(clone / row.path, row) if what == "program" else judgement(clone, row, what)
+        if what == "program":
+            result, reason = outcome(clone / row.path, row)
+        else:
+            result, reason = started(clone, row) if arguments.start else judgement(clone, row, what)
         counts["fails in ROS, too" if result == "fails" and row.theirs else result] += 1
         if arguments.find:
             print(replace(row, result=result, reason=reason).text(what), flush=True)
@@ -120,7 +134,7 @@ def outcome(file: Path, row: Row) -> tuple[str, str]:
             done = subprocess.run(
                 command,
                 cwd=folder,
-                env=os.environ | {"HOME": folder},
+                env=os.environ | {"HOME": folder, **COMMON},
                 input=row.input,
                 capture_output=True,
                 text=True,
@@ -137,8 +151,14 @@ def judged(code: int, err: str) -> tuple[str, str]:
     lacking = LACKS.findall(err)
     lines = [line for line in err.splitlines() if line.strip() and not line.startswith("hint:")]
     last = lines[-1].strip()[:160] if lines else ""
+    if code and any(text in last for text in AT_THE_END):
+        # The run's end is Ctrl+C: a robot's rclpy ends such a program in the same way.
+        return "runs", ""
     if code and lacking:
         return "needs", lacking[-1]
+    for pattern, reason in _NEEDS if code else ():
+        if found := pattern.search(err):
+            return "needs", reason.format(*found.groups())
     if code:
         return "fails", last or f"exit code {code}"
     if "went on waiting" in err:

@@ -18,9 +18,9 @@ NEWEST = "installed"
 def kits(folder: str) -> None:
     """Run the kits in this process, the routers with the packages of a folder; print the row's end."""
     sys.path.insert(0, str(ROOT))
-    from course_lib.ros import standin_path
+    from course_lib.ros.programs import import_path
 
-    standin_path.install()
+    import_path.install()
     from tests.gateway.test_restarts import Gateways, View, restarted
     from tests.ros.zenoh.conftest import Routers
 

@@ -6,10 +6,9 @@ from pathlib import Path
 import pytest
 from nbclient import NotebookClient
 
-from course_lib.book import book, guides
-from course_lib.book.book import build
-from course_lib.book.lessons import make_page
-from course_lib.course.installation import material_root
+from course_lib.book import book
+from course_lib.book.book import build, make_page
+from course_lib.course.state import material_root
 from course_lib.errors import CourseError
 
 
@@ -25,13 +24,16 @@ def lesson_of(folder: Path, *cells: str) -> Path:
     return path
 
 
-def test_without_sphinx_it_names_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_missing_sphinx_is_an_error_with_the_install_command(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setattr(book, "find_spec", lambda name: None if name == "sphinx" else object())
-    with pytest.raises(CourseError, match=r'sphinx is missing.* pip install "course-lib\[docs\]"'):
+    with pytest.raises(CourseError, match=r'The book needs sphinx.* pip install "course-lib\[docs\]"'):
         build(tmp_path / "book")
 
 
-def test_a_folder_that_is_no_book_is_refused_and_stays(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_output_folder_with_other_files_is_rejected_and_kept(tmp_path: Path) -> None:
     pytest.importorskip("sphinx_book_theme")
     (tmp_path / "thesis.txt").write_text("years")
     with pytest.raises(CourseError, match="is neither empty nor a book"):
@@ -39,13 +41,15 @@ def test_a_folder_that_is_no_book_is_refused_and_stays(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
-def test_a_lesson_that_fails_is_named_with_its_cell_and_error(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_failing_lesson_is_reported_with_cell_and_error(tmp_path: Path) -> None:
     lesson = lesson_of(tmp_path, "x = 0", "1 / x")
     with pytest.raises(CourseError, match=r"week09_maps.ipynb, cell 2, '1 / x': ZeroDivisionError: division"):
         make_page(lesson, tmp_path / "book", tmp_path / "student")
 
 
-def test_a_page_says_that_it_is_for_reading_and_names_no_folder_of_this_machine(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_page_has_a_read_only_notice_and_no_local_paths(tmp_path: Path) -> None:
     lesson = lesson_of(tmp_path, "import sys\nprint(sys.prefix)")
     content = json.loads(lesson.read_text())
     text = "# Maps\n\nDo `week08_arms.ipynb` first, then `week09_exercise.ipynb`."
@@ -61,21 +65,21 @@ def test_a_page_says_that_it_is_for_reading_and_names_no_folder_of_this_machine(
     assert sys.prefix not in page
 
 
-def test_a_kernel_that_dies_ends_the_book_and_does_not_hang(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_killed_kernel_ends_the_build_without_hanging(tmp_path: Path) -> None:
     lesson = lesson_of(tmp_path, "import os", "os._exit(1)")
     with pytest.raises(CourseError, match=r"week09_maps.ipynb, cell 2, 'os._exit\(1\)': its kernel died"):
         make_page(lesson, tmp_path / "book", tmp_path / "student")
 
 
-def test_ctrl_c_ends_the_book_and_its_kernel(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_ctrl_c_ends_the_build_and_its_kernel(tmp_path: Path) -> None:
     stop = "import os, signal, time\nos.kill(os.getppid(), signal.SIGINT)\ntime.sleep(60)"
     with pytest.raises(KeyboardInterrupt):
         make_page(lesson_of(tmp_path, stop), tmp_path / "book", tmp_path / "student")
 
 
-def test_a_kernel_that_does_not_start_in_time_ends_the_book(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_kernel_start_timeout_ends_the_build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def starts_late(*_: object, **__: object) -> None:
         raise RuntimeError("Kernel didn't respond in 180 seconds")
 
@@ -87,7 +91,8 @@ def test_a_kernel_that_does_not_start_in_time_ends_the_book(
         make_page(lesson, tmp_path / "book", tmp_path / "student")
 
 
-def test_a_scene_that_cannot_be_written_ends_the_book(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_unwritable_scene_ends_the_build(tmp_path: Path) -> None:
     lesson = lesson_of(tmp_path, "%load_ext course_lib", "from course_lib import Viewer\nViewer()")
     (tmp_path / "book" / "_extra").mkdir(parents=True)
     (tmp_path / "book" / "_extra" / "_scenes").write_text("a file where the folder should be")
@@ -95,7 +100,8 @@ def test_a_scene_that_cannot_be_written_ends_the_book(tmp_path: Path) -> None:
         make_page(lesson, tmp_path / "book", tmp_path / "student")
 
 
-def test_a_full_disk_is_an_error_although_sphinx_goes_on(tmp_path: Path, small_disk: Path) -> None:
+@pytest.mark.slow
+def test_full_disk_is_an_error_even_if_sphinx_continues(tmp_path: Path, small_disk: Path) -> None:
     pytest.importorskip("sphinx_book_theme")
     sources = tmp_path / "sources"
     sources.mkdir()
@@ -106,9 +112,8 @@ def test_a_full_disk_is_an_error_although_sphinx_goes_on(tmp_path: Path, small_d
         book._run_sphinx(sources, small_disk / "book", tmp_path / "doctrees")
 
 
-def test_the_settings_of_the_kits_own_book_build_a_page(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.slow
+def test_settings_of_the_shipped_book_build_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("sphinx_book_theme")
     monkeypatch.chdir(tmp_path)
     sources = tmp_path / "sources"
@@ -130,12 +135,12 @@ def test_the_settings_of_the_kits_own_book_build_a_page(
         ("[a](not_there.md)", "[a](not_there.md)"),
     ],
 )
-def test_links_lead_to_pages_of_the_book_or_become_text(written: str, in_book: str) -> None:
+def test_links_point_to_pages_of_the_book_or_become_text(written: str, in_book: str) -> None:
     docs = material_root() / "docs"
-    assert guides._relinked(written, docs, Path()) == in_book
+    assert book._rewrite_links(written, docs, Path()) == in_book
 
 
-def test_links_of_a_readme_lead_to_pages_of_the_book() -> None:
+def test_readme_links_point_to_pages_of_the_book() -> None:
     root = material_root()
-    assert guides._relinked("[a](docs/author.md)", root, Path()) == "[a](author.md)"
-    assert guides._relinked("![a](docs/images/x.png)", root, Path()) == "![a](docs/images/x.png)"
+    assert book._rewrite_links("[a](docs/author.md)", root, Path()) == "[a](author.md)"
+    assert book._rewrite_links("![a](docs/images/x.png)", root, Path()) == "![a](docs/images/x.png)"

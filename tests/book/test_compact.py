@@ -1,7 +1,8 @@
 import numpy as np
+import pytest
 import trimesh
 
-from course_lib.book.compact import MOST_FACES, SHARED, PageMesh, compact, thinned
+from course_lib.book.kernel import MOST_FACES, SHARED, PageMesh, compact, simplify
 from course_lib.viewer import encoding
 from course_lib.viewer.drawables import Mesh
 from course_lib.viewer.scene import Scene
@@ -22,11 +23,12 @@ def scene_of(*meshes: Mesh) -> bytes:
     return encoding.snapshot(scene)
 
 
-def test_a_large_mesh_has_fewer_triangles_in_the_same_shape_and_colours() -> None:
+@pytest.mark.slow
+def test_large_mesh_is_simplified_with_shape_and_colors_preserved() -> None:
     large = ball()
     assert large.normals is not None
     colors = np.rint(large.colors * 255).astype(np.uint8)
-    mesh = thinned(PageMesh(large.vertices, large.faces, large.normals, colors), MOST_FACES)
+    mesh = simplify(PageMesh(large.vertices, large.faces, large.normals, colors), MOST_FACES)
     assert len(large.faces) > 3 * MOST_FACES
     assert MOST_FACES / 3 < len(mesh.faces) <= MOST_FACES
     assert np.allclose(np.linalg.norm(mesh.vertices, axis=1), 0.1, atol=0.006)
@@ -36,7 +38,8 @@ def test_a_large_mesh_has_fewer_triangles_in_the_same_shape_and_colours() -> Non
     assert (mesh.vertices[~is_red, 2] < 0.006).all()
 
 
-def test_equal_meshes_of_several_scenes_are_one_part_of_the_book() -> None:
+@pytest.mark.slow
+def test_equal_meshes_of_several_scenes_are_stored_once() -> None:
     one, of_one = compact(scene_of(ball()))
     two, of_two = compact(scene_of(ball(), ball()))
     assert of_one == of_two
@@ -44,7 +47,7 @@ def test_equal_meshes_of_several_scenes_are_one_part_of_the_book() -> None:
     assert max(len(one), len(two)) < SHARED
 
 
-def test_a_small_mesh_stays_in_its_scene() -> None:
+def test_small_mesh_is_stored_in_its_scene() -> None:
     packed = scene_of(ball(1))
     small, shared = compact(packed)
     assert (small, shared) == (packed, {})

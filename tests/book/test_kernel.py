@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.book import compact, kernel
+from course_lib.book import kernel
 from course_lib.displays.viewer import Viewer
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 from tests.displays.bench import marker
 from tests.displays.stage import publish
 
@@ -16,9 +16,10 @@ def graph() -> Iterator[Graph]:
         yield made
 
 
-def test_a_scene_is_made_small_once(graph: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.slow
+def test_scene_is_compacted_once(graph: Graph, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[bytes] = []
-    usual = compact.compact
+    usual = kernel.compact
 
     def counted(packed: bytes) -> tuple[bytes, dict[str, bytes]]:
         made.append(packed)
@@ -27,12 +28,12 @@ def test_a_scene_is_made_small_once(graph: Graph, tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(kernel, "compact", counted)
     scenes, viewer = kernel.Scenes("week09", tmp_path, "scenes"), Viewer()
     publish(graph, "/m", marker())
-    scenes.of_viewer(viewer)
+    scenes.add_viewer(viewer)
     scenes.follow()
-    scenes.of_rest(viewer.freeze())
+    scenes.add_resting_view(viewer.freeze())
     scenes.write()
     assert sorted(path.name for path in tmp_path.glob("week09*.js")) == ["week09-01.js", "week09-02.js"]
     assert len(made) == 2
-    assert {compact.script(usual(packed)[0]) for packed in made} == {
+    assert {kernel.script(usual(packed)[0]) for packed in made} == {
         path.read_bytes() for path in tmp_path.glob("week09*.js")
     }

@@ -16,8 +16,8 @@ from visualization_msgs.msg import Marker
 from course_lib import run_live, stop_all
 from course_lib.book.kernel import ROOM, WATCHED, Scenes
 from course_lib.displays.viewer import Viewer
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time.time_lock import time_lock
 from tests.displays.bench import marker
 from tests.displays.stage import publish, wait
 
@@ -25,7 +25,7 @@ from tests.displays.stage import publish, wait
 @pytest.fixture
 def graph() -> Iterator[Graph]:
     """A run that `rclpy.init()` has begun."""
-    with use_graph(Graph(notebook=True)) as graph, baton.known():
+    with use_graph(Graph(notebook=True)) as graph, time_lock.hold():
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         yield graph
         stop_all()
@@ -45,7 +45,8 @@ def content_of(path: Path) -> Any:
     return msgpack.unpackb(packed, strict_map_key=False)
 
 
-def test_a_view_at_rest_with_a_large_film_plays_with_fewer_pictures(
+@pytest.mark.slow
+def test_frozen_view_with_a_large_recording_plays_with_fewer_frames(
     graph: Graph, viewer: Viewer, tmp_path: Path
 ) -> None:
     chance = np.random.default_rng(1)
@@ -55,7 +56,7 @@ def test_a_view_at_rest_with_a_large_film_plays_with_fewer_pictures(
         wait(graph, 0.1)
         viewer.look()
     scenes = Scenes("week09", tmp_path, "_scenes")
-    shown = scenes.of_rest(viewer.freeze())
+    shown = scenes.add_resting_view(viewer.freeze())
     scenes.write()
     film = tmp_path / "week09-01.js"
     assert film.stat().st_size < ROOM
@@ -63,7 +64,18 @@ def test_a_view_at_rest_with_a_large_film_plays_with_fewer_pictures(
     assert "400 points" in shown["text/html"]  # its picture in words
 
 
-def test_live_nodes_go_on_below_a_view_that_was_just_made(
+def test_replay_plays_by_itself_in_the_book_and_a_frozen_view_does_not(
+    graph: Graph, viewer: Viewer, tmp_path: Path
+) -> None:
+    publish(graph, "/m", marker())
+    wait(graph, 0.5)
+    scenes = Scenes("week09", tmp_path, "_scenes")
+    assert 'data-plays="true"' in scenes.add_resting_view(viewer.replay(0.5))["text/html"]
+    assert 'data-plays="false"' in scenes.add_resting_view(viewer.freeze())["text/html"]
+    assert 'data-plays="false"' in scenes.add_viewer(viewer)["text/html"]
+
+
+def test_live_nodes_continue_after_a_view_is_created(
     graph: Graph, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "fast")
@@ -74,7 +86,7 @@ def test_live_nodes_go_on_below_a_view_that_was_just_made(
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     scenes = Scenes("week09", tmp_path, "_scenes")
-    scenes.of_viewer(viewer)
+    scenes.add_viewer(viewer)
     scenes.follow()
     assert viewer.film.duration == pytest.approx(WATCHED)
     scenes.follow()

@@ -5,7 +5,7 @@ from typing import Any
 from playwright.sync_api import Locator
 
 from course_lib.displays.viewer import Viewer
-from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.graph.graph import Graph, Sample
 from course_lib.ros.messages import deserialize
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.fake_host import Host

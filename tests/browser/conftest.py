@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.viewer.picture import find_browser
 from tests.browser.bench import Bench
 from tests.browser.fake_host import Host, chromium

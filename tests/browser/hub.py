@@ -20,6 +20,7 @@ from playwright.sync_api import Browser, Page
 from tests.browser.jupyterlab import VIEWPORT, slow_down
 from tests.browser.waiting import wait_until
 from tests.patience import PATIENCE
+from tests.processes import LIMIT_OF_A_SERVER, Program
 
 PROXY = "configurable-http-proxy"
 NEEDED = ("jupyterhub", "jupyter_server_proxy", "nbgitpuller")
@@ -104,7 +105,9 @@ def running_hub(browser: Browser, folder: Path) -> Iterator[Hub]:
     settings.write_text(SETTINGS.format(**given, python=sys.executable, patience=round(PATIENCE)))
     command = [sys.executable, "-m", "jupyterhub", "-f", str(settings)]
     with open(folder / "hub.log", "wb") as log:
-        process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, start_new_session=True)
+        process = Program(
+            command, limit=LIMIT_OF_A_SERVER, cwd=folder, stdout=log, stderr=log, start_new_session=True
+        )
     address = f"http://127.0.0.1:{ports[0]}"
     try:
         wait_until(lambda: _answers(f"{address}/hub/health") or process.poll() is not None)

@@ -3,7 +3,6 @@
 import base64
 import json
 import os
-import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -17,16 +16,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from playwright.sync_api import Browser, BrowserContext, Locator, Page, ViewportSize
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, ViewportSize, expect
 
-from course_lib.course.hand_out import prepare
+from course_lib.course.student_folder import prepare
 from tests.patience import PATIENCE
+from tests.processes import LIMIT_OF_A_SERVER, Program
 
-KERNEL = "jupyterapp.shell.currentWidget?.context?.sessionContext?.session?.kernel"
+ANSWER = 3 * PATIENCE  # [s]; cells may run for long on a busy machine
+KERNEL = "courseNotebook()?.context?.sessionContext?.session?.kernel"
+# The notebook that is visible. It is not JupyterLab's current widget after a click into the view beside it.
+FIND_NOTEBOOK = """globalThis.courseNotebook = () => [...jupyterapp.shell.widgets('main')]
+    .find((one) => one.context?.sessionContext && one.isVisible);"""
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 VIEWPORT: ViewportSize = {"width": 1280, "height": 900 if PICTURES else 720}  # [px]
 # Software draws the views here: a screen of three frames a second, and edges that are not smooth, are enough.
 SLOW_SCREEN = """{
+    window.courseRestScale = 1;
     const everyFrame = window.requestAnimationFrame, interval = 330;  // [ms]
     window.requestAnimationFrame = (draw) =>
         setTimeout(() => everyFrame(draw), interval - performance.now() % interval);
@@ -53,24 +58,20 @@ def course_lab(folder: Path, home: Path) -> Iterator[str]:
     config.parent.mkdir(parents=True)
     config.write_text(json.dumps({"LabApp": {"expose_app_in_browser": True}}))
     command = [sys.executable, "-m", "course_lib", "lab", str(folder), "--no-browser"]
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    try:
-        address = next(filter(None, (re.search(r"http://\S+", line) for line in process.stdout)))
-        yield address.group()
-    finally:
-        process.terminate()
-        process.wait(PATIENCE)
+    with Program(command, limit=LIMIT_OF_A_SERVER, env=environment, stdout=subprocess.PIPE) as process:
+        try:
+            yield process.find(r"http://\S+")
+        finally:
+            process.terminate()
+            process.wait(PATIENCE)
 
 
 def write_notebook(path: Path, sources: Sequence[str]) -> None:
     """Write a notebook of code cells that were not run."""
-    cells: list[dict[str, object]] = [
-        {"cell_type": "code", "source": source, "metadata": {}, "outputs": [], "execution_count": None}
-        for source in sources
-    ]
+    empty: dict[str, object] = {"cell_type": "code", "metadata": {}, "outputs": [], "execution_count": None}
+    cells = [{**empty, "id": f"cell-{number}", "source": source} for number, source in enumerate(sources)]
     kernel = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
-    content = {"cells": cells, "metadata": kernel, "nbformat": 4, "nbformat_minor": 4}
+    content = {"cells": cells, "metadata": kernel, "nbformat": 4, "nbformat_minor": 5}
     path.write_text(json.dumps(content))
 
 
@@ -92,9 +93,16 @@ class Notebook:
         workspace = f"{base.split('/lab')[0]}/lab/workspaces/{folder.name}"
         self._url = f"{workspace}/tree/{folder.name}/{name}?{query}"
         if page.url == "about:blank":
+            page.add_init_script(FIND_NOTEBOOK)
             self.open()
         else:
             self.leave_for(name)
+
+    def ask(self, script: str, argument: object = None) -> Any:
+        """Return what a function of the page returns. Playwright itself would wait for it for ever."""
+        late = f"reject(new Error('The page did not answer within {ANSWER:g} s'))"
+        limit = f"new Promise((_, reject) => setTimeout(() => {late}, {1000 * ANSWER:g}))"
+        return self.page.evaluate(f"argument => Promise.race([({script})(argument), {limit}])", argument)
 
     def open(self) -> None:
         """Open the notebook, or reload the page, and wait for its kernel."""
@@ -110,7 +118,7 @@ class Notebook:
             for (const other of [...jupyterapp.shell.widgets('main')])
                 if (other !== opened) other.dispose();  // JupyterLab's launcher
             await opened.context.ready; }"""
-        self.page.evaluate(script, f"{self.folder.name}/{name}")
+        self.ask(script, f"{self.folder.name}/{name}")
         self.name = name
         self.page.wait_for_selector(".jp-Notebook .jp-Cell")
         self.wait_idle()
@@ -120,7 +128,7 @@ class Notebook:
         script = """async () => {
             await jupyterapp.serviceManager.sessions.shutdownAll();
             for (const one of [...jupyterapp.shell.widgets('main')]) one.dispose(); }"""
-        self.page.evaluate(script)
+        self.ask(script)
 
     def wait_idle(self) -> None:
         """Wait until the kernel has nothing to do."""
@@ -128,33 +136,34 @@ class Notebook:
 
     def run_all(self) -> None:
         """Run all cells as the Run menu does."""
-        self.page.evaluate("() => jupyterapp.commands.execute('runmenu:run-all')")
+        self.ask("() => jupyterapp.commands.execute('runmenu:run-all')")
         self.wait_idle()
-        all_ran = """() => [...jupyterapp.shell.currentWidget.content.model.cells]
+        all_ran = """() => [...courseNotebook().content.model.cells]
             .every(cell => cell.type != 'code' || cell.executionCount !== null)"""
         self.page.wait_for_function(all_ran)
 
-    def run_to_each(self, ending: str) -> Iterator[Locator]:
-        """Run the code cells one by one, each after the one before has ended; yields those with a last line.
+    def run_to_each(self, *endings: str) -> Iterator[Locator]:
+        """Run the code cells one by one, each after the one before has ended; yields those that end so.
 
         Only these are brought into view: all editors of a notebook measure themselves whenever it scrolls.
         """
-        script = """async ([index, ending]) => {
-            const { content, sessionContext } = jupyterapp.shell.currentWidget;
+        script = """async ([index, endings]) => {
+            const { content, sessionContext } = courseNotebook();
             await content.scrollToItem(content.widgets.length - 1, 'end');  // no view is drawn there
             for (const cell of content.widgets.slice(index)) {
                 if (cell.model.type == 'code') await cell.constructor.execute(cell, sessionContext);
                 index++;
-                if (cell.model.sharedModel.getSource().split('\\n').pop() == ending) return index; } }"""
+                const lastLine = cell.model.sharedModel.getSource().split('\\n').pop();
+                if (endings.includes(lastLine)) return index; } }"""
         index = 0
-        while index := self.page.evaluate(script, [index, ending]):
+        while index := self.ask(script, [index, endings]):
             yield self.cell(index - 1)
 
     def run_to(self, text: str) -> Locator:
         """Run all cells up to and including the first one whose source has `text` in it."""
         cell = self.cell(text)
         for command in ("notebook:run-all-above", "notebook:run-cell"):
-            self.page.evaluate("command => jupyterapp.commands.execute(command)", command)
+            self.ask("command => jupyterapp.commands.execute(command)", command)
         self.wait_idle()
         return cell
 
@@ -162,10 +171,10 @@ class Notebook:
         """Insert a cell below the active one, and run it."""
         script = """async source => {
             await jupyterapp.commands.execute('notebook:insert-cell-below');
-            const cell = jupyterapp.shell.currentWidget.content.activeCell;
+            const cell = courseNotebook().content.activeCell;
             cell.model.sharedModel.setSource(source);
             await jupyterapp.commands.execute('notebook:run-cell'); }"""
-        self.page.evaluate(script, source)
+        self.ask(script, source)
         self.wait_idle()
         return self.page.locator(".jp-Notebook .jp-Cell.jp-mod-active")
 
@@ -177,13 +186,13 @@ class Notebook:
             future.onIOPub = m => {{ text += m.content.text ?? m.content.traceback?.join('\\n') ?? '' }};
             await future.done;
             return text; }}"""
-        return str(self.page.evaluate(script, code))
+        return str(self.ask(script, code))
 
     def outputs(self) -> list[dict[str, Any]]:
         """List the outputs of all code cells."""
-        script = """() => JSON.stringify([...jupyterapp.shell.currentWidget.content.model.cells]
+        script = """() => JSON.stringify([...courseNotebook().content.model.cells]
             .filter(c => c.type == 'code').flatMap(c => c.toJSON().outputs))"""
-        outputs: list[dict[str, Any]] = json.loads(self.page.evaluate(script))
+        outputs: list[dict[str, Any]] = json.loads(self.ask(script))
         return outputs
 
     def errors(self) -> list[str]:
@@ -192,11 +201,12 @@ class Notebook:
 
     def cell(self, wanted: str | int) -> Locator:
         """Bring a cell into view: the first code cell whose source has a text in it, or that at an index."""
-        script = """wanted => { const panel = jupyterapp.shell.currentWidget.content;
+        script = """wanted => { const panel = courseNotebook().content;
+            jupyterapp.shell.activateById(courseNotebook().id);
             panel.activeCellIndex = Number.isInteger(wanted) ? wanted : panel.widgets.findIndex(
                 w => w.model.type == 'code' && w.model.sharedModel.getSource().includes(wanted));
             return panel.scrollToItem(panel.activeCellIndex, 'start') }"""
-        self.page.evaluate(script, wanted)
+        self.ask(script, wanted)
         return self.page.locator(".jp-Notebook .jp-Cell.jp-mod-active")
 
 
@@ -241,6 +251,19 @@ def opened(lab: Lab, name: str, cells: Sequence[str] = ()) -> Iterator[Notebook]
     notebook = Notebook(lab.page, lab.address, folder, name)
     yield notebook
     notebook.end()
+
+
+def place_of_view(cell: Locator) -> Locator:
+    """Return the element that holds the view of a cell: the cell, or the panel beside the notebook."""
+    shown = cell.locator("canvas:visible, .course-elsewhere:visible").first
+    expect(shown).to_be_visible()
+    is_here = shown.evaluate("shown => shown.tagName == 'CANVAS'")
+    return cell if is_here else cell.page.locator(".jupyterlab-sidecar:has(canvas:visible)").first
+
+
+def view_of(cell: Locator) -> Locator:
+    """Return the first view of a cell, wherever it is shown."""
+    return place_of_view(cell).locator("canvas:visible").first
 
 
 def pixels_of(view: Locator) -> NDArray[np.int64]:

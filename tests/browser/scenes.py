@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Solids
+from course_lib.viewer.drawables import Camera, Solids
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.fake_host import Host

@@ -7,9 +7,9 @@ import pytest
 from playwright.sync_api import Page
 
 from course_lib.displays.statuses import Level, StatusRow, StatusTable
-from course_lib.grading.judge import CheckResult, TaskResult
+from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.reports.table import Table
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from course_lib.tools.rqt.monitors import ConsoleView
 from course_lib.viewer.html import save_html
 from course_lib.viewer.visualizer import Visualizer
@@ -30,9 +30,11 @@ BUTTONS = {  # that are pressed to open a panel or a window
 }
 
 
+@pytest.mark.slow
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("opened", BUTTONS)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_panels_and_windows_serve_keyboard_and_screen_reader(
+def test_panels_and_windows_are_accessible_by_keyboard_and_screen_reader(
     opened: str, scheme: Literal["light", "dark"], bench: Bench
 ) -> None:
     bench.page.emulate_media(color_scheme=scheme)
@@ -45,7 +47,7 @@ def test_panels_and_windows_serve_keyboard_and_screen_reader(
     bench.page.emulate_media(color_scheme=None)
 
 
-def test_the_result_of_a_check_serves_a_screen_reader(one_page: Page) -> None:
+def test_check_result_is_accessible_to_a_screen_reader(one_page: Page) -> None:
     checks = (
         CheckResult("The topic is /cube", "public", False, 1.0, 1.0, "", ""),
         CheckResult("The cube stands on the ground", "public", False, 1.0, 0.0, "expected 0.25 m", "height"),
@@ -58,7 +60,7 @@ def test_the_result_of_a_check_serves_a_screen_reader(one_page: Page) -> None:
 
 
 @pytest.mark.parametrize("ground", ["#fff; color: #111", "#ced6dd; color: #000", "#121212; color: #ddd"])
-def test_a_table_of_statuses_is_readable_on_the_grounds_of_pages(one_page: Page, ground: str) -> None:
+def test_status_table_has_sufficient_contrast_on_every_page_background(one_page: Page, ground: str) -> None:
     levels: tuple[Level, ...] = ("ok", "warn", "error", "hint")
     table = StatusTable(StatusRow("Marker", "Topic", level, "text") for level in levels)
     one_page.set_content(f"<!doctype html><main style='background: {ground}'>{table._repr_html_()}</main>")
@@ -66,7 +68,7 @@ def test_a_table_of_statuses_is_readable_on_the_grounds_of_pages(one_page: Page,
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_a_view_of_rqt_on_a_page_without_widgets_serves_a_screen_reader(
+def test_rqt_view_on_a_page_without_widgets_is_accessible(
     one_page: Page, scheme: Literal["light", "dark"]
 ) -> None:
     view = ConsoleView(Graph(), [])
@@ -81,13 +83,14 @@ def test_a_view_of_rqt_on_a_page_without_widgets_serves_a_screen_reader(
     one_page.emulate_media(color_scheme=None)
 
 
-def test_a_saved_scene_serves_a_screen_reader(one_page: Page, tmp_path: Path) -> None:
+def test_saved_scene_is_accessible_to_a_screen_reader(one_page: Page, tmp_path: Path) -> None:
     one_page.goto(save_html(colored(RED), tmp_path / "scene.html").as_uri())
     one_page.wait_for_selector("canvas")
     assert faults(one_page) == []
 
 
-def test_a_scene_without_panels_is_told_in_words(host: Host) -> None:
+@pytest.mark.slow
+def test_scene_without_panels_has_a_text_description(host: Host) -> None:
     visualizer = Visualizer(colored(RED))
     widget = visualizer.jupyter_cell()
     host.open(widget)
@@ -95,7 +98,8 @@ def test_a_scene_without_panels_is_told_in_words(host: Host) -> None:
     host.page.get_by_role("img", name="3D view. box: 1 box at (0, 0, 0)").wait_for()
 
 
-def test_a_film_waits_for_its_reader_and_nothing_else_moves(one_page: Page, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_recording_does_not_play_automatically_with_reduced_motion(one_page: Page, tmp_path: Path) -> None:
     one_page.emulate_media(reduced_motion="reduce")
     one_page.goto(save_html(filmed(), tmp_path / "film.html").as_uri())
     one_page.wait_for_selector("canvas")
@@ -107,7 +111,7 @@ def test_a_film_waits_for_its_reader_and_nothing_else_moves(one_page: Page, tmp_
     one_page.emulate_media(reduced_motion=None)
 
 
-def test_a_nameless_button_and_pale_words_are_faults(one_page: Page) -> None:
+def test_unnamed_button_and_low_contrast_text_are_accessibility_faults(one_page: Page) -> None:
     one_page.set_content("<button></button><p style='color: #ccc; background: #fff'>Pale</p>")
     assert {fault.split(":")[0] for fault in faults(one_page, "body > *")} == {
         "button-name",

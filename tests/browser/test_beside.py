@@ -7,13 +7,19 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
-from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, opened, red_pixels
+from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, opened, red_pixels, view_of
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 TAB = ".lm-TabBar-tab:has-text('RViz view')"
 ENOUGH = 5000  # [px] of the cube
+FILE_BROWSER = ".jp-FileBrowser"
+READABLE = 79  # columns of code
+NARROWEST = 400  # [px]
+OTHER = """\
+other = Viewer()
+other"""
 CELLS = (
     """\
 %load_ext course_lib
@@ -45,12 +51,34 @@ def panel(notebook: Notebook) -> Locator:
     return notebook.page.locator(".jupyterlab-sidecar canvas:visible")
 
 
+def ask_for_view_beside(notebook: Notebook) -> None:
+    """Open the panel with the first viewer, unless it is open."""
+    notebook.cell("publisher.publish")
+    opener = notebook.page.get_by_role("button", name="Beside the notebook", exact=True)
+    # Neither is visible while the panel opens.
+    expect(panel(notebook).or_(opener).first).to_be_visible()
+    if not panel(notebook).count():
+        opener.first.click()
+    expect(panel(notebook)).to_have_count(1)
+
+
+def columns(notebook: Notebook) -> float:
+    """Return the number of columns of code that the notebook shows."""
+    script = """() => {
+        const code = document.querySelector(".jp-Notebook .cm-content");
+        const pen = document.createElement("canvas").getContext("2d");
+        pen.font = getComputedStyle(code).font;
+        return code.closest(".cm-scroller").clientWidth / pen.measureText("0").width; }"""
+    return float(notebook.page.evaluate(script))
+
+
 def in_cells(notebook: Notebook) -> Locator:
     return notebook.page.locator(".jp-Notebook canvas:visible")
 
 
-def test_the_view_docks_and_later_cells_change_it_while_their_own_hold_a_line(notebook: Notebook) -> None:
+def test_view_is_docked_and_later_cells_show_one_line_instead_of_it(notebook: Notebook) -> None:
     expect(panel(notebook)).to_have_count(1)
+    wait_until(lambda: columns(notebook) >= READABLE, notebook.page)
     wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page, A_FRAME)
     box, sheet = panel(notebook).bounding_box(), notebook.page.locator(".jp-Notebook").bounding_box()
     assert box is not None
@@ -59,6 +87,8 @@ def test_the_view_docks_and_later_cells_change_it_while_their_own_hold_a_line(no
     assert box["height"] > 2 / 3 * VIEWPORT["height"]  # it fills the panel
     expect(in_cells(notebook)).to_have_count(0)
     expect(notebook.page.locator(".course-elsewhere:visible")).to_have_count(2)
+    for cell in (1, 2):
+        assert red_pixels(view_of(notebook.cell(cell))) > ENOUGH
     active = notebook.page.evaluate("document.activeElement.closest('.jp-Notebook') !== null")
     assert active, "the next Shift+Enter would not run a cell"
     assert notebook.errors() == []
@@ -72,24 +102,89 @@ def test_the_view_docks_and_later_cells_change_it_while_their_own_hold_a_line(no
         notebook.page.screenshot(path=Path(PICTURES) / "beside.png")
 
 
-def test_buttons_move_the_view_into_its_cells_and_back(notebook: Notebook) -> None:
+def test_cells_keep_the_picture_of_a_view_beside_the_notebook(notebook: Notebook) -> None:
+    sizes = """() => [...document.querySelectorAll(".jp-Notebook .course-keeps")]
+        .map((element) => element.courseKeeps()?.["image/png"].length ?? 0)"""
+    assert all(size > 2000 for size in notebook.page.evaluate(sizes))
+    # A coarse picture may still be replaced once. Then nothing has changed since the last one.
+    wait_until(lambda: notebook.page.evaluate(sizes) == [0, 0], notebook.page)
+
+
+def test_buttons_move_the_view_between_its_cells_and_the_side_panel(notebook: Notebook) -> None:
     notebook.page.get_by_role("button", name="Show the view in this cell again").first.click()
     expect(panel(notebook)).to_have_count(0)
     expect(in_cells(notebook)).to_have_count(2)
     wait_until(lambda: red_pixels(in_cells(notebook).first) > ENOUGH, notebook.page, A_FRAME)
-    notebook.page.get_by_role("button", name="Beside the notebook").first.click()
+    notebook.page.get_by_role("button", name="Beside the notebook", exact=True).first.click()
     expect(panel(notebook)).to_have_count(1)
     notebook.page.locator(f"{TAB} .lm-TabBar-tabCloseIcon").click()
     expect(in_cells(notebook)).to_have_count(2)
 
 
-def test_after_a_restart_the_panel_goes_and_running_again_opens_one(notebook: Notebook) -> None:
-    notebook.page.get_by_role("button", name="Beside the notebook").first.click()
+def test_code_beside_a_view_is_readable_and_the_view_is_wide_enough(notebook: Notebook) -> None:
+    ask_for_view_beside(notebook)
+    wait_until(lambda: columns(notebook) >= READABLE, notebook.page)
+    box = panel(notebook).bounding_box()
+    assert box is not None
+    assert box["width"] >= NARROWEST
+    assert not notebook.page.locator(FILE_BROWSER).is_visible(), "both need its place in this window"
+
+
+def test_next_viewer_takes_the_panel_and_the_first_one_takes_it_back(notebook: Notebook) -> None:
+    ask_for_view_beside(notebook)
+    notebook.cell("publisher.publish")
+    cell = notebook.run_below(OTHER)
     expect(panel(notebook)).to_have_count(1)
+    expect(cell.get_by_text("The view is beside the notebook.")).to_be_visible()
+    wait_until(lambda: red_pixels(panel(notebook)) < ENOUGH, notebook.page, A_FRAME)
+    first = notebook.cell("publisher.publish")
+    expect(first.get_by_text("Another view is beside the notebook.")).to_be_visible()
+    first.get_by_role("button", name="Show this view beside the notebook").click()
+    wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page, A_FRAME)
+    expect(panel(notebook)).to_have_count(1)
+    assert notebook.errors() == []
+
+
+def test_closed_panel_gives_the_file_browser_its_place_back_and_later_views_stay_in_cells(
+    notebook: Notebook,
+) -> None:
+    ask_for_view_beside(notebook)
+    notebook.page.locator(f"{TAB} .lm-TabBar-tabCloseIcon").click()
+    expect(notebook.page.locator(FILE_BROWSER)).to_be_visible()
+    expect(panel(notebook)).to_have_count(0)
+    notebook.cell("publisher.publish")
+    cell = notebook.run_below("viewer")
+    expect(cell.locator("canvas:visible")).to_have_count(1)
+    assert notebook.errors() == []
+
+
+@pytest.mark.parametrize("reason", ["narrow window", "simple mode"])
+def test_view_stays_in_its_cell_where_a_panel_has_no_place(notebook: Notebook, reason: str) -> None:
+    notebook.kernel("from course_lib.viewer.widget import side_panel; side_panel.close()")
+    expect(panel(notebook)).to_have_count(0)
+    if reason == "narrow window":
+        notebook.page.set_viewport_size({"width": 1100, "height": 700})
+    else:
+        notebook.page.evaluate("jupyterapp.commands.execute('application:toggle-mode')")
+    notebook.cell("publisher.publish")
+    cell = notebook.run_below("viewer.beside()")
+    expect(cell.locator("canvas:visible")).to_have_count(1)
+    notebook.page.wait_for_timeout(1000)
+    expect(panel(notebook)).to_have_count(0)
+    assert notebook.errors() == []
+    notebook.kernel("from course_lib.viewer.widget import side_panel; side_panel.close()")
+    notebook.page.set_viewport_size(VIEWPORT)
+    if reason == "simple mode":
+        notebook.page.evaluate("jupyterapp.commands.execute('application:toggle-mode')")
+
+
+def test_kernel_restart_closes_the_side_panel_and_a_rerun_opens_it(notebook: Notebook) -> None:
+    ask_for_view_beside(notebook)
     notebook.cell(0)
     notebook.page.evaluate(
         """async () => { const all = [...jupyterapp.shell.widgets('main')];
         await all.find((one) => one.context).context.sessionContext.restartKernel(); }"""
     )
     expect(panel(notebook)).to_have_count(0)
-    expect(in_cells(notebook)).to_have_count(2)
+    expect(notebook.page.locator(".course-elsewhere:visible")).to_have_count(0)
+    expect(in_cells(notebook).first).to_be_visible()

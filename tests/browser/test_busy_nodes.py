@@ -70,14 +70,14 @@ def interrupt(notebook: Notebook) -> None:
 
 
 def label(cell: Locator) -> Locator:
-    return cell.locator(".widget-label")
+    return cell.locator(".widget-html-content")
 
 
 def text(pattern: str) -> re.Pattern[str]:
     return re.compile(pattern, re.IGNORECASE)
 
 
-def test_a_click_on_stop_ends_an_endless_loop_and_names_its_line(notebook: Notebook) -> None:
+def test_stop_button_ends_an_endless_loop_and_reports_its_line(notebook: Notebook) -> None:
     cell = start(notebook, BY_STOP)
     expect(label(cell)).to_have_text(text(rf"running: stuck .* busy for \d+ s in {ENDLESS}"))
     cell.get_by_role("button", name="Stop").click()
@@ -85,7 +85,7 @@ def test_a_click_on_stop_ends_an_endless_loop_and_names_its_line(notebook: Noteb
     assert notebook.kernel("print(1 + 1)") == "2\n"
 
 
-def test_the_interrupt_button_ends_an_endless_loop_between_the_cells(notebook: Notebook) -> None:
+def test_interrupt_button_ends_an_endless_loop_of_a_live_node_between_cells(notebook: Notebook) -> None:
     cell = start(notebook, BY_INTERRUPT)
     expect(label(cell)).to_have_text(text("busy for"))
     interrupt(notebook)
@@ -93,14 +93,14 @@ def test_the_interrupt_button_ends_an_endless_loop_between_the_cells(notebook: N
     assert notebook.kernel("print(1 + 1)") == "2\n"
 
 
-def test_stop_ends_a_loop_that_swallows_interrupts(notebook: Notebook) -> None:
+def test_stop_button_ends_a_loop_that_catches_interrupts(notebook: Notebook) -> None:
     cell = start(notebook, STUBBORN)
     expect(label(cell)).to_have_text(text("busy for"))
     cell.get_by_role("button", name="Stop").click()
     expect(label(cell)).to_have_text(text("stopped: stuck"))
 
 
-def test_other_cells_run_beside_a_node_that_sleeps_a_whole_period(notebook: Notebook) -> None:
+def test_other_cells_run_while_a_callback_sleeps_a_full_period(notebook: Notebook) -> None:
     cell = start(notebook, SLEEPER)
     expect(cell.get_by_text("hint: tick of /sleeper took 1 s")).to_be_visible()
     assert notebook.kernel("print(1 + 1)") == "2\n"
@@ -108,7 +108,7 @@ def test_other_cells_run_beside_a_node_that_sleeps_a_whole_period(notebook: Note
     expect(label(cell)).to_have_text(text("stopped: sleeper"))
 
 
-def test_a_cell_names_the_line_that_keeps_it_busy_and_ends_at_once(notebook: Notebook) -> None:
+def test_busy_line_of_a_cell_is_reported_and_can_be_interrupted(notebook: Notebook) -> None:
     cell = start(notebook, SPIN)
     expect(cell.get_by_text(text(rf"/stuck has been busy for \d+ s in {ENDLESS}"))).to_be_visible()
     interrupt(notebook)
@@ -116,13 +116,13 @@ def test_a_cell_names_the_line_that_keeps_it_busy_and_ends_at_once(notebook: Not
     notebook.wait_idle()
 
 
-def test_spin_for_ends_although_a_callback_takes_a_whole_period(notebook: Notebook) -> None:
+def test_spin_for_ends_although_a_callback_takes_a_full_period(notebook: Notebook) -> None:
     start(notebook, SLEEPY_SPIN)
     notebook.wait_idle()
     assert notebook.kernel("print(1 + 1)") == "2\n"
 
 
-def test_an_awaited_call_ends_at_the_interrupt(notebook: Notebook) -> None:
+def test_interrupt_ends_an_awaited_call(notebook: Notebook) -> None:
     cell = start(notebook, AWAITED)
     wait_until(lambda: cell.get_by_text("[*]").count(), notebook.page)
     interrupt(notebook)
@@ -130,7 +130,7 @@ def test_an_awaited_call_ends_at_the_interrupt(notebook: Notebook) -> None:
     notebook.wait_idle()
 
 
-def test_the_interrupt_button_reaches_a_callback_while_a_cell_awaits(notebook: Notebook) -> None:
+def test_interrupt_button_reaches_a_callback_while_a_cell_awaits(notebook: Notebook) -> None:
     cell = start(notebook, OVERRUN)
     expect(label(cell)).to_have_text(text("busy for"))
     interrupt(notebook)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect
 
-from tests.browser.jupyterlab import Lab, Notebook, opened
+from tests.browser.jupyterlab import Lab, Notebook, opened, place_of_view, view_of
 from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -21,6 +21,12 @@ for kind, topic in ((PointStamped, "/clicked_point"), (PoseStamped, "/goal_pose"
 _ = viewer.on_click(clicks.append)
 """
 
+FAIL = """
+def fail():
+    raise ValueError("too fast")
+timer = node.create_timer(0.1, fail)
+"""
+
 
 @pytest.fixture(scope="module")
 def lesson(lab: Lab) -> Iterator[Notebook]:
@@ -30,10 +36,10 @@ def lesson(lab: Lab) -> Iterator[Notebook]:
         yield notebook
 
 
-def test_tools_publish_to_nodes_that_run_live(lesson: Notebook) -> None:
-    cell = lesson.cell(SHOW)
-    cell.get_by_role("button", name="2D Goal Pose (g)").click()
-    canvas = cell.locator("canvas").first
+def test_tools_publish_to_live_nodes(lesson: Notebook) -> None:
+    place = place_of_view(lesson.cell(SHOW))
+    place.get_by_role("button", name="2D Goal Pose (g)").click()
+    canvas = place.locator("canvas").first
     box = canvas.bounding_box()
     assert box is not None
     middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
@@ -43,7 +49,7 @@ def test_tools_publish_to_nodes_that_run_live(lesson: Notebook) -> None:
     if PICTURES:
         lesson.page.screenshot(path=Path(PICTURES) / "desk_lab_goal.png")
     lesson.page.mouse.up()
-    expect(cell.locator(".course-notice")).to_contain_text("Setting goal pose: Frame:map")
+    expect(place.locator(".course-notice")).to_contain_text("Setting goal pose: Frame:map")
     wait_until(lambda: "geometry_msgs.msg.PoseStamped" in lesson.kernel("print(heard)"), lesson.page)
 
 
@@ -52,25 +58,25 @@ def test_clicks_reach_python_while_another_cell_waits_for_one(lesson: Notebook) 
     lesson.page.evaluate(
         """async () => {
             await jupyterapp.commands.execute('notebook:insert-cell-below');
-            const cell = jupyterapp.shell.currentWidget.content.activeCell;
+            const cell = courseNotebook().content.activeCell;
             cell.model.sharedModel.setSource(
                 'print("ready, " + "waiting")\\nprint("picked:", (await viewer.pick()).button)');
             jupyterapp.commands.execute('notebook:run-cell'); }"""
     )
-    said = "() => JSON.stringify(jupyterapp.shell.currentWidget.content.model.toJSON()).includes('%s')"
+    said = "() => JSON.stringify(courseNotebook().content.model.toJSON()).includes('%s')"
     lesson.page.wait_for_function(said % "ready, waiting")
-    lesson.cell(SHOW).locator("canvas").first.click()
+    view_of(lesson.cell(SHOW)).click()
     lesson.page.wait_for_function(said % "picked: 0")
     wait_until(lambda: lesson.kernel("print(len(clicks))").strip() == "1", lesson.page)
 
 
-def test_displays_are_edited_in_both_themes(lesson: Notebook) -> None:
-    cell = lesson.cell(SHOW)
-    cell.get_by_role("button", name="Displays panel").click()
-    cell.get_by_role("row").filter(has_text="Grid").first.press("ArrowRight")
-    cell.get_by_role("spinbutton", name="Cell Size").fill("0.5")
+def test_displays_can_be_edited_in_both_themes(lesson: Notebook) -> None:
+    place = place_of_view(lesson.cell(SHOW))
+    place.get_by_role("button", name="Displays panel").click()
+    place.get_by_role("row").filter(has_text="Grid").first.press("ArrowRight")
+    place.get_by_role("spinbutton", name="Cell Size").fill("0.5")
     lesson.page.keyboard.press("Enter")
-    cell.get_by_role("button", name="Views panel").click()
+    place.get_by_role("button", name="Views panel").click()
     for theme in ("JupyterLab Light", "JupyterLab Dark"):
         lesson.page.evaluate("theme => jupyterapp.commands.execute('apputils:change-theme', {theme})", theme)
         lesson.page.wait_for_function("theme => document.body.dataset.jpThemeName == theme", arg=theme)
@@ -79,17 +85,26 @@ def test_displays_are_edited_in_both_themes(lesson: Notebook) -> None:
     wait_until(lambda: lesson.kernel("print(viewer['Grid']['Cell Size'])").strip() == "0.5", lesson.page)
 
 
-def test_keys_in_the_panels_leave_the_notebook_alone(lesson: Notebook) -> None:
-    cells = "() => jupyterapp.shell.currentWidget.content.widgets.length"
+def test_keys_pressed_in_panels_do_not_reach_the_notebook(lesson: Notebook) -> None:
+    cells = "() => courseNotebook().content.widgets.length"
     before = lesson.page.evaluate(cells)
-    cell = lesson.cell(SHOW)
-    add = cell.get_by_role("button", name="Add a display")
-    for place in (cell.locator("canvas").first, add, cell.get_by_role("combobox", name="Type of view")):
+    place = place_of_view(lesson.cell(SHOW))
+    add = place.get_by_role("button", name="Add a display")
+    for control in (place.locator("canvas").first, add, place.get_by_role("combobox", name="Type of view")):
         for key in ("a", "b", "d", "d", "x", "m", "s", "c", "g", "Escape"):
-            place.press(key)
+            control.press(key)
+    axes = place.get_by_role("row").filter(has_text="Axes")
+    axes_before = axes.count()
     add.press("Enter")
     lesson.page.keyboard.type("Axes")
     lesson.page.keyboard.press("Enter")
-    expect(cell.get_by_role("row").filter(has_text="Axes")).to_be_visible()
+    expect(axes).to_have_count(axes_before + 1)
     assert lesson.page.evaluate(cells) == before
     assert lesson.errors() == []
+
+
+def test_error_of_a_live_node_is_shown_at_its_view(lesson: Notebook) -> None:
+    lesson.kernel(FAIL)
+    line = place_of_view(lesson.cell(SHOW)).locator(".course-line").first
+    expect(line).to_contain_text("stopped by an error, ValueError: too fast", timeout=30_000)
+    expect(line).to_have_attribute("data-level", "error")

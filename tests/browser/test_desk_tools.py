@@ -8,7 +8,7 @@ from tests.browser.bench import Bench
 pytestmark = pytest.mark.browser
 
 
-def test_a_goal_is_dragged_on_the_ground_as_rviz_publishes_it(bench: Bench) -> None:
+def test_dragged_goal_pose_is_published_as_in_rviz(bench: Bench) -> None:
     bench.viewer.view = type(bench.viewer.view)(yaw=-1.5707963, focal_point=(1.0, 2.0, 0.0))  # y is up
     bench.widget.flush()
     bench.host.carry()
@@ -22,7 +22,8 @@ def test_a_goal_is_dragged_on_the_ground_as_rviz_publishes_it(bench: Bench) -> N
     assert bench.page.get_by_role("button", name="Interact (i)").get_attribute("aria-pressed") == "true"
 
 
-def test_an_estimate_has_the_covariance_of_rviz(bench: Bench) -> None:
+@pytest.mark.slow
+def test_pose_estimate_has_the_covariance_of_rviz(bench: Bench) -> None:
     bench.page.locator("canvas").press("p")
     bench.drag((0, 0), (40, 0))
     covariance = bench.message("/initialpose", PoseWithCovarianceStamped).pose.covariance
@@ -31,7 +32,8 @@ def test_an_estimate_has_the_covariance_of_rviz(bench: Bench) -> None:
     }  # fmt: skip
 
 
-def test_a_point_on_an_object_is_published(bench: Bench) -> None:
+@pytest.mark.slow
+def test_clicked_point_on_an_object_is_published(bench: Bench) -> None:
     bench.press("Publish Point (u)")
     bench.drag((0, 0))
     point = bench.message("/clicked_point", PointStamped)
@@ -39,7 +41,8 @@ def test_a_point_on_an_object_is_published(bench: Bench) -> None:
     assert max(abs(point.point.x), abs(point.point.y), abs(point.point.z)) == pytest.approx(0.5, abs=0.01)
 
 
-def test_escape_leaves_a_tool(bench: Bench) -> None:
+@pytest.mark.slow
+def test_escape_returns_to_the_interact_tool(bench: Bench) -> None:
     canvas = bench.page.locator("canvas")
     canvas.press("n")
     assert bench.page.get_by_role("button", name="Measure (n)").get_attribute("aria-pressed") == "true"
@@ -47,7 +50,8 @@ def test_escape_leaves_a_tool(bench: Bench) -> None:
     assert bench.page.get_by_role("button", name="Interact (i)").get_attribute("aria-pressed") == "true"
 
 
-def test_a_selected_object_tells_its_message_and_frame(bench: Bench) -> None:
+@pytest.mark.slow
+def test_selected_object_shows_its_message_and_frame(bench: Bench) -> None:
     bench.press("Views panel")
     bench.page.locator("canvas").press("s")
     bench.drag((0, 0))
@@ -55,14 +59,16 @@ def test_a_selected_object_tells_its_message_and_frame(bench: Bench) -> None:
     assert "frame_id: map" in bench.page.get_by_label("Selection").inner_text()
 
 
-def test_a_distance_is_measured(bench: Bench) -> None:
+@pytest.mark.slow
+def test_measure_tool_reports_the_distance(bench: Bench) -> None:
     bench.page.locator("canvas").press("n")
     bench.drag((0, 0))
     bench.drag((10, 0))
     assert "[Length: 0." in bench.page.locator(".course-notice").inner_text()
 
 
-def test_clicks_reach_python_and_the_scene_is_told_in_words(bench: Bench) -> None:
+@pytest.mark.slow
+def test_clicks_reach_python_and_the_canvas_has_a_text_description(bench: Bench) -> None:
     paths: list[str | None] = []
     bench.viewer.on_click(lambda click: paths.append(click.path))
     bench.drag((0, 0))
@@ -71,7 +77,8 @@ def test_clicks_reach_python_and_the_scene_is_told_in_words(bench: Bench) -> Non
     assert "Fixed frame map" in (bench.page.locator(f"#{described}").text_content() or "")
 
 
-def test_the_properties_of_a_tool_are_typed_in_the_views_panel(bench: Bench) -> None:
+@pytest.mark.slow
+def test_tool_properties_are_edited_in_the_views_panel(bench: Bench) -> None:
     bench.press("Views panel")
     bench.page.get_by_text("Tool Properties", exact=True).click()
     bench.row("2D Goal Pose").press("ArrowRight")

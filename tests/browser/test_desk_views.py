@@ -19,7 +19,8 @@ def rests_at(bench: Bench, label: str, value: float) -> None:
     bench.host.wait_until(lambda: bench.viewer.view[label] == pytest.approx(value, abs=1e-3))
 
 
-def test_a_view_turned_by_hand_comes_back_to_the_properties(bench: Bench) -> None:
+@pytest.mark.slow
+def test_view_rotated_with_the_mouse_updates_the_view_properties(bench: Bench) -> None:
     view = bench.viewer.view
     yaw, pitch, distance = view["Yaw"], view["Pitch"], view["Distance"]
     bench.drag((0, 0), (50, 0), (100, 20))
@@ -28,7 +29,8 @@ def test_a_view_turned_by_hand_comes_back_to_the_properties(bench: Bench) -> Non
     assert view["Distance"] == pytest.approx(distance, rel=1e-6)
 
 
-def test_views_are_changed_saved_and_used_again(bench: Bench) -> None:
+@pytest.mark.slow
+def test_saved_view_is_restored(bench: Bench) -> None:
     bench.press("Views panel")
     bench.press("Save the current view")
     bench.page.get_by_role("dialog").get_by_role("textbox").fill("Start")
@@ -42,7 +44,8 @@ def test_views_are_changed_saved_and_used_again(bench: Bench) -> None:
     assert repr(bench.viewer.view) == "Orbit"
 
 
-def test_an_fps_view_turns_around_its_eye(bench: Bench) -> None:
+@pytest.mark.slow
+def test_fps_view_rotates_around_the_camera(bench: Bench) -> None:
     bench.press("Views panel")
     bench.page.get_by_role("combobox", name="Type of view").select_option("FPS")
     bench.host.carry()
@@ -67,7 +70,8 @@ def tell(bench: Bench) -> None:
     bench.host.carry()
 
 
-def test_an_xy_orbit_moves_turns_and_zooms_with_its_focal_point_on_the_ground(bench: Bench) -> None:
+@pytest.mark.slow
+def test_xy_orbit_view_keeps_its_focal_point_on_the_ground(bench: Bench) -> None:
     show_view(bench, XYOrbit(distance=5.0, yaw=0.0, pitch=0.8))
     view, canvas = bench.viewer.view, bench.page.locator("canvas")
     bench.page.keyboard.down("Shift")
@@ -83,7 +87,8 @@ def test_an_xy_orbit_moves_turns_and_zooms_with_its_focal_point_on_the_ground(be
     assert view["Pitch"] == pytest.approx(0.8, abs=1e-3)
 
 
-def test_a_frame_aligned_view_turns_about_the_axis_of_its_frame_unless_it_is_locked(bench: Bench) -> None:
+@pytest.mark.slow
+def test_frame_aligned_view_rotates_about_the_frame_axis_unless_locked(bench: Bench) -> None:
     half = 0.5**0.5
     tilt = TransformStamped(child_frame_id="tilted")
     tilt.header.frame_id = "map"
@@ -103,7 +108,8 @@ def test_a_frame_aligned_view_turns_about_the_axis_of_its_frame_unless_it_is_loc
     assert view["Yaw"] == pytest.approx(0.3, abs=1e-3)
 
 
-def test_a_view_from_above_turns_and_z_brings_it_back(bench: Bench) -> None:
+@pytest.mark.slow
+def test_top_down_view_rotates_and_z_resets_it(bench: Bench) -> None:
     show_view(bench, TopDownOrtho(scale=50.0))
     view = bench.viewer.view
     bench.drag((0, 0), (40, 20))
@@ -114,7 +120,8 @@ def test_a_view_from_above_turns_and_z_brings_it_back(bench: Bench) -> None:
     assert (view["Angle"], view["Scale"]) == (0.0, 10.0)
 
 
-def test_focus_puts_the_focal_point_on_what_is_clicked(bench: Bench) -> None:
+@pytest.mark.slow
+def test_focus_tool_moves_the_focal_point_to_the_clicked_object(bench: Bench) -> None:
     eye = bench.viewer.camera.eye
     bench.page.locator("canvas").press("c")
     bench.drag((0, 0))
@@ -123,7 +130,8 @@ def test_focus_puts_the_focal_point_on_what_is_clicked(bench: Bench) -> None:
     assert bench.viewer.camera.eye == pytest.approx(eye)
 
 
-def test_in_full_screen_the_view_fills_what_the_panels_leave(bench: Bench) -> None:
+@pytest.mark.slow
+def test_full_screen_view_fills_the_area_between_the_panels(bench: Bench) -> None:
     bench.open()
     bench.press("Full screen (F)")
     bench.page.wait_for_function("document.fullscreenElement?.className == 'course-viewer'")

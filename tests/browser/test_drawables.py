@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.viewer import zbuffer
+from course_lib.viewer import renderer
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Sheet, Solids, Text
 from course_lib.viewer.page_link import Click
 from tests.browser.fake_host import Host, count
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.browser
     ],
     ids=["strip", "pixel line", "points", "text", "mesh", "sheet", "sphere", "cylinder", "cone"],
 )
-def test_every_drawable_is_seen_and_can_be_clicked(host: Host, drawable: Drawable) -> None:
+def test_every_drawable_is_visible_and_clickable(host: Host, drawable: Drawable) -> None:
     scene = from_above()
     scene.set_object("thing", drawable)
     widget = shown(host, scene)
@@ -43,7 +43,7 @@ def test_every_drawable_is_seen_and_can_be_clicked(host: Host, drawable: Drawabl
 
 
 @pytest.mark.parametrize("behind", [False, True])
-def test_a_transparent_sheet_is_blended_with_the_background_and_hides_what_is_below_unless_behind(
+def test_transparent_sheet_is_blended_and_occludes_objects_below_unless_drawn_behind(
     host: Host, behind: bool
 ) -> None:
     scene = from_above()
@@ -58,7 +58,8 @@ def test_a_transparent_sheet_is_blended_with_the_background_and_hides_what_is_be
     assert (count(pixels, (128, 0, 128), within=2) > 1000) != behind
 
 
-def test_a_change_that_cannot_be_shown_is_said_and_the_others_are_seen(host: Host) -> None:
+@pytest.mark.slow
+def test_invalid_scene_change_is_reported_and_other_changes_are_drawn(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
     scene.set_object("bad", MeshcatObject({}))
@@ -73,7 +74,8 @@ def test_a_change_that_cannot_be_shown_is_said_and_the_others_are_seen(host: Hos
     assert "'good' is not finite" in host.page.get_by_role("status").inner_text()
 
 
-def test_a_large_cloud_is_drawn_as_numpy_draws_it_and_its_points_can_be_clicked(host: Host) -> None:
+@pytest.mark.slow
+def test_large_cloud_is_drawn_as_by_numpy_and_its_points_are_clickable(host: Host) -> None:
     scene = from_above()
     grid = np.stack(np.meshgrid(np.linspace(-1, 1, 200), np.linspace(-1, 1, 200), [0.0]), axis=-1)
     colors = np.repeat(np.eye(4)[[0, 2]] + [0, 0, 0, 1], 20_000, axis=0).clip(0, 1)  # half red, half blue
@@ -81,7 +83,7 @@ def test_a_large_cloud_is_drawn_as_numpy_draws_it_and_its_points_can_be_clicked(
     widget = shown(host, scene)
     clicks: list[Click] = []
     widget.link.on_click.append(clicks.append)
-    png = zbuffer.draw(scene, (400, 300))
+    png = renderer.draw(scene, (400, 300))
     expected = np.asarray(Image.open(BytesIO(png)).convert("RGB")).astype(np.int64)
     seen = host.pixels()[:300, :400]
     assert (np.abs(seen - expected).max(axis=-1) < 60).mean() > 0.97
@@ -93,7 +95,8 @@ def test_a_large_cloud_is_drawn_as_numpy_draws_it_and_its_points_can_be_clicked(
     assert np.linalg.norm(grid.reshape(-1, 3)[clicks[0].index] - clicks[0].point) < 0.05
 
 
-def test_labels_overlap_as_in_rviz_until_a_button_hides_those_behind_nearer_ones(host: Host) -> None:
+@pytest.mark.slow
+def test_labels_overlap_as_in_rviz_until_a_button_hides_occluded_labels(host: Host) -> None:
     scene = from_above()
     for name, color, height in (("near", (1, 0, 0, 1), 0.5), ("far", (0, 1, 0, 1), 0.0)):
         scene.set_object(name, Text("MW", 1.0, color))

@@ -16,7 +16,7 @@ _LISTED = """() => [...document.querySelectorAll(".jp-DirListing-itemText")].map
 _GO_TO = "path => jupyterapp.commands.execute('filebrowser:go-to-path', { path })"
 
 
-def test_lessons_and_exercises_come_first_and_their_names_fit(lab: Lab) -> None:
+def test_lessons_and_exercises_are_listed_first_with_untruncated_file_names(lab: Lab) -> None:
     with opened(lab, "week00_welcome.ipynb") as notebook:
         folder = notebook.folder
         notebook.page.evaluate(_GO_TO, folder.name)

@@ -11,11 +11,12 @@ from urllib.parse import urlencode
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from course_lib.course.hand_out import prepare
+from course_lib.course.student_folder import prepare
 from tests.browser.hub import HURRIED, Hub, missing, running_hub
 from tests.browser.jupyterlab import Notebook, red_pixels
 from tests.browser.test_lesson_one import LIVE, SHOW, wait_for_red
 from tests.browser.waiting import A_FRAME, wait_until
+from tests.patience import PATIENCE
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LESSON = "week01_first_marker.ipynb"
@@ -37,7 +38,9 @@ def repository(tmp_path_factory: pytest.TempPathFactory) -> Path:
     prepare(folder)
     who = {f"GIT_{role}_{key}": "me@uni.org" for role in ("AUTHOR", "COMMITTER") for key in ("NAME", "EMAIL")}
     for command in ("init -q -b main", "add -A", "commit -q -m lessons"):
-        subprocess.run(["git", *command.split()], cwd=folder, env=os.environ | who, check=True)
+        subprocess.run(
+            ["git", *command.split()], cwd=folder, env=os.environ | who, check=True, timeout=PATIENCE
+        )
     return folder
 
 
@@ -70,7 +73,7 @@ def opened_tab(notebook: Notebook) -> Page:
     return popup.value
 
 
-def test_two_users_of_one_machine_see_lesson_one_each_in_their_own_folder(
+def test_two_users_of_one_machine_open_lesson_one_in_their_own_folders(
     ada: Notebook, grace: Notebook
 ) -> None:
     for notebook in (grace, ada):  # her kernel would be ended if it waited for the other
@@ -82,7 +85,7 @@ def test_two_users_of_one_machine_see_lesson_one_each_in_their_own_folder(
         assert notebook.kernel(where).strip() == str(notebook.folder)
 
 
-def test_the_viewer_opens_in_a_tab_through_the_hubs_proxy(ada: Notebook) -> None:
+def test_viewer_opens_in_a_tab_through_the_hub_proxy(ada: Notebook) -> None:
     tab = opened_tab(ada)
     assert "/user/ada/proxy/" in tab.url
     view = tab.locator("canvas").first
@@ -91,17 +94,17 @@ def test_the_viewer_opens_in_a_tab_through_the_hubs_proxy(ada: Notebook) -> None
     tab.close()
 
 
-def test_the_view_is_drawn_again_after_a_reload_and_after_a_restart_of_the_kernel(ada: Notebook) -> None:
+def test_view_is_redrawn_after_page_reload_and_kernel_restart(ada: Notebook) -> None:
     ada.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
     ada.open()
     wait_for_red(ada.cell(SHOW))
-    ada.page.evaluate("jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart()")
+    ada.page.evaluate("courseNotebook().context.sessionContext.session.kernel.restart()")
     ada.wait_idle()
     ada.run_to(LIVE)
     wait_for_red(ada.cell(SHOW))
 
 
-def test_all_of_lesson_one_runs_there_and_rqt_and_checks_answer(ada: Notebook) -> None:
+def test_lesson_one_runs_on_a_hub_with_rqt_and_checks(ada: Notebook) -> None:
     ada.run_all()
     assert ada.errors() == []
     expect(ada.cell("%ros2 topic list")).to_contain_text("/visualization_marker")
@@ -110,9 +113,7 @@ def test_all_of_lesson_one_runs_there_and_rqt_and_checks_answer(ada: Notebook) -
     expect(checked).to_contain_text("checks passed")
 
 
-def test_a_kernel_whose_nodes_run_live_is_not_idle_and_is_culled_once_they_stop(
-    hub: Hub, grace: Notebook
-) -> None:
+def test_kernel_with_live_nodes_is_not_idle_and_is_culled_after_they_stop(hub: Hub, grace: Notebook) -> None:
     grace.run_to(LIVE)
     wait_for_red(grace.cell(SHOW))
     kernels = partial(hub.ask, HURRIED, "kernels")

@@ -15,7 +15,7 @@ from visualization_msgs.msg import (
 )
 
 from course_lib.displays.views import Orbit
-from course_lib.ros.driving import spin_for
+from course_lib.ros.time.driving import spin_for
 from tests.browser.bench import Bench
 from tests.browser.waiting import wait_until
 
@@ -71,7 +71,7 @@ def server(bench: Bench) -> Iterator[Server]:
     rclpy.shutdown()
 
 
-def test_a_marker_is_dragged_along_its_axis(server: Server) -> None:
+def test_interactive_marker_is_dragged_along_its_axis(server: Server) -> None:
     server.bench.drag((0, 0), (40, 0), (80, 15))
     server.spin()
     events = [feedback.event_type for feedback in server.heard]
@@ -85,13 +85,15 @@ def test_a_marker_is_dragged_along_its_axis(server: Server) -> None:
     assert marker.pose.position.y == pytest.approx(at.y)
 
 
-def test_beside_a_marker_the_view_is_turned(server: Server) -> None:
+@pytest.mark.slow
+def test_dragging_next_to_a_marker_sends_no_feedback(server: Server) -> None:
     server.bench.drag((-200, -200), (-100, -200))
     server.spin()
     assert server.heard == []
 
 
-def test_the_menu_opens_with_the_right_button_and_the_keyboard_chooses(server: Server) -> None:
+@pytest.mark.slow
+def test_menu_opens_with_the_right_button_and_is_operated_by_keyboard(server: Server) -> None:
     bench = server.bench
     box = bench.page.locator("canvas").bounding_box()
     assert box is not None
@@ -106,7 +108,8 @@ def test_the_menu_opens_with_the_right_button_and_the_keyboard_chooses(server: S
     assert server.chosen == [2]
 
 
-def test_other_tools_leave_markers_alone(server: Server) -> None:
+@pytest.mark.slow
+def test_other_tools_do_not_move_interactive_markers(server: Server) -> None:
     server.bench.page.locator("canvas").press("m")
     server.bench.drag((0, 0), (40, 0))
     server.spin()

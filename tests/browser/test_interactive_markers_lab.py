@@ -66,7 +66,7 @@ def over(canvas: Locator, right: float, up: float) -> tuple[float, float]:
     return box["x"] + box["width"] / 2 + right, box["y"] + box["height"] / 2 - up
 
 
-def test_a_marker_is_dragged_while_its_server_runs_live(notebook: Notebook) -> None:
+def test_interactive_marker_is_dragged_while_its_server_runs_live(notebook: Notebook) -> None:
     canvas, mouse = notebook.cell(SHOW).locator("canvas").first, notebook.page.mouse
     is_over = "canvas => canvas.style.cursor == 'grab'"
 

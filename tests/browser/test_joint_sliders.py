@@ -15,8 +15,8 @@ CELLS = (
     "%load_ext course_lib\n"
     "import rclpy\n"
     "from course_lib import load_robot\n"
-    "from course_lib.robots.joint_state_publisher import JointStatePublisher\n"
-    "from course_lib.robots.joint_state_publisher import joint_sliders\n"
+    "from course_lib.robots.state_publishers import JointStatePublisher\n"
+    "from course_lib.robots.state_publishers import joint_sliders\n"
     "rclpy.init()\n"
     "publisher = JointStatePublisher(load_robot('ur10').urdf)",
     "joint_sliders(publisher)",
@@ -40,14 +40,14 @@ def elbow_comes_to(notebook: Notebook, position: float, within: float) -> None:
     wait_until(is_there, notebook.page)
 
 
-def test_sliders_serve_keyboard_and_screen_reader(notebook: Notebook) -> None:
+def test_sliders_are_accessible_by_keyboard_and_screen_reader(notebook: Notebook) -> None:
     cell = notebook.cell("joint_sliders(publisher)")
     expect(cell.get_by_role("slider")).to_have_count(6)
     cell.evaluate("cell => cell.querySelector('.jp-OutputArea').id = 'looked-at'")
     assert faults(notebook.page, "#looked-at") == []
 
 
-def test_a_slider_moves_by_arrow_keys_in_steps_of_a_thousandth(notebook: Notebook) -> None:
+def test_arrow_keys_move_a_slider_by_a_thousandth(notebook: Notebook) -> None:
     cell = notebook.cell("joint_sliders(publisher)")
     expect(cell.get_by_text("-3.142 … 3.142 rad")).to_be_visible()
     elbow = cell.get_by_role("slider", name="elbow_joint")
@@ -59,7 +59,7 @@ def test_a_slider_moves_by_arrow_keys_in_steps_of_a_thousandth(notebook: Noteboo
     expect(elbow).to_have_attribute("aria-valuetext", "0.031")
 
 
-def test_a_position_may_be_typed_and_taken_back(notebook: Notebook) -> None:
+def test_typed_position_is_clamped_and_can_be_centered(notebook: Notebook) -> None:
     cell = notebook.cell("joint_sliders(publisher)")
     number = cell.get_by_role("spinbutton", name="elbow_joint, as a number")
     number.fill("-1.25")

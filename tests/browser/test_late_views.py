@@ -3,7 +3,7 @@
 import pytest
 from playwright.sync_api import Browser
 
-from course_lib.viewer import assets
+from course_lib.viewer import html
 
 pytestmark = pytest.mark.browser
 
@@ -25,9 +25,9 @@ RESTORE = """async ([code, isRestored]) => {
 
 
 @pytest.mark.parametrize(("is_restored", "states"), [(True, [True]), (False, [False, False, False, True])])
-def test_views_wait_for_their_models_until_a_while_after_the_page_is_restored_however_long_that_takes(
+def test_views_wait_for_late_models_after_a_slow_page_restore(
     browser: Browser, is_restored: bool, states: list[bool]
 ) -> None:
     page = browser.new_page()
-    assert page.evaluate(RESTORE, [assets.widget_module(), is_restored]) == states
+    assert page.evaluate(RESTORE, [html.widget_module(), is_restored]) == states
     page.close()

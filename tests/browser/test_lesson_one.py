@@ -8,14 +8,14 @@ import psutil
 import pytest
 from playwright.sync_api import Locator, expect
 
-from tests.browser.jupyterlab import Lab, Notebook, opened, red_pixels
+from tests.browser.jupyterlab import Lab, Notebook, opened, red_pixels, view_of
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 SHOW, LIVE = "viewer.add(", "live = run_live(node)"
-LISTENERS = "from course_lib.ros.graph import current_graph; print(len(current_graph()._taps))"
+LISTENERS = "from course_lib.ros.graph.graph import current_graph; print(len(current_graph()._taps))"
 ENOUGH = 800  # [px] of the cube
-NOW = "from course_lib.ros.graph import current_graph; print(current_graph().now_ns)"
+NOW = "from course_lib.ros.graph.graph import current_graph; print(current_graph().now_ns)"
 # A view of jupyterlab_widgets polls for its model for 2 s; a busy machine makes the last pause long.
 ONE_LONG_PAUSE = """
     const pause = Number(sessionStorage.getItem("pause")), wait = window.setTimeout;
@@ -38,19 +38,13 @@ def running(lesson: Notebook) -> Notebook:
     return lesson
 
 
-def view_in(cell: Locator) -> Locator:
-    view = cell.locator("canvas").first
-    expect(view).to_be_visible()
-    return view
-
-
 def wait_for_red(cell: Locator) -> None:
     """The first cube comes one second after the start."""
-    view = view_in(cell)
+    view = view_of(cell)
     wait_until(lambda: red_pixels(view) > ENOUGH, cell.page, A_FRAME)
 
 
-def test_the_cube_is_drawn_while_its_node_runs_live_and_the_next_cell_is_free(running: Notebook) -> None:
+def test_cube_is_drawn_while_its_node_runs_live_and_the_next_cell_can_run(running: Notebook) -> None:
     wait_for_red(running.cell(SHOW))
     if PICTURES:
         running.page.screenshot(path=Path(PICTURES) / "week01_jupyterlab.png")
@@ -60,19 +54,19 @@ def test_the_cube_is_drawn_while_its_node_runs_live_and_the_next_cell_is_free(ru
     assert "/visualization_marker\n" in "".join(str(output.get("text")) for output in running.outputs())
 
 
-def test_a_second_cell_shows_the_same_scene(running: Notebook) -> None:
+def test_view_in_a_second_cell_shows_the_same_scene(running: Notebook) -> None:
     running.cell(LIVE)
     wait_for_red(running.run_below("viewer"))
 
 
-def test_the_scene_survives_a_page_reload(running: Notebook) -> None:
+def test_scene_is_kept_after_a_page_reload(running: Notebook) -> None:
     wait_for_red(running.cell(SHOW))
     running.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
     running.open()
     wait_for_red(running.cell(SHOW))
 
 
-def test_views_are_drawn_whose_models_come_in_their_last_pause_after_a_reload(running: Notebook) -> None:
+def test_views_are_drawn_after_a_reload_even_if_their_models_arrive_late(running: Notebook) -> None:
     wait_for_red(running.cell(SHOW))
     running.page.add_init_script(ONE_LONG_PAUSE)
     running.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
@@ -82,16 +76,16 @@ def test_views_are_drawn_whose_models_come_in_their_last_pause_after_a_reload(ru
     expect(running.cell(LIVE).get_by_role("button", name="Stop")).to_be_visible()
 
 
-def test_a_viewer_whose_cell_is_run_again_listens_no_more(running: Notebook) -> None:
-    view_in(running.cell(SHOW))
+def test_rerunning_a_cell_removes_the_listeners_of_its_previous_viewer(running: Notebook) -> None:
+    view_of(running.cell(SHOW))
     before = running.kernel(LISTENERS)
     for _ in range(2):
         running.run_to(SHOW)
-        view_in(running.cell(SHOW))
+        view_of(running.cell(SHOW))
         wait_until(lambda: running.kernel(LISTENERS) == before, running.page)
 
 
-def test_the_button_stops_the_live_node(running: Notebook) -> None:
+def test_stop_button_stops_the_live_node(running: Notebook) -> None:
     cell = running.cell(LIVE)
     expect(cell.get_by_text("running")).to_be_visible()
     cell.get_by_role("button", name="Stop").click()
@@ -106,11 +100,11 @@ def test_all_cells_run_without_an_error(lesson: Notebook) -> None:
     assert lesson.errors() == []
 
 
-def test_restarting_the_kernel_leaves_no_process_behind(running: Notebook) -> None:
+def test_kernel_restart_leaves_no_process_running(running: Notebook) -> None:
     kernel = psutil.Process(int(running.kernel("import os; print(os.getpid())")))
     assert kernel.children(recursive=True) == []
     server = kernel.parent()
-    running.page.evaluate("jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart()")
+    running.page.evaluate("courseNotebook().context.sessionContext.session.kernel.restart()")
     running.wait_idle()
     assert not kernel.is_running()
     assert server is not None

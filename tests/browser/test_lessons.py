@@ -12,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Locator, expect
 
-from course_lib.course.installation import exercises_dir, lessons
-from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of
+from course_lib.course.state import exercises_dir, lessons
+from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of, view_of
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -47,9 +47,8 @@ def lesson(request: pytest.FixtureRequest, notebook: Notebook) -> Lesson:
 
 def views(notebook: Notebook) -> Iterator[NDArray[np.int64]]:
     """Go through a lesson cell by cell, and look at each view while its nodes still run."""
-    for number, cell in enumerate(notebook.run_to_each("viewer")):
-        view = cell.locator("canvas").first
-        expect(view).to_be_visible()
+    for number, cell in enumerate(notebook.run_to_each("viewer", "viewer.beside()")):
+        view = view_of(cell)
         view.scroll_into_view_if_needed()
         yield look(view)
         if PICTURES:
@@ -71,16 +70,16 @@ def coloured(pixels: NDArray[np.int64]) -> int:
     return int((np.ptp(pixels, axis=2) > 60).sum())
 
 
-def test_its_views_are_drawn(lesson: Lesson) -> None:
+def test_views_of_each_lesson_are_drawn(lesson: Lesson) -> None:
     counts = [coloured(pixels) for pixels in lesson.views]
     assert max(counts) > DRAWN, counts
 
 
-def test_no_cell_has_an_error_one_by_one(lesson: Lesson) -> None:
+def test_cells_of_each_lesson_run_without_errors_one_by_one(lesson: Lesson) -> None:
     assert lesson.notebook.errors() == []  # all at once is nbmake's
 
 
-def test_its_quiz_answers_a_click_with_a_reason(lesson: Lesson) -> None:
+def test_lesson_quiz_shows_an_explanation_after_a_click(lesson: Lesson) -> None:
     quiz = exercises_dir() / "quizzes" / f"{lesson.week}.toml"
     questions = tomllib.loads(quiz.read_text())["question"]
     right = next(answer for answer in questions[0]["answer"] if answer.get("right"))

@@ -90,7 +90,7 @@ def heard(notebook: Notebook) -> int:
     return int(notebook.kernel("print(len(node.heard))"))
 
 
-def test_twenty_views_are_drawn_and_no_context_is_lost(notebook: Notebook) -> None:
+def test_twenty_views_are_drawn_without_losing_a_webgl_context(notebook: Notebook) -> None:
     wait_until(lambda: are_all(notebook, 0), notebook.page, A_FRAME)
     assert notebook.page.evaluate("lost") == 0
     assert notebook.errors() == []
@@ -112,7 +112,7 @@ def test_click_and_slider_reach_python_while_a_node_runs_live(notebook: Notebook
     assert notebook.kernel("print(node.heard[0][1] < node.heard[-1][1] < node.count)").strip() == "True"
 
 
-def test_a_second_tab_and_a_reloaded_one_show_what_the_first_one_shows(notebook: Notebook, lab: Lab) -> None:
+def test_second_and_reloaded_tabs_show_the_scene_of_the_first_tab(notebook: Notebook, lab: Lab) -> None:
     notebook.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
     second = open_page(lab, notebook.folder)
     wait_until(lambda: are_all(second, 0), second.page, A_FRAME)
@@ -126,8 +126,8 @@ def test_a_second_tab_and_a_reloaded_one_show_what_the_first_one_shows(notebook:
     second.page.close()
 
 
-def test_after_a_restart_the_old_pictures_stay_and_running_again_draws_anew(notebook: Notebook) -> None:
-    notebook.page.evaluate("jupyterapp.shell.currentWidget.context.sessionContext.session.kernel.restart()")
+def test_kernel_restart_keeps_the_images_and_a_rerun_draws_new_views(notebook: Notebook) -> None:
+    notebook.page.evaluate("courseNotebook().context.sessionContext.session.kernel.restart()")
     notebook.wait_idle()
     assert are_all(notebook, 2)
     expect(notebook.page.get_by_text(ENDED).first).to_be_visible()
@@ -137,12 +137,12 @@ def test_after_a_restart_the_old_pictures_stay_and_running_again_draws_anew(note
     assert notebook.errors() == []
 
 
-def test_views_of_a_killed_kernel_say_that_it_has_ended_and_those_of_a_busy_one_do_not(
+def test_views_report_a_killed_kernel_but_not_a_busy_one(
     notebook: Notebook,
 ) -> None:
     notebook.kernel("import time; time.sleep(2)")
     expect(notebook.page.get_by_text(ENDED)).to_have_count(0)
     kill = "session.kernel.requestExecute({ code: 'import os; os.kill(os.getpid(), 9)' }).done.catch(() => 0)"
-    notebook.page.evaluate(f"() => void jupyterapp.shell.currentWidget.context.sessionContext.{kill}")
+    notebook.page.evaluate(f"() => void courseNotebook().context.sessionContext.{kill}")
     expect(notebook.page.get_by_text(ENDED).first).to_be_visible()
     notebook.page.get_by_role("dialog").get_by_role("button", name="Ok").click()

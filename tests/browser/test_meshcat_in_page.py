@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from meshcat.animation import Animation
 
-from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Mesh, Solids, Text
+from course_lib.viewer.drawables import Camera, Mesh, Solids, Text
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.visualizer import Window
 from course_lib.viewer.widget import SceneWidget
@@ -24,7 +23,8 @@ def shown(host: Host, scene: Scene) -> SceneWidget:
     return widget
 
 
-def test_what_has_no_equal_of_ours_is_drawn_by_three_js(host: Host) -> None:
+@pytest.mark.slow
+def test_meshcat_object_without_an_equivalent_drawable_is_drawn_by_three_js(host: Host) -> None:
     scene = Scene()
     vis = meshcat.Visualizer(window=Window(scene))
     wires = g.MeshBasicMaterial(color=0x00FFFF, wireframe=True)
@@ -33,7 +33,7 @@ def test_what_has_no_equal_of_ours_is_drawn_by_three_js(host: Host) -> None:
     assert 200 < count(host.pixels(), CYAN, within=130) < 12_000
 
 
-def test_an_animation_of_meshcat_plays(host: Host) -> None:
+def test_meshcat_animation_plays(host: Host) -> None:
     scene = Scene()
     vis = meshcat.Visualizer(window=Window(scene))
     vis["box"].set_object(g.Box([1, 1, 1]), g.MeshLambertMaterial(color=0x00FFFF))
@@ -47,7 +47,8 @@ def test_an_animation_of_meshcat_plays(host: Host) -> None:
     assert count(host.pixels()[:, 200:400], CYAN) > 1000
 
 
-def test_what_is_replaced_leaves_nothing_on_the_graphics_card(host: Host) -> None:
+@pytest.mark.slow
+def test_replaced_objects_are_freed_from_graphics_memory(host: Host) -> None:
     host.reload()
     host.page.evaluate("""() => {
         globalThis.alive = 0;

@@ -7,9 +7,8 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser
 
-from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Lines, Mesh, Points, Shape, Solids, Text
-from course_lib.viewer.html import bundle_script, save_html, scene_fragment
+from course_lib.viewer.drawables import Camera, Lines, Mesh, Points, Shape, Solids, Text
+from course_lib.viewer.html import bundle_code, save_html, scene_fragment
 from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
 from tests.browser.fake_host import Pixels, count
@@ -52,7 +51,8 @@ def pixels_of(png: bytes) -> Pixels:
     return np.asarray(Image.open(BytesIO(png)).convert("RGB")).astype(np.int64)
 
 
-def test_both_renderers_draw_the_same(browser: Browser) -> None:
+@pytest.mark.slow
+def test_both_renderers_draw_the_same_image(browser: Browser) -> None:
     scene = of_all_kinds()
     shots = [screenshot(scene, size=(400, 300), renderer=renderer) for renderer in ("chromium", "numpy")]
     ours, theirs = (pixels_of(shot.png) for shot in shots)
@@ -61,7 +61,8 @@ def test_both_renderers_draw_the_same(browser: Browser) -> None:
     assert (np.abs(ours - scene.background).max(axis=-1) > 30).mean() > 0.1
 
 
-def test_a_page_from_a_file_shows_the_scene_and_asks_for_nothing(browser: Browser, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_saved_page_shows_the_scene_without_network_requests(browser: Browser, tmp_path: Path) -> None:
     file = save_html(colored(RED), tmp_path / "scene.html", title="The <red> box")
     assert file.stat().st_size < 350_000
     page = browser.new_page(viewport={"width": 400, "height": 300})
@@ -79,12 +80,13 @@ def test_a_page_from_a_file_shows_the_scene_and_asks_for_nothing(browser: Browse
     page.close()
 
 
-def test_two_scenes_stand_side_by_side_with_one_script(browser: Browser) -> None:
+@pytest.mark.slow
+def test_two_scenes_on_one_page_share_one_script(browser: Browser) -> None:
     left, right = (scene_fragment(colored(rgb), height="300px", label="box") for rgb in (RED, BLUE))
     page = browser.new_page(viewport={"width": 400, "height": 300})
     page.set_content(
         '<body style="margin:0"><div style="display:grid;grid-template-columns:1fr 1fr">'
-        f"{left}{right}</div>{bundle_script()}"
+        f"{left}{right}</div><script>{bundle_code()}</script>"
     )
     page.wait_for_function("document.querySelectorAll('canvas').length === 2")
 

@@ -16,15 +16,16 @@ from playwright.sync_api import Browser, Page
 from visualization_msgs.msg import Marker
 
 from course_lib.recording import Recording, write_bag
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize, type_name
-from course_lib.ros.qos import Qos
 from course_lib.viewer.page_server import PageServer
 from tests.browser.fake_host import count
 from tests.browser.test_page import BLUE, RED, colored, pixels_of
 from tests.browser.test_playback import READING, TIME, at_x, scrub
 from tests.browser.waiting import wait_until
 from tests.patience import PATIENCE
+from tests.processes import Program
 
 pytestmark = pytest.mark.browser
 
@@ -83,7 +84,7 @@ REFUSED: dict[str, tuple[str, dict[str, str]]] = {
 
 
 @pytest.mark.parametrize("who", REFUSED)
-def test_whoever_does_not_come_by_the_printed_address_is_refused(who: str) -> None:
+def test_request_without_the_printed_address_is_rejected(who: str) -> None:
     server = PageServer(colored(RED), token="secret")
     server.start()
     path, headers = REFUSED[who]
@@ -93,9 +94,11 @@ def test_whoever_does_not_come_by_the_printed_address_is_refused(who: str) -> No
 
 
 @pytest.mark.parametrize("who", [who for who in REFUSED if who != "another name of this machine"])
-def test_behind_a_hub_only_the_host_may_be_another(who: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_foreign_host_header_alone_is_accepted_behind_a_hub(
+    who: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
-    monkeypatch.setattr("course_lib.surroundings.find_spec", lambda name: name)
+    monkeypatch.setattr("course_lib.host.find_spec", lambda name: name)
     server = PageServer(colored(RED), token="secret")
     server.start()
     here = f"http://127.0.0.1:{server.port}"
@@ -105,7 +108,7 @@ def test_behind_a_hub_only_the_host_may_be_another(who: str, monkeypatch: pytest
     server.close()
 
 
-def test_the_port_is_free_again_after_the_end_and_tokens_differ() -> None:
+def test_servers_have_different_tokens_and_free_their_ports_when_closed() -> None:
     servers = [PageServer(colored(RED)) for _ in range(2)]
     for server in servers:
         server.start()
@@ -119,7 +122,8 @@ def test_the_port_is_free_again_after_the_end_and_tokens_differ() -> None:
     wait_until(lambda: is_free(first.port) and is_free(second.port))
 
 
-def test_a_server_that_is_closed_before_it_has_answered_frees_its_port() -> None:
+@pytest.mark.slow
+def test_server_closed_before_its_first_response_frees_its_port() -> None:
     for _ in range(20):
         server = PageServer(colored(RED))
         server.start()
@@ -127,16 +131,16 @@ def test_a_server_that_is_closed_before_it_has_answered_frees_its_port() -> None
         wait_until(partial(is_free, server.port))
 
 
-def test_a_taken_port_is_named() -> None:
+def test_occupied_port_is_reported() -> None:
     from course_lib.errors import CourseError
 
     server = PageServer(colored(RED))
     server.listen()
-    with pytest.raises(CourseError, match=f"Port {server.port} cannot be had"):
+    with pytest.raises(CourseError, match=f"Port {server.port} is not available"):
         PageServer(colored(RED), port=server.port).listen()
 
 
-def test_a_page_follows_the_scene_says_when_its_program_ends_and_finds_it_again(page: Page) -> None:
+def test_page_updates_with_the_scene_reports_the_end_of_its_program_and_reconnects(page: Page) -> None:
     scene = colored(RED)
     server = PageServer(scene)
     server.start()
@@ -154,7 +158,8 @@ def test_a_page_follows_the_scene_says_when_its_program_ends_and_finds_it_again(
     again.close()
 
 
-def test_a_click_and_the_end_of_a_page_reach_the_program(page: Page) -> None:
+@pytest.mark.slow
+def test_click_and_page_close_are_reported_to_the_program(page: Page) -> None:
     server = PageServer(colored(RED))
     clicks: list[str | None] = []
     server.link.on_click.append(lambda click: clicks.append(click.path))
@@ -185,7 +190,7 @@ def bag(tmp_path: Path) -> Path:
     return tmp_path / "bag"
 
 
-def course_view(bag: Path, *options: str) -> tuple["subprocess.Popen[str]", str]:
+def course_view(bag: Path, *options: str) -> tuple[Program, str]:
     layout = str(bag.parent / "view.rviz")
     command = [
         sys.executable,
@@ -198,11 +203,8 @@ def course_view(bag: Path, *options: str) -> tuple["subprocess.Popen[str]", str]
         layout,
         "--no-browser",
     ]
-    process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    found = re.search(r"http://\S+", process.stdout.readline())
-    assert found is not None
-    return process, found[0]
+    process = Program([*command, *options], stdout=subprocess.PIPE)
+    return process, process.find(r"http://\S+")
 
 
 def sides(page: Page) -> tuple[bool, bool]:
@@ -216,7 +218,8 @@ def begins_at_the_left(page: Page) -> bool:
     return sides(page) == (True, False)
 
 
-def test_course_view_plays_a_bag_that_can_be_scrubbed(page: Page, bag: Path) -> None:
+@pytest.mark.slow
+def test_course_view_plays_a_bag_with_seeking(page: Page, bag: Path) -> None:
     process, url = course_view(bag)
     try:
         page.goto(url)
@@ -239,8 +242,9 @@ def test_course_view_plays_a_bag_that_can_be_scrubbed(page: Page, bag: Path) -> 
         process.kill()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="kills a process as only POSIX can")
-def test_a_killed_course_view_is_found_again_at_the_same_address(page: Page, bag: Path) -> None:
+def test_page_reconnects_to_a_restarted_course_view_at_the_same_address(page: Page, bag: Path) -> None:
     process, url = course_view(bag)
     port, token = re.findall(r":(\d+)/([^/]+)/", url)[0]
     try:

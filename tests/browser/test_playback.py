@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from course_lib.viewer.film import Film
-from course_lib.viewer.html import bundle_script, save_html, scene_fragment
+from course_lib.viewer.html import bundle_code, save_html, scene_fragment
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.scene_recording import SceneRecording
 from tests.browser.fake_host import count
 from tests.browser.test_page import BLUE, RED, colored, pixels_of
+from tests.browser.waiting import at_rest
 from tests.patience import PATIENCE
 from tests.viewer.test_film import Clock
 from tests.viewer.test_stream import RED_BOX
@@ -34,12 +35,12 @@ def at_x(x: float) -> np.ndarray:
     return transform_node_to_parent
 
 
-def filmed(background: tuple[int, int, int] = (0, 0, 0)) -> Film:
+def filmed(background: tuple[int, int, int] = (0, 0, 0)) -> SceneRecording:
     """A red box goes from left to right in 4 s; a blue one is there from second 1 to 2, in its place."""
     scene, clock = colored(RED), Clock()
     scene.background = background
     scene.set_transform("box", at_x(-2))
-    film = Film(scene, clock)
+    film = SceneRecording(scene, clock)
     for number in range(1, 401):
         clock.now = 100 + number / 100
         scene.set_transform("box", at_x(-2 + number / 100))
@@ -80,6 +81,18 @@ def scrub(page: Page, seconds: float) -> None:
     page.evaluate(TIME)
 
 
+def test_replay_on_a_page_starts_by_itself_and_repeats(page: Page, tmp_path: Path) -> None:
+    file = save_html(filmed(), tmp_path / "film.html")
+    html = file.read_text("utf-8")
+    assert html.count("data-alone=") == 1
+    file.write_text(html.replace("data-alone=", 'data-plays="true" data-alone='), "utf-8")
+    page.goto(file.as_uri())
+    page.wait_for_selector(READING)
+    page.evaluate(WATCH)
+    # The recording has 4 s: a smaller time after a larger one is its second run.
+    page.wait_for_function("() => seen.length > 2 && seen.at(-1) < Math.max(...seen) - 1")
+
+
 def reds(page: Page) -> tuple[int, int, int]:
     """Count red pixels left and right, and blue ones."""
     pixels = pixels_of(page.screenshot())[:290]
@@ -90,11 +103,12 @@ def elapsed(page: Page) -> float:
     return float((page.text_content(READING) or "").split("ROS Elapsed: ")[1].split()[0])
 
 
-def test_a_saved_page_shows_the_scene_of_the_time_it_is_scrubbed_to_also_back(playing: Page) -> None:
+@pytest.mark.slow
+def test_saved_page_shows_the_scene_at_the_seek_time_in_both_directions(playing: Page) -> None:
     seen: dict[float, list[tuple[int, int, int]]] = {}
     for seconds in (4.0, 0.0, 1.5, 4.0, 1.5, 0.5):
         scrub(playing, seconds)
-        seen.setdefault(seconds, []).append(reds(playing))
+        seen.setdefault(seconds, []).append(at_rest(lambda: reds(playing), playing))
     assert seen[0.0][0][0] > 3000
     assert seen[0.0][0][1:] == (0, 0)
     assert seen[1.5][0][:2] == (0, 0)
@@ -104,7 +118,8 @@ def test_a_saved_page_shows_the_scene_of_the_time_it_is_scrubbed_to_also_back(pl
     assert all(len(set(pictures)) == 1 for pictures in seen.values())
 
 
-def test_it_begins_at_the_end_plays_from_the_start_and_stops_there_again(playing: Page) -> None:
+@pytest.mark.slow
+def test_playback_opens_at_the_end_and_plays_once_from_the_start(playing: Page) -> None:
     assert elapsed(playing) == pytest.approx(4.0)
     playing.get_by_role("combobox", name="Speed").select_option("4")
     playing.evaluate(WATCH)
@@ -114,7 +129,8 @@ def test_it_begins_at_the_end_plays_from_the_start_and_stops_there_again(playing
     assert elapsed(playing) == pytest.approx(4.0)
 
 
-def test_the_loop_goes_on_until_somebody_pauses(playing: Page) -> None:
+@pytest.mark.slow
+def test_loop_continues_until_paused(playing: Page) -> None:
     playing.keyboard.press("l")
     assert playing.get_by_role("button", name="Loop").get_attribute("aria-pressed") == "true"
     scrub(playing, 3.99)
@@ -126,7 +142,8 @@ def test_the_loop_goes_on_until_somebody_pauses(playing: Page) -> None:
     playing.get_by_role("button", name="Play").wait_for()
 
 
-def test_keys_step_frame_by_frame_and_go_to_the_ends(playing: Page) -> None:
+@pytest.mark.slow
+def test_keys_step_by_frame_and_jump_to_start_and_end(playing: Page) -> None:
     playing.keyboard.press("Home")
     assert elapsed(playing) == 0
     playing.keyboard.press("Period")
@@ -139,7 +156,8 @@ def test_keys_step_frame_by_frame_and_go_to_the_ends(playing: Page) -> None:
     assert elapsed(playing) == pytest.approx(4.0)
 
 
-def test_every_control_has_a_name_and_is_reached_by_tab(playing: Page) -> None:
+@pytest.mark.slow
+def test_every_playback_control_has_a_label_and_is_focused_by_tab(playing: Page) -> None:
     names = []
     for _ in range(8):
         playing.keyboard.press("Tab")
@@ -148,7 +166,8 @@ def test_every_control_has_a_name_and_is_reached_by_tab(playing: Page) -> None:
     assert short == ["3D view", "Full screen", "Play", "Step back", "Step", "Time", "Loop", "Speed"]
 
 
-def test_a_page_with_a_film_is_small_and_asks_for_nothing(page: Page, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_page_with_a_recording_is_small_and_makes_no_requests(page: Page, tmp_path: Path) -> None:
     file = save_html(filmed(), tmp_path / "film.html")
     assert file.stat().st_size < 350_000
     requests: list[str] = []
@@ -158,11 +177,12 @@ def test_a_page_with_a_film_is_small_and_asks_for_nothing(page: Page, tmp_path: 
     assert [url for url in requests if not url.startswith("blob:")] == [file.as_uri()]
 
 
-def test_two_films_stand_side_by_side_with_one_script_and_a_still_scene_has_no_bar(page: Page) -> None:
+@pytest.mark.slow
+def test_two_recordings_on_one_page_share_one_script_and_a_static_scene_has_no_time_bar(page: Page) -> None:
     still = Scene()
     still.set_object("box", RED_BOX)
     parts = [scene_fragment(what) for what in (filmed(), filmed((0, 60, 0)), still)]
-    html = f"<body style='margin:0'>{''.join(parts)}{bundle_script()}"
+    html = f"<body style='margin:0'>{''.join(parts)}<script>{bundle_code()}</script>"
     assert len(html) < 400_000
     page.set_content(html)
     page.wait_for_function("document.querySelectorAll('canvas').length === 3")

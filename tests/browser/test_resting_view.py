@@ -21,13 +21,19 @@ def cube(color: tuple[float, float, float]) -> Marker:
     return made
 
 
-def test_a_frozen_view_keeps_its_picture_and_plays_what_was_before(bench: Bench) -> None:
-    host, graph, viewer = bench.host, bench.graph, bench.viewer
+def show_green_then_red(bench: Bench) -> None:
+    """Show a cube that is green for 1 s and then red for 1 s, and hide the live view."""
     for color in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
-        publish(graph, "/m", cube(color))
-        wait(graph, 1.0)
-        viewer.look()
-    host.hide()
+        publish(bench.graph, "/m", cube(color))
+        wait(bench.graph, 1.0)
+        bench.viewer.look()
+    bench.host.hide()
+
+
+@pytest.mark.slow
+def test_frozen_view_keeps_its_image_and_plays_earlier_frames(bench: Bench) -> None:
+    host, graph, viewer = bench.host, bench.graph, bench.viewer
+    show_green_then_red(bench)
     view = viewer.freeze()
     host.open(view)
     host.show(view, 780)
@@ -45,7 +51,8 @@ def test_a_frozen_view_keeps_its_picture_and_plays_what_was_before(bench: Bench)
     wait_until(lambda: count(host.pixels(), RED) > 1000, page)
 
 
-def test_its_panels_are_read_and_not_edited(bench: Bench) -> None:
+@pytest.mark.slow
+def test_panels_of_a_frozen_view_are_read_only(bench: Bench) -> None:
     host, page = bench.host, bench.page
     host.hide()
     view = bench.viewer.freeze()
@@ -58,3 +65,15 @@ def test_its_panels_are_read_and_not_edited(bench: Bench) -> None:
     bench.row("Marker").press("Delete")
     expect(page.get_by_text("This view is at rest. Run its cell again to change it.")).to_be_visible()
     expect(bench.row("Marker")).to_be_visible()
+
+
+def test_replay_plays_from_the_start_and_again_without_a_click(bench: Bench) -> None:
+    host = bench.host
+    show_green_then_red(bench)
+    view = bench.viewer.replay(2.0)
+    host.open(view)
+    host.show(view, 780)
+    host.carry()
+    wait_until(lambda: count(host.pixels(), GREEN) > 1000, host.page)
+    wait_until(lambda: count(host.pixels(), RED) > 1000, host.page)
+    wait_until(lambda: count(host.pixels(), GREEN) > 1000, host.page)

@@ -9,7 +9,7 @@ from playwright.sync_api import Locator, expect
 
 from tests.browser.axe import faults
 from tests.browser.jupyterlab import Lab, Notebook, opened
-from tests.browser.waiting import wait_until
+from tests.browser.waiting import at_rest, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
@@ -71,7 +71,7 @@ def look(notebook: Notebook, cell: Locator, name: str) -> None:
 
 
 @pytest.mark.parametrize("view", VIEWS)
-def test_views_serve_keyboard_and_screen_reader(notebook: Notebook, view: str) -> None:
+def test_rqt_views_are_accessible_by_keyboard_and_screen_reader(notebook: Notebook, view: str) -> None:
     expect(notebook.cell(view).locator(".rqt").first).to_be_visible()
     notebook.cell(view).evaluate("cell => cell.id = 'looked-at'")
     usual = notebook.page.viewport_size
@@ -86,7 +86,7 @@ def test_views_serve_keyboard_and_screen_reader(notebook: Notebook, view: str) -
     assert found == []
 
 
-def test_the_graph_follows_the_nodes(notebook: Notebook) -> None:
+def test_rqt_graph_updates_when_nodes_change(notebook: Notebook) -> None:
     cell = notebook.cell(VIEWS[0])
     expect(cell.locator("ellipse")).to_have_count(2)
     expect(cell.get_by_role("img", name="2 nodes. /arm/controller to /arm/angle")).to_be_visible()
@@ -96,7 +96,7 @@ def test_the_graph_follows_the_nodes(notebook: Notebook) -> None:
     look(notebook, cell, "graph")
 
 
-def test_a_plot_moves_until_it_is_paused_by_keyboard(notebook: Notebook) -> None:
+def test_rqt_plot_scrolls_until_paused_by_keyboard(notebook: Notebook) -> None:
     cell = notebook.cell(VIEWS[1])
     curve = cell.get_by_role("img", name="Values from")  # and the last value, then
     before = curve.get_attribute("aria-label")
@@ -105,14 +105,14 @@ def test_a_plot_moves_until_it_is_paused_by_keyboard(notebook: Notebook) -> None
     notebook.page.keyboard.press("Space")
     expect(cell.get_by_label("Pause")).to_be_checked()
     notebook.kernel("pass")  # after it, all is here that came before the pause
-    notebook.page.wait_for_timeout(300)
-    before = curve.get_attribute("aria-label")
+    # A busy page still draws what has arrived.
+    before = at_rest(lambda: curve.get_attribute("aria-label"))
     notebook.page.wait_for_timeout(600)
     assert curve.get_attribute("aria-label") == before
     look(notebook, cell, "plot")
 
 
-def test_parameters_are_set_while_nodes_run_and_a_refusal_says_why(notebook: Notebook) -> None:
+def test_parameters_are_set_while_nodes_run_and_a_rejected_value_shows_the_reason(notebook: Notebook) -> None:
     cell = notebook.cell(VIEWS[2])
     frame = cell.get_by_label("frame")
     frame.fill("map")
@@ -125,7 +125,7 @@ def test_parameters_are_set_while_nodes_run_and_a_refusal_says_why(notebook: Not
     assert float(notebook.kernel("print(arm.get_parameter('gain').value)")) > 1.0
 
 
-def test_a_service_answers_and_the_view_closes(notebook: Notebook) -> None:
+def test_rqt_service_caller_shows_the_response_and_closes(notebook: Notebook) -> None:
     cell = notebook.cell(VIEWS[2])
     cell.get_by_label("Request").fill("{a: 20, b: 22}")
     cell.get_by_role("button", name="Call").press("Enter")

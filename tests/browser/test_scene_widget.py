@@ -16,7 +16,7 @@ from tests.browser.scenes import BLUE, GREEN, RED, box, from_above, shown
 pytestmark = pytest.mark.browser
 
 
-def test_changes_reach_the_page_while_it_is_open(host: Host) -> None:
+def test_scene_changes_are_drawn_on_an_open_page(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
     assert widget.link.ready
@@ -43,7 +43,8 @@ def test_changes_reach_the_page_while_it_is_open(host: Host) -> None:
     assert count(host.pixels(), BLUE) > 1000
 
 
-def test_a_page_that_is_loaded_anew_shows_what_has_changed_meanwhile(host: Host) -> None:
+@pytest.mark.slow
+def test_reloaded_page_shows_changes_made_during_the_reload(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
     scene.set_object("box", box(RED))
@@ -59,7 +60,7 @@ def test_a_page_that_is_loaded_anew_shows_what_has_changed_meanwhile(host: Host)
     assert count(host.pixels(), BLUE) > 1000
 
 
-def test_a_change_between_state_and_first_answer_is_not_lost(host: Host) -> None:
+def test_scene_change_between_state_and_first_acknowledgement_is_not_lost(host: Host) -> None:
     scene = from_above()
     widget = SceneWidget(scene, height=300)
     host.open(widget)
@@ -68,7 +69,7 @@ def test_a_change_between_state_and_first_answer_is_not_lost(host: Host) -> None
     assert count(host.pixels(), GREEN) > 1000
 
 
-def test_a_hidden_page_gets_nothing_and_shows_the_scene_when_it_is_seen_again(host: Host) -> None:
+def test_hidden_page_receives_no_updates_until_it_is_visible_again(host: Host) -> None:
     hide = """hidden => {
         Object.defineProperty(document, "hidden", { value: hidden, configurable: true });
         document.dispatchEvent(new Event("visibilitychange")); }"""
@@ -91,7 +92,8 @@ def test_a_hidden_page_gets_nothing_and_shows_the_scene_when_it_is_seen_again(ho
     assert count(host.pixels(), BLUE) > 1000
 
 
-def test_a_view_scrolled_out_of_sight_gets_nothing_and_the_scene_when_it_is_seen_again(host: Host) -> None:
+@pytest.mark.slow
+def test_view_scrolled_out_of_sight_receives_no_updates_until_visible_again(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
     scene.set_object("box", box(RED))
@@ -112,7 +114,7 @@ def test_a_view_scrolled_out_of_sight_gets_nothing_and_the_scene_when_it_is_seen
     host.page.evaluate("document.body.style.paddingBottom = ''")
 
 
-def test_a_lost_batch_is_noticed_and_the_scene_sent_again(host: Host) -> None:
+def test_scene_is_sent_again_after_a_lost_update(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
     scene.set_object("lost", box(RED, x=-1))
@@ -125,7 +127,7 @@ def test_a_lost_batch_is_noticed_and_the_scene_sent_again(host: Host) -> None:
     assert count(host.pixels(), GREEN) > 1000
 
 
-def test_a_page_tells_how_many_views_it_has(host: Host) -> None:
+def test_page_reports_its_number_of_views(host: Host) -> None:
     widget = SceneWidget(from_above(), height=300)
     counts: list[int] = []
     widget.on_views = counts.append
@@ -137,7 +139,7 @@ def test_a_page_tells_how_many_views_it_has(host: Host) -> None:
     assert counts == [1, 2, 1, 0]
 
 
-def test_two_views_of_a_scene_move_together_and_two_scenes_do_not_mix(host: Host) -> None:
+def test_views_of_one_scene_share_the_camera_and_scenes_are_independent(host: Host) -> None:
     scene, other = from_above(), from_above()
     widget = shown(host, scene)
     host.show(widget, width=200)
@@ -151,7 +153,7 @@ def test_two_views_of_a_scene_move_together_and_two_scenes_do_not_mix(host: Host
     assert count(pixels[600:], RED) == 0
 
 
-def test_a_click_tells_what_was_hit_and_where(host: Host) -> None:
+def test_click_reports_the_hit_object_and_position(host: Host) -> None:
     scene = from_above()
     scene.set_object("marker/7", box(RED))
     widget = shown(host, scene)
@@ -167,7 +169,7 @@ def test_a_click_tells_what_was_hit_and_where(host: Host) -> None:
     assert missed.path is None
 
 
-def test_a_drag_turns_the_view_and_the_wheel_zooms_once_the_view_was_clicked(host: Host) -> None:
+def test_dragging_rotates_the_view_and_the_wheel_zooms_after_a_click(host: Host) -> None:
     scene = from_above()
     scene.set_object("box", box(RED))
     shown(host, scene)
@@ -188,7 +190,8 @@ def test_a_drag_turns_the_view_and_the_wheel_zooms_once_the_view_was_clicked(hos
     assert count(host.pixels(), (200, 0, 0)) > 1000
 
 
-def test_a_lost_graphics_context_comes_back(host: Host) -> None:
+@pytest.mark.slow
+def test_lost_graphics_context_is_restored(host: Host) -> None:
     host.reload()
     scene = from_above()
     scene.set_object("box", box(RED))
@@ -200,7 +203,7 @@ def test_a_lost_graphics_context_comes_back(host: Host) -> None:
     assert count(host.pixels(), GREEN) > 1000
 
 
-def test_a_page_answers_so_that_changes_go_on_for_ever(host: Host) -> None:
+def test_page_acknowledges_updates_so_that_later_changes_are_drawn(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
     scene.set_object("box", box(RED))
@@ -215,7 +218,8 @@ def test_a_page_answers_so_that_changes_go_on_for_ever(host: Host) -> None:
 KEPT = "() => Object.values(models).at(-1).get('snapshot') !== before"
 
 
-def test_the_page_keeps_a_scene_that_never_rests(host: Host) -> None:
+@pytest.mark.slow
+def test_page_keeps_a_snapshot_of_a_constantly_changing_scene(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
     host.page.evaluate("() => { globalThis.before = Object.values(models).at(-1).get('snapshot') }")
@@ -228,7 +232,8 @@ def test_the_page_keeps_a_scene_that_never_rests(host: Host) -> None:
     assert host.page.evaluate(KEPT)
 
 
-def test_the_page_keeps_the_scene_for_whoever_saves_the_notebook(host: Host) -> None:
+@pytest.mark.slow
+def test_page_stores_a_scene_snapshot_for_the_saved_notebook(host: Host) -> None:
     scene = from_above()
     widget = shown(host, scene)
     host.page.evaluate("() => { globalThis.before = Object.values(models).at(-1).get('snapshot') }")
@@ -254,7 +259,8 @@ def test_the_page_keeps_the_scene_for_whoever_saves_the_notebook(host: Host) -> 
     assert np.array_equal(matrices["mesh"].T, np.eye(4)[:3])
 
 
-def test_twenty_scenes_share_one_graphics_context_and_all_are_seen(host: Host) -> None:
+@pytest.mark.slow
+def test_many_scenes_share_one_graphics_context_and_are_all_drawn(host: Host) -> None:
     host.reload()
     host.page.set_viewport_size({"width": 800, "height": 1600})
     for number in range(24):
@@ -272,7 +278,8 @@ def test_twenty_scenes_share_one_graphics_context_and_all_are_seen(host: Host) -
     assert not host.page.evaluate("contexts.some((context) => context.isContextLost())")
 
 
-def test_a_view_fills_the_screen_by_key_and_by_button_and_follows_its_size(host: Host) -> None:
+@pytest.mark.slow
+def test_full_screen_view_is_toggled_by_key_or_button_and_resized(host: Host) -> None:
     scene = from_above()
     scene.set_object("box", box(RED))
     shown(host, scene)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.ros.pace import speed_of
+from course_lib.ros.time.pace import speed_of
 from tests.browser.bench import Bench
 from tests.browser.fake_host import count
 from tests.browser.test_playback import READING
@@ -17,7 +17,8 @@ from tests.patience import PATIENCE
 pytestmark = pytest.mark.browser
 
 
-def test_the_time_panel_shows_robot_time_and_drives_its_speed(bench: Bench) -> None:
+@pytest.mark.slow
+def test_time_panel_shows_robot_time_and_controls_its_speed(bench: Bench) -> None:
     speed = speed_of(bench.graph)
     assert "ROS Time: 1700000000.00" in bench.page.locator(READING).inner_text()
     bench.press("Pause (Space)")
@@ -32,7 +33,8 @@ def test_the_time_panel_shows_robot_time_and_drives_its_speed(bench: Bench) -> N
     assert bench.page.get_by_role("slider", name="Time").count() == 0  # nobody can scrub what is live
 
 
-def test_the_time_panel_is_driven_by_keys_when_it_has_the_focus(bench: Bench) -> None:
+@pytest.mark.slow
+def test_focused_time_panel_is_controlled_by_keys(bench: Bench) -> None:
     bench.page.get_by_role("button", name="Pause (Space)").focus()
     bench.page.keyboard.press("Space")
     bench.host.carry()
@@ -43,7 +45,8 @@ def test_the_time_panel_is_driven_by_keys_when_it_has_the_focus(bench: Bench) ->
     assert speed_of(bench.graph).rate == 2.0
 
 
-def test_the_panel_follows_robot_time(bench: Bench) -> None:
+@pytest.mark.slow
+def test_time_panel_updates_with_robot_time(bench: Bench) -> None:
     bench.graph.call_at(bench.graph.now_ns + 2_500_000_000, lambda: None, node=0, entity=0)
     bench.graph.advance()
 
@@ -55,7 +58,7 @@ def test_the_panel_follows_robot_time(bench: Bench) -> None:
     wait_until(is_read, bench.page)
 
 
-def test_an_open_page_draws_the_screenshot(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_screenshot_is_rendered_by_an_open_page(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.displays.panel.cell._ANSWER", PATIENCE)
     pictures = []
     asking = threading.Thread(target=lambda: pictures.append(bench.viewer.screenshot(size=(300, 200))))
@@ -69,7 +72,8 @@ def test_an_open_page_draws_the_screenshot(bench: Bench, monkeypatch: pytest.Mon
     assert count(pixels, bench.viewer.scene.background, within=10) > 10_000
 
 
-def test_a_page_that_does_not_answer_is_waited_for_a_while_only(
+@pytest.mark.slow
+def test_screenshot_falls_back_if_the_page_does_not_answer_in_time(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("course_lib.displays.panel.cell._ANSWER", 0.1)

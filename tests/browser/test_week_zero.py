@@ -8,7 +8,7 @@ from playwright.sync_api import Locator, expect
 
 from course_lib.course.exercise import read_notebook
 from course_lib.course.state import State
-from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of
+from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of, view_of
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -28,13 +28,12 @@ def yellow_pixels(view: Locator) -> int:
 
 
 def test_all_cells_run_without_an_error_and_the_path_is_drawn(lesson: Notebook) -> None:
-    view = lesson.cell('compare("week00.shape"').locator("canvas").first
-    expect(view).to_be_visible()
+    view = view_of(lesson.cell('compare("week00.shape"'))
     wait_until(lambda: yellow_pixels(view) > ENOUGH, lesson.page, A_FRAME)
     assert lesson.errors() == []
 
 
-def test_the_id_is_kept_and_stamped_by_one_click(lesson: Notebook) -> None:
+def test_one_click_stores_the_id_and_writes_it_into_the_exercises(lesson: Notebook) -> None:
     cell = lesson.cell("ask_identity()")
     cell.get_by_role("textbox").last.fill(" 2023 77 ")
     cell.get_by_role("button", name="Keep").click()
@@ -43,7 +42,7 @@ def test_the_id_is_kept_and_stamped_by_one_click(lesson: Notebook) -> None:
     assert read_notebook(lesson.folder / "week01_exercise.ipynb")["metadata"]["course"]["student"] == "202377"
 
 
-def test_a_prediction_is_kept_and_shown_beside_the_result(lesson: Notebook) -> None:
+def test_prediction_is_stored_and_shown_next_to_the_result(lesson: Notebook) -> None:
     cell = lesson.cell('predict("week00.shape")')
     cell.get_by_text("a circle", exact=True).click()
     expect(cell.get_by_text("Kept.")).to_be_visible()
@@ -52,7 +51,7 @@ def test_a_prediction_is_kept_and_shown_beside_the_result(lesson: Notebook) -> N
     expect(result.get_by_text("You predicted: a circle.")).to_be_visible()
 
 
-def test_the_quiz_answers_each_click_with_a_reason(lesson: Notebook) -> None:
+def test_quiz_shows_an_explanation_after_each_click(lesson: Notebook) -> None:
     cell = lesson.cell("quiz(")
     cell.get_by_text("2D Goal Pose", exact=True).click()
     expect(cell.get_by_text("✘ Not this one. That sends it somewhere")).to_be_visible()

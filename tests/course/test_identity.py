@@ -4,12 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_lib.course.exercise import notebook_text, read_notebook
-from course_lib.course.identity import (
+from course_lib.course.exercise import (
     ask_identity,
     current_identity,
     normalise,
+    notebook_text,
     personal_number,
+    read_notebook,
     set_identity,
 )
 from course_lib.errors import CourseError
@@ -32,18 +33,19 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("Zoë.M", "zoë.m"),
     ],
 )
-def test_one_spelling_for_each_id(typed: str, kept: str) -> None:
+def test_ids_are_normalized_to_one_spelling(typed: str, kept: str) -> None:
     assert normalise(typed) == kept
 
 
 @pytest.mark.parametrize("typed", ["", "   ", "../etc", "a/b", "a\\b", ".hidden", "x" * 65, "a:b", "a\0b"])
-def test_what_cannot_name_a_folder_is_refused_with_an_example(typed: str) -> None:
+def test_id_unusable_as_folder_name_is_rejected_with_an_example(typed: str) -> None:
     with pytest.raises(CourseError, match="Example: 20231234"):
         normalise(typed)
 
 
+@pytest.mark.slow
 @given(st.text(max_size=80))
-def test_normalising_twice_changes_nothing(typed: str) -> None:
+def test_normalizing_an_id_is_idempotent(typed: str) -> None:
     try:
         once = normalise(typed)
     except CourseError:
@@ -51,7 +53,7 @@ def test_normalising_twice_changes_nothing(typed: str) -> None:
     assert normalise(once) == once
 
 
-def test_the_id_is_kept_and_stamped_into_the_exercises(folder: Path) -> None:
+def test_id_is_stored_and_written_into_the_exercises(folder: Path) -> None:
     exercise = folder / "week01_exercise.ipynb"
     exercise.write_text(notebook_text({"cells": [], "metadata": {}, "nbformat": 4, "nbformat_minor": 5}))
     assert "1 exercise" in set_identity(" S1 ")
@@ -59,13 +61,13 @@ def test_the_id_is_kept_and_stamped_into_the_exercises(folder: Path) -> None:
     assert read_notebook(exercise)["metadata"]["course"]["student"] == "s1"
 
 
-def test_a_broken_exercise_does_not_keep_the_id_from_being_set(folder: Path) -> None:
+def test_damaged_exercise_does_not_prevent_setting_the_id(folder: Path) -> None:
     (folder / "week01_exercise.ipynb").write_text("{")
     set_identity("s1")
     assert current_identity() == "s1"
 
 
-def test_without_a_page_the_question_says_how_to_answer(
+def test_identity_question_outside_a_notebook_prints_how_to_answer(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     ask_identity()
@@ -75,7 +77,7 @@ def test_without_a_page_the_question_says_how_to_answer(
     assert "Your ID is s1" in capsys.readouterr().out
 
 
-def test_personal_numbers_depend_on_student_and_key_and_use_every_choice() -> None:
+def test_personal_values_depend_on_student_and_key_and_use_every_choice() -> None:
     numbers = [personal_number(f"s{i}", "height", 5) for i in range(200)]
     assert set(numbers) == set(range(5))
     assert numbers == [personal_number(f"s{i}", "height", 5) for i in range(200)]

@@ -1,6 +1,5 @@
 import json
 import os
-import re
 import signal
 import socket
 import subprocess
@@ -13,9 +12,10 @@ from typing import Any
 import psutil
 import pytest
 
-from course_lib.course import lab as lab_module
-from course_lib.course.lab import can_open_browser, command, free_port, lab
+from course_lib.course import student_folder as lab_module
+from course_lib.course.student_folder import can_open_browser, command, free_port, lab
 from course_lib.errors import CourseError
+from tests.processes import Program
 
 HOME_DIRS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")
 
@@ -28,31 +28,31 @@ def taken() -> Iterator[int]:
         yield listener.getsockname()[1]
 
 
-def test_a_taken_port_gives_the_next_free_one(taken: int) -> None:
+def test_next_free_port_is_used_if_the_port_is_occupied(taken: int) -> None:
     assert taken < free_port(taken) <= taken + 100
 
 
 @pytest.mark.parametrize("port", [-1, 0, 65536])
-def test_what_is_no_port_is_refused(port: int) -> None:
+def test_invalid_port_is_rejected(port: int) -> None:
     with pytest.raises(CourseError, match="from 1 to 65535"):
         free_port(port)
 
 
-def test_root_is_allowed_only_where_one_is_root(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_allow_root_is_passed_only_for_the_root_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(os, "geteuid", lambda: 0, raising=False)
     assert "--allow-root" in command(tmp_path, 8888)
     monkeypatch.setattr(os, "geteuid", lambda: 1000, raising=False)
     assert "--allow-root" not in command(tmp_path, 8888)
 
 
-def test_without_a_screen_no_browser_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_browser_is_opened_without_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
     for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(variable, raising=False)
     assert not can_open_browser()
 
 
-def test_a_server_that_does_not_start_is_said_in_one_line(
+def test_failing_server_start_is_reported_in_one_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(lab_module, "command", lambda *_: [sys.executable, "-c", "raise SystemExit(1)"])
@@ -61,7 +61,7 @@ def test_a_server_that_does_not_start_is_said_in_one_line(
 
 
 @pytest.mark.parametrize("serves", [True, False])
-def test_on_a_hub_or_without_a_server_the_folder_is_all(
+def test_course_lab_on_a_hub_or_with_no_server_only_creates_the_folder(
     serves: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if serves:
@@ -82,7 +82,7 @@ raise SystemExit("ERROR: no available port could be found")
 
 
 @pytest.mark.slow
-def test_where_another_program_was_faster_the_next_port_serves(
+def test_port_taken_during_startup_is_replaced_by_the_next_port(
     taken: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Jupyter names its address in a file before it listens there."""
@@ -98,7 +98,7 @@ def test_where_another_program_was_faster_the_next_port_serves(
     with lab_module.server(tmp_path / "mine", taken) as (process, address):
         assert process.poll() is None
         assert get(address, "api/status")["kernels"] == 0
-    assert f"Another program has taken port {taken} meanwhile" in capsys.readouterr().out
+    assert f"Another program has taken port {taken} in the meantime" in capsys.readouterr().out
 
 
 def get(address: str, path: str) -> Any:
@@ -108,31 +108,25 @@ def get(address: str, path: str) -> Any:
 
 
 @pytest.mark.slow
-def test_it_serves_the_students_folder_only_and_leaves_nothing_behind(tmp_path: Path, taken: int) -> None:
+def test_server_serves_only_the_student_folder_and_leaves_no_files_or_processes(
+    tmp_path: Path, taken: int
+) -> None:
     home = {name: str(tmp_path / "home" / name.lower()) for name in HOME_DIRS}
     arguments = ["lab", str(tmp_path / "mine"), "--port", str(taken), "--no-browser"]
-    process = subprocess.Popen(
+    process = Program(
         [sys.executable, "-m", "course_lib", *arguments],
         env=os.environ | home,
         stdout=subprocess.PIPE,
-        text=True,
     )
-    assert process.stdout is not None
-    said = ""
-    for line in process.stdout:
-        said += line
-        if "http://" in line:
-            break
-    address = re.search(r"http://\S+", said)
-    assert address, said
-    assert f"Port {taken} is taken" in said
+    process.find(f"Port {taken} is taken")
+    address = process.find(r"http://\S+")
     server = psutil.Process(process.pid).children(recursive=True)
-    served = {item["name"] for item in get(address.group(), "api/contents")["content"]}
+    served = {item["name"] for item in get(address, "api/contents")["content"]}
     assert {"contents.md", "week00_welcome.ipynb", "week01_exercise.ipynb"} <= served
     assert ".course" not in served
-    news = get(address.group(), "lab/api/settings/@jupyterlab/apputils-extension:notification")
+    news = get(address, "lab/api/settings/@jupyterlab/apputils-extension:notification")
     assert news["schema"]["properties"]["fetchNews"]["default"] == "false"
     process.send_signal(signal.SIGTERM)
+    process.find("Your files are kept.")
     assert process.wait(60) == 0
-    assert "Your files are kept." in process.stdout.read()
     assert not [p for p in server if p.is_running() and p.status() != psutil.STATUS_ZOMBIE]

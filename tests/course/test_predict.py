@@ -18,21 +18,42 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def choose(answer: str) -> None:
-    _prediction_form("week01.ground", load_prediction("week01.ground"), None).children[1].value = answer
+    form = _prediction_form("week01.ground", load_prediction("week01.ground"), None)
+    form.widget.children[1].value = answer
 
 
-def test_without_a_page_the_question_is_printed_and_nothing_is_kept(
+def test_prediction_outside_a_notebook_is_printed_and_not_stored(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     predict("week01.ground")
     compare("week01.ground")
     printed = capsys.readouterr().out
     assert f"( ) {WRONG}" in printed
-    assert "You predicted: nothing yet" in printed
+    assert "You predicted: nothing\n" in printed
     assert f"What happened: {RIGHT}." in printed
 
 
-def test_a_wrong_guess_is_answered_by_its_own_reason_and_by_what_happened(
+def test_comparison_hides_the_answer_until_a_prediction_is_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
+    forms: list[questions.Form] = []
+    monkeypatch.setattr(questions, "in_notebook", lambda: True)
+    monkeypatch.setattr(questions, "show_form", lambda build, text: forms.append(build()))
+    compare("week01.ground", "z = 0.0 m")
+    (form,) = forms
+    saved: list[tuple[str, str]] = []
+    form.on_answer.append(lambda: saved.append(form.saved()))
+    right = load_prediction("week01.ground").right
+    assert right.text not in form.widget.value
+    assert right.text not in form.saved()[1]
+    assert right.text not in form.saved()[0]
+    choose(WRONG)
+    assert f"You predicted: {WRONG}." in form.widget.value
+    assert f"What happened: {RIGHT}." in form.widget.value
+    assert "Measured: z = 0.0 m" in saved[0][1]
+    choose(RIGHT)
+    assert f"You predicted: {RIGHT}. ✔ Right." in form.widget.value
+
+
+def test_wrong_prediction_shows_its_explanation_and_the_result(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     choose(WRONG)
@@ -48,7 +69,7 @@ def test_a_wrong_guess_is_answered_by_its_own_reason_and_by_what_happened(
     assert max(map(len, lines)) <= WIDTH
 
 
-def test_a_right_guess_is_confirmed_beside_what_was_measured(capsys: pytest.CaptureFixture[str]) -> None:
+def test_correct_prediction_is_confirmed_with_the_measurement(capsys: pytest.CaptureFixture[str]) -> None:
     choose(RIGHT)
     compare("week01.ground", "z = 0.0 m")
     said, *_, measured = capsys.readouterr().out.splitlines()
@@ -56,13 +77,13 @@ def test_a_right_guess_is_confirmed_beside_what_was_measured(capsys: pytest.Capt
     assert measured == "Measured: z = 0.0 m"
 
 
-def test_a_kept_guess_is_chosen_again_when_the_cell_runs_again() -> None:
+def test_stored_prediction_is_selected_when_the_cell_is_rerun() -> None:
     question = load_prediction("week01.ground")
-    assert _prediction_form("k", question, RIGHT).children[1].value == RIGHT
-    assert _prediction_form("k", question, "an option of an older lesson").children[1].value is None
+    assert _prediction_form("k", question, RIGHT).widget.children[1].value == RIGHT
+    assert _prediction_form("k", question, "an option of an older lesson").widget.children[1].value is None
 
 
-def test_an_unknown_prediction_names_those_there_are() -> None:
+def test_unknown_prediction_error_lists_the_predictions() -> None:
     with pytest.raises(CourseError, match=r"no prediction 'week01.x'. Predictions of week01: week01.ground"):
         predict("week01.x")
 
@@ -79,7 +100,7 @@ def test_an_unknown_prediction_names_those_there_are() -> None:
         ),
     ],
 )
-def test_a_malformed_file_is_named(
+def test_malformed_question_file_is_reported(
     text: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "quizzes").mkdir()

@@ -1,16 +1,25 @@
+from html import escape
 from pathlib import Path
 
 import pytest
 
-from course_lib.course.installation import exercises_dir
-from course_lib.course.questions import Answer, _quiz_form, load_predictions, load_quiz, quiz, verdict
+from course_lib.course.questions import (
+    Answer,
+    Question,
+    _quiz_form,
+    load_predictions,
+    load_quiz,
+    quiz,
+    verdict,
+)
+from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError
 
 QUIZZES = sorted((exercises_dir() / "quizzes").glob("*.toml"))
 
 
 @pytest.mark.parametrize("path", QUIZZES, ids=lambda path: path.stem)
-def test_every_quiz_has_4_to_6_questions_every_recall_3_and_every_review_8(path: Path) -> None:
+def test_quizzes_recalls_and_reviews_have_the_documented_number_of_questions(path: Path) -> None:
     count = len(load_quiz(path.stem))
     if path.stem.endswith("_review"):
         assert count == 8
@@ -20,27 +29,27 @@ def test_every_quiz_has_4_to_6_questions_every_recall_3_and_every_review_8(path:
 
 
 @pytest.mark.parametrize("path", QUIZZES, ids=lambda path: path.stem)
-def test_every_answer_has_a_reason(path: Path) -> None:
+def test_every_quiz_answer_has_an_explanation(path: Path) -> None:
     for question in (*load_quiz(path.stem), *load_predictions(path.stem)):
         assert 2 <= len(question.answers) <= 5
         assert all(len(answer.reason) > 20 for answer in question.answers)
 
 
-def test_the_right_answer_is_not_always_at_the_same_place() -> None:
+def test_correct_answers_are_at_different_positions() -> None:
     places = {[a.right for a in q.answers].index(True) for path in QUIZZES for q in load_quiz(path.stem)}
     assert len(places) > 1
 
 
-def test_without_a_page_the_questions_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_questions_are_printed_outside_a_notebook(capsys: pytest.CaptureFixture[str]) -> None:
     quiz("week01")
     printed = capsys.readouterr().out
     assert printed.startswith("1. ")
     assert all(f"( ) {a.text}" in printed for q in load_quiz("week01") for a in q.answers)
 
 
-def test_every_answer_can_be_clicked_and_is_answered_in_words() -> None:
+def test_clicking_any_answer_shows_its_explanation() -> None:
     questions = load_quiz("week01")
-    for question, box in zip(questions, _quiz_form(questions).children, strict=True):
+    for question, box in zip(questions, _quiz_form("week01", questions).widget.children, strict=True):
         _, choice, said = box.children
         for number, answer in enumerate(question.answers):
             choice.index = number
@@ -48,6 +57,29 @@ def test_every_answer_can_be_clicked_and_is_answered_in_words() -> None:
     assert verdict(Answer("a", "because", True)) == "✔ Right. because"
 
 
-def test_an_unknown_quiz_names_those_there_are() -> None:
+def test_unknown_quiz_error_lists_the_quizzes() -> None:
     with pytest.raises(CourseError, match="week01"):
         quiz("week99")
+
+
+def test_answer_is_stored_and_shown_on_pages_without_a_kernel(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / ".course").mkdir()
+    monkeypatch.chdir(tmp_path)
+    questions = load_quiz("week01")
+    right = questions[1].right
+    form, calls = _quiz_form("week01", questions), []
+    form.on_answer.append(lambda: calls.append(1))
+    form.widget.children[1].children[1].index = questions[1].answers.index(right)
+    assert calls == [1]
+    for shown in (form, _quiz_form("week01", questions)):
+        html, text = shown.saved()
+        assert f"◉ <b>{escape(right.text)}</b>" in html
+        assert html.count("◉") == 1
+        assert escape(verdict(right)) in html
+        assert f"(x) {right.text}" in text
+    assert "◉" not in _quiz_form("week02", load_quiz("week02")).saved()[0]
+    others = tuple(Answer(f"new {one.text}", one.reason, one.right) for one in questions[1].answers)
+    changed = (questions[0], Question(questions[1].text, others))
+    assert "◉" not in _quiz_form("week01", changed).saved()[0]

@@ -3,16 +3,23 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime, tzinfo
 from pathlib import Path
+from typing import Self
+from zoneinfo import ZoneInfo
 
 import pytest
 
 from course_lib import cli
-from course_lib.course import hand_out
+from course_lib.course import student_folder
+from course_lib.course.course_file import CourseFile, Late, WeekSettings
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
-from course_lib.course.hand_out import EXTENSIONS, _copy, _without_extensions, release
-from course_lib.course.installation import checkout_root, lessons_dir, solutions_dir
+from course_lib.course.state import checkout_root, lessons_dir, solutions_dir
+from course_lib.course.student_folder import EXTENSIONS, SOLUTIONS, _copy, _without_extensions, release
 from course_lib.errors import CourseError
+from tests.patience import PATIENCE
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +43,7 @@ def answers() -> list[str]:
     return [line for line in lines if not BEGIN.match(line)]
 
 
-def test_no_solution_no_hidden_check_and_no_test_is_inside(out: Path) -> None:
+def test_release_has_no_solutions_hidden_checks_or_tests(out: Path) -> None:
     names = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
     assert {"README.md", "pyproject.toml", "exercises/week01_exercise.ipynb", "course_lib/cli.py"} <= names
     kept = (".binder/", ".devcontainer/")  # with which a class runs it on a hub
@@ -48,7 +55,7 @@ def test_no_solution_no_hidden_check_and_no_test_is_inside(out: Path) -> None:
     assert not [name for name in names if "HIDDEN = {" in (out / name).read_text(errors="replace")]
 
 
-def test_all_lessons_and_the_pictures_of_the_readme_are_inside(out: Path) -> None:
+def test_release_contains_all_lessons_and_readme_images(out: Path) -> None:
     lessons = {path.name for path in lessons_dir().glob("*.ipynb")}
     assert {path.name for path in (out / "notebooks").glob("*.ipynb")} == lessons
     pictures = re.findall(r"docs/images/\w+\.png", (out / "README.md").read_text(encoding="utf-8"))
@@ -56,13 +63,83 @@ def test_all_lessons_and_the_pictures_of_the_readme_are_inside(out: Path) -> Non
     assert [name for name in pictures if not (out / name).is_file()] == []
 
 
-def test_no_line_of_an_answer_is_in_what_students_fill_in(out: Path) -> None:
+def test_exercises_contain_no_line_of_an_answer(out: Path) -> None:
     released = "\n".join(path.read_text() for path in (out / "exercises").rglob("*.ipynb"))
     assert len(answers()) > 50
     assert not [line for line in answers() if line in released]
 
 
-def test_what_lessons_have_written_beside_themselves_stays_here(tmp_path: Path) -> None:
+def settings(**late: float) -> CourseFile:
+    """A course whose week 1 ends on 7 March, for one student on 10 March, in UTC."""
+    week = WeekSettings("One", datetime(2027, 3, 7, 12), extensions={"7": datetime(2027, 3, 10, 12)})
+    return CourseFile("", {"week01": week, "week02": WeekSettings("Two")}, ZoneInfo("UTC"), Late(**late))
+
+
+@pytest.mark.parametrize(
+    ("late", "day"),
+    [({}, 19), ({"accepted_days": 2}, 12), ({"accepted_days": 0}, 10), ({"percent_per_day": 100}, 10)],
+)
+def test_week_closes_after_the_last_late_day_of_the_last_extension(late: dict[str, float], day: int) -> None:
+    assert settings(**late).closing_time("week01") == datetime(2027, 3, day, 12, tzinfo=UTC)
+
+
+@pytest.mark.parametrize(
+    ("week", "late", "message"),
+    [
+        ("week02", {}, "week02 has no deadline"),
+        ("week01", {"max_percent": 50}, "week01 can always be handed in late: set accepted_days"),
+        ("week1", {}, "there is no week1 in course.toml. Did you mean week01"),
+    ],
+)
+def test_week_without_an_end_never_closes(week: str, late: dict[str, float], message: str) -> None:
+    with pytest.raises(CourseError, match=message):
+        settings(**late).closing_time(week)
+
+
+def test_solution_is_released_only_after_its_week_closes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(student_folder, "shipped_course_file", lambda: settings(accepted_days=2))
+    place = tmp_path / "students"
+    until = "week01 can be handed in for points until 2027-03-12 12:00"
+    before = datetime(2027, 3, 12, 11, 59, tzinfo=UTC)
+    with clock_at(monkeypatch, before), pytest.raises(CourseError, match=until):
+        release(place, ["week01"])
+    assert not place.exists()
+    with clock_at(monkeypatch, datetime(2027, 3, 12, 12, tzinfo=UTC)):
+        release(place, ["week01"])
+    (solution,) = (place / "exercises" / SOLUTIONS).iterdir()
+    code = "\n".join(source(cell) for cell in read_notebook(solution)["cells"])
+    assert "marker.pose.position.z" in code
+    assert "# solution:" not in code
+    assert END not in code
+
+
+def test_released_solution_is_copied_to_a_separate_student_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exercises = tmp_path / "exercises"
+    (exercises / SOLUTIONS).mkdir(parents=True)
+    (exercises / SOLUTIONS / "week01_solution.ipynb").write_text("{}")
+    monkeypatch.setattr(student_folder, "exercises_dir", lambda: exercises)
+    assert "solutions/week01_solution.ipynb" in student_folder.shipped_files()
+
+
+@contextmanager
+def clock_at(monkeypatch: pytest.MonkeyPatch, now: datetime) -> Iterator[None]:
+    """Set the clock of the release."""
+
+    class Clock(datetime):
+        @classmethod
+        def now(cls, tz: tzinfo | None = None) -> Self:
+            return cls.fromtimestamp(now.timestamp(), tz)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(student_folder, "datetime", Clock)
+        yield
+
+
+def test_files_written_by_lessons_are_not_released(tmp_path: Path) -> None:
     (tmp_path / "notebooks/my_bag").mkdir(parents=True)
     for name in ("week01_x.ipynb", "week07_parts.py", "mine.rviz", "my_bag/metadata.yaml"):
         (tmp_path / "notebooks" / name).write_text("")
@@ -70,38 +147,51 @@ def test_what_lessons_have_written_beside_themselves_stays_here(tmp_path: Path) 
     assert sorted(path.name for path in copied.iterdir()) == ["week01_x.ipynb", "week07_parts.py"]
 
 
-def test_a_folder_that_holds_something_is_not_touched(tmp_path: Path) -> None:
+def test_nonempty_release_folder_is_rejected_and_unchanged(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(CourseError, match="not an empty folder"):
         release(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
-    with pytest.raises(CourseError, match="inside what is released"):
+    with pytest.raises(CourseError, match="inside the released files"):
         release(checkout_root() / "exercises" / "out")
 
 
-def test_an_exercise_that_was_stale_stops_the_release(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(hand_out, "write_exercises", lambda: [Path("week01_exercise.ipynb")])
+def test_outdated_exercise_prevents_the_release(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(student_folder, "write_exercises", lambda: [Path("week01_exercise.ipynb")])
     with pytest.raises(CourseError, match=r"week01_exercise\.ipynb.*Review and commit"):
         release(tmp_path / "out")
     assert not (tmp_path / "out").exists()
+    # The command says so before it verifies the weeks, which takes minutes.
+    monkeypatch.setattr("course_lib.authoring.verify.refuse_broken", lambda *_: pytest.fail("verified"))
+    with pytest.raises(CourseError, match="Review and commit"):
+        cli.release(tmp_path / "out")
 
 
 @pytest.mark.slow
-def test_a_wheel_of_the_release_prepares_a_students_folder(out: Path, tmp_path: Path) -> None:
+def test_wheel_of_the_release_creates_a_student_folder(out: Path, tmp_path: Path) -> None:
     pytest.importorskip("hatchling")
     pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation"]
-    subprocess.run([*pip, "--target", str(tmp_path / "site"), str(out)], check=True, capture_output=True)
+    subprocess.run(
+        [*pip, "--target", str(tmp_path / "site"), str(out)],
+        check=True,
+        capture_output=True,
+        timeout=5 * PATIENCE,
+    )
     code = (
-        "from pathlib import Path; from course_lib.course import hand_out, installation, questions\n"
-        "print(installation.PACKAGE); print(*hand_out.prepare(Path('mine')).added)\n"
+        "from pathlib import Path; from course_lib.course import questions, state, student_folder\n"
+        "print(state.PACKAGE); print(*student_folder.prepare(Path('mine')).added)\n"
         "questions.load_quiz('week01')"
     )
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
     command = [sys.executable, "-c", code]
     said = subprocess.run(
-        command, cwd=tmp_path, env=environment, check=True, capture_output=True, text=True
+        command,
+        cwd=tmp_path,
+        env=environment,
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=5 * PATIENCE,
     ).stdout.splitlines()
     assert said[0] == str(tmp_path / "site" / "course_lib")
     assert {"week00_welcome.ipynb", "week01_first_marker.ipynb", "week01_exercise.ipynb"} <= set(
@@ -110,7 +200,7 @@ def test_a_wheel_of_the_release_prepares_a_students_folder(out: Path, tmp_path: 
     assert not list((tmp_path / "site").rglob("*solution*"))
 
 
-def test_who_got_more_time_is_not_released() -> None:
+def test_extensions_are_not_released() -> None:
     text = (
         '[weeks.week01]\ntitle = "A"\n[weeks.week01.extensions]\nada = 2027-01-01T00:00:00\n[weeks.week02]\n'
     )
@@ -118,7 +208,7 @@ def test_who_got_more_time_is_not_released() -> None:
     assert EXTENSIONS.sub("", text.split("[weeks.week02]")[0]) == '[weeks.week01]\ntitle = "A"\n'
 
 
-def test_extensions_that_would_be_released_are_refused(tmp_path: Path) -> None:
+def test_extensions_inside_released_files_are_rejected(tmp_path: Path) -> None:
     path = tmp_path / "course.toml"
     week = '[weeks.week01]\ntitle = "A"\nextensions = {ada = 2027-01-01T00:00:00}\n'
     path.write_text(f'title = "A"\ntime_zone = "UTC"\n{week}')
@@ -129,7 +219,7 @@ def test_extensions_that_would_be_released_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "path", [".binder/postBuild", ".devcontainer/Dockerfile", ".devcontainer/devcontainer.json"]
 )
-def test_what_makes_an_image_types_a_command_that_writes_the_students_folder(
+def test_image_build_command_creates_the_student_folder(
     path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = re.search(r"course lab my_course --no-server", (checkout_root() / path).read_text())
@@ -142,7 +232,22 @@ def test_what_makes_an_image_types_a_command_that_writes_the_students_folder(
     assert (tmp_path / "my_course" / "week00_welcome.ipynb").is_file()
 
 
-def test_the_image_is_not_roots_and_its_settings_can_be_read() -> None:
+def test_image_runs_as_non_root_and_its_settings_are_readable() -> None:
     image = (checkout_root() / ".devcontainer" / "Dockerfile").read_text()
     settings = json.loads((checkout_root() / ".devcontainer" / "devcontainer.json").read_text())
     assert re.findall(r"^USER (\w+)", image, re.MULTILINE) == [settings["remoteUser"]]
+
+
+def test_release_of_a_custom_course_contains_a_student_readme(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "exercises").mkdir()
+    (tmp_path / "exercises/course.toml").write_text('title = "Maps"\ntime_zone = "UTC"\n\n[weeks]\n')
+    (tmp_path / "README.md").write_text("course verify")
+    monkeypatch.setattr(student_folder, "course_package", lambda: tmp_path / "maps")
+    readme = student_folder._readme(tmp_path)
+    assert readme.startswith("# Maps\n")
+    assert "course lab" in readme
+    assert "verify" not in readme
+    (tmp_path / "README_students.md").write_text("# Welcome")
+    assert student_folder._readme(tmp_path) == "# Welcome"

@@ -7,10 +7,10 @@ from zoneinfo import ZoneInfo
 import pytest
 from rich.console import Console
 
-from course_lib.course import progress
+from course_lib.course import student_folder
 from course_lib.course.course_file import shipped_course_file
-from course_lib.course.progress import _due, contents_page, load_weeks
 from course_lib.course.state import State
+from course_lib.course.student_folder import _due, contents_page, load_weeks
 from course_lib.errors import CourseError
 
 
@@ -23,7 +23,7 @@ def state(tmp_path: Path) -> State:
 
 def printed(folder: Path) -> str:
     console = Console(width=200, file=StringIO(), record=True)
-    console.print(*progress.status(folder))
+    console.print(*student_folder.status(folder))
     return console.export_text()
 
 
@@ -33,14 +33,14 @@ def finish(state: State, name: str) -> None:
         state.put("progress", f"{name}.{task}", {"score": points, "of": points})
 
 
-def test_a_new_student_is_told_to_begin_with_the_first_task(state: State, tmp_path: Path) -> None:
+def test_next_step_of_a_new_student_is_the_first_task(state: State, tmp_path: Path) -> None:
     assert "Next: begin with red_cube in week01_exercise.ipynb" in printed(tmp_path)
 
 
-def test_what_passed_counts_and_what_is_done_is_to_be_handed_in_next(state: State, tmp_path: Path) -> None:
+def test_passed_tasks_are_counted_and_submitting_is_the_next_step(state: State, tmp_path: Path) -> None:
     state.put("progress", "week01.red_cube", {"score": 20.0, "of": 20.0})
     said = printed(tmp_path)
-    assert "1 of 4 tasks" in said
+    assert "1 of 5 tasks" in said
     assert "20 of 100" in said
     assert "Next: go on with blue_cylinder" in said
     finish(state, "week01")
@@ -49,7 +49,7 @@ def test_what_passed_counts_and_what_is_done_is_to_be_handed_in_next(state: Stat
     assert "Next: begin with joint_wave" in printed(tmp_path)
 
 
-def test_when_all_is_packed_it_says_so(state: State, tmp_path: Path) -> None:
+def test_status_reports_when_everything_is_packed(state: State, tmp_path: Path) -> None:
     for week in load_weeks():
         finish(state, week.name)
         state.put("packed", f"{week.name}_exercise", "2027-03-01T10:00:00+00:00")
@@ -59,26 +59,26 @@ def test_when_all_is_packed_it_says_so(state: State, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("left", "told"), [(-1, "over"), (5, "5 h left"), (71, "71 h left"), (24 * 9 + 1, "9 days left")]
 )
-def test_a_deadline_is_local_time_of_the_course_and_told_by_what_is_left(left: float, told: str) -> None:
+def test_deadline_is_in_course_time_with_the_remaining_time(left: float, told: str) -> None:
     zone, deadline = ZoneInfo("Asia/Amman"), datetime(2027, 3, 7, 23, 59)
     now = (deadline.replace(tzinfo=zone) - timedelta(hours=left)).astimezone(UTC)
     assert _due(deadline, now, zone) == f"07 Mar 23:59, {told}"
 
 
-def test_a_week_whose_part_of_course_toml_is_faulty_has_an_unknown_deadline_and_others_go_on(
+def test_faulty_week_table_makes_only_its_deadline_unknown(
     state: State, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     course = shipped_course_file()
     weeks = {week: settings for week, settings in course.weeks.items() if week != "week02"}
     faulty = replace(course, weeks=weeks, faults={"week02": "course.toml line 41: weeks: week02: 7"})
-    monkeypatch.setattr(progress, "shipped_course_file", lambda: faulty)
+    monkeypatch.setattr(student_folder, "shipped_course_file", lambda: faulty)
     for lines in (printed(tmp_path).splitlines(), contents_page(state).splitlines()):
         (row,) = [line for line in lines if "unknown, as course.toml has a fault" in line]
         assert "Joint states" in row
         assert sum("of 4 tasks" in line for line in lines) > 1
 
 
-def test_elsewhere_it_says_what_to_type(tmp_path: Path) -> None:
-    with pytest.raises(CourseError, match="type course lab first"):
-        progress.status(tmp_path)
-    assert progress.progress(load_weeks()[0], State(None)).tasks == ""
+def test_status_outside_a_folder_prints_the_command_to_use(tmp_path: Path) -> None:
+    with pytest.raises(CourseError, match="run course lab first"):
+        student_folder.status(tmp_path)
+    assert student_folder.progress(load_weeks()[0], State(None)).tasks == ""

@@ -12,9 +12,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 from course_lib.displays.display import Display
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import Level
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import RosMessage, serialize, type_name
-from course_lib.ros.qos import Qos
 from course_lib.viewer.scene import Scene
 
 START_NS = 1_000_000_000_000  # [ns]

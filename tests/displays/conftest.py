@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 
 
 @pytest.fixture

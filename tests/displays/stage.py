@@ -3,9 +3,9 @@
 from typing import Any
 
 from course_lib.displays.viewer import Viewer
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize, type_name
-from course_lib.ros.qos import Qos
 
 LATCHED = Qos(durability="transient_local")
 

@@ -13,7 +13,7 @@ from playwright.sync_api import Page
 
 from course_lib.displays.render import scene_of
 from course_lib.recording import read_bag
-from course_lib.viewer import assets, encoding
+from course_lib.viewer import encoding, html
 from course_lib.viewer.picture import find_browser, screenshot
 from course_lib.viewer.scene import Scene
 from tests.browser.fake_host import chromium
@@ -31,7 +31,7 @@ def page() -> Iterator[Page]:
         pytest.skip("no Chromium or Chrome here")
     with chromium() as browser:
         page = browser.new_page()
-        page.add_script_tag(content=assets.bundle()[1])
+        page.add_script_tag(content=html.bundle()[1])
         yield page
 
 
@@ -41,7 +41,7 @@ def replayed(name: str) -> Scene:
     return scene_of(read_bag(REFERENCE / name / "bag"), REFERENCE / name / "view.rviz", at)
 
 
-def test_all_scenes_are_here() -> None:
+def test_all_reference_scenes_are_present() -> None:
     assert len(SCENES) >= 12
 
 
@@ -58,12 +58,12 @@ def size_of(name: str) -> tuple[int, int]:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_what_a_browser_draws_looks_as_in_rviz(name: str, page: Page) -> None:
+def test_browser_rendering_agrees_with_rviz(name: str, page: Page) -> None:
     scene = base64.b64encode(encoding.snapshot(replayed(name))).decode()
-    address = page.evaluate(DRAW, [assets.bundle()[0], scene, *size_of(name)])
+    address = page.evaluate(DRAW, [html.bundle()[0], scene, *size_of(name)])
     assert_like_rviz(name, base64.b64decode(address.removeprefix("data:image/png;base64,")))
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_what_numpy_draws_looks_as_in_rviz(name: str) -> None:
+def test_numpy_rendering_agrees_with_rviz(name: str) -> None:
     assert_like_rviz(name, screenshot(replayed(name), size=size_of(name), renderer="numpy").png)

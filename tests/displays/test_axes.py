@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
-from course_lib.displays.reference_display import AxesDisplay, axes
 from course_lib.displays.session import RvizSession
-from course_lib.ros.tf2_transform import Transform
+from course_lib.displays.shapes import axes
+from course_lib.displays.tf import AxesDisplay
+from course_lib.ros.tf2 import Transform
 from course_lib.viewer.drawables import Solids
 from course_lib.viewer.scene import Scene
 
@@ -11,7 +12,7 @@ AXES = "rviz_default_plugins/Axes"
 NODE = "displays/Axes/drawing"
 
 
-def test_each_axis_reaches_from_the_origin_along_its_direction_in_its_color() -> None:
+def test_each_axis_extends_from_the_origin_in_its_direction_and_color() -> None:
     solids = axes(2.0, 0.1)
     ends = np.array([[0, 0, -0.5, 1], [0, 0, 0.5, 1]])
     for axis, placement in enumerate(solids.placements):
@@ -22,7 +23,7 @@ def test_each_axis_reaches_from_the_origin_along_its_direction_in_its_color() ->
         np.testing.assert_allclose(solids.colors[axis, :3], np.eye(3)[axis])
 
 
-def test_axes_stand_at_their_frame_and_hide_while_it_is_unknown() -> None:
+def test_axes_are_drawn_at_their_frame_and_hidden_while_it_is_unknown() -> None:
     session = RvizSession(Scene(), "map")
     display = session.add(AXES, "Axes", {"Reference Frame": "base", "Length": 0.5})
     assert isinstance(display, AxesDisplay)
@@ -41,7 +42,7 @@ def test_axes_stand_at_their_frame_and_hide_while_it_is_unknown() -> None:
     assert [row[2:] for row in display.rows()] == [("ok", "Transform OK")]
 
 
-def test_what_rviz_calls_radius_is_the_diameter() -> None:
+def test_axes_radius_is_drawn_as_the_diameter() -> None:
     session = RvizSession(Scene(), "map")
     session.add(AXES, "Axes", {}, Radius=0.2)
     drawn = session.context.scene.node(NODE).object

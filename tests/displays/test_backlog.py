@@ -6,12 +6,11 @@ from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import Image
 from tf2_msgs.msg import TFMessage
 
-from course_lib.displays import backlog
-from course_lib.displays.own_display import OwnDisplay, register
-from course_lib.displays.registry import REGISTRY, short_name
+from course_lib.displays import session
+from course_lib.displays.registry import REGISTRY, OwnDisplay, register, short_name
 from course_lib.displays.session import RvizSession
 from course_lib.displays.viewer import Viewer
-from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.graph.graph import Graph, Sample
 from course_lib.viewer import encoding
 from tests.displays.bench import marker
 from tests.displays.samples import FRAME, messages
@@ -66,7 +65,7 @@ def described(viewer: Viewer) -> tuple[str, list[str], bytes]:
 
 
 @pytest.mark.parametrize("class_name", [name for name in REGISTRY if name.startswith("rviz")])
-def test_every_display_says_and_shows_the_same_whether_its_messages_waited(
+def test_every_display_shows_the_same_state_after_a_backlog_of_messages(
     graph: Graph, class_name: str
 ) -> None:
     has_topic = hasattr(REGISTRY[class_name], "topic_label")
@@ -81,7 +80,7 @@ def test_every_display_says_and_shows_the_same_whether_its_messages_waited(
     assert unseen == seen
 
 
-def test_nothing_is_processed_that_nobody_asks_for(graph: Graph, heard: list[Sample]) -> None:
+def test_messages_are_processed_only_on_request(graph: Graph, heard: list[Sample]) -> None:
     viewer = Unseen()
     viewer.add("Marker", "/m")
     publish(graph, "/m", marker())
@@ -93,7 +92,7 @@ def test_nothing_is_processed_that_nobody_asks_for(graph: Graph, heard: list[Sam
     assert len(heard) == 1
 
 
-def test_a_property_changes_after_the_messages_that_came_before_it(graph: Graph) -> None:
+def test_property_change_is_applied_after_earlier_messages(graph: Graph) -> None:
     viewers = both()
     displays = [viewer["it"] for viewer in viewers]
     publish(graph, "/m", marker())
@@ -118,9 +117,7 @@ def test_a_property_changes_after_the_messages_that_came_before_it(graph: Graph)
         lambda viewer: viewer.close(),
     ],
 )
-def test_whatever_is_done_with_the_viewer_comes_after_the_messages_before_it(
-    graph: Graph, change: Any
-) -> None:
+def test_viewer_changes_are_applied_after_earlier_messages(graph: Graph, change: Any) -> None:
     viewers = both()
     fading = marker(frame=FRAME)
     fading.lifetime.sec = 1
@@ -135,7 +132,7 @@ def test_whatever_is_done_with_the_viewer_comes_after_the_messages_before_it(
     assert unseen == seen
 
 
-def test_a_film_has_the_times_at_which_messages_came(graph: Graph) -> None:
+def test_recorded_frames_have_the_arrival_times_of_messages(graph: Graph) -> None:
     viewers = both()
     for number in range(4):
         publish(graph, "/m", marker(number=number))
@@ -147,10 +144,10 @@ def test_a_film_has_the_times_at_which_messages_came(graph: Graph) -> None:
     assert times[0] == times[1]
 
 
-def test_no_more_waits_than_there_is_room_for(
+def test_number_of_waiting_messages_is_limited(
     graph: Graph, heard: list[Sample], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(backlog, "MOST", 10)
+    monkeypatch.setattr(session, "MAX_WAITING", 10)
     viewer = Unseen()
     viewer.add("Marker", "/m")
     for number in range(25):
@@ -159,10 +156,10 @@ def test_no_more_waits_than_there_is_room_for(
     assert "25 messages received" in str(viewer.statuses())
 
 
-def test_large_messages_that_no_display_takes_need_no_room(
+def test_large_messages_without_a_matching_display_use_no_buffer(
     graph: Graph, heard: list[Sample], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(backlog, "MOST_BYTES", 1_000)
+    monkeypatch.setattr(session, "MAX_BYTES", 1_000)
     viewer = Unseen()
     viewer.add("Image", "/shown")
     picture = Image(width=40, height=10, step=120, encoding="rgb8", data=bytes(1_200))
@@ -172,7 +169,7 @@ def test_large_messages_that_no_display_takes_need_no_room(
     assert [sample.topic for sample in heard] == ["/not_shown", "/shown"]
 
 
-def test_a_display_of_ones_own_gets_its_messages_at_once(
+def test_custom_display_receives_its_messages_immediately(
     graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(REGISTRY, Noted.class_name, Noted)  # removed after the test
@@ -187,7 +184,7 @@ def test_a_display_of_ones_own_gets_its_messages_at_once(
     assert len(Noted.seen) == 1
 
 
-def test_what_is_asked_for_once_is_drawn_at_once_from_then_on(graph: Graph, heard: list[Sample]) -> None:
+def test_after_a_first_request_messages_are_drawn_immediately(graph: Graph, heard: list[Sample]) -> None:
     viewer = Unseen()
     viewer.add("Marker", "/m")
     publish(graph, "/m", marker())

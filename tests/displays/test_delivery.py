@@ -1,9 +1,9 @@
 import pytest
 
-from course_lib.displays.display import Interest, reaches
+from course_lib.displays.display import Subscription, is_deliverable
 from course_lib.displays.statuses import Statuses
-from course_lib.ros.graph import Sample
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.graph.topics import Qos
 
 TYPE = "std_msgs/msg/String"
 
@@ -15,25 +15,25 @@ BEST_EFFORT, LATCHED = Qos(reliability="best_effort"), Qos(durability="transient
     [
         (TYPE, Qos(), Qos(), None),
         (TYPE, LATCHED, Qos(), None),
-        ("std_msgs/msg/Header", Qos(), Qos(), "carries std_msgs/msg/Header; this display takes"),
+        ("std_msgs/msg/Header", Qos(), Qos(), "carries std_msgs/msg/Header; this display expects"),
         (TYPE, BEST_EFFORT, Qos(), "another RELIABILITY"),
         (TYPE, Qos(), LATCHED, "another DURABILITY"),
     ],
 )
-def test_what_does_not_reach_a_display_is_hinted_at(
+def test_undeliverable_message_is_reported_as_a_hint(
     type_name: str, offered: Qos, requested: Qos, hint: str | None
 ) -> None:
     statuses = Statuses()
-    interest = Interest("/t", TYPE, requested, lambda message: None, statuses)
+    interest = Subscription("/t", TYPE, requested, lambda message: None, statuses)
     sample = Sample(0, "/t", type_name, b"", offered, 1)
-    assert reaches(sample, interest, match_qos=True) == (hint is None)
+    assert is_deliverable(sample, interest, match_qos=True) == (hint is None)
     texts = [row.text for row in statuses.rows("")]
     assert texts == [] if hint is None else hint in texts[0]
 
 
-def test_the_hint_goes_when_a_message_does_come() -> None:
+def test_delivery_hint_is_cleared_by_a_received_message() -> None:
     statuses = Statuses()
-    interest = Interest("/t", TYPE, Qos(), lambda message: None, statuses)
-    reaches(Sample(0, "/t", TYPE, b"", BEST_EFFORT, 1), interest, match_qos=True)
-    reaches(Sample(0, "/t", TYPE, b"", Qos(), 1), interest, match_qos=True)
+    interest = Subscription("/t", TYPE, Qos(), lambda message: None, statuses)
+    is_deliverable(Sample(0, "/t", TYPE, b"", BEST_EFFORT, 1), interest, match_qos=True)
+    is_deliverable(Sample(0, "/t", TYPE, b"", Qos(), 1), interest, match_qos=True)
     assert statuses.rows("") == []

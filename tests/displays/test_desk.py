@@ -12,8 +12,8 @@ from course_lib.displays.session import RvizSession
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import FrameAligned, XYOrbit
 from course_lib.errors import CourseError
-from course_lib.ros.graph import Graph
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
 from tests.displays.bench import marker
@@ -63,7 +63,7 @@ def page(viewer: Viewer, graph: Graph, tmp_path: Path, monkeypatch: pytest.Monke
     return Page(viewer.session, graph)
 
 
-def test_rows_come_after_their_parents(page: Page) -> None:
+def test_rows_are_listed_after_their_parent_rows(page: Page) -> None:
     known = {""}
     for row in page.rows():
         assert row["parent"] in known
@@ -71,7 +71,7 @@ def test_rows_come_after_their_parents(page: Page) -> None:
 
 
 @pytest.mark.parametrize("sight", ["hide", "away"])
-def test_a_page_that_nobody_sees_is_told_nothing_and_when_it_is_seen_again_what_has_changed(
+def test_hidden_page_receives_changed_rows_when_it_is_visible_again(
     sight: str, page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("course_lib.displays.panel.desk.PERIOD", 0.0)
@@ -82,7 +82,7 @@ def test_a_page_that_nobody_sees_is_told_nothing_and_when_it_is_seen_again_what_
     assert "Axes" in [row["label"] for row in page.rows()]
 
 
-def test_only_what_has_changed_is_told(page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_changed_rows_are_sent(page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
     posted: list[dict[str, Any]] = []
     monkeypatch.setattr(page.link, "post", posted.append)
     page.desk.post()
@@ -92,13 +92,13 @@ def test_only_what_has_changed_is_told(page: Page, viewer: Viewer, monkeypatch: 
     assert (posted[-1]["changed"], list(posted[-1]["rows"])) == ({}, ["displays/Grid#Alpha"])
 
 
-def test_a_namespace_has_a_check_box(page: Page, viewer: Viewer) -> None:
+def test_marker_namespace_has_a_check_box(page: Page, viewer: Viewer) -> None:
     page.ask(act="SetValue", row="displays/Marker#Namespaces#n", value=False)
     assert viewer["Marker"]["Namespaces"] == {"n": False}
     assert not [path for path in viewer.scene.objects() if path.startswith("displays/Marker")]
 
 
-def test_a_value_that_does_not_fit_is_said_and_changes_nothing(page: Page, viewer: Viewer) -> None:
+def test_invalid_value_is_reported_and_changes_nothing(page: Page, viewer: Viewer) -> None:
     page.ask(act="SetValue", row="displays/Grid#Cell Size", value=None)
     assert page.told["notice"]["level"] == "error"
     assert "'Cell Size' is None, expected a number" in page.told["notice"]["text"]
@@ -121,12 +121,12 @@ def test_a_value_that_does_not_fit_is_said_and_changes_nothing(page: Page, viewe
     ],
     ids=str,
 )  # fmt: skip
-def test_orders_that_make_no_sense_are_answered(page: Page, order: dict[str, Any]) -> None:
+def test_invalid_requests_are_answered_with_an_error(page: Page, order: dict[str, Any]) -> None:
     page.ask(**order)
     assert page.told["notice"]["level"] == "error"
 
 
-def test_a_group_is_ticked_as_a_whole_and_removed_with_what_it_holds(page: Page, viewer: Viewer) -> None:
+def test_group_is_toggled_and_removed_along_with_its_displays(page: Page, viewer: Viewer) -> None:
     Path("old.rviz").write_text(LAYOUT.replace("Enabled: false", "Enabled: true"))
     page.ask(act="LoadLayout", name="old.rviz")
     page.ask(act="SetValue", row=page.key("Group"), value=False)
@@ -137,7 +137,7 @@ def test_a_group_is_ticked_as_a_whole_and_removed_with_what_it_holds(page: Page,
     assert [display.name for display in viewer.displays] == ["My grid", "Old", "From ROS 1"]
 
 
-def test_layouts_that_lessons_wrote_can_be_opened_and_saved_again(page: Page) -> None:
+def test_layouts_written_in_lessons_can_be_loaded_and_saved(page: Page) -> None:
     Path("my_files").mkdir()
     Path("my_files/old.rviz").write_text(LAYOUT)
     page.ask(act="LookAgain")
@@ -148,7 +148,7 @@ def test_layouts_that_lessons_wrote_can_be_opened_and_saved_again(page: Page) ->
     assert Path("my_files/new.rviz").is_file()
 
 
-def test_a_copy_has_the_properties_of_the_display(page: Page, viewer: Viewer) -> None:
+def test_duplicated_display_has_the_same_properties(page: Page, viewer: Viewer) -> None:
     viewer["Grid"]["Cell Size"] = 3.0
     page.ask(act="LookAgain")
     page.ask(act="DuplicateDisplay", row="displays/Grid")
@@ -156,7 +156,7 @@ def test_a_copy_has_the_properties_of_the_display(page: Page, viewer: Viewer) ->
     assert viewer.displays[-1].path != "displays/Grid"
 
 
-def test_topics_of_the_graph_can_be_added_before_anything_came(page: Page, graph: Graph) -> None:
+def test_topics_of_the_graph_can_be_added_before_the_first_message(page: Page, graph: Graph) -> None:
     node = graph.add_node("silent", "/")
     graph.add_publisher(node, "/scan", "sensor_msgs/msg/LaserScan", Qos())
     page.ask(act="LookAgain")
@@ -165,18 +165,18 @@ def test_topics_of_the_graph_can_be_added_before_anything_came(page: Page, graph
     assert expected in page.told["topics"]
 
 
-def test_a_display_is_added_with_its_topic_whatever_that_is_called(page: Page, viewer: Viewer) -> None:
+def test_display_can_be_added_with_any_topic_name(page: Page, viewer: Viewer) -> None:
     page.ask(act="AddDisplay", display="rviz_default_plugins/RobotModel", topic="/robot_description")
     assert viewer.displays[-1]["Description Topic"] == "/robot_description"
 
 
-def test_a_recording_is_not_published_into() -> None:
+def test_tools_do_not_publish_into_a_recording() -> None:
     page = Page(RvizSession(Scene()))
     page.ask(act="PublishGesture", tool="2D Goal Pose", point=[0, 0, 0], angle=0)
     assert "recording" in page.told["notice"]["text"]
 
 
-def test_the_node_of_the_tools_leaves_with_the_viewer(page: Page, viewer: Viewer, graph: Graph) -> None:
+def test_node_of_the_tools_is_removed_with_the_viewer(page: Page, viewer: Viewer, graph: Graph) -> None:
     page.ask(act="PublishGesture", tool="Publish Point", point=[1, 2, 3])
     assert page.told["notice"]["text"] == "Published (1.00, 2.00, 3.00) in map on /clicked_point."
     assert [node.name for node in graph.nodes()][-1] == "rviz2"
@@ -184,7 +184,7 @@ def test_the_node_of_the_tools_leaves_with_the_viewer(page: Page, viewer: Viewer
     assert "rviz2" not in [node.name for node in graph.nodes()]
 
 
-def test_a_layout_says_on_which_topic_a_tool_publishes(page: Page, graph: Graph) -> None:
+def test_layout_sets_the_topic_of_a_tool(page: Page, graph: Graph) -> None:
     tools = "  Tools:\n    - Class: rviz_default_plugins/SetGoal\n      Topic: /move_base_simple/goal\n"
     Path("old.rviz").write_text(LAYOUT.replace("  Views:\n", tools + "  Views:\n"))
     page.ask(act="LoadLayout", name="old.rviz")
@@ -192,7 +192,7 @@ def test_a_layout_says_on_which_topic_a_tool_publishes(page: Page, graph: Graph)
     assert [end.topic for end in graph.endpoints()][-1] == "/move_base_simple/goal"
 
 
-def test_the_properties_of_tools_are_edited_and_saved(page: Page, viewer: Viewer, graph: Graph) -> None:
+def test_tool_properties_are_edited_and_saved(page: Page, viewer: Viewer, graph: Graph) -> None:
     page.ask(act="SetValue", row="tool 2D Pose Estimate#Covariance x", value=0.5)
     page.ask(act="SetValue", row="tool 2D Goal Pose#Topic", value="/my_goal")
     page.ask(act="SetValue", row="tool 2D Goal Pose#Topic#Reliability Policy", value="Best Effort")
@@ -208,7 +208,7 @@ def test_the_properties_of_tools_are_edited_and_saved(page: Page, viewer: Viewer
     assert [again.tools[5]["Covariance x"], again.tools[6]["Topic"]] == [0.5, "/my_goal"]
 
 
-def test_a_group_is_added_and_takes_what_is_added_while_it_is_chosen(page: Page, viewer: Viewer) -> None:
+def test_displays_are_added_to_the_selected_group(page: Page, viewer: Viewer) -> None:
     page.ask(act="AddDisplay", display="rviz_common/Group")
     row = page.key("Group")
     page.ask(act="AddDisplay", display="rviz_default_plugins/Axes", row=row)
@@ -217,7 +217,7 @@ def test_a_group_is_added_and_takes_what_is_added_while_it_is_chosen(page: Page,
     assert not viewer["Axes"].enabled
 
 
-def test_the_updates_of_a_server_of_markers_are_added_by_their_topic(page: Page, viewer: Viewer) -> None:
+def test_update_topic_of_a_marker_server_adds_a_display(page: Page, viewer: Viewer) -> None:
     publish(viewer._graph, "/menu/update", InteractiveMarkerUpdate())
     page.ask(act="LookAgain")
     shown = next(shown for shown in page.told["topics"] if shown["topic"] == "/menu/update")
@@ -225,13 +225,13 @@ def test_the_updates_of_a_server_of_markers_are_added_by_their_topic(page: Page,
     assert viewer["InteractiveMarkers"]["Interactive Markers Namespace"] == "/menu"
 
 
-def test_the_key_z_brings_a_view_back_to_where_it_begins(page: Page, viewer: Viewer) -> None:
+def test_key_z_resets_a_view(page: Page, viewer: Viewer) -> None:
     viewer.view = XYOrbit(distance=3.0, focal_point=(1.0, 2.0, 0.0))
     page.ask(act="HomeView")
     assert (viewer.view["Distance"], viewer.view["Focal Point"]) == (10.0, (0.0, 0.0, 0.0))
 
 
-def test_the_page_knows_how_each_view_is_turned(page: Page, viewer: Viewer) -> None:
+def test_page_receives_the_mouse_settings_of_each_view(page: Page, viewer: Viewer) -> None:
     viewer.view = XYOrbit()
     page.ask(act="LookAgain")
     assert page.told["hands"] == {
@@ -243,7 +243,7 @@ def test_the_page_knows_how_each_view_is_turned(page: Page, viewer: Viewer) -> N
     assert (hands["inPlace"], hands["aligned"], hands["locked"], hands["lift"]) == (True, True, True, 0.0)
 
 
-def test_a_cloud_that_is_not_selectable_is_not_selected(page: Page, viewer: Viewer) -> None:
+def test_unselectable_cloud_cannot_be_selected(page: Page, viewer: Viewer) -> None:
     cloud = viewer.add("PointCloud2")
     page.ask(act="SelectObject", path=f"{cloud.path}/drawn", index=1)
     assert page.told["selection"].startswith("PointCloud2")
@@ -252,7 +252,7 @@ def test_a_cloud_that_is_not_selectable_is_not_selected(page: Page, viewer: View
     assert not page.told["selection"].startswith("PointCloud2")
 
 
-def test_the_summary_tells_what_is_where(viewer: Viewer) -> None:
+def test_summary_lists_objects_with_their_positions(viewer: Viewer) -> None:
     words = viewer.summary()
     assert "Fixed frame map. Displays: Grid, Marker." in words
     assert "displays/Marker/n/0" in words
@@ -264,12 +264,12 @@ async def _picked(viewer: Viewer) -> object:
     return await viewer.pick()
 
 
-def test_waiting_for_a_click_without_a_page_fails_at_once(viewer: Viewer) -> None:
+def test_waiting_for_a_click_without_a_page_fails_immediately(viewer: Viewer) -> None:
     with pytest.raises(CourseError, match="No page shows this viewer"):
         asyncio.run(_picked(viewer))
 
 
-def test_callbacks_hear_clicks(viewer: Viewer, graph: Graph) -> None:
+def test_click_callbacks_are_called(viewer: Viewer, graph: Graph) -> None:
     heard: list[Any] = []
     callback: Callable[[Any], None] = viewer.on_click(heard.append)
     assert callback == heard.append

@@ -5,9 +5,9 @@ import pytest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from course_lib.displays.clouds.cloud import rainbow
+from course_lib.displays.clouds import rainbow
 from course_lib.displays.display import Display
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.topics import Qos
 from tests.displays.bench import Bench
 
 ROBOT = """<robot name="r">
@@ -47,7 +47,7 @@ def parts(bench: Bench) -> dict[str, Any]:
     return {path.rpartition("/")[2]: part for path, part in objects.items() if "/Effort/" in path}
 
 
-def test_an_effort_is_a_circle_whose_radius_and_colour_follow_its_share_of_the_limit(bench: Bench) -> None:
+def test_effort_is_drawn_as_a_circle_scaled_and_colored_by_its_fraction_of_the_limit(bench: Bench) -> None:
     add(bench)
     publish(bench, along_z=5.0)
     circle = parts(bench)["0 along_z circle"]
@@ -59,7 +59,7 @@ def test_an_effort_is_a_circle_whose_radius_and_colour_follow_its_share_of_the_l
 
 
 @pytest.mark.parametrize(("effort", "side"), [(5.0, -1.0), (-5.0, 1.0)])
-def test_the_arrow_points_against_the_clock_for_a_positive_effort(
+def test_arrow_points_counterclockwise_for_a_positive_effort(
     bench: Bench, effort: float, side: float
 ) -> None:
     add(bench)
@@ -69,27 +69,27 @@ def test_the_arrow_points_against_the_clock_for_a_positive_effort(
     np.testing.assert_allclose(placed[:3, 3], (1.0 + side * 0.02, 0.325, 0.0), atol=1e-9)
 
 
-def test_the_circle_of_an_axis_along_x_stands_upright(bench: Bench) -> None:
+def test_circle_of_an_axis_along_x_is_vertical(bench: Bench) -> None:
     add(bench)
     publish(bench, along_x=10.0)
     np.testing.assert_allclose(parts(bench)["0 along_x circle"].points[:, 0], 0.0, atol=1e-9)
 
 
-def test_joints_that_a_later_message_lacks_stay(bench: Bench) -> None:
+def test_joints_missing_in_a_later_message_are_kept(bench: Bench) -> None:
     add(bench)
     publish(bench, along_z=5.0)
     publish(bench, along_x=5.0)
     assert {name.split()[1] for name in parts(bench)} == {"along_z", "along_x"}
 
 
-def test_a_history_shows_the_last_messages(bench: Bench) -> None:
+def test_history_shows_the_last_messages(bench: Bench) -> None:
     add(bench, **{"History Length": 3})
     for effort in (1.0, 2.0, 3.0, 4.0):
         publish(bench, along_z=effort)
     assert sorted(parts(bench)) == [f"{k} along_z {part}" for k in range(3) for part in ("circle", "tip")]
 
 
-def test_joints_have_rows_with_their_effort_and_a_box_to_hide_them(bench: Bench) -> None:
+def test_joints_have_rows_with_their_effort_and_a_check_box(bench: Bench) -> None:
     display = add(bench)
     publish(bench, along_z=5.0, along_x=1.0)
     assert (display["Joints/along_z/Effort"], display["Joints/along_z/Max Effort"]) == (5.0, 10.0)
@@ -97,7 +97,7 @@ def test_joints_have_rows_with_their_effort_and_a_box_to_hide_them(bench: Bench)
     assert {name.split()[1] for name in parts(bench)} == {"along_x"}
 
 
-def test_a_joint_without_a_limit_is_named_in_the_words_of_rviz_s_log(bench: Bench) -> None:
+def test_joint_without_a_limit_is_reported_with_the_text_of_the_rviz_log(bench: Bench) -> None:
     display = add(bench)
     publish(bench, roll=1.0)
     assert parts(bench) == {}
@@ -112,7 +112,7 @@ def test_a_joint_without_a_limit_is_named_in_the_words_of_rviz_s_log(bench: Benc
         ("along_z", {"along_z": 1.0}, "Error transforming from frame 'other/a' to frame 'map'"),
     ],
 )
-def test_a_joint_that_cannot_be_drawn_has_a_status_of_its_own(
+def test_joint_that_cannot_be_drawn_has_its_own_status(
     bench: Bench, name: str, efforts: Any, text: str
 ) -> None:
     display = add(bench, **({"TF Prefix": "other"} if "other" in text else {}))
@@ -121,7 +121,7 @@ def test_a_joint_that_cannot_be_drawn_has_a_status_of_its_own(
     assert parts(bench) == {}
 
 
-def test_names_and_efforts_of_different_numbers_are_refused(bench: Bench) -> None:
+def test_joint_state_with_unequal_numbers_of_joints_and_efforts_is_rejected(bench: Bench) -> None:
     display = add(bench)
     message = JointState(name=["along_z"])
     message.header.frame_id = "map"
@@ -131,7 +131,7 @@ def test_names_and_efforts_of_different_numbers_are_refused(bench: Bench) -> Non
     assert said == ("error", "Received a joint state msg with different joint names and efforts size!")
 
 
-def test_without_a_robot_the_display_says_so_and_a_broken_one_is_not_read(bench: Bench) -> None:
+def test_missing_or_invalid_robot_description_is_reported(bench: Bench) -> None:
     display = bench.session.add("rviz_default_plugins/Effort", "Effort", {"Topic": "/states"})
     publish(bench, along_z=5.0)
     assert bench.said(display, "Process message") == ("error", "Robot model might not be loaded yet")
@@ -139,7 +139,7 @@ def test_without_a_robot_the_display_says_so_and_a_broken_one_is_not_read(bench:
     assert bench.said(display, "URDF") == ("error", "Unable to parse robot model description!")
 
 
-def test_states_without_a_frame_are_dropped_as_in_rviz(bench: Bench) -> None:
+def test_joint_states_without_a_frame_are_dropped_as_in_rviz(bench: Bench) -> None:
     display = add(bench)
     publish(bench, frame="", along_z=5.0)
     assert parts(bench) == {}

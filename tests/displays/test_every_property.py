@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from course_lib.displays.display import TopicDisplay
 from course_lib.displays.properties import Limited, Property, color, flag, vector
 from course_lib.displays.registry import REGISTRY
-from course_lib.displays.topic_display import TopicDisplay
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.topics import Qos
 from tests.displays.bench import Bench
 from tests.displays.samples import messages
 
@@ -138,7 +138,7 @@ def look(class_name: str, early: tuple[tuple[str, Any], ...], late: str = "", va
     seen = {path: plain(vars(drawable)) for path, drawable in scene.objects().items()}
     places = {path: scene.world_transform(path).round(6).tobytes() for path in seen}
     shown = {path: scene.visible(path) for path in seen}
-    asked = [(subscription.topic, subscription.qos) for subscription in display.interests]
+    asked = [(subscription.topic, subscription.qos) for subscription in display.subscriptions]
     said = [row for row in display.rows() if row.name in ("URDF", "Topic")]
     return seen, places, shown, asked, said
 
@@ -171,7 +171,7 @@ def others(prop: Property) -> list[Any]:
 
 
 @pytest.mark.parametrize("name", PROPERTIES)
-def test_a_property_changes_what_is_seen(name: str) -> None:
+def test_each_property_changes_the_drawing(name: str) -> None:
     class_name, prop = PROPERTIES[name]
     if prop.label in SILENT or name in SILENT:
         return

@@ -11,30 +11,30 @@ def transform(parent: str, child: str, x: float = 0.0) -> TransformStamped:
     return message
 
 
-def test_the_global_status_has_rviz_three_texts() -> None:
+def test_global_status_has_the_three_texts_of_rviz() -> None:
     frames = Frames("map")
     assert frames.global_status() == ("warn", "No tf data.  Actual error: Frame [map] does not exist")
-    frames.take([transform("odom", "base")], is_static=True)
+    frames.add_transforms([transform("odom", "base")], is_static=True)
     assert frames.global_status() == ("error", "Frame [map] does not exist")
-    frames.take([transform("map", "odom")], is_static=True)
+    frames.add_transforms([transform("map", "odom")], is_static=True)
     assert frames.global_status() == ("ok", "OK")
 
 
 @pytest.mark.parametrize("frame", ["base", "/base"])
-def test_a_leading_slash_is_stripped(frame: str) -> None:
+def test_leading_slash_is_stripped(frame: str) -> None:
     frames = Frames("map")
-    frames.take([transform("/map", "/base", 2.0)], is_static=True)
+    frames.add_transforms([transform("/map", "/base", 2.0)], is_static=True)
     found = frames.transform(frame)
     assert found is not None
     assert found[0, 3] == 2.0
 
 
-def test_answers_are_kept_until_transforms_arrive_or_the_fixed_frame_changes() -> None:
+def test_lookups_are_cached_until_transforms_arrive_or_the_fixed_frame_changes() -> None:
     frames = Frames("map")
-    frames.take([transform("map", "base", 1.0)], is_static=True)
+    frames.add_transforms([transform("map", "base", 1.0)], is_static=True)
     first = frames.transform("base")
     assert frames.transform("base") is first
-    frames.take([transform("map", "base", 2.0)], is_static=True)
+    frames.add_transforms([transform("map", "base", 2.0)], is_static=True)
     second = frames.transform("base")
     assert second is not None
     assert second[0, 3] == 2.0
@@ -44,6 +44,6 @@ def test_answers_are_kept_until_transforms_arrive_or_the_fixed_frame_changes() -
     assert third[0, 3] == 0.0
 
 
-def test_what_tf2_ignores_is_passed_on() -> None:
-    (complaint,) = Frames("map").take([transform("map", "map")], is_static=False)
+def test_transform_ignored_by_tf2_is_reported() -> None:
+    (complaint,) = Frames("map").add_transforms([transform("map", "map")], is_static=False)
     assert complaint.startswith("TF_SELF_TRANSFORM")

@@ -29,7 +29,7 @@ def ends(bench: Bench) -> npt.NDArray[np.float64]:
     return np.round(in_fixed, 6)
 
 
-def test_the_default_grid_is_ten_by_ten_metres_on_the_ground() -> None:
+def test_default_grid_is_ten_by_ten_meters_on_the_ground() -> None:
     bench = Bench()
     grid(bench)
     assert len(lines(bench).points) == 2 * 2 * 11
@@ -39,21 +39,21 @@ def test_the_default_grid_is_ten_by_ten_metres_on_the_ground() -> None:
 
 
 @pytest.mark.parametrize(("plane", "flat"), [("XY", 2), ("XZ", 1), ("YZ", 0)])
-def test_a_plane_is_where_its_name_says(plane: str, flat: int) -> None:
+def test_plane_property_orients_the_grid(plane: str, flat: int) -> None:
     bench = Bench()
     grid(bench, Plane=plane)
     extent = np.abs(ends(bench)).max(axis=0)
     assert np.flatnonzero(extent == 0).tolist() == [flat]
 
 
-def test_cells_along_the_normal_make_layers_and_posts() -> None:
+def test_normal_cell_count_adds_layers_and_posts() -> None:
     bench = Bench()
     grid(bench, plane_cell_count=2, normal_cell_count=3, cell_size=0.5)
     assert np.abs(ends(bench)).max(axis=0).tolist() == [0.5, 0.5, 0.75]
     assert len(lines(bench).points) == 2 * (2 * 3 * 4 + 3 * 3)
 
 
-def test_billboards_have_a_width_and_lines_have_none() -> None:
+def test_billboards_have_a_width_and_lines_do_not() -> None:
     bench = Bench()
     made = grid(bench, line_width=0.1)
     assert lines(bench).width == 0.0
@@ -71,7 +71,7 @@ def test_offset_and_reference_frame_move_the_grid() -> None:
     np.testing.assert_allclose(ends(bench).mean(axis=0), [2, 0, 0.5])
 
 
-def test_a_frame_that_is_not_known_hides_the_grid_and_is_an_error_in_rviz_words() -> None:
+def test_unknown_frame_hides_the_grid_and_is_an_error_with_rviz_text() -> None:
     bench = Bench()
     made = grid(bench, reference_frame="base")
     assert not bench.scene.visible(NODE)
@@ -81,7 +81,7 @@ def test_a_frame_that_is_not_known_hides_the_grid_and_is_an_error_in_rviz_words(
     assert bench.said(made, "Transform") == ("ok", "Ok")
 
 
-def test_the_grid_is_drawn_again_after_a_change_of_the_fixed_frame() -> None:
+def test_grid_is_redrawn_after_a_change_of_the_fixed_frame() -> None:
     bench = Bench()
     grid(bench)
     bench.session.fixed_frame = "odom"
@@ -89,12 +89,12 @@ def test_the_grid_is_drawn_again_after_a_change_of_the_fixed_frame() -> None:
     assert len(ends(bench)) == 44
 
 
-def test_a_grid_that_nobody_could_draw_says_so_and_stays_undrawn() -> None:
+def test_oversized_grid_is_reported_and_not_drawn() -> None:
     bench = Bench()
     display = grid(bench, plane_cell_count=10**9, normal_cell_count=10**6)
     bench.look()
     assert len(lines(bench).points) == 0
-    assert "up to 100000 are drawn" in bench.hints(display)[0]
+    assert "at most 100000 are drawn" in bench.hints(display)[0]
     display["Plane Cell Count"], display["Normal Cell Count"] = 4, 0
     bench.look()
     assert len(lines(bench).points) == 20

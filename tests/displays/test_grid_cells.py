@@ -4,8 +4,7 @@ import pytest
 from geometry_msgs.msg import Point
 from nav_msgs.msg import GridCells
 
-from course_lib.displays.display import Display
-from course_lib.displays.topic_display import INVALID
+from course_lib.displays.display import INVALID, Display
 from course_lib.viewer.drawables import Points
 from tests.displays.bench import Bench
 
@@ -34,7 +33,7 @@ def display(bench: Bench) -> Display:
     return display
 
 
-def test_each_cell_is_a_tile_of_the_cells_size_in_the_frame_of_the_message(
+def test_each_cell_is_a_tile_of_the_cell_size_in_the_frame_of_the_message(
     bench: Bench, display: Display
 ) -> None:
     tiles = bench.scene.objects()[PATH]
@@ -55,7 +54,7 @@ def test_each_cell_is_a_tile_of_the_cells_size_in_the_frame_of_the_message(
         ({"cells": [Point(x=float("nan"))]}, "error", INVALID),
     ],
 )
-def test_a_message_that_rviz_refuses_clears_the_picture_and_gets_its_status(
+def test_message_rejected_by_rviz_clears_the_cells_and_has_its_status(
     bench: Bench, display: Display, fields: Any, level: str, text: str
 ) -> None:
     show(bench, **fields)

@@ -6,7 +6,7 @@ from course_lib.displays.layout import read_layout
 from course_lib.displays.session import RvizSession
 from course_lib.displays.writer import document
 from course_lib.errors import CourseError
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.topics import Qos
 from course_lib.viewer.scene import Scene
 
 LAYOUT = """\
@@ -77,7 +77,7 @@ def session(tmp_path: Path) -> RvizSession:
     return made
 
 
-def test_a_layout_gives_options_displays_and_view(session: RvizSession) -> None:
+def test_layout_sets_options_displays_and_view(session: RvizSession) -> None:
     assert (session.fixed_frame, session.time.frame_rate) == ("world", 10)
     assert session.context.scene.background == (200, 220, 255)
     assert [display.name for display in session.displays] == ["My grid", "Boxes", "Old", "From ROS 1"]
@@ -93,18 +93,18 @@ def test_properties_are_read_by_rviz_labels(session: RvizSession) -> None:
     assert [grid[label] for label in labels] == [0.5, 2.0, "Billboards", 0.1, True]
     assert not boxes.enabled
     boxes["Enabled"] = True
-    (subscription,) = boxes.interests
+    (subscription,) = boxes.subscriptions
     assert subscription.topic == "/boxes"
     assert subscription.qos == Qos(depth=7, reliability="best_effort", durability="transient_local")
 
 
-def test_topics_as_written_before_galactic_are_understood(session: RvizSession) -> None:
-    old = session.displays[2].interests[0]
+def test_topics_in_the_format_before_galactic_are_read(session: RvizSession) -> None:
+    old = session.displays[2].subscriptions[0]
     assert old.topic == "/old"
     assert old.qos == Qos(depth=3, reliability="best_effort")
 
 
-def test_displays_of_a_group_that_is_not_ticked_are_not_shown(tmp_path: Path) -> None:
+def test_displays_in_a_disabled_group_are_not_shown(tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     text = LAYOUT.replace("Enabled: false", "Enabled: true").replace(
         "Group\n    ", "Group\n      Enabled: false\n    "
@@ -116,13 +116,13 @@ def test_displays_of_a_group_that_is_not_ticked_are_not_shown(tmp_path: Path) ->
     assert grid.enabled
     assert boxes["Enabled"]
     assert not boxes.enabled
-    group = session.tree.holder(boxes)
+    group = session.tree.find_group_of(boxes)
     group.ticked = True
-    session.tree.tick()
+    session.tree.update_visibility()
     assert boxes.enabled
 
 
-def test_a_class_of_ros_1_fails_as_in_rviz2(session: RvizSession) -> None:
+def test_ros_1_class_fails_as_in_rviz2(session: RvizSession) -> None:
     error, hint = session.displays[3].rows()
     assert error.level == "error"
     assert "'rviz/Grid', could not be loaded" in error.text
@@ -130,11 +130,11 @@ def test_a_class_of_ros_1_fails_as_in_rviz2(session: RvizSession) -> None:
     assert hint.text == "rviz/Grid is ROS 1's name. RViz2 has the class rviz_default_plugins/Grid."
 
 
-def test_the_configuration_is_kept_with_what_we_do_not_know(session: RvizSession) -> None:
+def test_unknown_configuration_entries_are_kept(session: RvizSession) -> None:
     assert session.displays[0].config["Value"] == "true"
 
 
-def test_wrong_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) -> None:
+def test_invalid_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(
         LAYOUT.replace("Cell Size: 2", "Cell Size: wide").replace("3.5", "far").replace("XYO", "O")
@@ -148,7 +148,7 @@ def test_wrong_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("value", ["1e999", ".inf", "1e39", "true"])
-def test_numbers_that_rviz_cannot_keep_are_left_out(value: str, tmp_path: Path) -> None:
+def test_numbers_out_of_range_in_rviz_are_ignored(value: str, tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(LAYOUT.replace("X: 1", f"X: {value}").replace("Cell Size: 2", f"Cell Size: {value}"))
     made = RvizSession(Scene())
@@ -156,20 +156,20 @@ def test_numbers_that_rviz_cannot_keep_are_left_out(value: str, tmp_path: Path) 
     assert (made.view["Focal Point"], made.displays[0]["Cell Size"]) == ((0.0, 0.0, 0.0), 1.0)
 
 
-def test_an_unknown_view_is_an_orbit_with_a_hint(tmp_path: Path) -> None:
+def test_unknown_view_becomes_an_orbit_with_a_hint(tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(LAYOUT.replace("rviz_default_plugins/XYOrbit", "my_pkg/Drone"))
     made = RvizSession(Scene())
     made.apply(read_layout(path))
     assert repr(made.view) == "Orbit"
-    assert any("Drone is none of Orbit, XYOrbit" in row.text for row in made.rows())
+    assert any("Drone is not one of Orbit, XYOrbit" in row.text for row in made.rows())
 
 
 BROKEN = {
-    "no end": ("Visualization Manager:\n  Displays: [\n", r"line 3, column 1: this is not YAML"),
-    "a tab": ("a:\n\t- b\n", r"line 2, column 1: this is not YAML: found character '\\t'"),
-    "a strange character": ("a: \n  b: \x07\n", "line 2, column 6: this is not YAML: the character 7"),
-    "a loop": ("a: &a [*a]\n", "this is not YAML: it is nested too deeply"),
+    "no end": ("Visualization Manager:\n  Displays: [\n", r"line 3, column 1: this is not valid YAML"),
+    "a tab": ("a:\n\t- b\n", r"line 2, column 1: this is not valid YAML: found character '\\t'"),
+    "a strange character": ("a: \n  b: \x07\n", "line 2, column 6: this is not valid YAML: the character 7"),
+    "a loop": ("a: &a [*a]\n", "this is not valid YAML: it is nested too deeply"),
     "a bomb": (
         "".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9 if n else 'x')}]\n" for n in range(9)),
         "line 1, column 10: with its aliases .* too many values for a layout",
@@ -178,7 +178,7 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("name", BROKEN)
-def test_what_is_broken_is_named_with_its_place(name: str, tmp_path: Path) -> None:
+def test_broken_layout_is_reported_with_its_path_and_position(name: str, tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(BROKEN[name][0])
     with pytest.raises(CourseError, match=BROKEN[name][1]) as caught:
@@ -204,13 +204,15 @@ ODD = {
     ),
     "a colour": (
         "Visualization Manager:\n  Global Options:\n    Background Color: dark; red\n",
-        "Global Options: 'Background Color' is 'dark; red', expected a colour like '255; 0; 0'.",
+        "Global Options: 'Background Color' is 'dark; red', expected a color like '255; 0; 0'.",
     ),
 }
 
 
 @pytest.mark.parametrize("name", ODD)
-def test_readable_yaml_is_taken_as_far_as_it_goes_and_the_rest_is_a_hint(name: str, tmp_path: Path) -> None:
+def test_valid_entries_of_a_partly_invalid_layout_are_loaded_and_others_are_hints(
+    name: str, tmp_path: Path
+) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(ODD[name][0])
     made = RvizSession(Scene())
@@ -219,11 +221,11 @@ def test_readable_yaml_is_taken_as_far_as_it_goes_and_the_rest_is_a_hint(name: s
     assert document(made)
 
 
-def test_what_is_no_file_or_no_text_is_one_clear_line(tmp_path: Path) -> None:
+def test_missing_or_binary_layout_file_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match=r"Cannot read the layout .*: No such file or directory\."):
         read_layout(tmp_path / "missing.rviz")
     with pytest.raises(CourseError, match=r"Cannot read the layout .*: Is a directory\."):
         read_layout(tmp_path)
     (tmp_path / "picture.rviz").write_bytes(b"\x89PNG\xff\xfe")
-    with pytest.raises(CourseError, match="it is not even text"):
+    with pytest.raises(CourseError, match="it is a binary file"):
         read_layout(tmp_path / "picture.rviz")

@@ -69,9 +69,10 @@ def check(text: str, folder: Path) -> None:
     assert third.read_text() == second.read_text()
 
 
+@pytest.mark.slow
 @given(edits=st.lists(edited, max_size=4))
 @settings(max_examples=60, deadline=None)
-def test_a_layout_that_was_edited_by_hand_opens_or_says_why_not(
+def test_hand_edited_layout_is_loaded_or_reported(
     edits: list[tuple[int, str, str]], tmp_path_factory: Any
 ) -> None:
     lines = list(LINES)
@@ -82,21 +83,24 @@ def test_a_layout_that_was_edited_by_hand_opens_or_says_why_not(
     check("\n".join(lines), tmp_path_factory.mktemp("odd"))
 
 
+@pytest.mark.slow
 @given(manager=managers)
 @settings(max_examples=60, deadline=None)
-def test_whatever_readable_yaml_holds_opens_and_is_saved_alike(manager: Any, tmp_path_factory: Any) -> None:
+def test_any_readable_yaml_is_loaded_and_saved_unchanged(manager: Any, tmp_path_factory: Any) -> None:
     check(yaml_text({"Visualization Manager": manager}), tmp_path_factory.mktemp("odd"))
 
 
 @given(text=st.text(alphabet=st.sampled_from("ab:-?[]{}&*!|>'\"%@#\n ~\t"), max_size=40))
 @settings(max_examples=60, deadline=None)
 @example(text="&a [*a, *a]")
-def test_any_text_is_yaml_or_an_error_with_its_place(text: str, tmp_path_factory: Any) -> None:
+def test_any_text_is_parsed_as_yaml_or_is_an_error_with_its_position(
+    text: str, tmp_path_factory: Any
+) -> None:
     check(text, tmp_path_factory.mktemp("odd"))
 
 
 # No example: hypothesis raises the limit of recursion, and the time goes with the square of the depth.
-def test_what_is_nested_without_end_is_an_error_with_its_place(tmp_path: Path) -> None:
+def test_excessive_nesting_is_an_error_with_its_position(tmp_path: Path) -> None:
     (tmp_path / "odd.rviz").write_text("[" * 5000)
     with pytest.raises(CourseError, match=r"line 1, column 1001: .*maximum nesting depth"):
         read_layout(tmp_path / "odd.rviz")

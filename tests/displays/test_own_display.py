@@ -9,11 +9,10 @@ import pytest
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float32
 
-from course_lib.displays import own_display
+from course_lib.displays import registry
 from course_lib.displays.display import Display
 from course_lib.displays.layout import read_layout
-from course_lib.displays.own_display import OwnDisplay, register, solid
-from course_lib.displays.registry import REGISTRY, FailedDisplay
+from course_lib.displays.registry import REGISTRY, FailedDisplay, OwnDisplay, register, solid
 from course_lib.displays.session import RvizSession
 from course_lib.displays.viewer import Viewer
 from course_lib.displays.writer import save_rviz
@@ -27,7 +26,7 @@ BAR = "displays/Battery/drawn/bar"
 
 
 @pytest.fixture(autouse=True)
-def registry() -> Iterator[None]:
+def restored_registry() -> Iterator[None]:
     before = dict(REGISTRY)
     yield
     REGISTRY.clear()
@@ -37,7 +36,7 @@ def registry() -> Iterator[None]:
 @pytest.fixture
 def lesson() -> None:
     """Run the code that the docstring shows, which is the lesson's, but for the viewer."""
-    shown = re.search(r"::\n\n(.*?)\n\n    viewer\.add", own_display.__doc__ or "", re.S)
+    shown = re.search(r"::\n\n(.*?)\n\n    viewer\.add", registry.__doc__ or "", re.S)
     assert shown
     exec(dedent(shown[1]), {})
 
@@ -63,7 +62,7 @@ def bar(bench: Bench) -> Solids:
 
 
 @pytest.mark.usefixtures("lesson")
-def test_it_draws_messages_where_their_frame_is() -> None:
+def test_custom_display_draws_messages_in_their_frame() -> None:
     bench = Bench()
     display = shown(bench)
     np.testing.assert_allclose(
@@ -78,7 +77,7 @@ def test_it_draws_messages_where_their_frame_is() -> None:
 
 
 @pytest.mark.usefixtures("lesson")
-def test_it_waits_for_its_frame() -> None:
+def test_custom_display_waits_for_its_frame() -> None:
     bench = Bench()
     display = bench.session.add(CLASS, "Battery", {"Topic": "/battery"})
     bench.hear("/battery", battery(0.5, "nowhere"))
@@ -88,7 +87,7 @@ def test_it_waits_for_its_frame() -> None:
 
 
 @pytest.mark.usefixtures("lesson")
-def test_a_layout_keeps_it_and_finds_it_again(tmp_path: Path) -> None:
+def test_custom_display_is_saved_in_a_layout_and_restored(tmp_path: Path) -> None:
     bench = Bench()
     shown(bench)["Height"] = 2.0
     save_rviz(bench.session, tmp_path / "mine.rviz")
@@ -102,14 +101,14 @@ def test_a_layout_keeps_it_and_finds_it_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("lesson")
-def test_it_is_added_like_rviz_s_displays() -> None:
+def test_custom_display_is_added_like_rviz_displays() -> None:
     viewer = Viewer()
     assert viewer.add("Battery", "/battery", height=0.5)["Height"] == 0.5
     assert viewer.add(CLASS).name == "Battery"
     viewer.close()
 
 
-def test_what_goes_wrong_in_a_drawing_is_a_status_and_all_else_goes_on() -> None:
+def test_exception_in_the_drawing_method_is_a_status_and_later_messages_are_drawn() -> None:
     @register
     class Broken(OwnDisplay):
         class_name = CLASS
@@ -144,8 +143,10 @@ def test_messages_without_a_header_are_drawn_in_the_fixed_frame() -> None:
     assert bar(bench).placements[0, 0, 0] == 3.0
 
 
-@pytest.mark.parametrize(("name", "said"), [("", "my_robot/Thing"), ("rviz_default_plugins/TF", "is RViz's")])
-def test_it_needs_a_name_of_its_own(name: str, said: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "said"), [("", "my_robot/Thing"), ("rviz_default_plugins/TF", "belongs to RViz")]
+)
+def test_custom_display_requires_a_unique_name(name: str, said: str) -> None:
     class ThingDisplay(OwnDisplay):
         class_name = name
 

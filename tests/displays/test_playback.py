@@ -3,8 +3,8 @@ from typing import Any
 
 import pytest
 
-from course_lib.displays.panel.time_panel import Playback, TimeChange
-from course_lib.displays.render import film_of, replayed, session_for
+from course_lib.displays.panel.desk import Playback, TimeChange
+from course_lib.displays.render import record_bag, replay, session_for
 from course_lib.recording import Recording
 from course_lib.viewer.html import save_html
 from tests.displays.bench import marker
@@ -26,15 +26,17 @@ def seen(playback: Playback) -> int:
 
 
 @pytest.mark.parametrize("order", [(0.5, 1.5, 2.0), (2.0, 1.5, 0.5, 1.5), (1.5, 1.2, 1.0, 0.99)])
-def test_any_time_shows_what_a_replay_up_to_it_shows(playback: Playback, order: tuple[float, ...]) -> None:
+def test_seeking_shows_the_same_scene_as_a_replay_up_to_that_time(
+    playback: Playback, order: tuple[float, ...]
+) -> None:
     for seconds in order:
         playback.act(TimeChange(now=seconds))
-        expected = replayed(COMES_AND_GOES, at=seconds).context.scene.objects().keys()
+        expected = replay(COMES_AND_GOES, at=seconds).context.scene.objects().keys()
         assert playback.session.context.scene.objects().keys() == expected
         assert playback.time().elapsed == pytest.approx(seconds)
 
 
-def test_it_plays_to_the_end_and_rests_there_until_it_is_played_again(playback: Playback) -> None:
+def test_playback_pauses_at_the_end_until_played_again(playback: Playback) -> None:
     playback.advance(1.5)
     assert seen(playback) == 2
     playback.advance(9.0)
@@ -46,7 +48,7 @@ def test_it_plays_to_the_end_and_rests_there_until_it_is_played_again(playback: 
     assert playback.time().elapsed == 0.0
 
 
-def test_a_loop_begins_again_and_a_rate_makes_it_faster(playback: Playback) -> None:
+def test_loop_restarts_and_rate_scales_the_playback(playback: Playback) -> None:
     playback.act(TimeChange(loop=True, rate=2))
     playback.advance(1.75)
     assert playback.time().elapsed == pytest.approx(1.5)
@@ -54,7 +56,7 @@ def test_a_loop_begins_again_and_a_rate_makes_it_faster(playback: Playback) -> N
     assert not playback.paused
 
 
-def test_steps_pause(playback: Playback) -> None:
+def test_step_pauses_the_playback(playback: Playback) -> None:
     playback.act(TimeChange(step=1))
     assert playback.time().elapsed == pytest.approx(1 / 30)
     assert playback.paused
@@ -65,13 +67,13 @@ def test_steps_pause(playback: Playback) -> None:
 @pytest.mark.parametrize(
     "nonsense", [{"now": "x"}, {"now": float("nan")}, {"rate": -1}, {"rate": None}, {"step": "1"}]
 )
-def test_nonsense_changes_nothing(playback: Playback, nonsense: dict[str, Any]) -> None:
+def test_invalid_playback_requests_are_ignored(playback: Playback, nonsense: dict[str, Any]) -> None:
     before = playback.time()
     Page(playback.session, playback).send(**nonsense)
     assert playback.time() == before
 
 
-def test_an_empty_recording_stands_still() -> None:
+def test_empty_recording_does_not_advance() -> None:
     empty = Recording(())
     playback = Playback(session_for(empty), empty)
     playback.act(TimeChange(loop=True))
@@ -79,22 +81,22 @@ def test_an_empty_recording_stands_still() -> None:
     assert playback.time().range == (0.0, 0.0)
 
 
-def test_a_film_of_a_recording_has_what_expires_without_a_message_at_its_time() -> None:
+def test_film_of_a_recording_removes_expired_markers_at_their_time() -> None:
     fading = marker()
     fading.lifetime.sec = 1
-    film, _ = film_of(Recording([sample("/m", fading), sample("/chatter", marker(), 3.0)]))
+    film, _ = record_bag(Recording([sample("/m", fading), sample("/chatter", marker(), 3.0)]))
     batches = decoded(film.packed())["batches"]
     gone = [b["time"] for b in batches for c in b.get("commands", []) if c["type"] in ("delete", "visible")]
     assert gone[-1] == pytest.approx(1.0, abs=0.1)
 
 
-def test_a_saved_page_of_a_long_recording_stays_small(tmp_path: Path) -> None:
+def test_saved_page_of_a_long_recording_stays_small(tmp_path: Path) -> None:
     moving = []
     for number in range(600):
         message = marker()
         message.pose.position.x = number / 100  # [m]
         moving.append(sample("/m", message, number / 30))
-    film, _ = film_of(Recording(moving))
+    film, _ = record_bag(Recording(moving))
     assert film.duration == pytest.approx(599 / 30)
     still = save_html(film.scene, tmp_path / "still.html").stat().st_size
     assert still < 350_000

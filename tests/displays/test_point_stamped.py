@@ -3,8 +3,7 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import PointStamped
 
-from course_lib.displays.display import Display
-from course_lib.displays.topic_display import INVALID
+from course_lib.displays.display import INVALID, Display
 from course_lib.viewer.drawables import Solids
 from tests.displays.bench import Bench
 
@@ -28,7 +27,7 @@ def balls(bench: Bench) -> Solids:
     return found
 
 
-def test_a_ball_stands_at_the_point_as_wide_as_its_radius_says() -> None:
+def test_point_is_a_ball_of_the_given_radius() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/point", point(2.0))
@@ -39,7 +38,7 @@ def test_a_ball_stands_at_the_point_as_wide_as_its_radius_says() -> None:
     assert balls(bench).colors.tolist() == [0, 0, 1, 0.5]
 
 
-def test_the_history_keeps_the_newest_in_the_frame_of_the_last() -> None:
+def test_history_keeps_the_newest_points_in_the_frame_of_the_last() -> None:
     bench = Bench()
     bench.transform("map", "base", (0.0, 3.0, 0.0))
     display = add(bench, history_length=3)
@@ -52,7 +51,7 @@ def test_the_history_keeps_the_newest_in_the_frame_of_the_last() -> None:
     assert balls(bench).placements[:, 0, 3].tolist() == [4, 5]
 
 
-def test_a_point_that_is_not_finite_is_an_error() -> None:
+def test_non_finite_point_is_an_error() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/point", point(np.nan))

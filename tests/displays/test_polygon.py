@@ -3,8 +3,7 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import Point32, PolygonStamped
 
-from course_lib.displays.display import Display
-from course_lib.displays.topic_display import INVALID
+from course_lib.displays.display import INVALID, Display
 from tests.displays.bench import Bench
 
 PATH = "displays/Polygon/drawn/line"
@@ -26,7 +25,7 @@ def line(bench: Bench) -> Any:
     return bench.scene.objects().get(PATH)
 
 
-def test_a_polygon_is_a_closed_thin_line_in_its_frame() -> None:
+def test_polygon_is_a_closed_thin_line_in_its_frame() -> None:
     bench = Bench()
     bench.transform("map", "base", (5.0, 0.0, 0.0))
     display = add(bench)
@@ -38,7 +37,7 @@ def test_a_polygon_is_a_closed_thin_line_in_its_frame() -> None:
     assert line(bench).colors.tolist() == [1, 0, 0, 0.5]
 
 
-def test_an_empty_polygon_takes_the_last_one_away_and_one_that_is_not_finite_does_not() -> None:
+def test_empty_polygon_clears_the_last_one_and_a_non_finite_one_does_not() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/polygon", polygon(*CORNERS))

@@ -35,45 +35,45 @@ class Thing(PropertyHolder):
     def __repr__(self) -> str:
         return "Thing"
 
-    def changed(self, label: str) -> None:
+    def on_changed(self, label: str) -> None:
         self.seen.append(label)
 
 
 @pytest.mark.parametrize("label", ["Line Style/Line Width", "Line Width", "line_width"])
-def test_a_property_goes_by_its_path_its_unique_label_or_a_python_name(label: str) -> None:
+def test_property_is_accessed_by_path_unique_label_or_python_name(label: str) -> None:
     thing = Thing()
     thing[label] = 2
     assert thing["Line Style/Line Width"] == 2.0
     assert thing.seen == ["Line Style/Line Width"]
 
 
-def test_a_dict_of_it_has_all_values() -> None:
+def test_conversion_to_a_dict_includes_all_values() -> None:
     assert dict(Thing())["Line Style/Line Width"] == 0.03
     assert list(dict(Thing())) == [prop.label for prop in Thing.properties]
 
 
-def test_the_same_value_again_is_no_change() -> None:
+def test_setting_an_equal_value_is_not_a_change() -> None:
     thing = Thing()
     thing["Cell Size"] = 1
     assert thing.seen == []
 
 
-def test_an_unknown_label_names_close_ones() -> None:
+def test_unknown_label_error_suggests_close_labels() -> None:
     with pytest.raises(CourseError, match="Thing has no property 'cell siz', but 'Cell Size'"):
         Thing()["cell siz"]
 
 
-def test_a_label_that_two_properties_have_asks_for_the_path() -> None:
+def test_ambiguous_label_is_an_error_that_requests_the_path() -> None:
     with pytest.raises(CourseError, match="'Alpha' may be 'Shape/Alpha' or 'Covariance/Alpha'"):
         Thing()["Alpha"]
 
 
-def test_a_wrong_value_says_what_came_and_what_is_right() -> None:
+def test_invalid_value_is_reported_with_the_valid_values() -> None:
     with pytest.raises(CourseError, match="'Line Style' is 'Dots', expected one of 'Lines', 'Billboards'"):
         Thing()["Line Style"] = "Dots"
 
 
-def test_a_layout_sets_what_it_names_and_reports_what_is_wrong() -> None:
+def test_layout_sets_the_listed_properties_and_reports_invalid_values() -> None:
     thing = Thing()
     config = {
         "Cell Size": "wide",
@@ -108,7 +108,7 @@ GOOD: list[tuple[Any, Any, Any]] = [
 
 
 @pytest.mark.parametrize(("convert", "given", "value"), GOOD)
-def test_values_are_taken_as_rviz_takes_them(convert: Any, given: Any, value: Any) -> None:
+def test_values_are_converted_as_in_rviz(convert: Any, given: Any, value: Any) -> None:
     assert convert(given) == value
 
 
@@ -116,14 +116,14 @@ BAD: list[tuple[Any, Any, str]] = [
     (number(), "a", "a number"),
     (number(), True, "a number"),
     (number(), float("nan"), "a number"),
-    (integer(0), 1.5, "a whole number"),
-    (integer(0), float("inf"), "a whole number"),
+    (integer(0), 1.5, "an integer"),
+    (integer(0), float("inf"), "an integer"),
     (flag, 1, "True or False"),
-    (text, {}, "text"),
+    (text, {}, "a string"),
     (words("A", "B"), ["A"], "one of 'A', 'B'"),
-    (color, "1; 2", "a colour like"),
-    (color, 7, "a colour like"),
-    (color, "nocolour", "a colour like"),
+    (color, "1; 2", "a color like"),
+    (color, 7, "a color like"),
+    (color, "nocolour", "a color like"),
     (vector, {"X": 1}, "three numbers"),
     (vector, 1.0, "three numbers"),
     (booleans, {"a": 1}, "True or False"),
@@ -132,7 +132,7 @@ BAD: list[tuple[Any, Any, str]] = [
 
 
 @pytest.mark.parametrize(("convert", "given", "expected"), BAD)
-def test_values_that_do_not_fit_say_what_does(convert: Any, given: Any, expected: str) -> None:
+def test_invalid_value_is_an_error_with_the_expected_type(convert: Any, given: Any, expected: str) -> None:
     with pytest.raises(ValueError, match=expected):
         convert(given)
 
@@ -143,7 +143,7 @@ def grown() -> Thing:
     return thing
 
 
-def test_what_becomes_known_later_is_a_property_like_others_until_it_goes() -> None:
+def test_dynamic_property_behaves_like_others_until_removed() -> None:
     thing = grown()
     thing["Links/arm"] = False
     thing["a/b"] = False
@@ -154,7 +154,7 @@ def test_what_becomes_known_later_is_a_property_like_others_until_it_goes() -> N
         thing["arm"] = True
 
 
-def test_what_becomes_known_later_has_the_value_of_the_layout_or_the_one_it_had() -> None:
+def test_dynamic_property_is_initialized_from_the_layout_or_its_former_value() -> None:
     thing = Thing()
     thing.load({"Links": {"arm": {"Value": False}, "hand": 3}})
     assert thing.grow(Property("Links/arm", True, flag)) == []
@@ -168,10 +168,10 @@ def test_what_becomes_known_later_has_the_value_of_the_layout_or_the_one_it_had(
     ]
 
 
-def test_what_only_shows_something_takes_no_value() -> None:
+def test_read_only_property_rejects_values() -> None:
     thing = Thing()
     thing.grow(Property("Tree/Parent", "", read_only))
     thing.load({"Tree": {"Parent": "map"}})
-    with pytest.raises(CourseError, match="only shows what is there"):
+    with pytest.raises(CourseError, match="the property is read-only"):
         thing["Parent"] = "map"
     assert thing["Parent"] == ""

@@ -28,7 +28,7 @@ def cones(bench: Bench) -> np.ndarray:
     return found.placements
 
 
-def test_a_cone_opens_along_x_from_the_sensor_as_wide_as_it_sees() -> None:
+def test_cone_opens_along_x_from_the_sensor_with_the_field_of_view() -> None:
     bench = Bench()
     add(bench)
     bench.hear("/range", measured(2.0))
@@ -55,7 +55,7 @@ def test_a_cone_opens_along_x_from_the_sensor_as_wide_as_it_sees() -> None:
         (measured(inf, 1.5, 1.5), 0.0),
     ],
 )
-def test_what_is_out_of_range_has_no_length(message: Range, length: float) -> None:
+def test_out_of_range_measurement_has_zero_length(message: Range, length: float) -> None:
     bench = Bench()
     add(bench)
     bench.hear("/range", message)
@@ -63,7 +63,7 @@ def test_what_is_out_of_range_has_no_length(message: Range, length: float) -> No
     assert np.linalg.norm(cones(bench)[0, :3, 2]) == pytest.approx(length)
 
 
-def test_as_many_measurements_are_shown_as_the_buffer_holds() -> None:
+def test_buffer_length_limits_the_number_of_measurements() -> None:
     bench = Bench()
     display = add(bench, buffer_length=3)
     for distance in (1.0, 1.5, 2.0, 2.5):
@@ -74,7 +74,7 @@ def test_as_many_measurements_are_shown_as_the_buffer_holds() -> None:
     assert PATH not in bench.scene.objects()
 
 
-def test_colour_and_alpha_are_those_of_the_properties() -> None:
+def test_color_and_alpha_equal_the_properties() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/range", measured(1.0))

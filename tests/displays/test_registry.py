@@ -19,9 +19,9 @@ def add(name: str) -> Display:
 
 
 @pytest.mark.parametrize("name", CLASSES)
-def test_each_of_rviz_s_classes_is_drawn(name: str) -> None:
+def test_each_display_class_of_rviz_can_be_drawn(name: str) -> None:
     assert add(name).class_name == f"{PACKAGE}/{name}"
 
 
-def test_there_are_no_other_classes_and_none_twice() -> None:
+def test_registry_contains_each_class_exactly_once() -> None:
     assert sorted(REGISTRY) == sorted(f"{PACKAGE}/{name}" for name in CLASSES)

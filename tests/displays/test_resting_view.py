@@ -3,7 +3,7 @@ import json
 from typing import Any
 
 from course_lib.displays.viewer import Viewer
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from tests.displays.bench import at, marker
 from tests.displays.stage import publish, wait
 from tests.viewer.test_stream import decoded
@@ -13,7 +13,7 @@ def panels(view: Any) -> Any:
     return json.loads(view.panels)
 
 
-def test_a_view_at_rest_keeps_its_picture_and_statuses_while_the_viewer_goes_on(graph: Graph) -> None:
+def test_frozen_view_keeps_its_image_and_statuses_while_the_viewer_continues(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     view = viewer.freeze()
@@ -28,7 +28,7 @@ def test_a_view_at_rest_keeps_its_picture_and_statuses_while_the_viewer_goes_on(
     viewer.close()
 
 
-def test_its_panels_are_text_and_its_tools_need_no_python(graph: Graph) -> None:
+def test_frozen_view_has_text_panels_and_tools_without_python(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m", name="hidden", enabled=False)
     shown = panels(viewer.freeze())
@@ -41,7 +41,7 @@ def test_its_panels_are_text_and_its_tools_need_no_python(graph: Graph) -> None:
     viewer.close()
 
 
-def test_its_film_has_the_last_seconds(graph: Graph) -> None:
+def test_frozen_view_has_a_film_of_the_last_seconds(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     for x in range(4):
@@ -53,7 +53,7 @@ def test_its_film_has_the_last_seconds(graph: Graph) -> None:
     viewer.close()
 
 
-def test_its_film_can_be_written_with_fewer_pictures_while_its_viewer_lives(graph: Graph) -> None:
+def test_film_of_a_frozen_view_can_be_saved_with_fewer_frames_while_the_viewer_exists(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     for x in range(8):
@@ -72,11 +72,38 @@ def test_its_film_can_be_written_with_fewer_pictures_while_its_viewer_lives(grap
     assert view.packed(1.0) == view.film
 
 
-def test_it_ends_with_the_last_page_that_shows_it(graph: Graph) -> None:
+def test_frozen_view_ends_with_the_last_page_that_shows_it(graph: Graph) -> None:
     viewer = Viewer()
     view = viewer.freeze()
     view.link.receive({"type": "views", "count": 1})
     assert view.comm is not None
     view.link.receive({"type": "views", "count": 0})
     assert view.comm is None
+    viewer.close()
+
+
+def test_replay_plays_automatically_and_a_frozen_view_does_not(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    publish(graph, "/m", marker())
+    wait(graph, 2.0)
+    replay, frozen = viewer.replay(1.0), viewer.freeze()
+    assert (replay.plays, frozen.plays) == (True, False)
+    assert decoded(replay.film)["end"] == 1.0
+    assert "again and again" in panels(replay)["changed"]["notice"]["text"]
+    viewer.close()
+
+
+def test_reset_discards_drawings_and_keeps_the_displays(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
+    publish(graph, "/m", marker())
+    viewer.look()
+    assert "displays/Marker/" in "".join(viewer.scene.objects())
+    viewer.reset()
+    assert "displays/Marker/" not in "".join(viewer.scene.objects())
+    assert [display.name for display in viewer.displays] == ["Grid", "Marker"]
+    publish(graph, "/m", marker())
+    viewer.look()
+    assert "displays/Marker/" in "".join(viewer.scene.objects())
     viewer.close()

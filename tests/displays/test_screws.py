@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import AccelStamped, TwistStamped, Vector3, WrenchStamped
 
-from course_lib.displays.display import Display
-from course_lib.displays.topic_display import INVALID
+from course_lib.displays.display import INVALID, Display
 from tests.displays.bench import Bench
 
 Make = Callable[..., Any]
@@ -54,7 +53,7 @@ def ends(solids: Any, number: int = 0) -> np.ndarray:
 
 
 @each_kind
-def test_arrows_point_along_both_vectors_as_long_as_scaled(
+def test_arrows_have_the_scaled_length_of_both_vectors(
     name: str, make: Make, straight: str, turning: str
 ) -> None:
     bench = Bench()
@@ -74,7 +73,7 @@ def test_arrows_point_along_both_vectors_as_long_as_scaled(
 
 @each_kind
 @pytest.mark.parametrize("axis", [(1.0, 2.0, 3.0), (0.0, 0.0, 4.0), (0.0, 0.0, -4.0), (-4.0, 0.0, 0.0)])
-def test_a_circle_turns_around_the_turning_vector_by_the_right_hand(
+def test_circle_around_the_rotation_vector_follows_the_right_hand_rule(
     name: str, make: Make, straight: str, turning: str, axis: Numbers
 ) -> None:
     bench = Bench()
@@ -93,7 +92,7 @@ def test_a_circle_turns_around_the_turning_vector_by_the_right_hand(
 
 
 @each_kind
-def test_the_history_keeps_the_newest(name: str, make: Make, straight: str, turning: str) -> None:
+def test_history_keeps_the_newest_screws(name: str, make: Make, straight: str, turning: str) -> None:
     bench = Bench()
     display = add(bench, name, history_length=2)
     for size in (1.0, 2.0, 3.0):
@@ -107,7 +106,7 @@ def test_the_history_keeps_the_newest(name: str, make: Make, straight: str, turn
 
 
 @each_kind
-def test_arrows_that_are_shorter_than_wide_are_left_out(
+def test_arrows_shorter_than_their_width_are_not_drawn(
     name: str, make: Make, straight: str, turning: str
 ) -> None:
     bench = Bench()
@@ -118,7 +117,7 @@ def test_arrows_that_are_shorter_than_wide_are_left_out(
     assert {f"{straight} shaft", f"{turning} shaft"} <= drawn(bench).keys()
 
 
-def test_small_velocities_are_shown_if_asked_for() -> None:
+def test_small_velocities_are_shown_on_request() -> None:
     bench = Bench()
     display = add(bench, "TwistStamped")
     bench.hear("/screw", twist((0.1, 0.0, 0.0), NONE))
@@ -126,7 +125,7 @@ def test_small_velocities_are_shown_if_asked_for() -> None:
     assert sorted(drawn(bench)) == ["Linear head", "Linear shaft"]
 
 
-def test_nans_are_an_error_or_zeros_if_a_wrench_shall_accept_them() -> None:
+def test_nan_values_are_an_error_or_zero_if_a_wrench_accepts_them() -> None:
     bench = Bench()
     display = add(bench, "Wrench")
     wrong = wrench((np.nan, 0.0, 2.0), NONE)

@@ -3,12 +3,12 @@ import pytest
 from builtin_interfaces.msg import Duration
 from visualization_msgs.msg import MarkerArray
 
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import RosMessage, deserialize
-from course_lib.ros.qos import Qos
 from tests.displays.bench import ARRAY, TOPIC, Bench, marker, ns
 
 
-def test_a_message_is_shown_by_the_frame_after_it_and_not_before() -> None:
+def test_message_is_shown_in_the_next_frame() -> None:
     bench = Bench()
     bench.hear(TOPIC, marker(), at=1.0)
     assert bench.shown() == []
@@ -18,7 +18,7 @@ def test_a_message_is_shown_by_the_frame_after_it_and_not_before() -> None:
     assert bench.shown() == ["n/0"]
 
 
-def test_transforms_of_the_same_moment_count_whichever_comes_first() -> None:
+def test_simultaneous_transform_is_used_regardless_of_arrival_order() -> None:
     bench = Bench()
     bench.hear(ARRAY, MarkerArray(markers=[marker(frame="base")]))
     bench.transform("map", "base", (3.0, 0.0, 0.0))
@@ -26,7 +26,7 @@ def test_transforms_of_the_same_moment_count_whichever_comes_first() -> None:
     assert bench.place("n/0")[0, 3] == 3.0
 
 
-def test_things_expire_without_a_message() -> None:
+def test_drawables_expire_without_a_message() -> None:
     bench = Bench()
     bench.show(marker(lifetime=Duration(sec=1)))
     bench.session.tick(ns(0.9))
@@ -35,7 +35,7 @@ def test_things_expire_without_a_message() -> None:
     assert bench.shown() == []
 
 
-def test_a_message_is_deserialised_once_for_all_displays(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_message_is_deserialized_once_for_all_displays(monkeypatch: pytest.MonkeyPatch) -> None:
     bench = Bench()
     bench.session.add("rviz_default_plugins/Marker", "Another", {"Topic": TOPIC})
     count = 0
@@ -51,7 +51,7 @@ def test_a_message_is_deserialised_once_for_all_displays(monkeypatch: pytest.Mon
     assert count == 1
 
 
-def test_displays_of_one_name_have_nodes_of_their_own() -> None:
+def test_displays_with_equal_names_have_separate_nodes() -> None:
     bench = Bench()
     added = [bench.session.add("rviz_default_plugins/Marker", "a/b", {"Topic": TOPIC}) for _ in range(2)]
     bench.hear(TOPIC, marker())
@@ -62,7 +62,7 @@ def test_displays_of_one_name_have_nodes_of_their_own() -> None:
     assert len(bench.scene.objects()) == 2
 
 
-def test_an_unknown_class_is_kept_and_reported_in_rviz_words() -> None:
+def test_unknown_class_is_kept_and_reported_with_rviz_text() -> None:
     bench = Bench()
     config = {"Class": "my_pkg/Fancy", "Name": "Mine", "Secret": [1, 2]}
     display = bench.session.add("my_pkg/Fancy", "Mine", config)
@@ -74,15 +74,15 @@ def test_an_unknown_class_is_kept_and_reported_in_rviz_words() -> None:
     )
 
 
-def test_a_silent_topic_names_those_that_are_not() -> None:
+def test_hint_for_a_silent_topic_lists_active_topics_of_its_type() -> None:
     bench = Bench()
     bench.hear("/marker", marker())
     assert bench.hints(bench.marker) == [
-        "nothing has come on /markers; messages of its type come on /marker."
+        "no message has arrived on /markers; messages of its type arrive on /marker."
     ]
 
 
-def test_a_recording_brings_all_its_messages_whatever_the_display_asks_for() -> None:
+def test_all_messages_of_a_recording_are_delivered_regardless_of_qos() -> None:
     bench = Bench(match_qos=False)
     bench.array["Durability Policy"] = "Transient Local"
     bench.hear(ARRAY, MarkerArray(markers=[marker()]), qos=Qos(durability="volatile"))
@@ -90,7 +90,7 @@ def test_a_recording_brings_all_its_messages_whatever_the_display_asks_for() -> 
     assert bench.shown() == ["n/0"]
 
 
-def test_time_that_jumps_back_resets_everything_as_in_rviz() -> None:
+def test_backward_time_jump_resets_all_displays_as_in_rviz() -> None:
     bench = Bench()
     bench.transform("map", "base", at=5.0, static=False)
     bench.hear(TOPIC, marker(), at=5.0)
@@ -105,19 +105,19 @@ def test_time_that_jumps_back_resets_everything_as_in_rviz() -> None:
     assert bench.shown() == ["n/0"]
 
 
-def test_transforms_that_tf2_ignores_are_hinted_at() -> None:
+def test_transforms_ignored_by_tf2_cause_a_hint() -> None:
     bench = Bench()
     bench.transform("map", "map")
     assert any(row.text.startswith("TF_SELF_TRANSFORM") for row in bench.session.rows())
 
 
-def test_static_transforms_must_be_latched_as_tf2_asks() -> None:
+def test_static_transforms_must_be_latched_as_in_tf2() -> None:
     bench = Bench(fixed_frame="map")
     bench.transform("map", "base", static=True)
     assert "base" in bench.session.context.frames.buffer.frames()
 
 
-def test_the_view_follows_its_target_frame() -> None:
+def test_view_follows_its_target_frame() -> None:
     bench = Bench()
     bench.session.view["Target Frame"] = "base"
     bench.transform("map", "base", (10.0, 0.0, 0.0), static=False)
@@ -125,18 +125,18 @@ def test_the_view_follows_its_target_frame() -> None:
     np.testing.assert_allclose(bench.scene.camera.target, [10, 0, 0])
 
 
-def test_an_unknown_target_frame_is_a_hint_until_it_is_known() -> None:
+def test_unknown_target_frame_causes_a_hint_until_it_is_known() -> None:
     bench = Bench()
     bench.transform("map", "base", (10.0, 0.0, 0.0), static=False)
     bench.session.view["Target Frame"] = "bas"
     (row,) = (row for row in bench.session.rows() if row.name == "Target Frame")
     assert row.level == "hint"
-    assert row.text.endswith("Target Frame 'bas', so the view stays. Did you mean base?")
+    assert row.text.endswith("Target Frame 'bas', so the view does not move. Did you mean base?")
     bench.session.view["Target Frame"] = "base"
     assert not any(row.name == "Target Frame" for row in bench.session.rows())
 
 
-def test_a_view_that_stands_still_leaves_the_camera_alone() -> None:
+def test_unchanged_view_does_not_move_the_camera() -> None:
     bench = Bench()
     said: list[str] = []
     bench.scene.listen(lambda what, path: said.append(what))

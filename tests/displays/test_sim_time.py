@@ -10,11 +10,11 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from course_lib import Viewer
+from course_lib.displays.panel.desk import LiveTime
 from course_lib.displays.panel.protocol import PublishGesture
-from course_lib.displays.panel.time_panel import LiveTime
 from course_lib.displays.panel.tools import publish
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time.driving import spin_for
 from tests.displays.bench import TOPIC, Bench, marker
 
 
@@ -31,17 +31,17 @@ def hints(bench: Bench) -> list[str]:
 @pytest.fixture
 def bench() -> Bench:
     bench = Bench()
-    bench.session.follow_clock(True)
+    bench.session.set_sim_time(True)
     return bench
 
 
-def test_only_a_view_with_sim_time_listens_to_the_clock(bench: Bench) -> None:
+def test_only_a_viewer_with_sim_time_subscribes_to_the_clock(bench: Bench) -> None:
     assert "/clock" in bench.session.topics()
-    bench.session.follow_clock(False)
+    bench.session.set_sim_time(False)
     assert "/clock" not in bench.session.topics()
 
 
-def test_what_expires_does_so_by_the_time_of_the_clock(bench: Bench) -> None:
+def test_lifetimes_expire_by_the_clock_topic(bench: Bench) -> None:
     say_time(bench, 100.0, at=0.0)
     bench.hear(TOPIC, marker(lifetime=Duration(sec=1)), at=0.1)
     bench.look(20.0)
@@ -52,7 +52,7 @@ def test_what_expires_does_so_by_the_time_of_the_clock(bench: Bench) -> None:
     assert bench.shown() == []
 
 
-def test_a_jump_back_of_the_clock_resets_the_view_as_rviz_does(bench: Bench) -> None:
+def test_backward_clock_jump_resets_the_viewer_as_in_rviz(bench: Bench) -> None:
     say_time(bench, 100.0, at=0.0)
     bench.transform("map", "base", at=0.0, static=False)
     bench.hear(TOPIC, marker(), at=0.1)
@@ -63,23 +63,23 @@ def test_a_jump_back_of_the_clock_resets_the_view_as_rviz_does(bench: Bench) -> 
     assert hints(bench) == ["RViz's log: Detected jump back in time. Resetting RViz."]
 
 
-def test_another_source_of_time_resets_the_view_as_rviz_does(bench: Bench) -> None:
+def test_changed_time_source_resets_the_viewer_as_in_rviz(bench: Bench) -> None:
     bench.hear(TOPIC, marker(), at=0.1)
     bench.look(0.2)
-    bench.session.follow_clock(True)
+    bench.session.set_sim_time(True)
     assert bench.shown() == ["n/0"]
-    bench.session.follow_clock(False)
+    bench.session.set_sim_time(False)
     assert bench.shown() == []
     assert hints(bench) == ["RViz's log: Detected time source change. Resetting RViz."]
 
 
-def test_the_time_panel_shows_the_time_of_the_clock(bench: Bench) -> None:
+def test_time_panel_shows_the_clock_time(bench: Bench) -> None:
     time = LiveTime(Graph(), bench.session.time)
     assert (time.time().now, time.time().elapsed) == (0.0, 0.0)
     for sim, at, elapsed in ((100.0, 0.0, 0.0), (102.5, 1.0, 2.5), (50.0, 2.0, 0.0), (51.0, 3.0, 1.0)):
         say_time(bench, sim, at)
         assert (time.time().now, time.time().elapsed) == (sim, elapsed)
-    bench.session.follow_clock(False)
+    bench.session.set_sim_time(False)
     assert (time.time().now, time.time().elapsed) == (1_700_000_000.0, 0.0)
 
 
@@ -96,7 +96,7 @@ def simulator(monkeypatch: pytest.MonkeyPatch) -> Iterator[Node]:
         rclpy.shutdown()
 
 
-def test_a_viewer_with_sim_time_follows_the_clock_and_stamps_by_it(simulator: Node) -> None:
+def test_viewer_with_sim_time_follows_the_clock_and_uses_it_for_stamps(simulator: Node) -> None:
     viewer, heard = Viewer(use_sim_time=True), list[PointStamped]()
     marker_display = viewer.add("Marker", "/marker")
     simulator.create_subscription(PointStamped, "/clicked_point", heard.append, 10)

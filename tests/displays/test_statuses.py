@@ -1,7 +1,7 @@
 from course_lib.displays.statuses import Statuses, StatusRow, StatusTable
 
 
-def test_of_one_name_the_last_word_counts_and_hints_come_last() -> None:
+def test_last_status_of_an_entry_replaces_the_former_and_hints_are_listed_last() -> None:
     statuses = Statuses()
     statuses.hint("Topic", "a", "b")
     statuses.set("error", "Topic", "bad")
@@ -13,14 +13,14 @@ def test_of_one_name_the_last_word_counts_and_hints_come_last() -> None:
     ]
 
 
-def test_hints_without_text_take_back_the_last_ones() -> None:
+def test_empty_hints_clear_the_previous_ones() -> None:
     statuses = Statuses()
     statuses.hint("Topic", "a")
     statuses.hint("Topic")
     assert statuses.rows("Marker") == []
 
 
-def test_delete_forgets_a_name_and_clear_all() -> None:
+def test_delete_removes_one_status_and_clear_removes_all() -> None:
     statuses = Statuses()
     for name in ("n/0", "n/1"):
         statuses.set("warn", name, "x")
@@ -39,25 +39,25 @@ ROWS = [
 ]
 
 
-def test_the_table_tells_levels_by_icon_and_word_and_not_by_colour_only() -> None:
+def test_status_table_marks_levels_with_icons_and_words() -> None:
     html = StatusTable(ROWS)._repr_html_()
     for mark in ("✔ Ok", "✖ Error", "⚠ Warn", "➤ hint"):
         assert mark in html
     assert "<th>Level</th>" in html
 
 
-def test_texts_cannot_become_html() -> None:
+def test_status_texts_are_escaped_in_html() -> None:
     assert "<b>Frame" not in StatusTable(ROWS)._repr_html_()
     assert "&lt;b&gt;Frame&lt;/b&gt; &amp; co" in StatusTable(ROWS)._repr_html_()
 
 
-def test_in_a_terminal_the_columns_are_aligned() -> None:
+def test_columns_are_aligned_in_a_terminal() -> None:
     lines = str(StatusTable(ROWS)).splitlines()
     assert lines[0] == "Marker  Topic      ✔ Ok     1 messages received"
     assert lines[3] == "Grid    Transform  ⚠ Warn   hm"
     assert str(StatusTable()) == ""
 
 
-def test_a_status_of_rviz_that_nobody_understands_has_a_title() -> None:
+def test_ambiguous_rviz_status_has_a_tooltip() -> None:
     html = StatusTable([StatusRow("Marker", "Array Topic", "ok", "OK")])._repr_html_()
-    assert "title=\"RViz's Marker display also listens to arrays" in html
+    assert "title=\"RViz's Marker display also subscribes to arrays" in html

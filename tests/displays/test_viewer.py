@@ -14,30 +14,32 @@ from course_lib.displays.viewer import Viewer
 from course_lib.displays.views import Orbit, TopDownOrtho
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
+from course_lib.robots.mobile_manipulator import simple_painter
 from course_lib.robots.robot import load_robot
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.viewer import encoding
 from tests.displays.bench import marker
 from tests.displays.stage import LATCHED, publish, shown
 from tests.displays.test_layout import LAYOUT
 
 
-def test_a_fixed_frame_without_its_quotes_is_refused_before_anything_waits_for_it(graph: Graph) -> None:
-    viewer, no_name = Viewer(), cast(Any, map)
+def test_unquoted_fixed_frame_is_rejected_before_displays_wait_for_it(graph: Graph) -> None:
+    viewer, no_name = Viewer(), cast("Any", map)
     for refused in (lambda: Viewer(fixed_frame=no_name), lambda: setattr(viewer, "fixed_frame", no_name)):
-        with pytest.raises(CourseError, match=r'the fixed frame map is not text\. .* fixed_frame="map"'):
+        with pytest.raises(CourseError, match=r'the fixed frame map is not a string\. .* fixed_frame="map"'):
             refused()
     publish(graph, "/markers", marker())
     assert viewer.fixed_frame == "map"
 
 
-def test_a_new_viewer_shows_a_grid_in_its_fixed_frame(graph: Graph) -> None:
+def test_new_viewer_shows_a_grid_in_its_fixed_frame(graph: Graph) -> None:
     viewer = Viewer(fixed_frame="odom")
     assert [display.name for display in viewer.displays] == ["Grid"]
     assert viewer.fixed_frame == "odom"
     assert shown(viewer) == {"Grid"}
 
 
-def test_a_display_shows_what_is_published(graph: Graph) -> None:
+def test_display_shows_published_messages(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())
@@ -45,25 +47,25 @@ def test_a_display_shows_what_is_published(graph: Graph) -> None:
     assert ("Marker", "Topic", "ok", "1 messages received at inf hz.") in viewer.statuses()
 
 
-def test_a_late_display_gets_what_publishers_hold_only_if_it_asks_for_it(graph: Graph) -> None:
+def test_late_joining_display_needs_transient_local_to_receive_latched_messages(graph: Graph) -> None:
     publish(graph, "/m", marker(), LATCHED)
     viewer = Viewer()
     display = viewer.add("Marker", topic="/m")
     assert shown(viewer) == {"Grid"}
-    assert "ask for it with Durability Policy: Transient Local" in str(viewer.statuses())
+    assert "set Durability Policy to Transient Local" in str(viewer.statuses())
     display["Durability Policy"] = "Transient Local"
     assert shown(viewer) == {"Grid", "Marker"}
     assert "Transient Local" not in str(viewer.statuses())
 
 
-def test_a_late_viewer_hears_static_transforms(graph: Graph) -> None:
+def test_late_joining_viewer_receives_static_transforms(graph: Graph) -> None:
     transform = TransformStamped(child_frame_id="base")
     transform.header.frame_id = "map"
     publish(graph, "/tf_static", TFMessage(transforms=[transform]), LATCHED)
     assert ("Global Status", "Fixed Frame", "ok", "OK") in Viewer().statuses()
 
 
-def test_markers_expire_as_robot_time_goes_by(graph: Graph) -> None:
+def test_markers_expire_by_robot_time(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     fading = marker()
@@ -75,7 +77,7 @@ def test_markers_expire_as_robot_time_goes_by(graph: Graph) -> None:
     assert "displays/Marker/n/0/body" not in viewer.scene.objects()
 
 
-def test_properties_go_by_rviz_labels_or_python_names_and_show_at_once(graph: Graph) -> None:
+def test_properties_set_by_label_or_attribute_are_applied_immediately(graph: Graph) -> None:
     viewer = Viewer()
     grid = viewer["Grid"]
     before = viewer.scene.objects()["displays/Grid/drawing"]
@@ -86,7 +88,7 @@ def test_properties_go_by_rviz_labels_or_python_names_and_show_at_once(graph: Gr
     assert (viewer["Big"]["Cell Size"], viewer["Big"]["Plane Cell Count"]) == (2.0, 4)
 
 
-def test_remove_takes_a_display_away_with_what_it_drew(graph: Graph) -> None:
+def test_remove_deletes_a_display_and_its_objects(graph: Graph) -> None:
     viewer = Viewer()
     grid = viewer["Grid"]
     viewer.remove(grid)
@@ -97,15 +99,15 @@ def test_remove_takes_a_display_away_with_what_it_drew(graph: Graph) -> None:
 
 
 MISTAKES: dict[str, tuple[Callable[[Viewer], Any], str]] = {
-    "class": (lambda v: v.add("Markr"), "no display 'Markr' here; add one of Marker, MarkerArray"),
+    "class": (lambda v: v.add("Markr"), "no display 'Markr'; use one of Marker, MarkerArray"),
     "property": (lambda v: v.add("Marker", topc="/m"), "has no property 'topc', but 'Topic'"),
     "value": (lambda v: v.add("Grid", plane="XX"), "'Plane' is 'XX', expected one of 'XY', 'XZ', 'YZ'"),
-    "name": (lambda v: v["Gird"], "No display is called 'Gird'; there is Grid"),
+    "name": (lambda v: v["Gird"], "No display has the name 'Gird'; the displays are Grid"),
 }
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_answered_with_what_would_be_right(name: str, graph: Graph) -> None:
+def test_invalid_call_is_an_error_with_the_correct_usage(name: str, graph: Graph) -> None:
     mistake, text = MISTAKES[name]
     viewer = Viewer()
     with pytest.raises(CourseError, match=text):
@@ -113,16 +115,16 @@ def test_a_mistake_is_answered_with_what_would_be_right(name: str, graph: Graph)
     assert len(viewer.displays) == 1
 
 
-def test_what_is_no_view_is_refused_and_the_old_one_stays() -> None:
+def test_invalid_view_is_rejected_and_the_current_view_is_kept() -> None:
     viewer = Viewer()
     with pytest.raises(
-        CourseError, match=r"'TopDownOrtho' is not a view; write one like viewer.view = Orbit\(\)"
+        CourseError, match=r"'TopDownOrtho' is not a view; assign one, like viewer.view = Orbit\(\)"
     ):
         viewer.view = "TopDownOrtho"  # type: ignore[assignment]
     assert isinstance(viewer.view, Orbit)
 
 
-def test_the_view_may_be_replaced_or_changed_by_label(graph: Graph) -> None:
+def test_view_can_be_replaced_or_changed_by_label(graph: Graph) -> None:
     viewer = Viewer()
     viewer.view = Orbit(distance=3.0, focal_point=(0, 0, 1))
     assert viewer.scene.camera.target == (0.0, 0.0, 1.0)
@@ -132,14 +134,15 @@ def test_the_view_may_be_replaced_or_changed_by_label(graph: Graph) -> None:
     assert viewer.scene.camera.orthographic_scale == 10.0
 
 
-def test_a_layout_makes_a_viewer(graph: Graph, tmp_path: Path) -> None:
+def test_viewer_is_created_from_a_layout(graph: Graph, tmp_path: Path) -> None:
     (tmp_path / "view.rviz").write_text(LAYOUT)
     viewer = Viewer.from_rviz(tmp_path / "view.rviz")
     assert [display.name for display in viewer.displays] == ["My grid", "Boxes", "Old", "From ROS 1"]
     assert viewer.fixed_frame == "world"
 
 
-def test_a_page_and_a_picture_can_be_saved(graph: Graph, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_page_and_image_can_be_saved(graph: Graph, tmp_path: Path) -> None:
     viewer = Viewer()
     viewer.save_html(tmp_path / "scene.html")
     assert "<html" in (tmp_path / "scene.html").read_text()[:200].lower()
@@ -148,7 +151,7 @@ def test_a_page_and_a_picture_can_be_saved(graph: Graph, tmp_path: Path) -> None
     assert picture.renderer in ("chromium", "numpy")
 
 
-def test_a_robot_can_be_drawn_without_messages(graph: Graph) -> None:
+def test_robot_can_be_drawn_without_messages(graph: Graph) -> None:
     viewer, robot = Viewer(), load_robot("ur10")
     viewer.show_robot(robot)
     links = [path for path in viewer.scene.objects() if "visual" in path and viewer.scene.visible(path)]
@@ -157,11 +160,12 @@ def test_a_robot_can_be_drawn_without_messages(graph: Graph) -> None:
     viewer.show_robot(robot, positions)
     tip = viewer.scene.world_transform("robots/ur10/wrist_3_link/visual")
     np.testing.assert_allclose(tip, link_poses(robot, positions)["wrist_3_link"])
-    with pytest.raises(CourseError, match="'ur10' has no joint 'elbow' that moves"):
+    with pytest.raises(CourseError, match="'ur10' has no movable joint 'elbow'"):
         viewer.show_robot(robot, {"elbow": 1.0})
 
 
-def test_a_robot_can_be_drawn_by_pinocchios_vector(graph: Graph) -> None:
+@pytest.mark.slow
+def test_robot_can_be_drawn_from_a_pinocchio_configuration(graph: Graph) -> None:
     pytest.importorskip("pinocchio")
     viewer, robot = Viewer(), load_robot("ur10")
     viewer.show_robot(robot, [0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
@@ -171,8 +175,10 @@ def test_a_robot_can_be_drawn_by_pinocchios_vector(graph: Graph) -> None:
         viewer.show_robot(robot, [0.0, 1.0])
 
 
+@pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["talos", "solo12", "tiago"])
-def test_pinocchios_vector_places_every_link_where_pinocchio_has_it(graph: Graph, name: str) -> None:
+def test_pinocchio_configuration_places_every_link_as_in_pinocchio(graph: Graph, name: str) -> None:
     pin = pytest.importorskip("pinocchio")
     viewer, robot = Viewer(), load_robot(name)
     model, data = robot.model, robot.model.createData()
@@ -187,7 +193,8 @@ def test_pinocchios_vector_places_every_link_where_pinocchio_has_it(graph: Graph
         np.testing.assert_allclose(link, data.oMf[frame].homogeneous, atol=1e-12)
 
 
-def test_links_that_pinocchios_model_lacks_go_along_with_the_root(graph: Graph) -> None:
+@pytest.mark.slow
+def test_links_missing_in_the_pinocchio_model_move_with_the_root(graph: Graph) -> None:
     pytest.importorskip("pinocchio")
     viewer, robot = Viewer(), load_robot("talos_legs")  # a model without the body above the legs
     viewer.show_robot(robot)
@@ -200,7 +207,8 @@ def test_links_that_pinocchios_model_lacks_go_along_with_the_root(graph: Graph) 
     np.testing.assert_allclose(after, before, atol=1e-12)
 
 
-def test_a_free_flyer_stands_where_the_vector_says(graph: Graph) -> None:
+@pytest.mark.slow
+def test_free_flyer_is_placed_by_the_configuration(graph: Graph) -> None:
     pytest.importorskip("pinocchio")
     viewer, robot = Viewer(), load_robot("solo12")
     vector = robot.q0.copy()
@@ -214,7 +222,7 @@ def test_a_free_flyer_stands_where_the_vector_says(graph: Graph) -> None:
         viewer.show_robot(robot, vector * np.nan)
 
 
-def test_a_robot_at_rest_stands_on_its_feet(graph: Graph) -> None:
+def test_robot_in_its_rest_pose_stands_on_its_feet(graph: Graph) -> None:
     viewer = Viewer()
     viewer.show_robot(load_robot("talos"))
     feet = [
@@ -223,13 +231,44 @@ def test_a_robot_at_rest_stands_on_its_feet(graph: Graph) -> None:
     assert [round(float(foot[2, 3]), 2) for foot in feet] == [0.11, 0.11]  # [m] the ankle's height
 
 
-def test_statuses_are_a_table(graph: Graph) -> None:
+def test_shown_robot_follows_a_frame_and_is_hidden_while_tf2_does_not_know_it(graph: Graph) -> None:
+    viewer = Viewer(fixed_frame="map")
+    viewer.show_robot(simple_painter(), frame="base_link", at=(0.0, 0.0, 0.5))
+    path = "robots/painter"
+    assert not viewer.scene.visible(path)
+    moved = TransformStamped(child_frame_id="base_link")
+    moved.header.frame_id, moved.transform.translation.x = "map", 2.0
+    moved.transform.rotation.w = 1.0
+    publish(graph, "/tf_static", TFMessage(transforms=[moved]), LATCHED)
+    viewer.look()
+    assert viewer.scene.visible(path)
+    assert viewer.scene.world_transform(path)[:3, 3].tolist() == [2.0, 0.0, 0.5]
+
+
+def test_shown_robot_without_a_frame_stands_in_the_fixed_frame(graph: Graph) -> None:
+    viewer = Viewer(fixed_frame="odom")
+    viewer.show_robot(simple_painter(), at=(-2.5, 0.0, 0.0))
+    assert viewer.scene.world_transform("robots/painter/base_link")[:3, 3].tolist() == [-2.5, 0.0, 0.0]
+
+
+def test_shown_robot_that_does_not_move_changes_nothing_in_later_frames(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.show_robot(simple_painter(), at=(-2.5, 0.0, 0.0))
+    scene, changes = viewer.scene, list[tuple[str, str]]()
+    scene.listen(lambda kind, path: changes.append((kind, path)))
+    for _ in range(3):
+        viewer.session.refresh()
+        viewer.session.update(graph.now_ns)
+    assert changes == []
+
+
+def test_statuses_are_returned_as_a_table(graph: Graph) -> None:
     statuses = Viewer().statuses()
     assert isinstance(statuses, StatusTable)
     assert statuses[0] == ("Global Status", "Fixed Frame", "warn", statuses[0].text)
 
 
-def test_code_for_meshcat_draws_into_the_viewer_and_may_move_its_camera(graph: Graph) -> None:
+def test_meshcat_code_draws_into_the_viewer_and_can_move_its_camera(graph: Graph) -> None:
     viewer = Viewer()
     viewer.look()
     viewer.meshcat["box"].set_object(meshcat.geometry.Box([1, 1, 1]))
@@ -242,7 +281,7 @@ def test_code_for_meshcat_draws_into_the_viewer_and_may_move_its_camera(graph: G
     assert viewer.scene.camera.eye != (1.0, 2.0, 3.0)
 
 
-def test_a_saved_page_plays_what_was_seen(graph: Graph, tmp_path: Path) -> None:
+def test_saved_page_plays_back_the_recording(graph: Graph, tmp_path: Path) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     graph.call_at(graph.now_ns + 10**9, lambda: publish(graph, "/m", marker()), node=1, entity=0)
@@ -254,11 +293,37 @@ def test_a_saved_page_plays_what_was_seen(graph: Graph, tmp_path: Path) -> None:
     assert still.stat().st_size < film.stat().st_size < 350_000
 
 
-def test_it_prints_alike_in_every_run(graph: Graph) -> None:
+def test_viewer_output_is_equal_in_every_run(graph: Graph) -> None:
     assert repr(Viewer()) == "<Viewer of map with Grid>"
 
 
-def test_options_and_tools_are_set_by_rviz_s_labels(graph: Graph, tmp_path: Path) -> None:
+def test_look_is_saved_in_the_layout_and_the_default_look_of_rviz_is_not(
+    graph: Graph, tmp_path: Path
+) -> None:
+    viewer, path = Viewer(), tmp_path / "mine.rviz"
+    viewer.save_rviz(path)
+    plain = path.read_text()
+    viewer.options["Look"] = "Studio"
+    viewer.save_rviz(path)
+    assert path.read_text().replace("    Look: Studio\n", "") == plain
+    again = Viewer.from_rviz(path)
+    assert (again.options["Look"], again.scene.look) == ("Studio", "Studio")
+    again.options["Look"] = "RViz"
+    again.save_rviz(path)
+    assert path.read_text() == plain
+    with pytest.raises(CourseError, match="'Look' is 'studio', expected one of 'RViz', 'Studio'"):
+        viewer.options["Look"] = "studio"
+
+
+def test_look_is_kept_in_recordings_and_copies(graph: Graph) -> None:
+    viewer = Viewer()
+    viewer.options["Look"] = "Studio"
+    viewer.look()
+    assert viewer.film.scene.look == "Studio"
+    assert encoding.scene_batch(viewer.film.scene)["commands"][0]["look"] == "Studio"
+
+
+def test_options_and_tools_are_set_by_their_rviz_labels(graph: Graph, tmp_path: Path) -> None:
     viewer = Viewer()
     viewer.options["Frame Rate"] = 10
     viewer.options["Background Color"] = "#ffffff"
@@ -267,7 +332,9 @@ def test_options_and_tools_are_set_by_rviz_s_labels(graph: Graph, tmp_path: Path
     again = Viewer.from_rviz(tmp_path / "mine.rviz")
     assert (again.options["Frame Rate"], again.scene.background) == (10, (255, 255, 255))
     assert again.tool("2D Goal Pose")["Topic"] == "/my_goal"
-    with pytest.raises(CourseError, match="No tool is called 'Goal'; there is Interact, Move Camera"):
+    with pytest.raises(
+        CourseError, match="No tool has the label 'Goal'; the tools are Interact, Move Camera"
+    ):
         viewer.tool("Goal")
     with pytest.raises(CourseError, match="has no property 'Frame Rat', but 'Frame Rate'"):
         viewer.options["Frame Rat"] = 5

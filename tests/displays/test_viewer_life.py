@@ -11,13 +11,14 @@ import pytest
 
 from course_lib.displays.viewer import Viewer
 from course_lib.errors import CourseError
-from course_lib.ros import pace
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time import pace
+from course_lib.viewer.widget import side_panel
 from tests.displays.bench import marker
 from tests.displays.stage import publish, shown, wait
 
 
-def test_a_closed_viewer_hears_nothing_and_may_be_closed_again(graph: Graph) -> None:
+def test_closed_viewer_receives_no_messages_and_can_be_closed_again(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     viewer.close()
@@ -26,8 +27,8 @@ def test_a_closed_viewer_hears_nothing_and_may_be_closed_again(graph: Graph) -> 
     assert shown(viewer) == {"Grid"}
 
 
-def test_a_cell_gets_the_view_a_picture_and_the_statuses(graph: Graph) -> None:
-    from course_lib.ros import pace
+def test_cell_output_contains_the_view_an_image_and_the_statuses(graph: Graph) -> None:
+    from course_lib.ros.time import pace
 
     viewer = Viewer()
     pace.pages.clear()
@@ -43,7 +44,7 @@ def test_a_cell_gets_the_view_a_picture_and_the_statuses(graph: Graph) -> None:
     assert pace.pages == set()
 
 
-def test_the_panels_follow_the_statuses(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_panels_follow_the_statuses(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
     viewer = Viewer()
     viewer._repr_mimebundle_()
     posted: list[Any] = []
@@ -56,14 +57,14 @@ def test_the_panels_follow_the_statuses(graph: Graph, monkeypatch: pytest.Monkey
     viewer.close()
 
 
-def test_a_viewer_that_nothing_holds_and_no_page_shows_stops_listening(graph: Graph) -> None:
+def test_unreferenced_viewer_without_a_page_ends_its_subscriptions(graph: Graph) -> None:
     viewer = Viewer()
     assert len(graph._taps) == 1
     del viewer
     assert graph._taps == []
 
 
-def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
+def test_viewer_exists_while_a_page_shows_it_and_ends_with_its_last_view(
     graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     viewer = Viewer()
@@ -86,7 +87,7 @@ def test_a_viewer_lives_while_a_page_shows_it_and_ends_with_its_last_view(
     assert not pace.pages
 
 
-def test_while_all_pages_are_hidden_ten_frames_a_second_are_drawn(graph: Graph) -> None:
+def test_frame_rate_is_ten_per_second_while_all_pages_are_hidden(graph: Graph) -> None:
     viewer = Viewer()
     viewer._repr_mimebundle_()
     assert viewer._cell._view is not None
@@ -104,7 +105,7 @@ def test_while_all_pages_are_hidden_ten_frames_a_second_are_drawn(graph: Graph) 
     viewer.close()
 
 
-def test_a_viewer_with_a_name_goes_on_without_a_page_and_may_be_shown_again(graph: Graph) -> None:
+def test_referenced_viewer_keeps_running_without_a_page_and_can_be_shown_again(graph: Graph) -> None:
     viewer = Viewer()
     viewer._repr_mimebundle_()
     assert viewer._cell._view is not None
@@ -118,7 +119,7 @@ def test_a_viewer_with_a_name_goes_on_without_a_page_and_may_be_shown_again(grap
     viewer.close()
 
 
-def test_a_program_opens_its_viewer_in_a_tab_of_a_browser_until_it_is_closed(
+def test_program_opens_its_viewer_in_a_browser_tab_until_it_is_closed(
     graph: Graph, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     opened: list[str] = []
@@ -134,7 +135,7 @@ def test_a_program_opens_its_viewer_in_a_tab_of_a_browser_until_it_is_closed(
     assert viewer.session.after_frame == []
 
 
-def test_beside_shows_the_viewer_in_the_cell_where_no_page_docks_it(
+def test_beside_option_shows_the_viewer_in_the_cell_if_no_page_docks_it(
     graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shown: list[object] = []
@@ -146,15 +147,16 @@ def test_beside_shows_the_viewer_in_the_cell_where_no_page_docks_it(
     assert "sidecar" not in sys.modules
     assert viewer._cell._view is not None
     assert viewer._cell._view.beside
+    side_panel.close()
     viewer.close()
 
 
-def test_on_a_hub_the_viewer_opens_behind_the_hubs_proxy_and_no_browser_is_started(
+def test_viewer_on_a_hub_opens_behind_its_proxy_without_starting_a_browser(
     graph: Graph, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     opened: list[str] = []
     monkeypatch.setattr("webbrowser.open", opened.append)
-    monkeypatch.setattr("course_lib.surroundings.find_spec", lambda name: name)
+    monkeypatch.setattr("course_lib.host.find_spec", lambda name: name)
     monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
     viewer = Viewer()
     url = viewer.open()
@@ -166,10 +168,10 @@ def test_on_a_hub_the_viewer_opens_behind_the_hubs_proxy_and_no_browser_is_start
     viewer.close()
 
 
-def test_on_a_hub_without_a_proxy_open_is_refused_with_what_works_instead(
+def test_open_on_a_hub_without_a_proxy_is_rejected_with_the_alternative(
     graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("course_lib.surroundings.find_spec", lambda name: None)
+    monkeypatch.setattr("course_lib.host.find_spec", lambda name: None)
     monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
     with pytest.raises(CourseError, match=r"no jupyter-server-proxy\. Show the viewer in a notebook"):
         Viewer().open()

@@ -25,24 +25,24 @@ def turned_frames() -> Frames:
     frames = Frames("map")
     message = transform("map", "base", 10.0)
     message.transform.rotation.z = message.transform.rotation.w = 0.5**0.5
-    frames.take([message], is_static=True)
+    frames.add_transforms([message], is_static=True)
     return frames
 
 
-def test_an_orbit_is_a_distance_away_from_its_focal_point() -> None:
+def test_orbit_camera_has_the_distance_from_its_focal_point() -> None:
     camera = Orbit(distance=8.0, yaw=YAW, pitch=PITCH, focal_point=(1.0, 2.0, 0.5)).camera(Frames("map"))
     np.testing.assert_allclose(camera.eye, np.array([1, 2, 0.5]) + 8 * AWAY)
     np.testing.assert_allclose(camera.target, [1, 2, 0.5])
     assert camera.vertical_fov == pytest.approx(pi / 4)
 
 
-def test_an_orbit_goes_along_with_the_position_of_its_target_frame_only() -> None:
+def test_orbit_follows_only_the_position_of_its_target_frame() -> None:
     camera = Orbit(target_frame="base", yaw=YAW, pitch=PITCH, distance=1.0).camera(turned_frames())
     np.testing.assert_allclose(camera.target, [10, 0, 0])
     np.testing.assert_allclose(np.subtract(camera.eye, camera.target), AWAY)
 
 
-def test_a_third_person_follower_turns_with_its_target_frame() -> None:
+def test_third_person_follower_rotates_with_its_target_frame() -> None:
     view = ThirdPersonFollower(target_frame="base", yaw=YAW, pitch=PITCH, distance=1.0)
     camera = view.camera(turned_frames())
     away = np.subtract(camera.eye, camera.target)
@@ -50,7 +50,7 @@ def test_a_third_person_follower_turns_with_its_target_frame() -> None:
     assert camera.target[2] > 0  # it is an XYOrbit, whose camera is lifted
 
 
-def test_an_xy_orbit_lifts_the_camera_by_a_fifth_of_its_distance() -> None:
+def test_xy_orbit_raises_the_camera_by_a_fifth_of_its_distance() -> None:
     plain = Orbit(distance=5.0, yaw=YAW, pitch=PITCH).camera(Frames("map"))
     lifted = XYOrbit(distance=5.0, yaw=YAW, pitch=PITCH).camera(Frames("map"))
     moved = np.subtract(lifted.eye, plain.eye)
@@ -60,25 +60,25 @@ def test_an_xy_orbit_lifts_the_camera_by_a_fifth_of_its_distance() -> None:
     np.testing.assert_allclose(np.subtract(lifted.target, plain.target), moved)
 
 
-def test_an_inverted_z_axis_turns_the_world_upside_down() -> None:
+def test_inverted_z_axis_turns_the_view_upside_down() -> None:
     camera = Orbit(invert_z_axis=True, yaw=YAW, pitch=PITCH, distance=1.0).camera(Frames("map"))
     np.testing.assert_allclose(camera.eye, AWAY * [1, -1, -1])
     assert camera.up == (0.0, 0.0, -1.0)
 
 
-def test_fps_looks_ahead_and_down_by_its_pitch() -> None:
+def test_fps_view_looks_ahead_and_down_by_its_pitch() -> None:
     camera = FPS(position=(1.0, 2.0, 3.0), yaw=YAW, pitch=PITCH).camera(Frames("map"))
     np.testing.assert_allclose(camera.eye, [1, 2, 3])
     np.testing.assert_allclose(np.subtract(camera.target, camera.eye), AWAY * [1, 1, -1])
 
 
-def test_a_new_fps_view_looks_at_the_origin() -> None:
+def test_new_fps_view_looks_at_the_origin() -> None:
     camera = FPS().camera(Frames("map"))
     ahead = np.subtract(camera.target, camera.eye)
     np.testing.assert_allclose(np.cross(ahead, camera.eye), 0, atol=1e-9)
 
 
-def test_top_down_has_pixels_per_metre_and_turns_by_its_angle() -> None:
+def test_top_down_view_has_pixels_per_meter_and_rotates_by_its_angle() -> None:
     camera = TopDownOrtho(x=0.5, y=-0.5, scale=70.0, angle=0.3).camera(Frames("map"))
     np.testing.assert_allclose(camera.target[:2], [0.5, -0.5])
     assert camera.eye[2] == 500.0
@@ -98,18 +98,18 @@ MOVED = (
 
 
 @pytest.mark.parametrize("view", MOVED, ids=repr)
-def test_a_camera_gives_back_the_properties_it_came_from(view: ViewController) -> None:
+def test_view_properties_survive_conversion_to_a_camera_and_back(view: ViewController) -> None:
     frames = turned_frames()
     other = type(view)(target_frame=view["Target Frame"], invert_z_axis=view["Invert Z Axis"])
     other.camera(frames)
-    other.take(view.camera(frames))
+    other.set_from_camera(view.camera(frames))
     for prop in view.properties:
         wanted = view[prop.label]
         assert other[prop.label] == (wanted if isinstance(wanted, str) else pytest.approx(wanted)), prop.label
 
 
 @pytest.mark.parametrize("kind", [Orbit, ThirdPersonFollower])
-def test_another_type_of_view_looks_from_the_same_place(kind: type[ViewController]) -> None:
+def test_changed_view_type_keeps_the_camera_position(kind: type[ViewController]) -> None:
     frames, made = turned_frames(), kind()
     former = FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0), target_frame="base")
     made.mimic(former, frames)
@@ -117,7 +117,7 @@ def test_another_type_of_view_looks_from_the_same_place(kind: type[ViewControlle
 
 
 @pytest.mark.parametrize("view", [Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho, FrameAligned])
-def test_a_target_frame_that_gets_lost_leaves_the_view_where_it_was(view: type[ViewController]) -> None:
+def test_lost_target_frame_leaves_the_view_unchanged(view: type[ViewController]) -> None:
     frames = turned_frames()
     made = view(target_frame="base")
     before = made.camera(frames)
@@ -125,31 +125,31 @@ def test_a_target_frame_that_gets_lost_leaves_the_view_where_it_was(view: type[V
     assert made.camera(frames) == before
 
 
-def test_the_pitch_stays_off_the_poles() -> None:
+def test_pitch_is_limited_near_the_poles() -> None:
     assert Orbit(pitch=7.0)["Pitch"] == pytest.approx(pi / 2 - 0.001)
 
 
-def test_an_unknown_property_of_a_view_names_what_there_is() -> None:
+def test_unknown_view_property_error_suggests_existing_properties() -> None:
     with pytest.raises(CourseError, match="Orbit has no property 'dist', but 'Distance'"):
         Orbit(dist=3.0)
 
 
 @pytest.mark.parametrize("kind", [Orbit, XYOrbit, FPS, TopDownOrtho])
-def test_another_target_frame_leaves_the_camera_where_it_is(kind: type[ViewController]) -> None:
+def test_changed_target_frame_keeps_the_camera_position(kind: type[ViewController]) -> None:
     frames, view = turned_frames(), kind()
     before = view.camera(frames)
     view["Target Frame"] = "base"
     assert view.camera(frames) == before
 
 
-def test_the_focal_point_of_an_xy_orbit_is_on_the_ground_whatever_it_takes_over_from() -> None:
+def test_xy_orbit_focal_point_is_on_the_ground_regardless_of_the_previous_view() -> None:
     made, former = XYOrbit(), FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0))
     made.mimic(former, Frames("map"))
     assert made["Focal Point"][2] == 0.0
     np.testing.assert_allclose(made.camera(Frames("map")).eye, former.camera(Frames("map")).eye, atol=1e-9)
 
 
-def test_an_xy_orbit_that_can_see_no_ground_starts_anew() -> None:
+def test_xy_orbit_without_visible_ground_is_reset() -> None:
     made = XYOrbit(distance=3.0)
     made.mimic(FPS(pitch=-0.5), Frames("map"))
     assert [made[label] for label in ("Distance", "Focal Point")] == [10.0, (0.0, 0.0, 0.0)]
@@ -159,13 +159,13 @@ AXES = {"+x axis": (0, 1, 0), "-y axis": (1, 0, 0), "-z axis": (0, 0, -1)}  # of
 
 
 @pytest.mark.parametrize("axis", AXES)
-def test_a_frame_aligned_view_looks_along_an_axis_of_its_frame(axis: str) -> None:
+def test_frame_aligned_view_looks_along_an_axis_of_its_frame(axis: str) -> None:
     camera = FrameAligned(target_frame="base", point_towards=axis).camera(turned_frames())
     np.testing.assert_allclose(camera.eye, [10, 0, 0])
     np.testing.assert_allclose(np.subtract(camera.target, camera.eye), AXES[axis], atol=0.0011)
 
 
-def test_a_frame_aligned_view_says_which_axis_it_looks_along() -> None:
+def test_frame_aligned_view_reports_its_viewing_axis() -> None:
     view = FrameAligned()
     assert view["Point towards"] == "-z axis"
     view["Pitch"] = 0.3
@@ -174,7 +174,7 @@ def test_a_frame_aligned_view_says_which_axis_it_looks_along() -> None:
     assert view["Point towards"] == "+x axis"
 
 
-def test_a_view_that_returns_home_keeps_its_target_frame() -> None:
+def test_reset_view_keeps_its_target_frame() -> None:
     view = Orbit(distance=3.0, yaw=1.0, target_frame="base")
     view.return_home()
     assert [view[label] for label in ("Distance", "Yaw", "Target Frame")] == [10.0, pi / 4, "base"]
@@ -183,7 +183,7 @@ def test_a_view_that_returns_home_keeps_its_target_frame() -> None:
 @pytest.mark.parametrize(
     ("name", "kind"), [("rviz/FPS", "FPS"), ("XYOrbit", "XYOrbit"), ("my/Orbit", "FailedView")]
 )
-def test_views_of_ros_1_are_understood_and_others_are_orbits_that_say_so(name: str, kind: str) -> None:
+def test_ros_1_views_are_converted_and_unknown_views_are_reported(name: str, kind: str) -> None:
     view, *wrong = view_of({"Class": name})
     assert type(view).__name__ == kind
     assert bool(wrong) == (kind == "FailedView")

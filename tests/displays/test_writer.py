@@ -38,7 +38,7 @@ def layout(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("path", REAL, ids=lambda path: path.parent.name)
-def test_saving_what_was_saved_changes_nothing(path: Path, tmp_path: Path) -> None:
+def test_saving_a_loaded_layout_is_idempotent(path: Path, tmp_path: Path) -> None:
     once = saved(session_of(path), tmp_path / "once.rviz")
     assert saved(session_of(tmp_path / "once.rviz"), tmp_path / "twice.rviz") == once
 
@@ -80,7 +80,7 @@ VIEW = """\
 """
 
 
-def test_what_is_not_known_is_kept_letter_by_letter(layout: Path, tmp_path: Path) -> None:
+def test_unknown_entries_are_saved_verbatim(layout: Path, tmp_path: Path) -> None:
     before, view = LAYOUT.split("    Current:\n")
     before = before.replace("  Enabled: true\n  Global", FOREIGN + "  Enabled: true\n  Global")
     after = view[view.index("    Saved:") :]
@@ -90,7 +90,7 @@ def test_what_is_not_known_is_kept_letter_by_letter(layout: Path, tmp_path: Path
         assert kept in text
 
 
-def test_tools_are_saved_as_they_are_set(layout: Path, tmp_path: Path) -> None:
+def test_tools_are_saved_with_their_settings(layout: Path, tmp_path: Path) -> None:
     session = session_of(layout)
     pose = next(tool for tool in session.tools if tool.class_name.endswith("SetInitialPose"))
     pose["Covariance x"], pose["Reliability Policy"] = 0.5, "Best Effort"
@@ -99,7 +99,7 @@ def test_tools_are_saved_as_they_are_set(layout: Path, tmp_path: Path) -> None:
     assert (same["Covariance x"], same["Topic/Reliability Policy"]) == (0.5, "Best Effort")
 
 
-def test_groups_stay_groups(layout: Path) -> None:
+def test_groups_are_saved_as_groups(layout: Path) -> None:
     group = document(session_of(layout))["Visualization Manager"]["Displays"][1]
     assert (group["Class"], [inner["Name"] for inner in group["Displays"]]) == (
         "rviz_common/Group",
@@ -107,7 +107,7 @@ def test_groups_stay_groups(layout: Path) -> None:
     )
 
 
-def test_values_have_the_forms_of_rviz(layout: Path, tmp_path: Path) -> None:
+def test_values_are_formatted_as_in_rviz(layout: Path, tmp_path: Path) -> None:
     session = session_of(layout)
     session.saved_views.append(Orbit(distance=0.3))
     text = saved(session, tmp_path / "saved.rviz")
@@ -125,15 +125,15 @@ def test_keys_are_sorted_as_in_qt_maps(layout: Path, tmp_path: Path) -> None:
     assert list(grid) == sorted(grid)
 
 
-def test_no_saved_view_is_a_null(layout: Path, tmp_path: Path) -> None:
+def test_missing_saved_views_are_written_as_null(layout: Path, tmp_path: Path) -> None:
     assert "    Saved: ~\n" in saved(session_of(layout), tmp_path / "saved.rviz")
 
 
-def test_a_folder_that_is_not_there_is_made(layout: Path, tmp_path: Path) -> None:
+def test_missing_folder_is_created(layout: Path, tmp_path: Path) -> None:
     assert saved(session_of(layout), tmp_path / "my_files" / "view.rviz")
 
 
-def test_a_folder_that_cannot_be_made_is_named(layout: Path, tmp_path: Path) -> None:
+def test_unwritable_folder_is_reported(layout: Path, tmp_path: Path) -> None:
     (tmp_path / "nowhere").write_text("a file")
     with pytest.raises(CourseError, match="nowhere"):
         save_rviz(session_of(layout), tmp_path / "nowhere" / "view.rviz")

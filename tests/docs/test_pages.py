@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.course.installation import lessons_dir
+from course_lib.course.state import lessons_dir
+from course_lib.displays.display import DrawnDisplay
 from course_lib.displays.registry import REGISTRY
-from course_lib.displays.topic_display import DrawnDisplay
 from course_lib.displays.views import VIEWS
 from course_lib.tools.ros2 import VERBS
 from docs import gallery, lookup
@@ -19,7 +19,8 @@ from docs import gallery, lookup
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-def test_the_gallery_shows_each_display_and_not_only_the_grid(
+@pytest.mark.slow
+def test_gallery_shows_every_display_with_visible_content(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "fast")
@@ -31,7 +32,7 @@ def test_the_gallery_shows_each_display_and_not_only_the_grid(
         assert name == "Grid" or colours > 3, name
 
 
-def test_each_page_is_in_the_index_and_each_comment_is_replaced() -> None:
+def test_every_page_is_in_the_index_and_every_placeholder_is_replaced() -> None:
     pytest.importorskip("sphinx")
     sys.modules.setdefault("gallery", gallery)
     from docs import generated
@@ -43,7 +44,7 @@ def test_each_page_is_in_the_index_and_each_comment_is_replaced() -> None:
     assert set(pages) - {"index"} <= set(listed)
 
 
-def test_the_command_line_page_has_every_command() -> None:
+def test_command_line_page_lists_every_command() -> None:
     pytest.importorskip("sphinx")
     from typer.main import get_command
 
@@ -54,7 +55,7 @@ def test_the_command_line_page_has_every_command() -> None:
     assert set(re.findall(r"^## `course ([\w-]+)`", page, re.MULTILINE)) == set(get_command(app).commands)  # type: ignore[attr-defined]
 
 
-def test_the_page_of_displays_has_every_property_and_its_first_value() -> None:
+def test_display_page_lists_every_property_with_its_default_value() -> None:
     page = lookup.common_rows() + lookup.display_rows() + lookup.view_rows()
     sections = dict(re.findall(r"^### (\w+)$(.*?)(?=^### |\Z)", page, re.MULTILINE | re.DOTALL))
     kinds = {name.rpartition("/")[2]: kind for name, kind in REGISTRY.items()} | VIEWS
@@ -68,16 +69,14 @@ def test_the_page_of_displays_has_every_property_and_its_first_value() -> None:
     assert "| `Topic` | `visualization_marker_array` |" in sections["MarkerArray"]
 
 
-def test_the_page_of_ros2_commands_has_the_help_of_each() -> None:
+def test_ros2_command_page_contains_the_help_of_every_command() -> None:
     page = lookup.commands()
     titles = re.findall(r"^## ros2 (.+)$", page, re.MULTILINE)
     assert sorted(titles) == sorted(" ".join(verb.words) for verb in VERBS)
     assert "usage: ros2 topic hz [-h] [-w WINDOW]" in page
 
 
-def test_the_order_of_search_results_is_found_from_any_folder(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_search_scorer_is_found_from_any_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     pytest.importorskip("sphinx")
     from docs import conf
 
@@ -85,7 +84,7 @@ def test_the_order_of_search_results_is_found_from_any_folder(
     assert "var Scorer" in Path(conf.html_search_scorer).read_text("utf-8")
 
 
-def test_the_first_words_of_a_property_are_not_read_as_its_type() -> None:
+def test_text_before_a_colon_in_a_property_docstring_is_not_parsed_as_its_type() -> None:
     pytest.importorskip("sphinx")
     from sphinx.ext.napoleon.docstring import GoogleDocstring
 
@@ -97,7 +96,7 @@ def test_the_first_words_of_a_property_are_not_read_as_its_type() -> None:
     assert read[-1] == "RViz's Global Options: `viewer.options[...]`."
 
 
-def test_the_weeks_and_the_contributors_page_have_no_link_out_of_the_book() -> None:
+def test_week_pages_and_contributing_page_have_no_links_outside_the_book() -> None:
     pytest.importorskip("sphinx")
     from docs import generated
 

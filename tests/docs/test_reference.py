@@ -44,7 +44,7 @@ def arguments(module: str) -> Iterator[tuple[str, str, inspect.Parameter]]:
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_each_public_name_is_in_the_reference(module: str) -> None:
+def test_every_public_name_is_in_the_reference(module: str) -> None:
     page = page_of(module)
     [left_out] = re.findall(
         rf"^```{{eval-rst}}\n.. automodule:: {module}\n(?:   :exclude-members: (.*)\n)?```",
@@ -63,14 +63,14 @@ def test_each_public_name_is_in_the_reference(module: str) -> None:
             assert own_docstring(found), name
 
 
-def test_the_pages_of_the_reference_are_those_of_the_public_modules() -> None:
+def test_reference_pages_match_the_public_modules() -> None:
     pages = {path.stem for path in (DOCS / "reference").glob("*.md")}
     listed = re.findall(r"^reference/(\w+)$", (DOCS / "reference.md").read_text("utf-8"), re.MULTILINE)
     assert pages == set(listed) == {module.rpartition(".")[2] for module in MODULES}
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_each_argument_is_described(module: str) -> None:
+def test_every_argument_is_documented(module: str) -> None:
     shared = " ".join(re.findall(r"^\| (`.*?) \|", page_of(module), re.MULTILINE))  # in a table of the page
     silent = [
         f"{name}: {argument.name}"
@@ -81,7 +81,7 @@ def test_each_argument_is_described(module: str) -> None:
 
 
 @pytest.mark.parametrize("module", ["course_lib.displays", "course_lib.robots", "course_lib.sensors"])
-def test_each_argument_that_is_an_array_has_its_shape_and_its_unit(module: str) -> None:
+def test_every_array_argument_has_a_documented_shape_and_unit(module: str) -> None:
     arrays = [
         (
             f"{name}: {argument.name}",
@@ -97,7 +97,7 @@ def test_each_argument_that_is_an_array_has_its_shape_and_its_unit(module: str) 
         assert UNIT.search(entry[1]), where
 
 
-def test_help_shows_a_word_as_authors_call_it() -> None:
+def test_help_of_an_expect_function_shows_the_signature_for_authors() -> None:
     signature = inspect.signature(expect_drawn)
     assert list(signature.parameters) == ["class_name", "messages", "best_effort", "call"]
     assert signature.return_annotation is Check

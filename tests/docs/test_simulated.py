@@ -14,7 +14,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.tools.ros2 import VERBS, ros2
 from course_lib.tools.rqt.rqt import VIEWS
 from course_lib.tools.sources import RecordingSource
@@ -52,13 +52,13 @@ def claims() -> set[str]:
 SHOWN = [(section, row) for section, rows in tables("Shown by") for row in rows]
 
 
-def test_the_page_has_its_rows() -> None:
+def test_simulated_page_has_table_rows() -> None:
     assert len(SHOWN) > 70
     assert {len(row) for _, row in SHOWN} == {4}
 
 
 @pytest.mark.parametrize(("section", "row"), SHOWN, ids=[row[0] for _, row in SHOWN])
-def test_each_row_is_shown_by_claims_or_by_an_example(section: str, row: Row) -> None:
+def test_every_row_has_claims_or_an_example(section: str, row: Row) -> None:
     names = code(row[3])
     assert set(names) <= claims()
     has_example = "```pycon" in PAGE.split(section)[1].split("\n## ")[0]
@@ -66,7 +66,7 @@ def test_each_row_is_shown_by_claims_or_by_an_example(section: str, row: Row) ->
     assert has_example or "example below" not in row[3]
 
 
-def test_the_examples_of_the_page_print_what_it_says() -> None:
+def test_examples_of_the_page_print_the_documented_output() -> None:
     example = doctest.DocTestParser().get_doctest(
         "\n".join(re.findall(r"```pycon\n(.*?)```", PAGE, re.DOTALL)),
         {},
@@ -89,7 +89,7 @@ def missing_words() -> dict[str, set[str]]:
     }
 
 
-def test_the_page_lists_every_verb_and_option_of_jazzy_that_is_missing_and_no_other() -> None:
+def test_page_lists_exactly_the_missing_verbs_and_options_of_jazzy() -> None:
     there = {
         f"{verb.command} {verb.name}".strip(): {flag for one in verb.options for flag in one.flags}
         for verb in VERBS
@@ -104,7 +104,7 @@ def test_the_page_lists_every_verb_and_option_of_jazzy_that_is_missing_and_no_ot
 
 
 @pytest.mark.parametrize("command", missing_words())
-def test_what_is_listed_as_missing_is_refused(command: str) -> None:
+def test_options_documented_as_missing_are_rejected(command: str) -> None:
     for option in missing_words()[command] or {""}:
         with pytest.raises(CourseError, match="error: "):
             ros2([*command.split(), *option.split()], RecordingSource(Recording(())), lambda text: None)
@@ -114,7 +114,7 @@ def test_what_is_listed_as_missing_is_refused(command: str) -> None:
 
 
 @pytest.mark.parametrize("name", [name for cell in NAMES for name in code(cell)])
-def test_a_name_that_is_listed_as_missing_is_not_there(name: str) -> None:
+def test_name_documented_as_missing_does_not_exist(name: str) -> None:
     with pytest.raises((ImportError, AttributeError)):
         found(name)
 
@@ -134,6 +134,6 @@ def found(name: str) -> object:
     return thing
 
 
-def test_the_views_of_rqt_are_those_that_the_page_names() -> None:
+def test_rqt_views_match_the_documented_views() -> None:
     [row] = [row for _, row in SHOWN if row[0] == "rqt"]
     assert set(re.split(r", | and ", row[2].split(" has ")[1].split(", each")[0])) == set(VIEWS)

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.export.check import lacks
+from course_lib.export.export import lacks
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def copy(package: Path, tmp_path: Path) -> Path:
         ("setup.cfg", "script_dir=$base/lib/perception_dashboard", "", "script_dir"),
     ],
 )
-def test_what_is_wrong_in_a_file_is_named(copy: Path, file: str, old: str, new: str, told: str) -> None:
+def test_errors_in_package_files_are_reported(copy: Path, file: str, old: str, new: str, told: str) -> None:
     text = (copy / file).read_text()
     assert old in text
     (copy / file).write_text(
@@ -35,12 +35,12 @@ def test_what_is_wrong_in_a_file_is_named(copy: Path, file: str, old: str, new: 
 
 
 @pytest.mark.parametrize("path", ["package.xml", "setup.py", "setup.cfg", "resource/perception_dashboard"])
-def test_a_missing_file_is_named(copy: Path, path: str) -> None:
+def test_missing_file_is_reported(copy: Path, path: str) -> None:
     (copy / path).unlink()
     assert f"lacks: the file {path}" in lacks(copy).lines()
 
 
-def test_what_is_only_advised_does_not_count_as_missing(copy: Path) -> None:
+def test_optional_entries_do_not_count_as_missing(copy: Path) -> None:
     shutil.rmtree(copy / "rviz")
     report = lacks(copy)
     assert report.complete
@@ -49,12 +49,12 @@ def test_what_is_only_advised_does_not_count_as_missing(copy: Path) -> None:
 
 
 @pytest.mark.parametrize("path", ["setup.py", "perception_dashboard/tf_publisher.py"])
-def test_what_is_no_python_is_named_with_its_line(copy: Path, path: str) -> None:
+def test_python_syntax_error_is_reported_with_its_line(copy: Path, path: str) -> None:
     (copy / path).write_text("x = 1\ny = (\n")
     with pytest.raises(CourseError, match=f"{path}, line 2"):
         lacks(copy)
 
 
-def test_no_folder_is_an_error(tmp_path: Path) -> None:
+def test_missing_folder_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="no folder"):
         lacks(tmp_path / "nowhere")

@@ -43,7 +43,7 @@ def workspace(package: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
-def test_package_xml_is_what_catkin_pkg_expects(package: Path) -> None:
+def test_package_xml_is_valid_for_catkin_pkg(package: Path) -> None:
     from catkin_pkg.package import parse_package  # type: ignore[import-untyped]  # it ships no types
 
     parsed = parse_package(package)
@@ -53,13 +53,13 @@ def test_package_xml_is_what_catkin_pkg_expects(package: Path) -> None:
     assert wanted <= {depend.name for depend in parsed.exec_depends}
 
 
-def test_flake8_and_pep257_find_nothing(package: Path) -> None:
+def test_exported_package_passes_flake8_and_pep257(package: Path) -> None:
     assert module(package, "flake8", "--max-line-length", "99", ".") == ""
     assert module(package, "pydocstyle", "--ignore", ",".join(STYLE), ".") == ""
 
 
 @pytest.mark.slow
-def test_colcon_builds_and_tests_it_and_what_is_built_starts(workspace: Path) -> None:
+def test_colcon_builds_and_tests_the_package_and_its_nodes_start(workspace: Path) -> None:
     succeed(workspace, "colcon", "build")
     succeed(workspace, "colcon", "test", "--return-code-on-test-failure")
     assert "0 errors, 0 failures" in succeed(workspace, "colcon", "test-result", "--all")

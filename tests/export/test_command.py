@@ -1,9 +1,12 @@
 from pathlib import Path
 
+import pytest
+
 from tests.test_cli import course
 
 
-def test_a_notebook_becomes_a_package_whose_launch_file_runs(notebook: Path, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_exported_launch_file_runs(notebook: Path, tmp_path: Path) -> None:
     words = ("export", str(notebook), "--package", "my_robot", "--out", "src")
     done = course(*words, "--node", "TFPublisher", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

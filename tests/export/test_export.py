@@ -6,10 +6,9 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.export.check import lacks
-from course_lib.export.export import export
+from course_lib.export.export import export, lacks
 from course_lib.recording import Recording
-from course_lib.ros.packages import executables_of
+from course_lib.ros.programs.packages import executables_of
 from tests.export.conftest import write_notebook
 from tests.ros.launch.run import recorded
 
@@ -17,7 +16,7 @@ NODE = "from rclpy.node import Node"
 TALKER = "class Talker(Node):\n    def __init__(self):\n        super().__init__('talker')\n"
 
 
-def test_the_package_has_the_documents_structure(package: Path) -> None:
+def test_package_has_the_documented_structure(package: Path) -> None:
     files = {str(path.relative_to(package)) for path in package.rglob("*") if path.is_file()}
     assert files >= {
         *("package.xml", "setup.py", "setup.cfg", "README.md", "resource/perception_dashboard"),
@@ -28,7 +27,7 @@ def test_the_package_has_the_documents_structure(package: Path) -> None:
     assert lacks(package).missing == ()
 
 
-def test_notebook_and_launched_package_publish_the_same(notebook: Path, package: Path) -> None:
+def test_notebook_and_launched_package_publish_equal_messages(notebook: Path, package: Path) -> None:
     launch = package / "launch" / "perception_dashboard.launch.py"
     in_notebook, code = recorded(notebook, seconds=None)
     launched, launch_code = recorded(launch, seconds=5.0)
@@ -37,7 +36,7 @@ def test_notebook_and_launched_package_publish_the_same(notebook: Path, package:
     assert launched.digest() == in_notebook.digest()
 
 
-def test_parameters_of_the_config_file_are_honoured(package: Path) -> None:
+def test_parameters_of_the_config_file_are_used(package: Path) -> None:
     config = package / "config" / "perception_dashboard.yaml"
     before = config.read_text()
     config.write_text(before.replace("10.0", "2.0"))
@@ -52,7 +51,7 @@ def count(recording: Recording, topic: str) -> int:
     return sum(sample.topic == topic for sample in recording.samples)
 
 
-def test_a_module_holds_what_its_class_needs_and_nothing_else(package: Path) -> None:
+def test_module_contains_exactly_the_statements_its_class_needs(package: Path) -> None:
     text = (package / "perception_dashboard" / "perception_node.py").read_text()
     assert "# colours of classes, RGBA\nCOLORS = " in text
     assert "COLORS['car'] = " in text
@@ -69,7 +68,7 @@ def test_every_executable_is_a_function_of_a_module(package: Path) -> None:
         assert function in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
-def test_nothing_is_overwritten_without_force(tmp_path: Path) -> None:
+def test_existing_files_are_not_overwritten_without_force(tmp_path: Path) -> None:
     file = write_notebook(tmp_path / "n.ipynb", [NODE, TALKER])
     export(file, "my_package", tmp_path)
     own = tmp_path / "my_package" / "notes.txt"
@@ -85,7 +84,7 @@ def test_nothing_is_overwritten_without_force(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["My-Package", "2fast", "a", "x__y", "rclpy", "test", "ünder", "a_", ""])
-def test_a_name_against_rep_144_is_refused(tmp_path: Path, name: str) -> None:
+def test_package_name_violating_rep_144_is_rejected(tmp_path: Path, name: str) -> None:
     file = write_notebook(tmp_path / "n.ipynb", [NODE, TALKER])
     with pytest.raises(CourseError):
         export(file, name, tmp_path / "out")
@@ -96,7 +95,7 @@ def test_a_name_against_rep_144_is_refused(tmp_path: Path, name: str) -> None:
     ("cells", "message"),
     [
         (("# export\n" + NODE, "def helper(): ...", "# export\n" + TALKER + "        helper()"), "cell 2"),
-        ((NODE, TALKER + "        helper()"), "defined nowhere"),
+        ((NODE, TALKER + "        helper()"), "which is not defined"),
         ((NODE, "from course_lib import spin_for", TALKER + "        spin_for(1)"), "course_lib"),
         ((NODE, TALKER.replace("self", "self, rate", 1)), "Talker\\(\\) needs rate"),
         ((NODE, "class Talker:\n    pass"), "derives from rclpy's Node"),
@@ -104,7 +103,7 @@ def test_a_name_against_rep_144_is_refused(tmp_path: Path, name: str) -> None:
         ((NODE, TALKER, TALKER.replace("Talker", "talker")), "2 classes would become the module talker.py"),
     ],
 )
-def test_what_cannot_work_is_found_before_anything_is_written(
+def test_errors_are_reported_before_files_are_written(
     tmp_path: Path, cells: tuple[str, ...], message: str
 ) -> None:
     file = write_notebook(tmp_path / "n.ipynb", cells)
@@ -129,7 +128,7 @@ def test_what_cannot_work_is_found_before_anything_is_written(
         (("%matplotlib inline\nRATE = 2", TALKER + "        print(RATE)"), "RATE = 2"),
     ],
 )
-def test_names_are_found_as_python_finds_them(
+def test_names_are_resolved_by_python_scoping_rules(
     exported: Callable[..., str], cells: tuple[str, str], there: str
 ) -> None:
     text = exported(NODE, *cells)
@@ -137,7 +136,9 @@ def test_names_are_found_as_python_finds_them(
     assert "get_ipython" not in text
 
 
-def test_code_of_a_module_beside_the_notebook_is_copied(exported: Callable[..., str], tmp_path: Path) -> None:
+def test_code_of_a_module_next_to_the_notebook_is_copied(
+    exported: Callable[..., str], tmp_path: Path
+) -> None:
     (tmp_path / "parts.py").write_text("import math\n\nRATE = 2.0\n\n\ndef f():\n    return math.pi\n")
     text = exported(
         "# export\n" + NODE,
@@ -149,13 +150,13 @@ def test_code_of_a_module_beside_the_notebook_is_copied(exported: Callable[..., 
     assert not [word for word in ("from parts", "RATE") if word in text]
 
 
-def test_strings_get_the_quotes_that_ros_s_linters_want(exported: Callable[..., str]) -> None:
+def test_strings_use_the_quotes_required_by_ros_linters(exported: Callable[..., str]) -> None:
     kept = ['"it\'s"', '"a\\tb"', '"""doc"""', "'single'"]
     text = exported(NODE, f'A = [\'a\', "b", r"c", "", {", ".join(kept)}]', TALKER + "        print(A)")
     assert f"A = ['a', 'b', r'c', '', {', '.join(kept)}]" in text
 
 
-def test_a_file_s_own_main_is_kept(tmp_path: Path) -> None:
+def test_existing_main_function_is_kept(tmp_path: Path) -> None:
     file = tmp_path / "talker.py"
     main = "def main():\n    rclpy.init()\n    rclpy.spin(Talker())\n"
     file.write_text(
@@ -167,7 +168,7 @@ def test_a_file_s_own_main_is_kept(tmp_path: Path) -> None:
     assert "rclpy.spin(Talker())" in text
 
 
-def test_files_that_go_along_take_the_place_of_those_made_up(tmp_path: Path) -> None:
+def test_additional_files_replace_generated_ones(tmp_path: Path) -> None:
     file = write_notebook(tmp_path / "n.ipynb", [NODE, TALKER])
     (tmp_path / "mine.rviz").write_text("Panels: []\n")
     export(file, "my_package", tmp_path, extra=[tmp_path / "mine.rviz"])
@@ -198,7 +199,7 @@ HEIR = "class Heir(Base):\n    def __init__(self):\n        super().__init__('he
         ),
     ],
 )
-def test_a_class_that_nobody_can_start_is_exported_as_code(
+def test_class_that_is_not_startable_is_exported_without_executable(
     tmp_path: Path, cells: tuple[str, ...], executables: set[str], note: str
 ) -> None:
     file = write_notebook(tmp_path / "n.ipynb", [NODE, *cells])
@@ -212,7 +213,7 @@ def test_a_class_that_nobody_can_start_is_exported_as_code(
     }  # fmt: skip
 
 
-def test_a_base_class_that_is_named_becomes_an_executable(tmp_path: Path) -> None:
+def test_requested_base_class_becomes_an_executable(tmp_path: Path) -> None:
     file = write_notebook(
         tmp_path / "n.ipynb", [NODE, TALKER, TALKER.replace("Talker(Node)", "Loud(Talker)")]
     )

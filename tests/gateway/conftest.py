@@ -10,9 +10,9 @@ import pytest
 import zenoh
 from zenoh.handlers import Callback
 
+from course_lib.gateway.access import PASSWORDS, Access, load_users
 from course_lib.gateway.gateway import TURN, Gateway, Settings
-from course_lib.gateway.students import PASSWORDS, Access, class_of
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, join
 
 Opened = Callable[..., zenoh.Session]
 ROSTER = "Full name,ID number\nAnn Lee,1234\nBob Ray,b.1\n"
@@ -70,18 +70,20 @@ class Classroom:
         self.robots_router = opened(mode="router", **{"listen/endpoints": [robot]})
         self.robot = opened(robot, mode="peer", **{"listen/endpoints": ["tcp/127.0.0.1:0"]})
         (folder / "roster.csv").write_text(ROSTER)
-        self.users = class_of(folder, folder / "roster.csv", "", own)
+        self.users = load_users(folder, folder / "roster.csv", "", own)
         _, self.ann, self.bob = self.users
         sends, calls = settings.pop("sends", ["cmd_vel"]), settings.pop("calls", ["reset"])
-        self.gateway = Gateway(Settings(own, robot, sends, calls, **settings), self.users, folder / PASSWORDS)
-        wait_for(self.gateway.linked, "the gateway reaches the robot's router")
+        self.lines: list[str] = []
+        chosen = Settings(own, robot, sends, calls, **settings)
+        self.gateway = Gateway(chosen, self.users, folder / PASSWORDS, self.lines.append)
+        wait_for(self.gateway.is_robot_connected, "the gateway reaches the robot's router")
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._look_after)
+        self._thread = threading.Thread(target=self._look_after, daemon=True)
         self._thread.start()
 
     def _look_after(self) -> None:
         while not self._ended.wait(TURN):
-            self.gateway.turn()
+            self.gateway.stop_if_silent()
 
     def student(self, user: Access, mode: str = "client") -> zenoh.Session:
         session = self._opened(self.place, user, mode)
@@ -90,7 +92,7 @@ class Classroom:
 
     def close(self) -> None:
         self._ended.set()
-        self._thread.join()
+        join(self._thread)
         self.gateway.close()
 
 

@@ -1,12 +1,14 @@
 import struct
 import time
 
+import pytest
+
 from course_lib.gateway.gateway import MOST_KEYS
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.hashes import type_hash
-from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.link import RobotLink
-from course_lib.ros.zenoh.robot_graph import RobotGraph
-from course_lib.ros.zenoh.sending import Allowed
+from course_lib.ros.robot.robot_graph import RobotGraph
+from course_lib.ros.robot.sending import Permissions
+from course_lib.ros.zenoh.link import ZenohLink
 from tests.gateway.conftest import Classroom, hears, wait_for
 
 TWIST = "geometry_msgs/msg/Twist"
@@ -19,9 +21,10 @@ def commands(room: Classroom) -> list[tuple[str, bytes]]:
     return hears(room.robot, "0/cmd_vel/**")
 
 
-def test_only_the_driver_moves_the_robot_and_what_others_send_is_counted(classroom: Classroom) -> None:
+@pytest.mark.slow
+def test_only_the_driver_moves_the_robot_and_other_commands_are_counted(classroom: Classroom) -> None:
     ann, bob, heard = classroom.student(classroom.ann), classroom.student(classroom.bob), commands(classroom)
-    classroom.gateway.drive(classroom.bob)
+    classroom.gateway.set_driver(classroom.bob)
 
     def drive() -> bool:
         ann.put(f"0/students/s1234/{KEY}", AHEAD + b"ann")
@@ -35,9 +38,10 @@ def test_only_the_driver_moves_the_robot_and_what_others_send_is_counted(classro
     assert classroom.gateway.held["b_1"] == classroom.gateway.passed["s1234"] == 0
 
 
-def test_the_robot_stops_when_the_driver_changes(classroom: Classroom) -> None:
+@pytest.mark.slow
+def test_robot_stops_when_the_driver_changes(classroom: Classroom) -> None:
     ann, heard = classroom.student(classroom.ann), commands(classroom)
-    classroom.gateway.drive(classroom.ann)
+    classroom.gateway.set_driver(classroom.ann)
 
     def drive() -> bool:
         ann.put(f"0/students/s1234/{KEY}", AHEAD)
@@ -45,7 +49,7 @@ def test_the_robot_stops_when_the_driver_changes(classroom: Classroom) -> None:
         return len(heard) > 0
 
     wait_for(drive, "Ann drives")
-    classroom.gateway.drive(classroom.bob)
+    classroom.gateway.set_driver(classroom.bob)
     wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
     passed = classroom.gateway.passed["s1234"]
     held = classroom.gateway.held["s1234"]
@@ -55,9 +59,10 @@ def test_the_robot_stops_when_the_driver_changes(classroom: Classroom) -> None:
     assert heard[-1][1] == STAND
 
 
-def test_silence_of_the_driver_stops_the_robot_once(classroom: Classroom) -> None:
+@pytest.mark.slow
+def test_missing_driver_commands_stop_the_robot_once(classroom: Classroom) -> None:
     ann, heard = classroom.student(classroom.ann), commands(classroom)
-    classroom.gateway.drive(classroom.ann)
+    classroom.gateway.set_driver(classroom.ann)
 
     def drive() -> bool:
         ann.put(f"0/students/s1234/{KEY}", AHEAD)
@@ -71,9 +76,10 @@ def test_silence_of_the_driver_stops_the_robot_once(classroom: Classroom) -> Non
     assert heard == until_then
 
 
-def test_motion_behind_the_end_of_a_command_counts_as_motion(classroom: Classroom) -> None:
+@pytest.mark.slow
+def test_moving_command_with_trailing_bytes_counts_as_motion(classroom: Classroom) -> None:
     ann, heard = classroom.student(classroom.ann), commands(classroom)
-    classroom.gateway.drive(classroom.ann)
+    classroom.gateway.set_driver(classroom.ann)
     longer = AHEAD + bytes(48)  # its last 48 bytes stand still
 
     def drive() -> bool:
@@ -85,9 +91,10 @@ def test_motion_behind_the_end_of_a_command_counts_as_motion(classroom: Classroo
     wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
 
 
-def test_a_driver_who_invents_types_fills_no_memory_and_wildcards_pass_nothing(classroom: Classroom) -> None:
+@pytest.mark.slow
+def test_unknown_types_use_no_memory_and_wildcards_are_not_forwarded(classroom: Classroom) -> None:
     ann, heard = classroom.student(classroom.ann), commands(classroom)
-    classroom.gateway.drive(classroom.ann)
+    classroom.gateway.set_driver(classroom.ann)
 
     def flood() -> bool:
         for key in ("**", "cmd_vel/**", "cmd_vel/*/*", "cmd_vel/odd/key"):
@@ -102,12 +109,15 @@ def test_a_driver_who_invents_types_fills_no_memory_and_wildcards_pass_nothing(c
     assert all("/a::msg::dds_::T" in key for key, _ in heard)
 
 
-def test_a_kit_drives_by_the_topic_that_the_robot_has_and_is_on_the_page(classroom: Classroom) -> None:
+@pytest.mark.slow
+def test_kit_drives_with_the_command_topic_of_the_robot_and_is_listed_on_the_page(
+    classroom: Classroom,
+) -> None:
     heard = commands(classroom)
-    classroom.gateway.drive(classroom.ann)
-    link = RobotLink(classroom.ann.address(classroom.place))
+    classroom.gateway.set_driver(classroom.ann)
+    link = ZenohLink(classroom.ann.address(classroom.place))
     node = link.node("driver", "/")
-    entity = link.endpoint(node, "MP", link.login.outward("/cmd_vel"), TWIST, Qos())
+    entity = link.endpoint(node, "publisher", link.network_topic("/cmd_vel"), TWIST, Qos())
     kept = [link.announce(node), outlet := link.publisher(entity)]
 
     def drive() -> bool:
@@ -117,19 +127,22 @@ def test_a_kit_drives_by_the_topic_that_the_robot_has_and_is_on_the_page(classro
 
     wait_for(drive, "the kit drives")
     assert heard[0] == (f"0/{KEY}", AHEAD)
-    wait_for(lambda: "s1234" in classroom.gateway.present(), "the gateway knows the kit")
+    wait_for(lambda: "s1234" in classroom.gateway.connected_students(), "the gateway knows the kit")
     assert classroom.ann.token not in link.address
     del kept
     link.close()
 
 
-def test_a_kit_that_does_not_drive_is_told_who_does_though_others_claim_it(classroom: Classroom) -> None:
+@pytest.mark.slow
+def test_driver_is_reported_correctly_despite_false_claims(classroom: Classroom) -> None:
     ann = classroom.student(classroom.ann)
     claims = [ann.liveliness().declare_token(f"@course/{one}/b_1/cmd_vel") for one in ("GATEWAY", "s1234")]
-    classroom.gateway.drive(classroom.ann)
+    classroom.gateway.set_driver(classroom.ann)
     lines: list[str] = []
     kit = RobotGraph(
-        RobotLink(classroom.bob.address(classroom.place)), Allowed.of(["/cmd_vel"], ()), lines.append
+        ZenohLink(classroom.bob.address(classroom.place)),
+        Permissions.from_names(["/cmd_vel"], ()),
+        lines.append,
     )
     node = kit.add_node("driver", "/")
     drive = kit.add_publisher(node, "/cmd_vel", TWIST, Qos())
@@ -140,10 +153,10 @@ def test_a_kit_that_does_not_drive_is_told_who_does_though_others_claim_it(class
         return any(text in line for line in lines)
 
     wait_for(lambda: told("s1234 drives: your /cmd_vel is not passed on"), "Bob is told")
-    assert ("driver", "s1234") in kit.about_link()
-    classroom.gateway.drive(classroom.bob)
+    assert ("driver", "s1234") in kit.link_report()
+    classroom.gateway.set_driver(classroom.bob)
     wait_for(lambda: told("You drive now"), "Bob is told that he drives")
-    classroom.gateway.drive(None)
+    classroom.gateway.set_driver(None)
     wait_for(lambda: told("Nobody drives"), "Bob is told that nobody drives")
     assert len(lines) == len({*lines})
     del claims  # until here they are there

@@ -12,9 +12,9 @@ from course_lib.course.exercise import read_notebook
 from course_lib.displays.layout import yaml_text
 from course_lib.displays.panel.protocol import PublishGesture
 from course_lib.displays.panel.tools import publish
-from course_lib.ros.graph import use_graph
-from course_lib.ros.zenoh.connect import RobotAddress, link_to
-from course_lib.ros.zenoh.robot_graph import RobotGraph
+from course_lib.ros.graph.graph import use_graph
+from course_lib.ros.robot.connect import RobotAddress, link_to
+from course_lib.ros.robot.robot_graph import RobotGraph
 from tests.gateway import nav2_robot
 from tests.gateway.conftest import ROSTER, Opened, free_port
 from tests.gateway.test_router import Started, course, says, started, users_in
@@ -123,7 +123,8 @@ def good(viewer: Viewer, name: str) -> bool:
     return drawn and all(row.level in ("ok", "hint") for row in rows)
 
 
-def test_the_dashboard_of_week_7_runs_on_a_robot_and_shows_its_panels_on_another_kit(
+@pytest.mark.slow
+def test_week_7_dashboard_runs_on_a_robot_with_panels_on_another_kit(
     tmp_path: Path, behind: Behind, student: Callable[..., RobotGraph], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -176,7 +177,8 @@ def nav2_layout() -> str:
     return yaml_text({"Visualization Manager": manager})
 
 
-def test_a_layout_of_nav2_shows_a_robots_old_maps_and_sends_its_poses(
+@pytest.mark.slow
+def test_nav2_layout_shows_latched_maps_of_a_robot_and_sends_poses(
     tmp_path: Path, behind: Behind, student: Callable[..., RobotGraph]
 ) -> None:
     streams = [topic for _, topic, _ in nav2_robot.STREAMS]

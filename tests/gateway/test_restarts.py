@@ -10,15 +10,16 @@ import pytest
 from visualization_msgs.msg import Marker
 
 from course_lib import Viewer
-from course_lib.gateway.students import class_of
-from course_lib.ros import wall
-from course_lib.ros.graph import use_graph
+from course_lib.gateway.access import load_users
+from course_lib.ros.graph.graph import use_graph
 from course_lib.ros.messages import serialize
-from course_lib.ros.zenoh.link import RobotLink
-from course_lib.ros.zenoh.robot_graph import RobotGraph
-from course_lib.ros.zenoh.sending import Allowed
+from course_lib.ros.robot.robot_graph import RobotGraph
+from course_lib.ros.robot.sending import Permissions
+from course_lib.ros.time import wall
+from course_lib.ros.zenoh.link import ZenohLink
 from tests.gateway.conftest import ROSTER, free_port
 from tests.patience import PATIENCE
+from tests.processes import LIMIT_OF_A_SERVER, Program
 from tests.ros.zenoh.conftest import Routers
 from tests.ros.zenoh.test_two_kits import LATCHED, listener, say, talker, texts
 
@@ -39,9 +40,8 @@ class Gateways:
 
     def start(self) -> None:
         pipe = subprocess.PIPE
-        self._process = subprocess.Popen(self._command, cwd=self._folder, stdout=pipe, text=True)
-        assert self._process.stdout is not None
-        assert any("Status:" in line for line in self._process.stdout)
+        self._process = Program(self._command, limit=LIMIT_OF_A_SERVER, cwd=self._folder, stdout=pipe)
+        self._process.find("Status:")
 
     def kill(self) -> None:
         self._process.send_signal(signal.SIGKILL)
@@ -50,7 +50,7 @@ class Gateways:
     @property
     def address(self) -> str:
         """The first student's."""
-        return class_of(self._folder / "course_router", None, "", self.place)[1].address(self.place)
+        return load_users(self._folder / "course_router", None, "", self.place)[1].address(self.place)
 
 
 class View:
@@ -58,9 +58,9 @@ class View:
 
     def __init__(self, robot: str, student: str) -> None:
         self.lines: list[str] = []
-        allowed = Allowed.of(["/marker", "/map"], ())
-        self._robot = RobotGraph(RobotLink(robot), allowed, lambda _: None)
-        self._student = RobotGraph(RobotLink(student), Allowed(), self.lines.append)
+        allowed = Permissions.from_names(["/marker", "/map"], ())
+        self._robot = RobotGraph(ZenohLink(robot), allowed, lambda _: None)
+        self._student = RobotGraph(ZenohLink(student), Permissions(), self.lines.append)
         self._marker, self._map = (
             talker(self._robot, "/marker", MARKER),
             talker(self._robot, "/map", qos=LATCHED),
@@ -117,8 +117,9 @@ def restarted(view: View, routers: "Routers | Gateways", times: int) -> Iterator
         yield wall.monotonic() - begun
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["robot's router", "gateway"])
-def test_a_students_view_comes_back_when_a_router_on_the_way_has_died(tmp_path: Path, which: str) -> None:
+def test_view_recovers_after_a_router_is_killed(tmp_path: Path, which: str) -> None:
     routers = Routers()
     gateways = Gateways(tmp_path, f"tcp/127.0.0.1:{routers.port}")
     view = View(f"tcp/127.0.0.1:{routers.port}", gateways.address)

@@ -1,14 +1,20 @@
 """The kit's own robot, and a kit that drives it through `course router`."""
 
+import os
+import re
 import signal
 import socket
 import subprocess
 import sys
 from pathlib import Path
 
-from course_lib import start_robot
+import pytest
+
+from course_lib import CourseError, start_robot
+from course_lib.gateway.robot import RobotPlace, RobotProcess
 from tests.gateway.conftest import ROSTER, free_port, wait_for
 from tests.gateway.test_router import Started, course, says, started, users_in
+from tests.processes import Program
 
 __all__ = ["started"]
 DRIVER = """
@@ -41,7 +47,8 @@ def x_of(folder: Path, router: str) -> float:
     return float(said.splitlines()[0])
 
 
-def test_an_unchanged_node_drives_through_the_gateway_only_while_its_student_may(
+@pytest.mark.slow
+def test_unmodified_node_drives_through_the_gateway_only_while_its_student_is_the_driver(
     tmp_path: Path, started: Started
 ) -> None:
     (tmp_path / "roster.csv").write_text(ROSTER)
@@ -69,7 +76,8 @@ def test_an_unchanged_node_drives_through_the_gateway_only_while_its_student_may
     robot.stop()
 
 
-def test_all_of_the_unknown_robot_is_on_the_network(tmp_path: Path, started: Started) -> None:
+@pytest.mark.slow
+def test_unknown_robot_publishes_all_its_topics_on_the_network(tmp_path: Path, started: Started) -> None:
     place = f"tcp/127.0.0.1:{free_port()}"
     says(started("robot", "unknown", "--listen", place), "The robot is ready")
 
@@ -83,19 +91,25 @@ def test_all_of_the_unknown_robot_is_on_the_network(tmp_path: Path, started: Sta
     assert "/robot/gripper_cmd" in ros2("action list")
 
 
-def test_a_robot_that_does_not_exist_is_one_line(tmp_path: Path) -> None:
+def test_nonexistent_robot_is_reported_in_one_line(tmp_path: Path) -> None:
     assert course(tmp_path, "robot", "flying").endswith(
         "There is no robot 'flying': start one of driving, unknown.\n"
     )
 
 
-def test_the_robot_ends_when_the_process_that_started_it_is_killed(tmp_path: Path) -> None:
+def test_robot_process_that_does_not_end_is_killed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("course_lib.gateway.robot.END_SECONDS", 0.1)
+    command = [sys.executable, "-c", "import time; time.sleep(600)"]
+    with Program(command, stdin=subprocess.PIPE) as process:
+        RobotProcess(process, RobotPlace("tcp/127.0.0.1:1"), "no software").stop()
+        assert process.returncode == -signal.SIGKILL
+
+
+@pytest.mark.slow
+def test_robot_ends_when_its_parent_process_is_killed(tmp_path: Path) -> None:
     script = "from course_lib import start_robot\nprint(start_robot().router, flush=True)\ninput()\n"
-    process = subprocess.Popen(
-        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
-    assert process.stdout is not None
-    port = int(process.stdout.readline().rpartition(":")[2])
+    process = Program([sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    port = int(process.read_line().rpartition(":")[2])
     process.send_signal(signal.SIGKILL)
     process.wait()
 
@@ -104,3 +118,45 @@ def test_the_robot_ends_when_the_process_that_started_it_is_killed(tmp_path: Pat
             return one.connect_ex(("127.0.0.1", port)) != 0
 
     wait_for(is_free, "the robot's router has gone")
+
+
+@pytest.mark.slow
+def test_robot_over_dds_uses_the_rclpy_of_the_kit_if_ros_is_not_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.delenv("REAL_ROS_PYTHON", raising=False)
+    robot = start_robot("dds")
+    assert "in another process, on the kit's own rclpy." in repr(robot)
+    words = ("--robot", robot.address, "--domain", str(robot.domain))
+    listed = course(tmp_path, "ros2", *words, "node", "list")
+    assert listed.splitlines() == ["/base", "/laser_scanner", "/robot_state_publisher"]
+    # The laser is 0.25 m ahead of the middle of the room, whose walls are 3.9 m away.
+    ranges = course(tmp_path, "ros2", *words, "topic", "echo", "--once", "/scan", "--field", "ranges")
+    numbers = [float(one) for one in re.findall(r"\d+\.\d+", ranges)]
+    assert numbers[0] == pytest.approx(3.9 + 0.25, abs=0.05)
+    robot.stop()
+    assert "has ended" in repr(robot)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif("REAL_ROS_PYTHON" not in os.environ, reason="REAL_ROS_PYTHON names no real rclpy")
+def test_robot_over_dds_runs_on_the_real_rclpy_and_stops_by_itself(tmp_path: Path) -> None:
+    (tmp_path / "driver.py").write_text(DRIVER)
+    robot = start_robot("dds")
+    assert "on the real rclpy 7.1.6" in repr(robot)
+    words = ("--robot", robot.address, "--domain", str(robot.domain))
+    course(tmp_path, "run", "driver.py", *words, "--send", "/cmd_vel", "--seconds", "3")
+    field = ("topic", "echo", "--once", "/odom", "--field")
+    assert float(course(tmp_path, "ros2", *words, *field, "pose.pose.position.x").split()[0]) > 0.3
+    assert float(course(tmp_path, "ros2", *words, *field, "twist.twist.linear.x").split()[0]) == 0.0
+    robot.stop()
+
+
+def test_start_robot_with_an_unknown_link_is_an_error() -> None:
+    with pytest.raises(CourseError, match=r"start_robot\('usb'\): expected 'zenoh' or 'dds'"):
+        start_robot("usb")  # type: ignore[arg-type]
+
+
+def test_unknown_robot_on_real_ros_is_reported_in_one_line(tmp_path: Path) -> None:
+    assert "--ros runs only 'driving'" in course(tmp_path, "robot", "unknown", "--ros")

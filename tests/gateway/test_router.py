@@ -16,10 +16,11 @@ from typing import Any
 import pytest
 import zenoh
 
-from course_lib.gateway.students import Access, class_of
+from course_lib.gateway.access import Access, load_users
 from tests.gateway.conftest import ROSTER, Opened, free_port, hears, wait_for
 from tests.gateway.test_driving import AHEAD, KEY, STAND
 from tests.patience import PATIENCE
+from tests.processes import Program
 
 Started = Callable[..., Path]
 OPEN = """
@@ -50,14 +51,14 @@ time.sleep(1000)
 
 @pytest.fixture
 def started(tmp_path: Path) -> Iterator[Started]:
-    processes: list[subprocess.Popen[bytes]] = []
+    processes: list[Program] = []
 
     def start(*words: str) -> Path:
         log = tmp_path / f"log{len(processes)}.txt"
         with log.open("wb") as out:
             command = [sys.executable, "-m", "course_lib", *words]
             environment = {**os.environ, "PYTHONFAULTHANDLER": "1"}
-            processes.append(subprocess.Popen(command, cwd=tmp_path, stdout=out, stderr=out, env=environment))
+            processes.append(Program(command, cwd=tmp_path, stdout=out, stderr=out, env=environment))
         return log
 
     yield start
@@ -66,7 +67,7 @@ def started(tmp_path: Path) -> Iterator[Started]:
     )
 
 
-def _interrupted(process: "subprocess.Popen[bytes]") -> int:
+def _interrupted(process: Program) -> int:
     """Return the exit code behind Ctrl+C; a process that goes on writes what its threads do, and is ended."""
     process.send_signal(signal.SIGINT)
     try:
@@ -87,7 +88,7 @@ def course(folder: Path, *words: str) -> str:
 
 
 def users_in(folder: Path) -> list[Access]:
-    return class_of(folder / "course_router", None, "", "tcp/anywhere:1")
+    return load_users(folder / "course_router", None, "", "tcp/anywhere:1")
 
 
 @pytest.fixture
@@ -105,12 +106,13 @@ def routed(tmp_path: Path, started: Started, opened: Opened) -> tuple[str, zenoh
 Routed = tuple[str, zenoh.Session, Path]
 
 
-def test_a_second_command_changes_the_driver_and_the_page_says_who_drives(
+@pytest.mark.slow
+def test_driver_command_changes_the_driver_and_the_page(
     tmp_path: Path, routed: Routed, opened: Opened
 ) -> None:
     place, _, log = routed
     assert "nobody drives" in log.read_text()
-    assert "1234 drives" in course(tmp_path, "router", "--driver", "1234")
+    assert "now has the driver 1234" in course(tmp_path, "router", "--driver", "1234")
     says(log, "1234 drives")
     course(tmp_path, "router", "--driver", "zed")
     says(log, "zed: no such student")
@@ -123,17 +125,17 @@ def test_a_second_command_changes_the_driver_and_the_page_says_who_drives(
     address = (tmp_path / "course_router" / "page.txt").read_text()
 
     def page() -> str:
-        with urllib.request.urlopen(address) as answer:
+        with urllib.request.urlopen(address, timeout=PATIENCE) as answer:
             return str(answer.read().decode())
 
     wait_for(lambda: "yes, 1 kit" in page(), "the page has Ann's kit")
     wait_for(lambda: "<h1>Gateway: 1234 drives</h1>" in page(), "the page names the driver")
     with pytest.raises(urllib.error.HTTPError):
-        urllib.request.urlopen(address.rsplit("/", 2)[0] + "/")
+        urllib.request.urlopen(address.rsplit("/", 2)[0] + "/", timeout=PATIENCE)
     del alive  # until here it is there
 
 
-def student_process(code: str, place: str, user: Access, key: str) -> "subprocess.Popen[bytes]":
+def student_process(code: str, place: str, user: Access, key: str) -> Program:
     settings = {
         "mode": "client",
         "connect/endpoints": [place],
@@ -143,10 +145,11 @@ def student_process(code: str, place: str, user: Access, key: str) -> "subproces
     }
     lines = [f"{name}={json.dumps(value)}" for name, value in settings.items()]
     command = [sys.executable, "-c", code, key, AHEAD.hex(), *lines]
-    return subprocess.Popen(command, stdout=subprocess.PIPE)
+    return Program(command, stdout=subprocess.PIPE)
 
 
-def test_a_stuck_student_and_one_who_floods_hold_up_nobody_else(
+@pytest.mark.slow
+def test_stuck_and_flooding_students_do_not_delay_others(
     tmp_path: Path, routed: Routed, opened: Opened
 ) -> None:
     place, robot, _ = routed
@@ -154,11 +157,9 @@ def test_a_stuck_student_and_one_who_floods_hold_up_nobody_else(
     session = opened(place, ann)
     scans = hears(session, "0/scan/**")
     stuck = student_process(LISTENING, place, bob, "0/students/**")
-    assert stuck.stdout is not None
-    assert stuck.stdout.readline() == b"listens\n"
+    assert stuck.read_line() == "listens\n"
     flood = student_process(FLOODING, place, bob, f"0/students/{bob.name}/flood/t/h")
-    assert flood.stdout is not None
-    assert flood.stdout.readline() == b"floods\n"
+    assert flood.read_line() == "floods\n"
     wait_for(lambda: robot.put("0/scan/t/h", b"first") or scans, "scans arrive")
     stuck.send_signal(signal.SIGSTOP)
     try:
@@ -173,7 +174,7 @@ def test_a_stuck_student_and_one_who_floods_hold_up_nobody_else(
             process.wait()
 
 
-def test_the_robot_stops_when_the_drivers_process_is_killed(tmp_path: Path, routed: Routed) -> None:
+def test_robot_stops_when_the_driver_process_is_killed(tmp_path: Path, routed: Routed) -> None:
     place, robot, log = routed
     heard = hears(robot, "0/cmd_vel/**")
     course(tmp_path, "router", "--driver", "b.1")
@@ -186,7 +187,8 @@ def test_the_robot_stops_when_the_drivers_process_is_killed(tmp_path: Path, rout
     assert "Traceback" not in log.read_text()
 
 
-def test_the_gateway_finds_a_robots_router_that_died_and_came_back(
+@pytest.mark.slow
+def test_gateway_reconnects_to_a_restarted_robot_router(
     tmp_path: Path, started: Started, opened: Opened
 ) -> None:
     place, there = (f"tcp/127.0.0.1:{free_port()}" for _ in range(2))
@@ -208,8 +210,9 @@ def test_the_gateway_finds_a_robots_router_that_died_and_came_back(
         wait_for(lambda n=times: log.read_text().count("is lost") == n, "its loss")  # type: ignore[misc]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl on this machine")
-def test_with_a_certificate_students_connect_by_tls_only(
+def test_students_connect_only_by_tls_if_a_certificate_is_set(
     tmp_path: Path, started: Started, opened: Opened
 ) -> None:
     subject = (
@@ -222,7 +225,7 @@ def test_with_a_certificate_students_connect_by_tls_only(
     )
     made = ("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", *subject)
     files = ("-keyout", "key.pem", "-out", "cert.pem")
-    subprocess.run([*made, *files], cwd=tmp_path, check=True, capture_output=True)
+    subprocess.run([*made, *files], cwd=tmp_path, check=True, capture_output=True, timeout=PATIENCE)
     port = free_port()
     log = started(
         "router", "--listen", f"tls/127.0.0.1:{port}", "--certificate", "cert.pem", "--key", "key.pem",
@@ -239,24 +242,26 @@ def test_with_a_certificate_students_connect_by_tls_only(
         opened(f"tls/localhost:{port}", guest)  # the certificate is not trusted
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (("--send", "cmd_vel"), "--send cmd_vel: expected a full ROS name"),
-        (("--listen", "tls/127.0.0.1:1"), "a certificate goes with tls"),
+        (("--listen", "tls/127.0.0.1:1"), "use a certificate with tls"),
         (("--certificate", "cert.pem"), "TLS needs two files"),
         (("--driver", "zed"), "zed: no such student"),
         (("--listen", "tcp/203.0.113.1:7448"), "can't listen at tcp/203.0.113.1:7448"),
         (("--students", "missing.csv"), "missing.csv can't be read"),
     ],
 )
-def test_wrong_options_are_one_line(tmp_path: Path, words: tuple[str, ...], said: str) -> None:
+def test_invalid_options_are_reported_in_one_line(tmp_path: Path, words: tuple[str, ...], said: str) -> None:
     output = course(tmp_path, "router", "--robot-port", str(free_port()), *words)
     assert said in output
     assert output.count("\n") == 1
 
 
-def test_a_robot_on_the_gateways_computer_connects_to_a_port_that_is_printed(
+@pytest.mark.slow
+def test_robot_on_the_gateway_computer_connects_to_the_printed_port(
     tmp_path: Path, started: Started, opened: Opened
 ) -> None:
     place, port = f"tcp/127.0.0.1:{free_port()}", free_port()

@@ -3,16 +3,17 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from course_lib import Viewer
 from course_lib.demo import red_cube
-from course_lib.ros import wall
-from course_lib.ros.graph import use_graph
+from course_lib.ros.graph.graph import use_graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize, type_name
-from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.connect import RobotAddress, link_to
-from course_lib.ros.zenoh.robot_graph import RobotGraph
+from course_lib.ros.robot.connect import RobotAddress, link_to
+from course_lib.ros.robot.robot_graph import RobotGraph
+from course_lib.ros.time import wall
 from tests.gateway.conftest import ROSTER, Opened, free_port
 from tests.gateway.test_router import Started, says, started, users_in
 from tests.patience import PATIENCE
@@ -58,7 +59,8 @@ def advance_until(graph: RobotGraph, state: Callable[[], object], what: str) -> 
         graph.advance()
 
 
-def test_the_red_cube_and_the_painting_robot_are_seen_and_driven_from_another_kit(
+@pytest.mark.slow
+def test_red_cube_and_painting_robot_work_from_another_kit(
     tmp_path: Path, started: Started, opened: Opened
 ) -> None:
     (tmp_path / "roster.csv").write_text(ROSTER)

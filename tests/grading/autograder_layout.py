@@ -8,6 +8,8 @@ import sysconfig
 from pathlib import Path
 from typing import Any
 
+from tests.patience import PATIENCE
+
 
 def graded_upload(archive: Path, handed_in: Path, root: Path) -> dict[str, Any]:
     """Set up an autograder and return its results of a file, which gets the name of an exercise of week 1."""
@@ -18,10 +20,14 @@ def graded_upload(archive: Path, handed_in: Path, root: Path) -> dict[str, Any]:
     version = f"python{sys.version_info.major}.{sys.version_info.minor}"
     (tools / version).symlink_to(sys.executable)
     (tools / "apt-get").chmod(0o755)
-    subprocess.run([sys.executable, "-m", "zipfile", "-e", archive, root / "source"], check=True)
+    subprocess.run(
+        [sys.executable, "-m", "zipfile", "-e", archive, root / "source"], check=True, timeout=5 * PATIENCE
+    )
     (root / "run_autograder").write_bytes((root / "source/run_autograder").read_bytes())
     here = sysconfig.get_path("purelib")  # what it depends on, and builds with: not downloaded again
     settings = {"PYTHONPATH": here, "PIP_NO_BUILD_ISOLATION": "0"}  # 0 is pip's word for "no isolation"
+    # Most of the kit's modules are never imported here.
+    settings |= {"PIP_NO_COMPILE": "0", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
     _run(root / "source/setup.sh", root, PATH=f"{tools}:{os.environ['PATH']}", **settings)
     packages = next((root / "venv/lib").glob("python*/site-packages"))
     (packages / "dependencies.pth").write_text(f"{here}\n")
@@ -34,6 +40,12 @@ def graded_upload(archive: Path, handed_in: Path, root: Path) -> dict[str, Any]:
 def _run(script: Path, root: Path, **changed: str) -> None:
     environment = {**os.environ, **changed}
     done = subprocess.run(
-        ["bash", script], cwd=root, env=environment, capture_output=True, text=True, check=False
+        ["bash", script],
+        cwd=root,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=5 * PATIENCE,
     )
     assert done.returncode == 0, done.stdout + done.stderr

@@ -8,11 +8,10 @@ from typing import Any
 import pytest
 
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.records import Course
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Sample
+from course_lib.grading.store import Course
+from course_lib.ros.graph.graph import START_NS, Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize, type_name
-from course_lib.ros.qos import Qos
 
 MakeEvidence = Callable[..., Evidence]
 

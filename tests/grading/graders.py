@@ -6,8 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
 from tests.grading.conftest import RIGHT
+from tests.processes import LIMIT_OF_A_SERVER, Program
 
 GRADE = """
 import sys, time
@@ -15,7 +16,7 @@ from pathlib import Path
 from course_lib.errors import CourseError
 from course_lib.grading import grade as stages
 from course_lib.grading.grade import grade
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
 
 def with_pauses(graded):
     def rows(work, *rest):
@@ -28,7 +29,7 @@ def with_pauses(graded):
     return rows
 
 if __name__ == "__main__":
-    stages._graded = with_pauses(stages._graded)
+    stages._grade_all = with_pauses(stages._grade_all)
     top, out, jobs, flags = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), sys.argv[4:]
     course = Course(top / "course/exercises", top / "course/solutions")
     try:
@@ -52,7 +53,7 @@ def write_class(top: Path, count: int) -> Path:
     return top / "in"
 
 
-def start_grader(course: Course, out: Path, jobs: int, *flags: str) -> "subprocess.Popen[str]":
+def start_grader(course: Course, out: Path, jobs: int, *flags: str) -> Program:
     """A grader of the class beside the course, in a process of its own.
 
     It pauses after row 3 as long as there is a file `pause_3` beside `out`, and says so in the file.
@@ -61,7 +62,7 @@ def start_grader(course: Course, out: Path, jobs: int, *flags: str) -> "subproce
     script.write_text(GRADE)
     top = str(course.exercises.parents[1])
     command = [sys.executable, str(script), top, str(out), str(jobs), *flags]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return Program(command, limit=LIMIT_OF_A_SERVER, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
 
 def fingerprint(out: Path) -> dict[str, str]:

@@ -33,7 +33,7 @@ def cube(at: float) -> tuple[float, str, Any]:
         ((), "nothing was published on /boxes in 3 s, nor on any other topic"),
     ],
 )
-def test_gone_is_what_was_there_and_is_not_shown_any_more(
+def test_expect_gone_needs_an_object_that_was_shown_and_removed(
     evidence: MakeEvidence, published: tuple[Any, ...], message: str
 ) -> None:
     assert expect_gone("/boxes").judge(evidence(*published)).message == message
@@ -46,7 +46,7 @@ def test_gone_is_what_was_there_and_is_not_shown_any_more(
         (0.1, "/words was published after 0.10 s, expected nothing before 1.00 s"),
     ],
 )
-def test_a_message_that_comes_too_early_is_named(evidence: MakeEvidence, at: float, message: str) -> None:
+def test_premature_message_is_reported(evidence: MakeEvidence, at: float, message: str) -> None:
     came = evidence((at, "/words", String()), (2.0, "/words", String()))
     assert expect_nothing_before("/words", 1.0).judge(came).message == message
 
@@ -67,11 +67,11 @@ def test_a_message_that_comes_too_early_is_named(evidence: MakeEvidence, at: flo
         (String(), "/image carries std_msgs/msg/String, expected sensor_msgs/msg/Image"),
     ],
 )
-def test_an_image_without_pixels_is_named(evidence: MakeEvidence, image: Any, message: str) -> None:
+def test_image_without_pixels_is_reported(evidence: MakeEvidence, image: Any, message: str) -> None:
     assert expect_images("/image").judge(evidence((1.0, "/image", image))).message == message
 
 
-def test_later_images_may_be_kept_without_their_pixels(evidence: MakeEvidence) -> None:
+def test_later_images_without_pixels_are_accepted(evidence: MakeEvidence) -> None:
     first, later = Image(width=1, height=1, step=1, data=[1]), Image(width=1, height=1, step=1)
     came = evidence((1.0, "/image", first), (2.0, "/image", later))
     assert expect_images("/image").judge(came).score == 1
@@ -86,6 +86,6 @@ def test_later_images_may_be_kept_without_their_pixels(evidence: MakeEvidence) -
         (5, "0 words, expected 2 to 3"),
     ],
 )
-def test_the_length_of_a_text_is_counted_in_words(text: Any, message: str) -> None:
+def test_text_length_is_counted_in_words(text: Any, message: str) -> None:
     came = Evidence("week06.x", "public", 0.0, returns=(text,))
     assert expect_length(2, 3).judge(came).message == message

@@ -1,25 +1,40 @@
 """Hints by the mistake that was seen."""
 
 import ast
+import json
 import math
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+import pytest
+import rclpy
 from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
 import course_lib.grading.vocabulary
-from course_lib.course.installation import exercises_dir
-from course_lib.grading.advice import AFTER_AN_ERROR, Advice, hints_by_mistake, large_messages, not_numbers
+from course_lib.course.state import exercises_dir, solutions_dir
+from course_lib.grading.advice import (
+    AFTER_AN_ERROR,
+    Advice,
+    Code,
+    hints_by_mistake,
+    large_message_hint,
+    nan_hint,
+)
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import NEEDS_ANOTHER, CheckResult, TaskResult
+from course_lib.grading.judge import NEEDS_ANOTHER
+from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.task import Scenario, Task
 from course_lib.grading.vocabulary.markers import PROPERTIES
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time.time_lock import time_lock
 
+SNIPPET = re.compile(r"`([^`]+)`")
 WORDS = Path(course_lib.grading.vocabulary.__file__).parent
 LADDER = ("one", "two", "three")
 MISTAKE = "a value has the wrong sign"
@@ -59,88 +74,182 @@ def named_by_words() -> set[str]:
     return found
 
 
-def test_every_mistake_that_a_word_names_has_a_hint() -> None:
+def test_every_mistake_reported_by_a_check_has_a_hint() -> None:
     table, named = hints_by_mistake(), named_by_words()
     assert len(named) > 80
     with_value = {"a stamp is *", "a stamp is "}  # the table has both, in the past and in the future
     assert {m for m in named - with_value if not any(fnmatchcase(m, kind) for kind in table)} == set()
 
 
-def test_every_hint_belongs_to_a_mistake_that_the_vocabulary_can_name() -> None:
+def test_every_hint_belongs_to_a_mistake_that_a_check_can_report() -> None:
     said = set().union(*map(texts, TREES))
     assert {k for k in hints_by_mistake() if not any(fnmatchcase(k, text) for text in said)} == set()
 
 
-def test_the_first_failure_shows_the_kind_and_the_second_the_numbers() -> None:
-    advice, wrong = Advice(), result(failing(MISTAKE))
-    assert [advice.reasons(wrong).checks[0].message for _ in range(2)] == [MISTAKE, "2.00, expected -2.00"]
+PASSING = CheckResult("its size", "public", False, 1.0, 1.0, "as expected", "as expected")
 
 
-def test_a_check_without_a_kind_or_behind_another_keeps_its_message() -> None:
-    kept = result(failing(""), failing(NEEDS_ANOTHER))
-    assert Advice().reasons(kept) == kept
-
-
-def test_a_task_s_own_hint_for_a_mistake_comes_before_the_general_one() -> None:
+def test_hint_of_the_task_for_a_mistake_precedes_the_general_hint() -> None:
     own = replace(TASK, mistakes={MISTAKE: "Half of it, not minus half of it."})
-    assert Advice().hint(own, result(failing(MISTAKE))) == "Hint: Half of it, not minus half of it."
-    assert Advice().hint(TASK, result(failing(MISTAKE))).startswith("Hint: The size is right and the sign")
+    assert Advice().hint(own, result(failing(MISTAKE))) == ["Hint: Half of it, not minus half of it."]
+    (general,) = Advice().hint(TASK, result(failing(MISTAKE)))
+    assert general.startswith("Hint: The size is right and the sign")
 
 
-def test_the_ladder_follows_where_the_mistake_s_hint_was_shown_or_there_is_none() -> None:
+def test_hint_for_the_mistake_precedes_the_hint_ladder_each_time() -> None:
     advice = Advice()
-    said = [advice.hint(TASK, result(failing(MISTAKE)))[:11] for _ in range(3)]
-    assert said == ["Hint: The s", "Hint 1 of 3", "Hint 2 of 3"]
-    assert Advice().hint(TASK, result(failing("of no kind"))) == "Hint 1 of 3: one"
+    shown = [[line[:11] for line in advice.hint(TASK, result(failing(MISTAKE)))] for _ in range(5)]
+    by_cause = "Hint: The s"
+    assert shown == [
+        [by_cause],
+        *([by_cause, f"Hint {step} of 3"] for step in (1, 2, 3, 3)),
+    ]
+    assert Advice().hint(TASK, result(failing("of no kind"))) == ["Hint 1 of 3: one"]
 
 
-def test_the_cause_is_the_first_check_that_fails_by_itself() -> None:
+def test_hint_ladder_does_not_advance_while_more_checks_pass() -> None:
+    advice, size = Advice(), failing("the size of a marker is wrong", "its size")
+    assert advice.hint(TASK, result(failing("of no kind"), size)) == ["Hint 1 of 3: one"]
+    better = advice.hint(TASK, result(failing("of no kind"), PASSING))
+    assert better == ["Better: 1 of 2 checks pass now, 0 before."]
+    assert advice.hint(TASK, result(failing("of no kind"), PASSING)) == ["Hint 2 of 3: two"]
+
+
+def test_hint_ladder_does_not_advance_while_faults_are_fixed_one_by_one() -> None:
+    advice = Advice()
+    kinds = ("a value is missing", "a list has the wrong length", "a key is missing", MISTAKE)
+    shown = [advice.hint(TASK, result(failing(kind))) for kind in kinds]
+    assert [len(lines) for lines in shown] == [1, 1, 1, 1]
+    assert all(lines[0].startswith("Hint: ") for lines in shown)
+
+
+SOURCE = """
+    def draw(self):
+        cube = Marker(ns="cubes")
+        cube.pose.position.z = .5
+        cube.scale.x = cube.scale.y = 1.0
+        cube.header.stamp = self.get_clock().now().to_msg()
+"""
+
+
+@pytest.mark.parametrize(
+    ("hint", "is_there"),
+    [
+        ("Set `pose.position.z = 0.5`.", True),
+        ("Set `marker.pose.position.z = 0.5`.", False),
+        ("Set `pose.position.z = 0.5` and `scale.y = 1.0`.", True),
+        ("Set `pose.position.z = 0.5` and `scale.z = 1.0`.", False),
+        ("`self.get_clock().now().to_msg()` is the time.", True),
+        ("Give it `ns='cubes'`.", True),
+        ("How high is the center?", False),
+        ("Write `not ) python`.", False),
+    ],
+)
+def test_hint_is_omitted_if_the_code_already_contains_it(hint: str, is_there: bool) -> None:
+    assert Code(SOURCE).does(hint) is is_there
+    task = replace(TASK, mistakes={MISTAKE: hint})
+    first = Advice().hint(task, result(failing(MISTAKE)), SOURCE)
+    assert first == (["Hint 1 of 3: one"] if is_there else [f"Hint: {hint}"])
+
+
+def test_hint_ladder_skips_a_step_that_the_code_already_contains() -> None:
+    task = replace(TASK, hints=("one", "`cube.scale.x = 1.0`", "`cube.scale.z = 1.0`"))
+    advice = Advice()
+    shown = [advice.hint(task, result(failing("of no kind")), SOURCE) for _ in range(3)]
+    assert shown == [["Hint 1 of 3: one"], *[["Hint 3 of 3: `cube.scale.z = 1.0`"]] * 2]
+
+
+def test_hint_is_for_the_first_check_whose_required_checks_pass() -> None:
     behind = failing(NEEDS_ANOTHER, "the rate")
-    assert "wrong sign" not in Advice().hint(TASK, result(behind, failing("a value is missing")))
-    assert Advice().hint(TASK, result(behind, failing("a value is missing"))).startswith("Hint: Nothing came")
+    (shown,) = Advice().hint(TASK, result(behind, failing("a value is missing")))
+    assert shown.startswith("Hint: Nothing was")
 
 
-def test_a_new_kernel_counts_from_the_beginning() -> None:
+def test_hint_ladder_restarts_in_a_new_kernel() -> None:
     first, second = Advice(), Advice()
     assert first.hint(TASK, result(failing(MISTAKE))) == second.hint(TASK, result(failing(MISTAKE)))
 
 
-def test_messages_that_take_most_of_the_time_are_named(evidence: Callable[..., Evidence]) -> None:
+def test_messages_that_take_most_of_the_check_time_are_reported(evidence: Callable[..., Evidence]) -> None:
     small, large = Marker(points=[Point()]), Marker(points=[Point()] * 100_000)
-    assert large_messages([evidence((1.0, "/small", small))]) == []
-    (said,) = large_messages([evidence((1.0, "/small", small), (1.5, "/large", large))])
+    assert large_message_hint([evidence((1.0, "/small", small))]) == []
+    (said,) = large_message_hint([evidence((1.0, "/small", small), (1.5, "/large", large))])
     assert said.startswith("This took long: a message on /large holds 2 MB")
 
 
-def test_nan_is_found_in_doubles_floats_and_long_lists(evidence: Callable[..., Evidence]) -> None:
+def test_nan_is_detected_in_doubles_floats_and_long_lists(evidence: Callable[..., Evidence]) -> None:
     points = [Point()] * 7 + [Point(y=math.nan)]
     for message, place in (
         (Marker(points=points), "points[7].y"),
         (Marker(color=ColorRGBA(g=math.nan)), "color.g"),
     ):
-        (said,) = not_numbers([evidence((1.0, "/m", message))])
+        (said,) = nan_hint([evidence((1.0, "/m", message))])
         assert f"{place} on /m" in said
-    assert not_numbers([evidence((1.0, "/m", Marker(id=-1, text="odd")))]) == []
+    assert nan_hint([evidence((1.0, "/m", Marker(id=-1, text="odd")))]) == []
 
 
-def test_a_task_s_own_hints_are_for_mistakes_that_the_vocabulary_names() -> None:
+def test_task_hints_are_for_mistakes_that_a_check_can_report() -> None:
     catalog = load_catalog(exercises_dir())
     kinds = {kind for task in catalog.tasks.values() for kind in task.mistakes}
     assert kinds
     assert {k for k in kinds if not any(fnmatchcase(k, known) for known in hints_by_mistake())} == set()
 
 
-def test_after_an_exception_there_is_no_hint_on_what_its_node_did_not_publish() -> None:
+def test_after_an_exception_hints_on_missing_messages_are_omitted() -> None:
     advice = Advice()
     stopped = replace(
         result(failing("nothing was published on an expected topic")), errors=("ValueError: x",)
     )
     said = [advice.hint(TASK, stopped) for _ in range(2)]
-    assert said == [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]
+    assert said == [[f"Hint: {AFTER_AN_ERROR}"], [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]]
 
 
-def test_the_ladder_is_for_an_exception_that_comes_again_not_for_the_next_one() -> None:
+def test_hint_ladder_starts_when_an_exception_repeats() -> None:
     advice, texts = Advice(), ("ValueError: x", "TypeError: y", "TypeError: y")
     errors = [f"{text} (cell In[{cell}], line {cell}: x())" for cell, text in enumerate(texts)]
     said = [advice.hint(TASK, replace(result(failing(MISTAKE)), errors=(error,))) for error in errors]
-    assert said == [f"Hint: {AFTER_AN_ERROR}", f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]
+    after = f"Hint: {AFTER_AN_ERROR}"
+    assert said == [[after], [after], [after, "Hint 1 of 3: one"]]
+
+
+def solution_code(week: str) -> str:
+    """The code of a week's solution, without magics."""
+    cells = json.loads((solutions_dir() / f"{week}_solution.ipynb").read_text(encoding="utf-8"))["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    return "\n".join(one for one in code if not re.search(r"^\s*[%!]", one, re.MULTILINE))
+
+
+def test_hint_code_of_a_task_occurs_in_its_solution() -> None:
+    wrong, seen = [], 0
+    tasks = load_catalog(exercises_dir()).tasks.values()
+    codes = {week: Code(solution_code(week)) for week in {task.week for task in tasks}}
+    for task in tasks:
+        for snippet in (
+            one for hint in (*task.hints, *task.mistakes.values()) for one in SNIPPET.findall(hint)
+        ):
+            seen += 1
+            if not codes[task.week].has(snippet):
+                wrong.append((task.id, snippet))
+    assert wrong == []
+    assert seen > 15
+
+
+PREAMBLE = """
+import math
+from rclpy.duration import Duration
+from rclpy.node import Node
+from visualization_msgs.msg import Marker
+from course_lib import Viewer
+self, header, viewer, yaw, dx, dy = Node("robot"), Marker().header, Viewer(), 1.0, 1.0, 1.0
+"""
+
+
+def test_code_in_a_general_hint_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    snippets = [one for hint in hints_by_mistake().values() for one in SNIPPET.findall(hint)]
+    assert len(snippets) > 5
+    with time_lock.hold(), use_graph(Graph()):
+        rclpy.init(args=[])
+        for code in [PREAMBLE, *snippets]:
+            exec(code, names)

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from course_lib.grading.grade import grade
-from course_lib.grading.handin.submission import find_submissions
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
+from course_lib.grading.submissions.submission import find_submissions
 from tests.grading.platforms import NAME, notebook, zipped
 
 
@@ -42,15 +42,17 @@ def packed(code: str, student: str, time: str = "2026-03-01T00:00:00+00:00") -> 
         ("first/week01_exercise.ipynb", "week01_exercise (1).ipynb"),
     ],
 )
-def test_the_platforms_numbering_says_which_file_is_newer(tmp_path: Path, older: str, newer: str) -> None:
+def test_file_numbering_of_the_platform_determines_the_newest_attempt(
+    tmp_path: Path, older: str, newer: str
+) -> None:
     put(tmp_path, {f"ada7/{older}": notebook("x = 1"), f"ada7/{newer}": notebook("x = 2")})
     os.utime(tmp_path / "ada7" / newer, (1, 1))  # the time of a copy tells nothing
     (found,) = find_submissions(tmp_path)
     assert found.path == tmp_path / "ada7" / newer
-    assert f"{found.path.name} counts, not ada7/{older}" in found.notes
+    assert f"ada7/{newer} counts, not ada7/{older}" in found.notes
 
 
-def test_trusted_times_go_before_the_numbering(tmp_path: Path) -> None:
+def test_trusted_submission_times_take_precedence_over_file_numbering(tmp_path: Path) -> None:
     put(tmp_path, {f"ada/{NAME}": notebook("x = 1"), "ada/week01_exercise (1).ipynb": notebook("x = 2")})
     (tmp_path / "received.csv").write_text(
         f"file,received\nada/{NAME},2026-03-02 10:00\nada/week01_exercise (1).ipynb,2026-03-01 10:00\n"
@@ -59,7 +61,7 @@ def test_trusted_times_go_before_the_numbering(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("bad", [b"", b"{]", b"<html>", b"PK", notebook(" \n"), b'{"cells": [1]}'])
-def test_a_newer_file_that_is_not_the_exercise_displaces_nothing_and_is_named(
+def test_newer_file_of_another_type_does_not_replace_the_exercise_and_is_reported(
     tmp_path: Path, bad: bytes
 ) -> None:
     put(tmp_path, {f"ada/{NAME}": notebook(), "ada/week01_exercise (1).ipynb": bad})
@@ -68,12 +70,12 @@ def test_a_newer_file_that_is_not_the_exercise_displaces_nothing_and_is_named(
     assert any("not ada/week01_exercise (1).ipynb" in note for note in found.notes)
 
 
-def test_where_no_file_is_the_exercise_the_newest_is_named(tmp_path: Path) -> None:
+def test_newest_file_is_reported_if_the_exercise_is_missing(tmp_path: Path) -> None:
     put(tmp_path, {f"ada/{NAME}": b"{]", "ada/week01_exercise (1).ipynb": b"<html>"})
     assert "web page" in find_submissions(tmp_path)[0].problem
 
 
-def test_a_receipt_with_anothers_id_replaces_nobodys_work(tmp_path: Path) -> None:
+def test_receipt_with_the_id_of_another_student_replaces_no_submission(tmp_path: Path) -> None:
     late = "2026-03-09T00:00:00+00:00"
     put(tmp_path, {
         f"ada/{NAME}": notebook("mine"),
@@ -85,15 +87,15 @@ def test_a_receipt_with_anothers_id_replaces_nobodys_work(tmp_path: Path) -> Non
     assert any("not week01_exercise_ada (1).zip" in note for note in ada.notes)
 
 
-def test_of_two_files_that_claim_one_id_neither_replaces_the_other(course: Course, tmp_path: Path) -> None:
+def test_files_claiming_the_same_student_id_do_not_replace_each_other(course: Course, tmp_path: Path) -> None:
     put(tmp_path / "in", {"a.zip": packed("x = 1", "ada"), "b.zip": packed("x = 2", "ada")})
     assert not grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
     _, row = (tmp_path / "out/gradebook.csv").read_text().splitlines()
     assert row.startswith("ada,week01_exercise,,,,,,rejected,claimed twice,")
-    assert "a.zip and b.zip name ada" in row
+    assert "a.zip and b.zip have the ID ada" in row
 
 
-def test_of_one_students_tries_without_a_platform_the_newest_counts(tmp_path: Path) -> None:
+def test_newest_attempt_of_a_student_counts_without_a_platform(tmp_path: Path) -> None:
     names = ("week01_exercise_ada.zip", "week01_exercise_ada (1).zip")
     put(tmp_path, {name: packed(f"x = {n}", "ada") for n, name in enumerate(names)})
     (found,) = find_submissions(tmp_path)
@@ -101,7 +103,7 @@ def test_of_one_students_tries_without_a_platform_the_newest_counts(tmp_path: Pa
     assert len(found.rivals) == 2
 
 
-def test_if_the_best_counts_all_that_are_the_exercise_are_judged(tmp_path: Path) -> None:
+def test_all_attempts_at_the_exercise_are_judged_if_the_best_counts(tmp_path: Path) -> None:
     put(tmp_path, {f"ada/{NAME}": notebook("x = 1"), "ada/week01_exercise (1).ipynb": b"{]",
                    "ada/week01_exercise (2).ipynb": notebook("x = 2")})  # fmt: skip
     names = [one.path.name for one in find_submissions(tmp_path, "best")]

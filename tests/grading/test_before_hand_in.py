@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from course_lib.course import progress
+from course_lib.course import student_folder
 from course_lib.course.state import State
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.check import check
 from course_lib.grading.check_file import check_file
-from course_lib.grading.handin.submit import Receipt, submit
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
+from course_lib.grading.submissions.submit import Receipt, submit
 
 NODE, HALF, ANSWER = range(3)  # the cells of the right answer
 DEFINED = "def half(length):"
@@ -25,9 +25,9 @@ DEFINED = "def half(length):"
 def folder(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A student's folder; the small course is the one that is installed."""
     catalog = load_catalog(course.exercises)
-    for module in ("check", "check_file", "handin.submit", "catalog"):
+    for module in ("check", "check_file", "submissions.submit", "catalog"):
         monkeypatch.setattr(f"course_lib.grading.{module}.shipped_catalog", lambda: catalog)
-    monkeypatch.setattr("course_lib.grading.handin.submit.exercises_dir", lambda: course.exercises)
+    monkeypatch.setattr("course_lib.grading.submissions.submit.exercises_dir", lambda: course.exercises)
     (tmp_path / "mine/.course").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "mine")
     State(tmp_path / "mine").put("identity", "student", "ada")
@@ -67,7 +67,7 @@ def warned(path: Path) -> list[str]:
     return list(receipt.warnings)
 
 
-def test_what_was_checked_as_it_is_has_no_warning(checked: list[str], folder: Path) -> None:
+def test_unchanged_checked_notebook_has_no_submission_warning(checked: list[str], folder: Path) -> None:
     receipt = submit(folder / "week01_exercise.ipynb")
     assert receipt.warnings == ()
     assert "look at" not in receipt.text()
@@ -86,7 +86,7 @@ def test_what_was_checked_as_it_is_has_no_warning(checked: list[str], folder: Pa
             HALF,
             "half",
             "halve",
-            ["half is missing: no cell makes half", "code cell 2 (def halve(length):) has"],
+            ["half is missing: no cell defines half", "code cell 2 (def halve(length):) has"],
         ),
         (
             HALF,
@@ -99,7 +99,7 @@ def test_what_was_checked_as_it_is_has_no_warning(checked: list[str], folder: Pa
         (NODE, "import check", "import check as check", ["red_cube has changed"]),
     ],
 )
-def test_a_task_that_is_not_as_checked_is_named(
+def test_task_changed_since_its_check_is_reported(
     checked: list[str], write: Callable[..., Path], number: int, old: str, new: str, warnings: list[str]
 ) -> None:
     checked[number] = checked[number].replace(old, new)
@@ -108,12 +108,14 @@ def test_a_task_that_is_not_as_checked_is_named(
         assert any(warning in line for line in found), found
 
 
-def test_a_deleted_cell_makes_its_task_missing(checked: list[str], write: Callable[..., Path]) -> None:
+def test_task_of_a_deleted_cell_is_reported_as_missing(
+    checked: list[str], write: Callable[..., Path]
+) -> None:
     del checked[HALF]
-    assert warned(write(checked)) == ["half is missing: no cell makes half"]
+    assert warned(write(checked)) == ["half is missing: no cell defines half"]
 
 
-def test_a_cell_that_was_never_run_is_named_and_one_behind_the_last_check_is_not(
+def test_unrun_cell_is_reported_except_after_the_last_check(
     checked: list[str], write: Callable[..., Path]
 ) -> None:
     found = warned(write(["HEIGHT = 3\n", *checked, "live.stop()"], ran=False))
@@ -122,26 +124,26 @@ def test_a_cell_that_was_never_run_is_named_and_one_behind_the_last_check_is_not
     assert found == ["code cell 1 (HEIGHT = 3) has changed since the last check"]
 
 
-def test_a_failed_and_an_unchecked_task_are_named(
+def test_failed_and_unchecked_tasks_are_reported(
     write: Callable[..., Path], right: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     check_file(write([text.replace("/ 2", "/ 3") for text in right.split("# next cell\n")]))
     assert warned(folder / "week01_exercise.ipynb") == ["half failed its last check"]
     (folder / ".course/checks.json").unlink()
     assert warned(folder / "week01_exercise.ipynb") == [
-        "it was never checked here: type course check week01_exercise.ipynb first"
+        "it was never checked here: run course check week01_exercise.ipynb first"
     ]
 
 
-def test_what_is_as_it_was_handed_out_is_empty(
+def test_unchanged_stub_of_a_task_is_reported_as_empty(
     checked: list[str], write: Callable[..., Path], folder: Path, course: Course
 ) -> None:
     broken = [*checked[:HALF], f"{DEFINED}\n    return length\n", *checked[ANSWER:]]
     (course.exercises / "week01_exercise.ipynb").write_bytes(write(broken).read_bytes())
-    assert warned(write(broken)) == [f"half is empty: code cell 2 ({DEFINED}) is as it was handed out"]
+    assert warned(write(broken)) == [f"half is empty: code cell 2 ({DEFINED}) is unchanged"]
 
 
-def test_a_notebook_that_was_saved_before_the_last_check_may_lack_what_was_checked(
+def test_notebook_saved_before_the_last_check_is_reported_as_outdated(
     write: Callable[..., Path], right: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     history = [*right.split("# next cell\n")[:1], f"{DEFINED}\n    return length * 0.5"]
@@ -157,13 +159,17 @@ def test_a_notebook_that_was_saved_before_the_last_check_may_lack_what_was_check
     assert "press Ctrl+S and submit again" in found[1]
 
 
-def test_an_id_that_is_not_the_folders_is_named(checked: list[str], write: Callable[..., Path]) -> None:
+def test_student_id_mismatch_with_the_folder_is_reported(
+    checked: list[str], write: Callable[..., Path]
+) -> None:
     (warning,) = warned(write(student="eve"))
-    assert "names the student eve, but your ID is ada" in warning
+    assert "has the student ID eve, but yours is ada" in warning
 
 
 @pytest.mark.parametrize("content", ["{", "[]", '{"week01.half": 3}', '{"week01.half": {"time": "x"}}'])
-def test_a_broken_memory_does_not_stop_packing(checked: list[str], folder: Path, content: str) -> None:
+def test_damaged_check_history_does_not_prevent_packing(
+    checked: list[str], folder: Path, content: str
+) -> None:
     for name in ("checks", "packed_files"):
         (folder / f".course/{name}.json").write_text(content)
     assert warned(folder / "week01_exercise.ipynb")
@@ -171,17 +177,18 @@ def test_a_broken_memory_does_not_stop_packing(checked: list[str], folder: Path,
 
 
 @pytest.mark.parametrize("cell", ["%%time\nx = 1", "!ls\nawait y", "x?", "%ros2 topic list | wc", ""])
-def test_what_ipython_understands_is_no_syntax_error(
+def test_ipython_syntax_is_not_a_syntax_error(
     checked: list[str], write: Callable[..., Path], cell: str
 ) -> None:
     assert warned(write([*checked, cell])) == []
 
 
-def test_status_says_what_the_packed_file_holds_and_whether_it_is_up_to_date(
+@pytest.mark.slow
+def test_status_reports_the_packed_tasks_and_whether_the_package_is_current(
     checked: list[str], write: Callable[..., Path], folder: Path
 ) -> None:
     def told() -> Any:
-        return progress.status(folder)[1].splitlines()
+        return student_folder.status(folder)[1].splitlines()
 
     packed: Receipt = submit(folder / "week01_exercise.ipynb")
     assert told()[0] == (
@@ -198,13 +205,13 @@ def test_status_says_what_the_packed_file_holds_and_whether_it_is_up_to_date(
 
 
 @pytest.mark.parametrize("typed", ["week01_exercise", "week01_exercise.ipynb"])
-def test_a_notebook_may_be_typed_without_its_ending(checked: list[str], folder: Path, typed: str) -> None:
+def test_notebook_name_is_accepted_without_extension(checked: list[str], folder: Path, typed: str) -> None:
     assert submit(Path(typed)).content["exercise"] == "week01_exercise"
     assert check_file(Path(typed))
 
 
 @pytest.mark.parametrize("typed", ["week01", "week1_exercise", "week01_exercise.ipyn", "../week01_exercise"])
-def test_a_name_that_is_nearly_right_is_answered_with_the_right_one(
+def test_misspelled_notebook_name_is_reported_with_the_closest_match(
     checked: list[str], folder: Path, typed: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(CourseError, match=r"Did you mean .*week01_exercise\.ipynb"):

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.handin import archives
-from course_lib.grading.handin.archives import MAX_UNPACKED_BYTES, MAX_UNPACKED_FILES
-from course_lib.grading.handin.collect import Collection, collect
-from course_lib.grading.handin.submission import UTC, find_submissions
+from course_lib.grading.submissions import archives
+from course_lib.grading.submissions.archives import MAX_UNPACKED_BYTES, MAX_UNPACKED_FILES
+from course_lib.grading.submissions.collect import Collection, collect
+from course_lib.grading.submissions.submission import UTC, find_submissions
 from tests.grading.platforms import NAME, notebook, zipped
 
 MEGABYTE = 1_000_000
@@ -67,8 +67,9 @@ PLACES = ("ada/bomb.zip", "Ada_7_assignsubmission_file_/bomb.zip", "ada_7_70_bom
 CASES = [(PLACES[0], kind) for kind in BOMBS] + [(place, "zips in a zip") for place in PLACES[1:]]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("place", "kind"), CASES)
-def test_a_bomb_is_bounded_and_costs_its_student_alone(
+def test_zip_bomb_is_limited_and_affects_only_its_student(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, kind: str
 ) -> None:
     monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 40 * MEGABYTE)
@@ -82,21 +83,21 @@ def test_a_bomb_is_bounded_and_costs_its_student_alone(
 
 
 @pytest.mark.parametrize("name", ["", "\0", "\0/x", "a//"])
-def test_a_member_with_a_strange_name_costs_no_other(tmp_path: Path, name: str) -> None:
+def test_archive_member_with_an_unusual_name_does_not_affect_other_members(tmp_path: Path, name: str) -> None:
     inner = zipped({name: b"1", NAME: notebook()})
     (tmp_path / "in.zip").write_bytes(zipped({"ada/files.zip": inner, f"zoe/{NAME}": notebook(), name: b"1"}))
     collect(tmp_path / "in.zip", tmp_path / "out", UTC)
     assert [one.student for one in find_submissions(tmp_path / "out")] == ["ada", "zoe"]
 
 
-def test_a_download_whose_names_are_no_text_is_refused(tmp_path: Path) -> None:
+def test_zip_with_undecodable_names_is_rejected(tmp_path: Path) -> None:
     data = zipped({"ada/ü.ipynb": notebook()}).replace("ü".encode(), b"\xd9\xff")
     (tmp_path / "in.zip").write_bytes(data)
-    with pytest.raises(CourseError, match="not a folder and not a zip: 'utf-8' codec can't decode"):
+    with pytest.raises(CourseError, match="neither a folder nor a zip file: 'utf-8' codec can't decode"):
         collect(tmp_path / "in.zip", tmp_path / "out", UTC)
 
 
-def test_the_limit_is_that_of_a_student_in_total_also_over_several_archives(
+def test_unpack_limit_applies_to_all_archives_of_a_student_together(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 10 * MEGABYTE)
@@ -109,7 +110,9 @@ def test_the_limit_is_that_of_a_student_in_total_also_over_several_archives(
 
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
-def test_a_file_of_submit_is_not_unpacked_by_a_method_without_a_limit(tmp_path: Path, method: int) -> None:
+def test_submission_package_with_an_unsupported_compression_method_is_rejected(
+    tmp_path: Path, method: int
+) -> None:
     with zipfile.ZipFile(tmp_path / "a.zip", "w", method) as archive:
         archive.writestr("receipt.json", '{"exercise": "week01_exercise"}')
         archive.writestr(NAME, notebook())
@@ -117,7 +120,7 @@ def test_a_file_of_submit_is_not_unpacked_by_a_method_without_a_limit(tmp_path: 
     assert f"compression method {method}, expected stored or deflated" in found.problem
 
 
-def test_paths_that_a_disk_cannot_hold_are_refused_one_by_one(tmp_path: Path) -> None:
+def test_paths_that_cannot_be_created_are_rejected_individually(tmp_path: Path) -> None:
     inner = zipped(
         {"x.py": b"1", "x.py/y.py": b"2", "/".join(["d" * 150] * 9) + "/z.py": b"3", "ok.py": b"4"}
     )
@@ -127,12 +130,12 @@ def test_paths_that_a_disk_cannot_hold_are_refused_one_by_one(tmp_path: Path) ->
     assert (tmp_path / "out/ada/ok.py").is_file()
 
 
-def test_the_limits_leave_room_for_honest_work() -> None:
+def test_unpack_limits_exceed_the_size_of_normal_submissions() -> None:
     assert MAX_UNPACKED_BYTES >= 50 * MEGABYTE
     assert min(MAX_UNPACKED_FILES, archives.MAX_MEMBERS) >= 1000
 
 
-def test_what_a_collection_says_of_a_bomb_is_one_line(tmp_path: Path) -> None:
+def test_zip_bomb_is_rejected_with_one_line_messages(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
     (tmp_path / "in/bomb.zip").write_bytes(zips_in_a_zip(6, 2))
     done: Collection = collect(tmp_path / "in", tmp_path / "out", UTC)

@@ -3,11 +3,11 @@ import pytest
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import load_catalog
-from course_lib.grading.personal import personal_values
-from course_lib.grading.records import Course
+from course_lib.grading.inputs import personal_values
+from course_lib.grading.store import Course
 
 
-def test_tasks_points_and_hidden_scenarios_are_found(course: Course) -> None:
+def test_catalog_contains_tasks_points_and_hidden_scenarios(course: Course) -> None:
     catalog = load_catalog(course.exercises, course.solutions)
     assert [task.id for task in catalog.of_week("week01")] == [
         "week01.red_cube",
@@ -19,23 +19,23 @@ def test_tasks_points_and_hidden_scenarios_are_found(course: Course) -> None:
     assert [scenario.name for scenario in catalog.hidden["week01.half"]] == ["other"]
 
 
-def test_a_students_copy_has_no_hidden_scenarios(course: Course) -> None:
+def test_student_copy_has_no_hidden_scenarios(course: Course) -> None:
     assert not load_catalog(course.exercises).hidden
 
 
-def test_an_unknown_task_names_the_close_ones(course: Course) -> None:
+def test_unknown_task_error_suggests_similar_tasks(course: Course) -> None:
     with pytest.raises(CourseError, match=r"Did you mean week01\.red_cube"):
         load_catalog(course.exercises).task("week01.red_cub")
 
 
-def test_a_task_has_the_hints_of_its_weeks_file_and_one_without_a_file_has_none(course: Course) -> None:
+def test_task_hints_are_read_from_the_hint_file_of_its_week_if_present(course: Course) -> None:
     hints = {"a value has the wrong sign": "Half, not minus half."}
     assert load_catalog(course.exercises).task("week01.half").mistakes == hints
     (course.exercises / "mistakes/week01.toml").unlink()
     assert load_catalog(course.exercises).task("week01.half").mistakes == {}
 
 
-def test_own_values_depend_on_the_student_only(course: Course) -> None:
+def test_personal_values_depend_on_the_student_only(course: Course) -> None:
     task = load_catalog(course.exercises).task("week01.answer")
     assert personal_values(task, "20231234") == personal_values(task, "20231234")
     assert {personal_values(task, str(number))["n"] for number in range(50)} == {10, 20, 30}
@@ -81,7 +81,7 @@ MALFORMED = {
         (
             "expect_marker(TOPIC, color",
             "expect_marker(7, color",
-            "line 11: expect_marker: topic=7, expected a text",
+            "line 11: expect_marker: topic=7, expected a string",
         ),
         (
             "color=(1, 0, 0)",
@@ -99,7 +99,7 @@ MALFORMED = {
     ],
     "solutions/checks/week01.py": [
         ("week01.half", "week01.other", "week01.py line 7: HIDDEN: unknown task 'week01.other'"),
-        ('"other"', '"public"', "two scenarios of one name"),
+        ('"other"', '"public"', "two scenarios have the same name"),
         ("HIDDEN =", "HIDE =", "HIDDEN: expected a dict"),
     ],
 }
@@ -108,7 +108,7 @@ MALFORMED = {
 @pytest.mark.parametrize(
     ("file", "old", "new", "message"), [(file, *row) for file, rows in MALFORMED.items() for row in rows]
 )
-def test_what_is_malformed_is_named_with_its_file(
+def test_malformed_course_file_is_reported_with_its_path(
     course: Course, file: str, old: str, new: str, message: str
 ) -> None:
     path = course.exercises.parent / file
@@ -119,7 +119,7 @@ def test_what_is_malformed_is_named_with_its_file(
     assert path.name in str(refusal.value)
 
 
-def test_a_faulty_week_does_not_break_the_others(course: Course) -> None:
+def test_faulty_week_does_not_affect_other_weeks(course: Course) -> None:
     path = course.exercises / "course.toml"
     path.write_text(path.read_text() + '[weeks.week02]\ntitle = "Two"\n[weeks.week02.points]\nx = 100\n')
     (course.exercises / "checks/week02.py").write_text("TASKS = (Tsk(),)\n")
@@ -130,13 +130,13 @@ def test_a_faulty_week_does_not_break_the_others(course: Course) -> None:
             look()
 
 
-def test_a_week_that_course_toml_lacks_is_named_with_what_to_write(course: Course) -> None:
+def test_week_missing_in_course_toml_is_reported_with_the_entry_to_write(course: Course) -> None:
     (course.exercises / "checks/week07.py").write_text("TASKS = ()\n")
-    with pytest.raises(CourseError, match=r"course\.toml has no points for week07.*write \[weeks\.week07\]"):
+    with pytest.raises(CourseError, match=r"course\.toml has no points for week07.*add \[weeks\.week07\]"):
         load_catalog(course.exercises).of_week("week07")
 
 
-def test_an_extension_belongs_to_an_id_however_it_is_spelt(course: Course) -> None:
+def test_extension_applies_to_every_spelling_of_an_id(course: Course) -> None:
     path = course.exercises / "course.toml"
     path.write_text(path.read_text() + "[weeks.week01.extensions]\nAda_1 = 2026-10-13T12:00:00\n")
     late = read_course_file(path).deadline("week01", "ada_1")
@@ -144,7 +144,7 @@ def test_an_extension_belongs_to_an_id_however_it_is_spelt(course: Course) -> No
     assert late.isoformat() == "2026-10-13T12:00:00+02:00"
 
 
-def test_a_missing_file_is_named(course: Course) -> None:
+def test_missing_course_file_is_reported(course: Course) -> None:
     (course.exercises / "checks/week01.py").unlink()
     with pytest.raises(CourseError, match=r"week01\.py is missing"):
         load_catalog(course.exercises).of_week("week01")

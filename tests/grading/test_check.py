@@ -1,19 +1,22 @@
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import course_lib.grading.check as check_module
-from course_lib.course.state import student_state
+from course_lib.course.exercise import read_notebook, source
+from course_lib.course.state import exercises_dir, student_state
 from course_lib.errors import CourseError
-from course_lib.grading import personal
+from course_lib.grading import inputs
 from course_lib.grading.advice import Advice
-from course_lib.grading.catalog import load_catalog
-from course_lib.grading.check import CheckFailedError, check
-from course_lib.grading.judge import CheckResult, TaskResult
-from course_lib.grading.records import Course
+from course_lib.grading.catalog import load_catalog, shipped_catalog
+from course_lib.grading.check import CheckFailedError, check, next_step
+from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.reports.table import Table
+from course_lib.grading.store import Course
 
 
 @pytest.fixture(autouse=True)
@@ -37,17 +40,46 @@ def red_cube(right: str) -> Callable[..., Any]:
     return make
 
 
-def test_full_marks_say_that_hidden_checks_follow(
+def test_full_public_score_announces_the_hidden_checks(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     check("week01.red_cube", red_cube())
     said = capsys.readouterr().out
     assert "week01.red_cube (A red cube): 2 of 2 checks passed" in said
-    assert "all public checks passed; hidden checks run at grading" in said
+    assert said.strip().splitlines()[-2:] == [
+        "all public checks passed; hidden checks run at grading",
+        "60 of 60 points so far. Next is task 2: Half of it.",
+    ]
     assert student_state().get("progress", "week01.red_cube") == {"score": 60.0, "of": 60.0}
 
 
-def test_the_hint_of_the_mistake_comes_first_and_then_the_ladder_whose_last_one_stays(
+@pytest.mark.parametrize("exercise", sorted(exercises_dir().glob("week*.ipynb")), ids=lambda path: path.stem)
+def test_next_steps_follow_the_order_of_the_tasks(exercise: Path) -> None:
+    cells = "\n".join(source(cell) for cell in read_notebook(exercise)["cells"])
+    headings = re.findall(r"^## Task (\d+)(, stretch)?:", cells, re.MULTILINE)
+    catalog = shipped_catalog()
+    tasks = [catalog.task(name) for name in re.findall(r'check\("(.+?)"', cells)]
+    assert len(tasks) == len(headings)
+    steps = [next_step(catalog, task) for task in tasks]
+    assert steps[:-1] == [
+        f"Next is task {number}{' for a bonus' if stretch else ''}: {task.title}.".replace("?.", "?")
+        for (number, stretch), task in zip(headings[1:], tasks[1:], strict=True)
+    ]
+    assert f"course submit {exercise.name}" in steps[-1]
+
+
+def test_success_message_has_an_icon_and_the_next_step_unlike_failure() -> None:
+    passed = CheckResult("a post", "public", False, 1.0, 1.0, "as expected", "")
+    task = TaskResult("week01.post", "A post", 20.0, False, (passed,))
+    html = Table(task, next_step="Next is task 2: A wall.")._repr_mimebundle_()["text/html"]
+    block = html[html.index("border-left") :]
+    assert "✓ all public checks passed" in block
+    assert "20 of 20 points so far. Next is task 2: A wall." in block
+    failed = replace(task, checks=(replace(passed, score=0.0),))
+    assert "border-left" not in Table(failed, next_step="Next")._repr_mimebundle_()["text/html"]
+
+
+def test_hint_for_the_mistake_precedes_the_ladder_and_its_last_step_is_repeated(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     said = []
@@ -65,7 +97,7 @@ def test_the_hint_of_the_mistake_comes_first_and_then_the_ladder_whose_last_one_
     assert "0.50 m too low" in said[0][1]
 
 
-def test_another_mistake_gets_its_own_hint(
+def test_each_mistake_gets_its_own_hint(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     check("week01.red_cube", red_cube("position.z = 0.5", "position.z = 0.0"))
@@ -73,29 +105,27 @@ def test_another_mistake_gets_its_own_hint(
     assert "Hint: r, g, b and a go from 0.0 to 1.0" in capsys.readouterr().out
 
 
-def test_in_a_notebook_a_check_names_the_kind_of_mistake_first_and_the_numbers_next(
+def test_failed_check_shows_the_values_immediately_in_a_notebook(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(check_module, "in_notebook", lambda: True)
-    monkeypatch.setattr("course_lib.grading.reports.ghost_view.show_ghost", lambda *_: None)
-    for seen in (False, True):
-        check("week01.red_cube", red_cube("position.z = 0.5", "position.z = 0.0"))
-        said = capsys.readouterr().out
-        assert ("the position of a marker is wrong" in said, "0.50 m too low" in said) == (not seen, seen)
+    monkeypatch.setattr("course_lib.grading.reports.scenes.show_ghost", lambda *_: None)
+    check("week01.red_cube", red_cube("position.z = 0.5", "position.z = 0.0"))
+    assert "0.50 m too low" in capsys.readouterr().out
 
 
-def test_an_untouched_stub_uses_up_no_hint(
+def test_unchanged_stub_does_not_advance_the_hint_ladder(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     stub = red_cube("self.publisher.publish(marker)", "raise NotImplementedError('publish it')")
     check("week01.red_cube", stub)
     said = capsys.readouterr().out
-    assert "Nothing is filled in yet" in said
+    assert "still stops at the line with raise NotImplementedError" in said
     assert said.count("publish it") == 1
     assert "Hint" not in said
 
 
-def test_an_exception_is_shown_with_the_students_line_and_no_traceback(
+def test_exception_is_shown_with_the_student_line_and_no_traceback(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     check("week01.red_cube", red_cube("marker.color.r =", "marker.colour.r ="))
@@ -104,33 +134,33 @@ def test_an_exception_is_shown_with_the_students_line_and_no_traceback(
     assert "Traceback" not in said
 
 
-def test_a_value_instead_of_a_function_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+def test_passing_a_value_instead_of_a_function_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
     check("week01.half", 4.0)
     assert "got an object of float, expected a function" in capsys.readouterr().out
 
 
-def test_an_unknown_task_names_the_close_ones() -> None:
+def test_unknown_task_error_suggests_similar_tasks() -> None:
     with pytest.raises(CourseError, match=r"Did you mean week01\.red_cube"):
         check("week01.redcube", object)
 
 
-def test_a_failed_check_raises_where_that_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_check_raises_in_strict_mode(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COURSE_STRICT", "1")
     check("week01.half", lambda length: length / 2)
     with pytest.raises(CheckFailedError, match="expected 2"):
         check("week01.half", lambda length: length)
 
 
-def test_own_values_are_those_of_the_student(
+def test_personal_values_depend_on_the_student_id(
     course: Course, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     student_state().put("identity", "student", "20231234")
     task = load_catalog(course.exercises).task("week01.answer")
-    check("week01.answer", 2 * personal.personal_values(task, "20231234")["n"])
+    check("week01.answer", 2 * inputs.personal_values(task, "20231234")["n"])
     assert "1 of 1 checks passed" in capsys.readouterr().out
 
 
-def test_html_shows_words_and_icons_and_escapes_everything() -> None:
+def test_html_table_has_text_and_icons_and_is_escaped() -> None:
     bad = CheckResult("<b>title</b>", "public", False, 1, 0.0, "<script>alert(1)</script>", "secret")
     html = Table(TaskResult("t", "T", 1, False, (bad,), ("<i>",)), ("<hint>",))._repr_mimebundle_()[
         "text/html"
@@ -140,7 +170,7 @@ def test_html_shows_words_and_icons_and_escapes_everything() -> None:
         assert raw not in html
 
 
-def test_a_hidden_check_shows_the_kind_of_mistake_only() -> None:
+def test_hidden_check_shows_only_the_mistake_category() -> None:
     hidden = CheckResult(
         "at 0.123", "longer", True, 1, 0.0, "is 0.5, expected 0.123", "the position is wrong"
     )
@@ -149,14 +179,16 @@ def test_a_hidden_check_shows_the_kind_of_mistake_only() -> None:
     assert "0.123" not in text
 
 
-def test_without_an_id_own_values_are_said_to_be_a_guests(capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_student_id_is_reported_only_for_tasks_with_personal_values(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     check("week01.answer", 1)
-    assert "No student ID is known" in capsys.readouterr().out
+    assert "Your student ID is not set" in capsys.readouterr().out
     check("week01.half", lambda length: length / 2)
-    assert "No student ID is known" not in capsys.readouterr().out
+    assert "Your student ID is not set" not in capsys.readouterr().out
 
 
-def test_what_the_code_prints_is_shown_and_repeated_lines_are_counted(
+def test_printed_output_is_shown_and_repeated_lines_are_counted(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     def half(length: float) -> float:
@@ -171,7 +203,7 @@ def test_what_the_code_prints_is_shown_and_repeated_lines_are_counted(
     assert "[red_cube]: published\n  | … repeated 2 times\n" in said
 
 
-def test_a_flood_of_output_is_cut_and_keeps_its_beginning(capsys: pytest.CaptureFixture[str]) -> None:
+def test_excessive_output_is_truncated_after_its_beginning(capsys: pytest.CaptureFixture[str]) -> None:
     def half(length: float) -> float:
         for number in range(100_000):
             print(number, "x" * 300)  # noqa: T201  what is tested
@@ -185,31 +217,31 @@ def test_a_flood_of_output_is_cut_and_keeps_its_beginning(capsys: pytest.Capture
     assert max(map(len, lines)) < 300
 
 
-def test_a_hint_for_a_common_mistake_comes_through(
+def test_hint_for_a_common_mistake_is_shown(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     check("week01.red_cube", red_cube("def publish_marker(self)", "def publish_marker()"))
-    assert "; hint: write self first: def publish_marker(self)." in capsys.readouterr().out
+    assert "; hint: write self first: `def publish_marker(self)`." in capsys.readouterr().out
 
 
-def test_a_task_without_an_object_says_what_to_type() -> None:
+def test_check_without_an_object_shows_the_correct_call() -> None:
     with pytest.raises(CourseError, match=r'Write: check\("week01\.red_cube", RedCubeNode\)'):
         check("week01.red_cube")
 
 
-def test_an_object_without_a_task_says_what_to_type(red_cube: Callable[..., Any]) -> None:
+def test_check_without_a_task_shows_the_correct_call(red_cube: Callable[..., Any]) -> None:
     with pytest.raises(CourseError, match=r'like check\("week01\.red_cube", RedCubeNode\)'):
         check(red_cube())
 
 
-def test_a_function_that_returns_nothing_is_asked_for_its_return(capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_return_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     check("week01.half", lambda length: None)
     assert "half returned None: is there a return?" in capsys.readouterr().out
     check("week01.half", lambda length: 1 / 0)
     assert "is there a return?" not in capsys.readouterr().out
 
 
-def test_one_cause_is_not_repeated_in_every_row(
+def test_shared_cause_is_not_repeated_in_every_row(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     check("week01.red_cube", red_cube("self.publisher.publish(marker)", "pass"))
@@ -219,12 +251,12 @@ def test_one_cause_is_not_repeated_in_every_row(
     assert "0 of 2 checks passed" in said
 
 
-def test_the_printed_text_is_escaped_in_html() -> None:
+def test_printed_output_is_escaped_in_html() -> None:
     html = Table(TaskResult("t", "T", 1, False, ()), (), ("<b>", "x"))._repr_mimebundle_()["text/html"]
     assert "<pre>&lt;b&gt;\nx</pre>" in html
 
 
-def test_nan_is_named_with_its_place(
+def test_nan_is_reported_with_its_location(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     check("week01.red_cube", red_cube("position.z = 0.5", "position.z = float('nan')"))

@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.executors import Here, ProcessPool, flow
 from course_lib.grading.grade import grade
-from course_lib.grading.marks.mark import results_in
-from course_lib.grading.records import Course, catalog_of, rules_of
+from course_lib.grading.judge import InlineExecutor, ProcessPool, flow
+from course_lib.grading.marks import results_in
 from course_lib.grading.run import run
-from course_lib.grading.run.job import Job
+from course_lib.grading.run.run import Job
+from course_lib.grading.store import Course, catalog_of, rules_of
 from tests.grading.graders import fingerprint, write_class
 
 WriteNotebook = Callable[..., Path]
@@ -29,7 +29,7 @@ def change(path: Path, old: str, new: str) -> None:
 
 
 def marks(out: Path) -> dict[str, Any]:
-    return {result["row"]["student"]: result["row"]["final"] for result in results_in(out)}
+    return {one.student: one.row.mark and one.row.mark.final for one in results_in(out)}
 
 
 def count_runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
@@ -46,7 +46,7 @@ def count_runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return runs
 
 
-def test_identical_files_are_run_once_and_staff_are_told(
+def test_identical_files_are_run_once_and_reported_to_staff(
     course: Course,
     right: str,
     tmp_path: Path,
@@ -63,10 +63,11 @@ def test_identical_files_are_run_once_and_staff_are_told(
     assert marks(tmp_path / "out") == {"ada": 110, "dora": 110}
     said = capsys.readouterr().out
     assert "ada  week01_exercise  note: the same file as that of dora" in said
-    assert "dora  week01_exercise  note: the file names ada, but dora handed it in" in said
+    assert "dora  week01_exercise  note: the file has the ID ada, but dora submitted it" in said
 
 
-def test_new_checks_judge_stored_evidence_without_running_anything(
+@pytest.mark.slow
+def test_changed_checks_judge_stored_evidence_without_running_submissions(
     course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write_class(tmp_path, 2)
@@ -80,7 +81,8 @@ def test_new_checks_judge_stored_evidence_without_running_anything(
     assert all(after[student] < before[student] for student in before)
 
 
-def test_resume_makes_only_the_records_that_are_missing_or_of_other_limits(
+@pytest.mark.slow
+def test_resume_runs_only_submissions_with_missing_evidence_or_changed_limits(
     course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write_class(tmp_path, 1)
@@ -97,7 +99,8 @@ def test_resume_makes_only_the_records_that_are_missing_or_of_other_limits(
     assert len(runs) == 1
 
 
-def test_evidence_of_other_inputs_is_not_judged(
+@pytest.mark.slow
+def test_evidence_from_changed_inputs_is_not_reused(
     course: Course, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write_class(tmp_path, 1)
@@ -105,22 +108,24 @@ def test_evidence_of_other_inputs_is_not_judged(
     before = fingerprint(tmp_path / "out")
     change(course.solutions / "checks/week01.py", "Call(-7.0)", "Call(-8.0)")
     grade(tmp_path / "in", tmp_path / "out", jobs=1, rejudge=True, course=course)
-    assert "s0000  week01_exercise  no evidence of today's inputs" in capsys.readouterr().out
+    assert "s0000  week01_exercise  no evidence for these inputs" in capsys.readouterr().out
     assert fingerprint(tmp_path / "out") == before
 
 
-def test_damaged_evidence_is_a_fault_of_ours(course: Course, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_damaged_evidence_is_reported_as_a_grader_error(course: Course, tmp_path: Path) -> None:
     write_class(tmp_path, 1)
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
     (evidence,) = (tmp_path / "out/evidence").glob("*.gz")
     evidence.write_bytes(evidence.read_bytes()[:100])
     assert not grade(tmp_path / "in", tmp_path / "out", jobs=1, rejudge=True, course=course)
     (result,) = results_in(tmp_path / "out")
-    assert (result["status"], result["row"]["final"]) == ("grader_error", "")
+    assert (result.row.status, result.row.mark) == ("grader_error", None)
     assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
 
 
-def test_the_last_or_the_best_counts_and_an_extension_moves_one_deadline(
+@pytest.mark.slow
+def test_last_or_best_attempt_counts_and_extension_moves_one_deadline(
     course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
 ) -> None:
     for student in ("ada", "bob"):
@@ -141,10 +146,11 @@ def test_the_last_or_the_best_counts_and_an_extension_moves_one_deadline(
     grade(tmp_path / "in", tmp_path / "out", jobs=1, resume=True, course=course)
     assert marks(tmp_path / "out") == {"ada": 88, "bob": 99}
     (ada, _) = results_in(tmp_path / "out")
-    assert [attempt["final"] for attempt in ada["attempts"]] == [88, 56]
+    assert [attempt.final for attempt in ada.result.attempts] == [88, 56]
 
 
-def test_two_dask_workers_give_the_same_and_are_jailed(course: Course, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_dask_workers_give_identical_results_and_are_sandboxed(course: Course, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     write_class(tmp_path, 4)
     grade(tmp_path / "in", tmp_path / "here", jobs=1, course=course)
@@ -153,11 +159,12 @@ def test_two_dask_workers_give_the_same_and_are_jailed(course: Course, tmp_path:
     assert fingerprint(tmp_path / "out") == fingerprint(tmp_path / "here")
 
 
-def test_a_scheduler_that_does_not_answer_is_named(
+@pytest.mark.slow
+def test_unreachable_dask_scheduler_is_reported(
     course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("course_lib.grading.executors.CONNECT_SECONDS", 0.2)
+    monkeypatch.setattr("course_lib.grading.judge.CONNECT_SECONDS", 0.2)
     write_class(tmp_path, 1)
     with pytest.raises(CourseError, match=r"--dask tcp://127\.0\.0\.1:9: no scheduler answers"):
         grade(tmp_path / "in", tmp_path / "out", jobs=1, dask="tcp://127.0.0.1:9", course=course)
@@ -169,7 +176,8 @@ def die(number: int) -> int:
     return number
 
 
-def test_a_process_that_dies_costs_only_its_own_call() -> None:
+@pytest.mark.slow
+def test_killed_worker_process_fails_only_its_own_call() -> None:
     with ProcessPool(2) as processes:
         calls = ((number, [number]) for number in range(5))
         ended = {
@@ -179,7 +187,7 @@ def test_a_process_that_dies_costs_only_its_own_call() -> None:
     assert ended == {number: number for number in (0, 2, 3, 4)}
 
 
-def test_no_more_calls_than_the_window_are_under_way() -> None:
+def test_number_of_concurrent_calls_is_limited_by_the_window() -> None:
     taken: list[int] = []
 
     def calls() -> Iterator[tuple[int, list[int]]]:
@@ -187,6 +195,6 @@ def test_no_more_calls_than_the_window_are_under_way() -> None:
             taken.append(number)
             yield number, [number]
 
-    for ended, _ in enumerate(flow(Here(), die, calls(), 3)):
+    for ended, _ in enumerate(flow(InlineExecutor(), die, calls(), 3)):
         assert len(taken) <= ended + 3
     assert len(taken) == 9

@@ -17,7 +17,7 @@ Participant 103,Cleo,C3,
 """
 
 
-def test_collect_grade_and_export_lead_from_zip_to_csv(
+def test_collect_grade_and_export_commands_convert_a_zip_to_a_csv(
     in_process: Callable[..., Typed], tmp_path: Path
 ) -> None:
     (tmp_path / "roster.csv").write_text(ROSTER)
@@ -34,6 +34,12 @@ def test_collect_grade_and_export_lead_from_zip_to_csv(
     assert graded.returncode == 1
     assert "2 submissions: 1 graded, 1 rejected." in graded.stdout
     names = ("--exercise", "week01_exercise", "--column", "Grade", "--id-column", "ID number")
+    short = in_process(
+        "mark", "graded", "--lms", "roster.csv", *names[:4], "--to", "filled.csv", cwd=tmp_path
+    )
+    assert short.returncode == 2
+    assert "--lms also needs --id-column, the heading of the students' IDs" in short.stderr
+    assert "'Full name', 'ID number', 'Grade'" in short.stderr
     exported = in_process("mark", "graded", "--lms", "roster.csv", *names, "--to", "filled.csv", cwd=tmp_path)
     assert exported.returncode == 0, exported.stderr
     assert exported.stdout.splitlines()[:2] == [
@@ -42,3 +48,47 @@ def test_collect_grade_and_export_lead_from_zip_to_csv(
     ]
     grades = [row["Grade"] for row in csv.DictReader((tmp_path / "filled.csv").read_text().splitlines())]
     assert grades == ["0", "", ""]
+    return_with_comments(in_process, tmp_path)
+
+
+def return_with_comments(in_process: Callable[..., Typed], tmp_path: Path) -> None:
+    """Give points for a rejected file and an oral exam; return marks, comments and reports of a section."""
+
+    def course(*words: str) -> str:
+        done = in_process(*words, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    without = ("--without-file", "--comment")
+    said = course("mark", "graded", "b2", "week01", "70.5", *without, "On paper, <b>clear</b>")
+    assert said == "b2 week01_exercise: 70.5 without a file; now graded\n"
+    said = course("mark", "graded", "C3", "week01_exercise", "90", *without, 'Oral exam, "good"')
+    assert said == "c3 week01_exercise, who is new in the gradebook: 90 without a file; now graded\n"
+    page = (tmp_path / "graded/reports/b2/week01_exercise.html").read_text()
+    assert "70.5 points" in page
+    assert "On paper, &lt;b&gt;clear&lt;/b&gt;" in page
+    course("mark", "graded", "a1", "week01_exercise", "red_cube", "5", "--comment", "Nearly.")
+    course("grade", "in", "--out", "graded", "--jobs", "1", "--resume")  # keeps the marks
+    rows = ROSTER.replace("Grade\n", "Grade,Feedback comments\n").replace(",\n", ",,\n")
+    (tmp_path / "worksheet.csv").write_text(rows)
+    (tmp_path / "class.csv").write_text("id,section\na1,A\nb2,B\nc3,B\n")
+    names = ("--exercise", "week01_exercise", "--column", "Grade", "--id-column", "ID number")
+    comments = ("--comment-column", "Feedback comments", "--to", "filled.csv")
+    course("mark", "graded", "--lms", "worksheet.csv", *names, *comments)
+    filled = list(csv.DictReader((tmp_path / "filled.csv").read_text().splitlines(keepends=True)))
+    assert [(row["Grade"], row["Feedback comments"]) for row in filled] == [
+        ("5", "A red cube on the ground: Nearly."),
+        ("70.5", "On paper, <b>clear</b>"),
+        ("90", 'Oral exam, "good"'),
+    ]
+    section = ("--section", "b", "--roster", "class.csv")
+    said = course("mark", "graded", "--lms", "worksheet.csv", *names, *comments, *section)
+    assert said == "Wrote filled.csv: 2 marks after the late policy; turn off the platform's late policy.\n"
+    filled = list(csv.DictReader((tmp_path / "filled.csv").read_text().splitlines(keepends=True)))
+    assert [row["Grade"] for row in filled] == ["", "70.5", "90"]
+    said = course("feedback", "graded", "--lms", "moodle", "--exercise", "week01_exercise", *section)
+    assert "a1" not in said
+    with zipfile.ZipFile(tmp_path / "graded/feedback/week01_exercise_moodle.zip") as archive:
+        assert archive.namelist() == ["Bob_102_assignfeedback_file_week01_exercise.html"]
+    said = course("mark", "graded", "c3", "week01", "--without-file", "--withdraw")
+    assert said == "c3 week01_exercise: mark without a file withdrawn; now rejected\n"

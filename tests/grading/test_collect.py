@@ -11,9 +11,9 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.handin import archives
-from course_lib.grading.handin.collect import Collection, collect
-from course_lib.grading.handin.submission import find_submissions
+from course_lib.grading.submissions import archives
+from course_lib.grading.submissions.collect import Collection, collect
+from course_lib.grading.submissions.submission import find_submissions
 
 AMMAN = ZoneInfo("Asia/Amman")
 NAME = "week01_exercise.ipynb"
@@ -53,7 +53,7 @@ def kept(out: Path) -> list[str]:
     return sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file())
 
 
-def test_moodles_zip_with_times_both_ways_of_naming(sort: Sort, tmp_path: Path) -> None:
+def test_moodle_zip_is_collected_with_both_naming_schemes(sort: Sort, tmp_path: Path) -> None:
     done = sort({
         f"Ada Lovelace_12345_assignsubmission_file_/{NAME}": notebook("a = 1"),
         f"Bob O'Neil_777_assignsubmission_file_{NAME}": notebook("b = 1"),
@@ -67,7 +67,7 @@ def test_moodles_zip_with_times_both_ways_of_naming(sort: Sort, tmp_path: Path) 
     assert "Ada Lovelace" in (tmp_path / "out/received.csv").read_text()
 
 
-def test_canvas_names_with_a_late_one_and_a_second_try(sort: Sort, tmp_path: Path) -> None:
+def test_canvas_names_with_late_marker_and_second_attempt_are_collected(sort: Sort, tmp_path: Path) -> None:
     done = sort({
         f"lovelaceada_11_900_{NAME}": notebook("a = 1"),
         f"bobsonbob_LATE_12_901_{NAME}": notebook("b = 1"),
@@ -82,52 +82,52 @@ def test_canvas_names_with_a_late_one_and_a_second_try(sort: Sort, tmp_path: Pat
     ]
     late = [row["file"] for row in done.rows.values() if row["late"] == "yes"]
     assert late == [f"12/{NAME}"]
-    assert "1 late by the platform's word" in done.summary(tmp_path)
+    assert "1 late according to the platform" in done.summary(tmp_path)
     first, second = (one.received for one in find_submissions(tmp_path / "out"))
     assert (first.time, first.late, second.late) == (None, False, False)  # of the second try
     assert len(done.notes) == 1
     assert "Canvas's zip has no times" in min(done.notes)
 
 
-def test_of_two_tries_of_one_time_the_higher_number_counts(sort: Sort, tmp_path: Path) -> None:
+def test_attempt_with_the_higher_number_counts_at_equal_times(sort: Sort, tmp_path: Path) -> None:
     for code in ("x = 1", "x = 2"):
         sort({f"ada/{NAME}": notebook(code)})
     assert [one.path.name for one in find_submissions(tmp_path / "out")] == ["week01_exercise-2.ipynb"]
 
 
-def test_a_name_that_a_spreadsheet_would_run_is_made_harmless(sort: Sort, tmp_path: Path) -> None:
+def test_name_that_a_spreadsheet_would_evaluate_is_escaped(sort: Sort, tmp_path: Path) -> None:
     sort({f"=cmd|A1_12345_assignsubmission_file_/{NAME}": notebook()})
     assert ",'=cmd|A1," in (tmp_path / "out/received.csv").read_text()
 
 
-def test_the_platforms_csv_gives_numbers_their_ids(sort: Sort, tmp_path: Path) -> None:
+def test_platform_csv_maps_numbers_to_student_ids(sort: Sort, tmp_path: Path) -> None:
     (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_12345_assignsubmission_file_/{NAME}": notebook()}))
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 12345,A 7\nParticipant 8,b\n")
     done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
     assert kept(tmp_path / "out") == [f"a7/{NAME}", "received.csv"]
-    assert "note: students are named by the column 'ID number' of grades.csv" in done.notes
+    assert "note: student IDs are from the column 'ID number' of grades.csv" in done.notes
 
 
-def test_who_is_not_in_the_platforms_csv_is_named(sort: Sort, tmp_path: Path) -> None:
+def test_student_missing_in_the_platform_csv_is_reported(sort: Sort, tmp_path: Path) -> None:
     files: Bytes = {
         f"{name}_assignsubmission_file_/{NAME}": notebook(name) for name in ("Ada L_12345", "Bob_8")
     }
     (tmp_path / "in.zip").write_bytes(zipped(files))
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 8,b\n")
     done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
-    assert "note: Ada L is not in the roster, and is named participant12345" in done.notes
+    assert "note: Ada L is not in the roster, and gets the ID participant12345" in done.notes
 
 
 @pytest.mark.parametrize("rows", ["Participant 8,b\nParticipant 9,B", "Participant 8,b\nParticipant 8,c"])
-def test_a_platforms_csv_in_which_two_are_one_is_refused(sort: Sort, tmp_path: Path, rows: str) -> None:
+def test_platform_csv_with_duplicate_ids_is_rejected(sort: Sort, tmp_path: Path, rows: str) -> None:
     (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_8_assignsubmission_file_/{NAME}": notebook()}))
     (tmp_path / "grades.csv").write_text(f"Identifier,ID number\n{rows}\n")
-    with pytest.raises(CourseError, match=r"twice in .*name the IDs' with --id-column"):
+    with pytest.raises(CourseError, match=r"twice in .*select the ID column with --id-column"):
         collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
     assert not (tmp_path / "out").exists()
 
 
-def test_each_attempt_in_nbgraders_inbound_keeps_its_time_and_the_newest_counts(tmp_path: Path) -> None:
+def test_attempts_in_nbgrader_inbound_keep_their_times_and_the_newest_counts(tmp_path: Path) -> None:
     for hour, code in (("08", "x = 1"), ("17", "x = 2"), ("12", "x = 3")):
         time = f"2026-03-09 {hour}:30:00.123456 UTC"
         folder = tmp_path / f"in/inbound/Ada1+week01+{time}+c2VjcmV0"
@@ -144,7 +144,7 @@ def test_each_attempt_in_nbgraders_inbound_keeps_its_time_and_the_newest_counts(
     assert one.received.time.hour == 17
 
 
-def test_nbgraders_folders_keep_their_time_stamps(tmp_path: Path) -> None:
+def test_nbgrader_folders_keep_their_timestamps(tmp_path: Path) -> None:
     folder = tmp_path / "in/submitted/ada/week01"
     folder.mkdir(parents=True)
     (folder / NAME).write_bytes(notebook())
@@ -154,13 +154,13 @@ def test_nbgraders_folders_keep_their_time_stamps(tmp_path: Path) -> None:
     assert (found.student, found.received.source, done.count) == ("ada", "timestamp.txt", 1)
 
 
-def test_again_changes_nothing_and_another_version_is_put_beside(sort: Sort, tmp_path: Path) -> None:
+def test_repeated_collect_changes_nothing_and_a_new_version_is_added(sort: Sort, tmp_path: Path) -> None:
     for code in ("x = 1", "x = 1", "x = 2"):
         sort({f"ada/{NAME}": notebook(code)})
     assert kept(tmp_path / "out") == ["ada/week01_exercise-2.ipynb", f"ada/{NAME}", "received.csv"]
 
 
-def test_archives_in_archives_belong_to_who_sent_the_outer_one(sort: Sort, tmp_path: Path) -> None:
+def test_nested_archives_belong_to_the_student_of_the_outer_archive(sort: Sort, tmp_path: Path) -> None:
     forged = zipped(
         {f"Bob_99_assignsubmission_file_/{NAME}": notebook(), "timestamp.txt": b"2020-01-01 0:00 UTC"}
     )
@@ -172,7 +172,7 @@ def test_archives_in_archives_belong_to_who_sent_the_outer_one(sort: Sort, tmp_p
     )
     mine = f"ada/Bob_99_assignsubmission_file_/{NAME}"
     assert kept(tmp_path / "out") == [mine, f"participant99/{NAME}", "received.csv"]
-    assert "timestamp.txt: it is none of" in done.refused[0]
+    assert "timestamp.txt: unsupported file type; expected one of" in done.refused[0]
 
 
 def special(name: str, mode: int) -> zipfile.ZipInfo:
@@ -198,15 +198,16 @@ HOSTILE: dict[str, tuple[Bytes, str]] = {
     "bomb": ({f"ada/{NAME}": b" " * 50_000_000}, "it has more than 20000000 bytes"),
     "many": ({"ada/a.zip": many(1001)}, "1001 files"),
     "deep": ({"ada/a.zip": zipped({"b.zip": zipped({"c.zip": zipped({"d.zip": many(1)})})})}, "too deep"),
-    "broken zip": ({"ada/a.zip": b"PK\x03\x04 broken"}, "is not a zip that can be read"),
-    "kind": ({"ada/virus.exe": b""}, "it is none of .ipynb"),
+    "broken zip": ({"ada/a.zip": b"PK\x03\x04 broken"}, "is not a readable zip file"),
+    "kind": ({"ada/virus.exe": b""}, "unsupported file type; expected one of .ipynb"),
     "folder": ({f"../{NAME}": b""}, "its path leads elsewhere"),
     "odd folder": ({f"a b;rm/{NAME}": b""}, "is not a student ID"),
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", HOSTILE)
-def test_what_is_unsafe_is_refused_and_the_rest_goes_on(sort: Sort, tmp_path: Path, kind: str) -> None:
+def test_unsafe_files_are_rejected_and_the_rest_is_collected(sort: Sort, tmp_path: Path, kind: str) -> None:
     files, why = HOSTILE[kind]
     done = sort({**files, f"zoe/{NAME}": notebook()})
     assert why in done.refused[0]
@@ -215,7 +216,7 @@ def test_what_is_unsafe_is_refused_and_the_rest_goes_on(sort: Sort, tmp_path: Pa
     assert kept(tmp_path) == ["in.zip", "out/received.csv", f"out/zoe/{NAME}"]
 
 
-def test_of_two_files_of_one_name_in_an_archive_the_first_counts(sort: Sort, tmp_path: Path) -> None:
+def test_first_of_two_archive_members_with_one_name_counts(sort: Sort, tmp_path: Path) -> None:
     second = BytesIO(zipped({f"ada/{NAME}": notebook("first")}))
     with pytest.warns(UserWarning, match="Duplicate"), zipfile.ZipFile(second, "a") as archive:
         archive.writestr(f"ada/{NAME}", notebook("second"))
@@ -225,7 +226,7 @@ def test_of_two_files_of_one_name_in_an_archive_the_first_counts(sort: Sort, tmp
     assert b"first" in (tmp_path / "out/ada" / NAME).read_bytes()
 
 
-def test_a_name_with_a_null_byte_and_a_locked_file_are_refused(sort: Sort, tmp_path: Path) -> None:
+def test_name_with_a_null_byte_and_locked_file_are_rejected(sort: Sort, tmp_path: Path) -> None:
     data = bytearray(
         zipped({"ada/a.ipynb": notebook(), f"bob/{NAME}": notebook(), f"zoe/{NAME}": notebook()})
     )
@@ -239,7 +240,7 @@ def test_a_name_with_a_null_byte_and_a_locked_file_are_refused(sort: Sort, tmp_p
     assert kept(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
 
 
-def test_an_inner_archive_that_grows_too_large_is_left(
+def test_nested_archive_exceeding_the_size_limit_is_not_unpacked_further(
     sort: Sort, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 1000)
@@ -250,7 +251,7 @@ def test_an_inner_archive_that_grows_too_large_is_left(
     assert f"zoe/{NAME}" in kept(tmp_path / "out")
 
 
-def test_links_and_pipes_of_a_folder_are_refused(tmp_path: Path) -> None:
+def test_symlinks_and_pipes_in_a_folder_are_rejected(tmp_path: Path) -> None:
     (tmp_path / "secret").mkdir()
     (tmp_path / "secret" / NAME).write_bytes(notebook())
     (tmp_path / "in/zoe").mkdir(parents=True)
@@ -266,13 +267,13 @@ def test_links_and_pipes_of_a_folder_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        ("none", "is not a folder and not a zip"),
-        ("text", "is not a folder"),
-        ("empty", "holds no file"),
-        ("inside", "lies in"),
+        ("none", "is neither a folder nor a zip file"),
+        ("text", "is neither a folder nor a zip file"),
+        ("empty", "contains no files"),
+        ("inside", "is inside"),
     ],
 )
-def test_what_cannot_be_collected_is_said(tmp_path: Path, make: str, message: str) -> None:
+def test_invalid_source_or_destination_is_an_error(tmp_path: Path, make: str, message: str) -> None:
     source, out = tmp_path / "in", tmp_path / "out"
     if make == "text":
         source.write_text("hello")

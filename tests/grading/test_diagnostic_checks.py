@@ -8,9 +8,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from course_lib.grading import expect_fact, expect_level, expect_levels
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.job import Run
+from course_lib.grading.run.run import Run
 from course_lib.grading.task import Scenario, Task
-from course_lib.grading.vocabulary.diagnostics import DIGESTS, TOOLS, digest
+from course_lib.grading.vocabulary.topics import DIGESTS, TOOLS, digest
 
 MakeEvidence = Callable[..., Evidence]
 
@@ -25,11 +25,11 @@ def status(at: float, level: bytes, message: str) -> tuple[float, str, Any]:
         ("OK", "normal", 0.0, "as expected"),
         ("ERROR", "low", 2.0, "as expected"),
         ("OK", "normal", 2.0, "the level is ERROR from 2 to 4 s, expected OK"),
-        ("OK", "fine", 0.0, "the message is 'Normal: 30' from 0 to 2 s: 'fine' is not in it"),
-        ("OK", "normal", 7.0, "no status came from 7 to 9 s"),
+        ("OK", "fine", 0.0, "the message is 'Normal: 30' from 0 to 2 s: it lacks 'fine'"),
+        ("OK", "normal", 7.0, "no status was published from 7 to 9 s"),
     ],
 )
-def test_levels_hold_for_the_seconds_that_lie_in_a_part(
+def test_expected_level_applies_to_the_time_range_of_the_check(
     evidence: MakeEvidence, level: str, says: str, begin: float, message: str
 ) -> None:
     good, bad = (DiagnosticStatus.OK, "Normal: 30"), (DiagnosticStatus.ERROR, "low")
@@ -40,7 +40,7 @@ def test_levels_hold_for_the_seconds_that_lie_in_a_part(
 
 
 @pytest.mark.parametrize(("levels", "passed"), [("OE", 2), ("OO", 0), ("EE", 1), ("EO", 0)])
-def test_one_level_for_all_times_is_worth_little(evidence: MakeEvidence, levels: str, passed: int) -> None:
+def test_constant_level_earns_less_than_a_quarter(evidence: MakeEvidence, levels: str, passed: int) -> None:
     words = {"O": (DiagnosticStatus.OK, "normal"), "E": (DiagnosticStatus.ERROR, "low")}
     came = evidence(*(status(2.0 + 3.0 * n, *words[level]) for n, level in enumerate(levels)), seconds=6.0)
     checks = expect_levels(("OK", "normal", "well"), ("ERROR", "low", "bad"))
@@ -50,12 +50,12 @@ def test_one_level_for_all_times_is_worth_little(evidence: MakeEvidence, levels:
     assert passed == 2 or result.fraction < 0.25
 
 
-def test_silence_on_diagnostics_is_named(evidence: MakeEvidence) -> None:
+def test_missing_diagnostics_messages_are_reported(evidence: MakeEvidence) -> None:
     said = expect_level("OK", says="", begin=0.0, end=2.0).judge(evidence()).message
     assert "nothing was published on /diagnostics" in said
 
 
-def test_two_statuses_in_a_message_are_named(evidence: MakeEvidence) -> None:
+def test_two_statuses_in_one_message_are_reported(evidence: MakeEvidence) -> None:
     two = [DiagnosticStatus(level=DiagnosticStatus.OK, message="normal") for _ in range(2)]
     came = evidence((2.0, "/diagnostics", DiagnosticArray(status=two)))
     said = expect_level("OK", says="normal", begin=0.0, end=2.0).judge(came).message
@@ -85,7 +85,7 @@ def table(monkeypatch: pytest.MonkeyPatch) -> None:
         ([20], 0),
     ],
 )
-def test_a_measured_rate_may_be_a_little_off(evidence: MakeEvidence, rate: Any, score: float) -> None:
+def test_measured_rate_is_compared_with_a_tolerance(evidence: MakeEvidence, rate: Any, score: float) -> None:
     verdict = expect_fact("image_rate", serial=1).judge(evidence(returns=({"image_rate": rate},)))
     assert verdict.score == score
     assert "20" not in verdict.message.replace(repr(rate), "")
@@ -102,22 +102,22 @@ def test_a_measured_rate_may_be_a_little_off(evidence: MakeEvidence, rate: Any, 
         ("trigger_service", None, 0),
     ],
 )  # fmt: skip
-def test_a_fact_is_compared_without_being_told(
+def test_fact_must_have_the_expected_value_and_type(
     evidence: MakeEvidence, name: str, value: Any, score: float
 ) -> None:
     verdict = expect_fact(name, serial=1).judge(evidence(returns=({name: value},)))
     assert verdict.score == score
 
 
-def test_a_fact_that_is_not_there_is_named(evidence: MakeEvidence) -> None:
+def test_missing_fact_is_reported(evidence: MakeEvidence) -> None:
     given: tuple[tuple[Any, ...], ...] = ((), (None,), ({},))
     for returns in given:
         said = expect_fact("threshold", serial=26).judge(evidence(returns=returns)).message
-        assert said == "there is no 'threshold' in what came back"
+        assert said == "the returned dict has no key 'threshold'"
 
 
 @pytest.mark.parametrize("name", ["image_rate", "image_width", "threshold"])
-def test_a_number_in_quotes_is_called_a_text_not_a_wrong_fact(evidence: MakeEvidence, name: str) -> None:
+def test_quoted_number_is_reported_as_a_string(evidence: MakeEvidence, name: str) -> None:
     verdict = expect_fact(name, serial=11).judge(evidence(returns=({name: "13.0"},)))
-    assert verdict.message == f"{name} is '13.0', a text; expected a number: write it without quotes"
+    assert verdict.message == f"{name} is '13.0', a string; expected a number: write it without quotes"
     assert verdict.mistake == "a value is of the wrong kind"

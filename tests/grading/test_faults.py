@@ -17,9 +17,10 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.records import Course, OutError, sole_use
+from course_lib.grading.store import Course, OutError, lock_folder
 from tests.grading.conftest import write_course
 from tests.grading.graders import fingerprint, start_grader, write_class
+from tests.patience import PATIENCE
 
 T = TypeVar("T")
 STUDENTS = 12
@@ -46,7 +47,8 @@ def undisturbed(top: Path) -> dict[str, str]:
     return fingerprint(top / "undisturbed")
 
 
-def test_the_same_class_on_two_jobs_has_equal_evidence_and_marks(
+@pytest.mark.slow
+def test_grading_with_two_jobs_gives_equal_evidence_and_marks(
     course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path
 ) -> None:
     grade(top / "in", tmp_path / "out", jobs=2, course=course)
@@ -56,7 +58,8 @@ def test_the_same_class_on_two_jobs_has_equal_evidence_and_marks(
     assert 3 <= kinds["evidence"] <= STUDENTS  # equal code with equal personal values has one
 
 
-def test_a_killed_grader_goes_on_where_it_was(
+@pytest.mark.slow
+def test_killed_grader_resumes_with_the_same_results(
     course: Course, undisturbed: dict[str, str], tmp_path: Path
 ) -> None:
     out, chance = tmp_path / "out", random.Random(5)
@@ -76,7 +79,8 @@ def test_a_killed_grader_goes_on_where_it_was(
     assert fingerprint(out) == undisturbed
 
 
-def test_processes_that_are_killed_cost_nobody_a_mark(
+@pytest.mark.slow
+def test_killed_worker_processes_do_not_change_marks(
     course: Course, undisturbed: dict[str, str], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
@@ -95,29 +99,32 @@ def test_processes_that_are_killed_cost_nobody_a_mark(
     assert fingerprint(out) == undisturbed
 
 
-def test_a_full_disk_ends_it_in_one_line_and_it_goes_on_when_there_is_room(
+@pytest.mark.slow
+def test_full_disk_stops_grading_with_one_line_and_resume_completes_it(
     course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
 ) -> None:
     with pytest.raises(OutError, match=r"No space left.*--resume") as stopped:
         grade(top / "in", small_disk / "out", jobs=1, course=course)
     assert "\n" not in str(stopped.value)
-    subprocess.run(("mount", "-o", "remount,size=9m", str(small_disk)), check=True)
+    subprocess.run(("mount", "-o", "remount,size=9m", str(small_disk)), check=True, timeout=PATIENCE)
     grade(top / "in", small_disk / "out", jobs=1, resume=True, course=course)
     assert fingerprint(small_disk / "out") == undisturbed
 
 
-def test_a_read_only_disk_is_named_before_anything_runs(
+@pytest.mark.slow
+def test_read_only_disk_is_reported_before_grading_starts(
     course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
 ) -> None:
-    subprocess.run(("mount", "-o", "remount,ro", str(small_disk)), check=True)
+    subprocess.run(("mount", "-o", "remount,ro", str(small_disk)), check=True, timeout=PATIENCE)
     with pytest.raises(OutError, match="Read-only file system"):
         grade(top / "in", small_disk / "out", jobs=1, course=course)
-    subprocess.run(("mount", "-o", "remount,rw,size=9m", str(small_disk)), check=True)
+    subprocess.run(("mount", "-o", "remount,rw,size=9m", str(small_disk)), check=True, timeout=PATIENCE)
     grade(top / "in", small_disk / "out", jobs=1, resume=True, course=course)
     assert fingerprint(small_disk / "out") == undisturbed
 
 
-def test_a_clock_that_jumps_changes_no_mark(
+@pytest.mark.slow
+def test_clock_jump_does_not_change_marks(
     course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     real, chance = time.time, random.Random(7)
@@ -126,21 +133,21 @@ def test_a_clock_that_jumps_changes_no_mark(
     assert fingerprint(tmp_path / "out") == undisturbed
 
 
-def test_a_second_grader_is_refused_until_the_first_ends(course: Course, tmp_path: Path) -> None:
+def test_second_grader_is_rejected_while_the_first_is_running(course: Course, tmp_path: Path) -> None:
     write_class(tmp_path, 1)
     with (
-        sole_use(tmp_path / "out"),
+        lock_folder(tmp_path / "out"),
         pytest.raises(CourseError, match=f"in use by process {os.getpid()} on .*: wait"),
     ):
         grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
     assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
 
 
-def test_half_written_files_of_a_killed_grader_are_cleared_away(tmp_path: Path) -> None:
+def test_partial_files_of_a_killed_grader_are_removed(tmp_path: Path) -> None:
     draft = tmp_path / "out/results/ada/.week01_exercise.json.4711"
     draft.parent.mkdir(parents=True)
     draft.write_text("{")
-    with sole_use(tmp_path / "out"):
+    with lock_folder(tmp_path / "out"):
         assert not draft.exists()
 
 

@@ -6,19 +6,17 @@ from pathlib import Path
 import pytest
 
 import course_lib.grading.check as check_module
-from course_lib.course import hand_out
+from course_lib.course import student_folder
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import load_catalog
 from course_lib.grading.check import check
 from course_lib.grading.grade import grade
-from course_lib.grading.handin.hand_in import hand_in
-from course_lib.grading.handin.submission import find_submissions
-from course_lib.grading.marks.mark import Result, read_result
+from course_lib.grading.marks import stored_result
 from course_lib.grading.platforms.gradescope import one_week
-from course_lib.grading.records import Course, catalog_of, result_path
 from course_lib.grading.reports.report import report
-from course_lib.grading.term.term import Files, write_term
+from course_lib.grading.store import Course, catalog_of
+from course_lib.grading.submissions.submission import find_submissions, plan_attempts
 from tests.grading.conftest import COURSE
 
 WriteNotebook = Callable[..., Path]
@@ -53,19 +51,19 @@ def write(course: Course, text: str) -> Path:
 
 
 @pytest.mark.parametrize(("old", "new", "said"), FAULTS)
-def test_it_is_named_by_its_line_where_that_week_is_needed_only(
+def test_faulty_week_is_reported_with_its_line_only_when_the_week_is_needed(
     course: Course, old: str, new: str, said: str
 ) -> None:
     path = write(course, TWO.replace(old, new))
     catalog = load_catalog(course.exercises, course.solutions)
     assert len(catalog.of_week("week01")) == 3
     read = read_course_file(path)
-    read.demand("week01")
+    read.require_valid("week01")
     for look in (
         lambda: catalog.of_week("week02"),
         lambda: catalog.task("week02.post"),
         lambda: read.deadline("week02", "ada"),
-        read.demand,
+        read.require_valid,
     ):
         with pytest.raises(CourseError) as refusal:
             look()
@@ -73,24 +71,19 @@ def test_it_is_named_by_its_line_where_that_week_is_needed_only(
         assert said in str(refusal.value)
 
 
-def test_its_check_file_is_not_said_to_lack_points(course: Course) -> None:
+def test_missing_points_are_not_reported_for_a_faulty_week(course: Course) -> None:
     write(course, FAULTY)
     (course.exercises / "checks/week02.py").write_text("TASKS = ()\n")
     with pytest.raises(CourseError, match=SAID):
         load_catalog(course.exercises).of_week("week02")
 
 
-def test_a_term_that_names_the_week_is_not_at_fault(course: Course) -> None:
-    path = write(course, FAULTY + '[term]\ngroup_weeks = ["week02"]\n')
-    assert list(read_course_file(path).faults) == ["week02"]
-
-
-def test_a_file_cannot_say_what_its_faults_are(course: Course) -> None:
+def test_faults_key_in_the_course_file_is_rejected(course: Course) -> None:
     with pytest.raises(CourseError, match="unknown key 'faults'"):
         read_course_file(write(course, "[faults]\nweek02 = 'none'\n"))
 
 
-def test_submissions_of_the_week_are_refused_and_others_can_be_graded(
+def test_submissions_of_a_faulty_week_are_rejected_and_others_graded(
     course: Course, write_notebook: WriteNotebook, tmp_path: Path
 ) -> None:
     write(course, FAULTY)
@@ -98,48 +91,50 @@ def test_submissions_of_the_week_are_refused_and_others_can_be_graded(
         write_notebook(tmp_path / f"in/ada/{week}_exercise.ipynb", "x = 1")
     found = find_submissions(tmp_path / "in")
     for only in ("*", "*/week02*"):
-        with pytest.raises(CourseError, match=f"nothing is graded: .*{SAID}.*Meanwhile --only"):
-            hand_in(found, course, only)
-    (attempts,) = hand_in(found, course, "*/week01*")
+        with pytest.raises(CourseError, match=f"nothing is graded: .*{SAID}.*Until then, --only"):
+            plan_attempts(found, course, only)
+    alone = [one for one in found if one.exercise.startswith("week02")]
+    with pytest.raises(CourseError, match="nothing is graded: ") as refused:
+        plan_attempts(alone, course, "*")
+    assert "Meanwhile" not in str(refused.value)
+    (attempts,) = plan_attempts(found, course, "*/week01*")
     assert attempts.jobs
 
 
-def test_a_report_is_not_written_without_the_weeks_deadline(course: Course, tmp_path: Path) -> None:
+def test_report_is_not_written_without_the_deadline_of_its_week(course: Course, tmp_path: Path) -> None:
     write(course, TWO)
     (course.exercises / "checks/week02.py").write_text("TASKS = ()\n")
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada/week01_exercise.ipynb").write_text("{")
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
-    result = Result.from_plain(read_result(result_path(tmp_path / "out", "ada", "week01_exercise")))
+    result = stored_result(tmp_path / "out", "ada", "week01_exercise").result
     write(course, "").write_text(COURSE.replace("deadline", "deadlin"))
     with pytest.raises(CourseError, match="unknown key 'deadlin'"):
         report(result, tmp_path / "out", load_catalog(course.exercises))
 
 
-def test_a_term_is_not_added_up_without_the_week(course: Course, tmp_path: Path) -> None:
-    settings = read_course_file(write(course, FAULTY))
-    (tmp_path / "roster.csv").write_text("id,name\nada,Ada\n")
-    (tmp_path / "out/results").mkdir(parents=True)
-    with pytest.raises(CourseError, match=SAID):
-        write_term(tmp_path / "out", Files(tmp_path / "roster.csv"), settings)
-
-
-def test_an_autograder_is_made_of_other_weeks_only(course: Course) -> None:
+def test_autograder_is_created_only_for_weeks_without_faults(course: Course) -> None:
     path = write(course, FAULTY)
     assert b"week02" not in one_week(path, "week01")
     with pytest.raises(CourseError, match=SAID):
         one_week(path, "week02")
 
 
-def test_the_course_is_not_released(course: Course) -> None:
+def test_course_with_a_faulty_week_is_not_released(course: Course) -> None:
     with pytest.raises(CourseError, match=SAID):
-        hand_out._without_extensions(write(course, FAULTY))
+        student_folder._without_extensions(write(course, FAULTY))
 
 
-def test_check_says_what_to_write_where_no_week_is_left(
+def test_check_with_no_valid_week_shows_the_correct_call(
     course: Course, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (course.exercises / "course.toml").write_text(COURSE.replace("deadline", "deadlin"))
     monkeypatch.setattr(check_module, "shipped_catalog", lambda: catalog_of(course))
-    with pytest.raises(CourseError, match=r'write its name first, like check\("week01\.task", MyNode\)'):
+    with pytest.raises(CourseError, match=r'pass its name first, like check\("week01\.task", MyNode\)'):
         check(7)  # type: ignore[arg-type]
+
+
+def test_term_table_of_an_earlier_version_is_rejected_with_its_replacement(course: Course) -> None:
+    path = write(course, "[term]\ndrop_lowest = 1\n")
+    with pytest.raises(CourseError, match=r"line 15: term: the learning platform adds up the term now"):
+        read_course_file(path)

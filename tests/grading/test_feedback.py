@@ -12,12 +12,12 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.handin.archives import RECEIPT
-from course_lib.grading.handin.collect import collect
-from course_lib.grading.marks.by_hand import mark_by_hand
-from course_lib.grading.records import Course
+from course_lib.grading.marking.marking_queue import mark_by_hand
 from course_lib.grading.reports import report
 from course_lib.grading.reports.feedback import feedback
+from course_lib.grading.store import Course
+from course_lib.grading.submissions.archives import RECEIPT
+from course_lib.grading.submissions.collect import collect
 from tests.grading.platforms import NAME, Handed, canvas_zip, moodle_zip, notebook, zipped
 
 PARIS = ZoneInfo("Europe/Paris")
@@ -69,7 +69,7 @@ def graded(tmp_path: Path, course: Course) -> Graded:
     return do
 
 
-def test_moodle_takes_each_report_for_the_student_who_handed_in(
+def test_moodle_feedback_assigns_each_report_to_its_submitter(
     tmp_path: Path, graded: Graded, course: Course, right: str
 ) -> None:
     students = [
@@ -94,7 +94,8 @@ def test_moodle_takes_each_report_for_the_student_who_handed_in(
     assert b"Not marked (rejected)" in pages[102, "week01_exercise.html"]
 
 
-def test_the_same_reports_are_the_same_zip(
+@pytest.mark.slow
+def test_identical_reports_give_an_identical_zip(
     tmp_path: Path, graded: Graded, course: Course, right: str
 ) -> None:
     moodle_zip(tmp_path / "moodle.zip", [Handed("Ada", 101, "ada", files={NAME: code(right)})])
@@ -105,7 +106,8 @@ def test_the_same_reports_are_the_same_zip(
     assert made[0] == made[1]
 
 
-def test_canvas_finds_student_and_attachment_and_gets_a_zip_for_a_zip(
+@pytest.mark.slow
+def test_canvas_feedback_matches_student_and_attachment_and_replaces_a_zip_by_a_zip(
     tmp_path: Path, graded: Graded, course: Course, right: str
 ) -> None:
     receipt = json.dumps({"exercise": "week01_exercise", "student": "bob"}).encode()
@@ -123,10 +125,11 @@ def test_canvas_finds_student_and_attachment_and_gets_a_zip_for_a_zip(
     with zipfile.ZipFile(io.BytesIO(read["1002", "100200"][1])) as inner:
         assert inner.namelist() == ["week01_exercise.html"]
         assert b"110 of 100 points" in inner.read("week01_exercise.html")
-    assert "under the name of the file that was handed in" in lines[-1]
+    assert "under the name of the submitted file" in lines[-1]
 
 
-def test_canvas_finds_a_hidden_student_by_the_anonymous_id(
+@pytest.mark.slow
+def test_canvas_feedback_matches_an_anonymous_student_by_the_anonymous_id(
     tmp_path: Path, graded: Graded, course: Course
 ) -> None:
     (tmp_path / "canvas.zip").write_bytes(zipped({f"anon_Xy9z_4401_{NAME}": notebook()}))
@@ -135,7 +138,8 @@ def test_canvas_finds_a_hidden_student_by_the_anonymous_id(
     assert [canvas_import(name) for name in files] == [("Xy9z", "4401")]
 
 
-def test_a_report_that_waits_for_a_person_is_held_back_until_it_is_marked(
+@pytest.mark.slow
+def test_report_that_needs_marking_is_withheld_until_it_is_marked(
     tmp_path: Path, graded: Graded, course: Course, right: str
 ) -> None:
     named = json.loads(code(right)) | {"metadata": {"course": {"student": "somebody"}}}
@@ -162,26 +166,30 @@ def test_a_report_that_waits_for_a_person_is_held_back_until_it_is_marked(
     assert b"Well &lt;b&gt;done&lt;/b&gt;" in bob
 
 
-def test_two_results_with_one_number_go_to_nobody(tmp_path: Path, graded: Graded, course: Course) -> None:
+def test_results_with_a_duplicate_platform_number_are_not_returned(
+    tmp_path: Path, graded: Graded, course: Course
+) -> None:
     moodle_zip(tmp_path / "moodle.zip", [Handed("Ada", 101, "a"), Handed("Bob", 102, "b")])
     out = graded(tmp_path / "moodle.zip")
     copy = out / "results/eve/week01_exercise.json"
     copy.parent.mkdir()
     content = json.loads((out / "results/participant101/week01_exercise.json").read_text())
-    copy.write_text(json.dumps(content | {"student": "eve"}))
+    copy.write_text(json.dumps(content))
     lines = feedback(out, "moodle", course=course)
     assert sum("2 results have the platform's number of this student" in line for line in lines) == 2
     assert len(members(out / "feedback/week01_exercise_moodle.zip")) == 1
 
 
-def test_what_cannot_be_returned_says_why(tmp_path: Path, graded: Graded, course: Course) -> None:
+def test_invalid_feedback_request_is_an_error_with_the_reason(
+    tmp_path: Path, graded: Graded, course: Course
+) -> None:
     with pytest.raises(CourseError, match="expected one of moodle, canvas"):
         feedback(tmp_path, "ilias", course=course)
     with pytest.raises(CourseError, match="has no results"):
         feedback(tmp_path, "moodle", course=course)
     moodle_zip(tmp_path / "moodle.zip", [Handed("Ada", 101, "a")])
     out = graded(tmp_path / "moodle.zip")
-    with pytest.raises(CourseError, match=r"no result in .* came in a download of Canvas.* course collect"):
+    with pytest.raises(CourseError, match=r"no result in .* is from a download of Canvas.* course collect"):
         feedback(out, "canvas", course=course)
     (out / "feedback").write_text("a file in the way")
     with pytest.raises(CourseError, match="can't be written"):
@@ -189,13 +197,14 @@ def test_what_cannot_be_returned_says_why(tmp_path: Path, graded: Graded, course
 
 
 @pytest.mark.parametrize(("sizes", "room"), [([10, 20, 900], 300), ([900, 900], 100), ([5], 0), ([1, 2], 9)])
-def test_scenes_share_the_room_and_small_ones_stay_whole(sizes: list[int], room: int) -> None:
-    share = report._share(sizes, room)
+def test_scenes_share_the_size_limit_and_small_scenes_are_kept_whole(sizes: list[int], room: int) -> None:
+    share = report._max_scene_size(sizes, room)
     assert sum(min(size, share) for size in sizes) <= max(room, 0)
     assert all(size <= share for size in sizes if size <= room // len(sizes))
 
 
-def test_many_long_scenes_are_thinned_until_the_report_is_small(
+@pytest.mark.slow
+def test_long_scenes_are_downsampled_to_the_report_size_limit(
     tmp_path: Path, graded: Graded, course: Course, right: str
 ) -> None:
     fast = right.replace("create_timer(1.0", "create_timer(0.001").replace(

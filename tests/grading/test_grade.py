@@ -11,12 +11,12 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.jail.isolation import LAYERS
+from course_lib.grading.jail.filters import LAYERS
 from course_lib.grading.jail.launch import TemplateProcess
-from course_lib.grading.marks.by_hand import mark_by_hand
-from course_lib.grading.marks.mark import read_result
-from course_lib.grading.records import Course, catalog_of, rules_of
-from course_lib.grading.run.student_side import run_here
+from course_lib.grading.marking.marking_queue import mark_by_hand
+from course_lib.grading.marks import read_result
+from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.store import Course, catalog_of, rules_of
 from tests.grading.conftest import COURSE, write_course
 
 WriteNotebook = Callable[..., Path]
@@ -68,7 +68,7 @@ def impatient(tmp_path: Path) -> Course:
     return write_course(tmp_path / "course", COURSE.replace("seconds = 30", "seconds = 2"))
 
 
-def test_each_tiny_submission_gets_its_right_mark(
+def test_each_sample_submission_gets_its_expected_mark(
     impatient: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
@@ -87,12 +87,13 @@ def test_each_tiny_submission_gets_its_right_mark(
         "stub": (0, "graded", ""),
         "rebinds": (110, "graded", ""),
     }
-    assert len(result(out, "flood")["output"]) < 1_100_000
-    assert "nothing" in result(out, "crashes")["tasks"][0]["errors"][0]
-    assert "cell 2 was stopped after 2 s" in result(out, "endless_cell")["cell_errors"]
+    assert len(result(out, "flood")["judgement"]["output"]) < 1_100_000
+    assert "nothing" in result(out, "crashes")["judgement"]["tasks"][0]["errors"][0]
+    assert "cell 2 was stopped after 2 s" in result(out, "endless_cell")["judgement"]["cell_errors"]
 
 
-def test_kernel_and_worker_give_equal_digests(
+@pytest.mark.slow
+def test_kernel_and_worker_give_equal_recording_digests(
     impatient: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     names = ("right", "wrong_color", "crashes", "endless_node", "flood")
@@ -102,12 +103,13 @@ def test_kernel_and_worker_give_equal_digests(
     for student, code in codes.items():
         made: dict[str, Any] = {}
         exec(code.split("# next cell")[0].replace("%load_ext course_lib", ""), made)
-        here = run_here(task, task.scenarios[0], made["RedCubeNode"], {}, wall_limit=1.0)
-        digests = result(tmp_path / "out", student)["digests"]
+        here = run_in_this_process(task, task.scenarios[0], made["RedCubeNode"], {}, wall_limit=1.0)
+        digests = result(tmp_path / "out", student)["judgement"]["digests"]
         assert digests["week01.red_cube/public"] == here.recording.digest()
 
 
-def test_the_same_submission_gives_the_same_files_again(
+@pytest.mark.slow
+def test_regrading_a_submission_gives_identical_files(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     submissions = hand_in({"right": right, "crashes": variants(right)["crashes"]})
@@ -117,12 +119,12 @@ def test_the_same_submission_gives_the_same_files_again(
     differ = ("index.html", "items.html", ".lock")  # both pages tell CPU and memory
     times = (".usage.json", ".checks.json")
     files = [path for path in files if not path.name.endswith((*times, *differ))]
-    assert len(files) == 11
+    assert len(files) == 12
     for file in files:
         assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
 
 
-def test_staff_are_told_where_a_file_names_somebody_else(
+def test_student_id_mismatch_in_a_file_is_reported_to_staff(
     course: Course,
     right: str,
     hand_in: Callable[..., Path],
@@ -132,11 +134,11 @@ def test_staff_are_told_where_a_file_names_somebody_else(
     submissions = hand_in({"ada": right})
     (submissions / "ada").rename(submissions / "mallory")
     grade(submissions, tmp_path / "out", jobs=1, course=course)
-    expected = "mallory  week01_exercise  note: the file names ada, but mallory handed it in"
+    expected = "mallory  week01_exercise  note: the file has the ID ada, but mallory submitted it"
     assert expected in capsys.readouterr().out
 
 
-def test_late_days_cost_ten_percent_each(
+def test_each_late_day_reduces_the_mark_by_ten_percent(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     submissions = hand_in({"late": right})
@@ -146,7 +148,7 @@ def test_late_days_cost_ten_percent_each(
     assert (row["days_late"], row["penalty"], row["final"]) == ("2", "22.0", "88.0")
 
 
-def test_what_is_no_exercise_is_rejected_and_the_rest_goes_on(
+def test_invalid_exercise_is_rejected_and_the_rest_is_graded(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path, write_notebook: WriteNotebook
 ) -> None:
     submissions = hand_in({"right": right, "broken": right})
@@ -166,7 +168,7 @@ def test_what_is_no_exercise_is_rejected_and_the_rest_goes_on(
     assert "Not marked (rejected)" in page
 
 
-def test_a_broken_check_costs_that_check_and_is_named_to_staff_only(
+def test_broken_check_scores_zero_and_is_reported_to_staff_only(
     course: Course,
     right: str,
     hand_in: Callable[..., Path],
@@ -182,20 +184,20 @@ def test_a_broken_check_costs_that_check_and_is_named_to_staff_only(
     assert f"A check could not judge right: {broken}" in capsys.readouterr().out
     assert broken in (out / "reports/index.html").read_text().replace("&#39;", "'")
     page = (out / "reports/right/week01_exercise.html").read_text()
-    assert "a fault of the course" in page
+    assert "a fault in the course" in page
     assert "IndexError" not in page
     said = mark_by_hand(out, "right", "week01_exercise", "week01.half", "40", course=course)
     assert said.endswith("now 110, graded")
 
 
-def test_a_pattern_that_fits_nothing_is_refused(
+def test_selection_pattern_without_matches_is_rejected(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
-    with pytest.raises(CourseError, match=r"fits no submission: .* one is ada/week01_exercise"):
+    with pytest.raises(CourseError, match=r"matches no submission: .* one submission is ada/week01_exercise"):
         grade(hand_in({"ada": right}), tmp_path / "out", only="bob/*", course=course)
 
 
-def test_resume_and_only_grade_what_is_asked_for(
+def test_resume_and_only_grade_the_requested_submissions(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     submissions, out = hand_in({"ada": right, "bob": right}), tmp_path / "out"
@@ -207,32 +209,32 @@ def test_resume_and_only_grade_what_is_asked_for(
     assert (out / "results/ada/week01_exercise.json").stat().st_mtime_ns == first
 
 
-def test_resume_judges_again_what_was_judged_by_other_checks(
+def test_resume_rejudges_results_of_changed_checks(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     submissions, out = hand_in({"ada": right}), tmp_path / "out"
     grade(submissions, out, jobs=1, course=course)
     evidence = next((out / "evidence").glob("*.gz"))
     made = evidence.stat().st_mtime_ns
-    judged = read_result(out / "results/ada/week01_exercise.json")["digest"]
+    judged = read_result(out / "results/ada/week01_exercise.json").result.digest
     check_file = course.exercises / "checks/week01.py"
     check_file.write_text(check_file.read_text() + "# another hint\n")
     rules_of.cache_clear()  # as a grader started anew
     grade(submissions, out, jobs=1, resume=True, course=course)
     result = read_result(out / "results/ada/week01_exercise.json")
-    assert result["digest"] not in ("", judged)
+    assert result.result.digest not in ("", judged)
     assert evidence.stat().st_mtime_ns == made
 
 
 @pytest.mark.parametrize("name", ["missing", "empty", "file.txt"])
-def test_a_folder_without_submissions_is_refused(course: Course, tmp_path: Path, name: str) -> None:
+def test_folder_without_submissions_is_rejected(course: Course, tmp_path: Path, name: str) -> None:
     (tmp_path / "empty").mkdir()
     (tmp_path / "file.txt").write_text("")
     with pytest.raises(CourseError, match=r"not a folder|no submission"):
         grade(tmp_path / name, tmp_path / "out", course=course)
 
 
-def test_an_out_folder_that_cannot_be_written_is_named_before_grading(
+def test_unwritable_out_folder_is_reported_before_grading(
     course: Course, right: str, hand_in: Callable[..., Path], tmp_path: Path
 ) -> None:
     (tmp_path / "out").write_text("a file")
@@ -240,7 +242,8 @@ def test_an_out_folder_that_cannot_be_written_is_named_before_grading(
         grade(hand_in({"right": right}), tmp_path / "out", course=course)
 
 
-def test_without_a_sandbox_submissions_run_only_if_they_are_trusted(
+@pytest.mark.slow
+def test_submissions_run_without_a_sandbox_only_if_trusted(
     course: Course,
     right: str,
     hand_in: Callable[..., Path],
@@ -257,6 +260,6 @@ def test_without_a_sandbox_submissions_run_only_if_they_are_trusted(
         assert not (out / "results").exists()
         assert grade(submissions, out, jobs=1, course=course, need="any")
     assert rows(out)["right"]["final"] == "110.0"
-    assert result(out, "right")["isolation"].startswith("no sandbox (lacks")
+    assert result(out, "right")["judgement"]["isolation"].startswith("no sandbox (lacks")
     assert "Isolation of 1: no sandbox (lacks" in capsys.readouterr().out
     assert "Ran with isolation: no sandbox" in (out / "reports/right/week01_exercise.html").read_text()

@@ -10,14 +10,14 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from course_lib.grading.grade import grade
-from course_lib.grading.handin.collect import collect
-from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED, with_ids
-from course_lib.grading.handin.lms import fill_lms
-from course_lib.grading.handin.submission import find_submissions
-from course_lib.grading.marks.by_hand import mark_by_hand
-from course_lib.grading.personal import personal_values
-from course_lib.grading.records import Course, catalog_of
-from course_lib.grading.run.job import Job, plan
+from course_lib.grading.inputs import personal_values
+from course_lib.grading.marking.marking_queue import mark_by_hand
+from course_lib.grading.run.run import Job, plan_scenarios
+from course_lib.grading.store import Course, catalog_of
+from course_lib.grading.submissions.collect import collect
+from course_lib.grading.submissions.lms import fill_lms
+from course_lib.grading.submissions.roster import MISMATCH, NO_ID, UNVERIFIED, resolve_ids
+from course_lib.grading.submissions.submission import find_submissions
 
 WriteNotebook = Callable[..., Path]
 NAME = "week01_exercise.ipynb"
@@ -25,7 +25,7 @@ NAME = "week01_exercise.ipynb"
 
 def judged(top: Path) -> dict[str, tuple[str | None, str]]:
     """By student: whose personal values count, and the flag."""
-    return {one.student: (one.values_of, one.id_flag) for one in with_ids(find_submissions(top), top)}
+    return {one.student: (one.values_of, one.id_flag) for one in resolve_ids(find_submissions(top), top)}
 
 
 def rows(out: Path) -> dict[str, dict[str, str]]:
@@ -49,7 +49,9 @@ def strangers(course: Course) -> tuple[str, str]:
     return names[0], other
 
 
-def test_the_folder_decides_whatever_id_the_file_names(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_folder_name_takes_precedence_over_the_id_in_the_file(
+    tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
     for folder, claims in {"ada": "ada", "bob": "ada", "cleo": " CLEO ", "dora": "nobody"}.items():
         write_notebook(tmp_path / folder / NAME, "x = 1", student=claims)
     write_notebook(tmp_path / "emil" / NAME, "x = 1")
@@ -62,7 +64,7 @@ def test_the_folder_decides_whatever_id_the_file_names(tmp_path: Path, write_not
     }
 
 
-def test_the_number_of_a_platform_is_not_an_id(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_platform_number_is_not_a_student_id(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     write_notebook(tmp_path / "participant4101" / NAME, "x = 1", student="ada")
     write_notebook(tmp_path / "Participant_4102" / NAME, "x = 1")
     write_notebook(tmp_path / "Cleo M_4103_assignsubmission_file_" / NAME, "x = 1", student="cleo")
@@ -73,7 +75,7 @@ def test_the_number_of_a_platform_is_not_an_id(tmp_path: Path, write_notebook: W
     }
 
 
-def test_two_platform_numbers_with_one_id_are_a_mismatch(
+def test_two_platform_numbers_with_one_id_are_reported_as_a_mismatch(
     tmp_path: Path, write_notebook: WriteNotebook
 ) -> None:
     for folder, claims in {"participant1": "ada", "participant2": "ada", "participant3": "cleo"}.items():
@@ -86,7 +88,7 @@ def test_two_platform_numbers_with_one_id_are_a_mismatch(
 
 
 @pytest.mark.parametrize("name", ["{}_{}_assignsubmission_file_", "{0}_{1}_99_week01_exercise.ipynb"])
-def test_a_roster_makes_ids_of_a_platforms_numbers(
+def test_roster_maps_platform_numbers_to_student_ids(
     tmp_path: Path, write_notebook: WriteNotebook, name: str
 ) -> None:
     with zipfile.ZipFile(tmp_path / "class.zip", "w") as archive:
@@ -106,7 +108,8 @@ def test_a_roster_makes_ids_of_a_platforms_numbers(
     assert found[unknown] == ("cleo", UNVERIFIED)
 
 
-def test_a_friends_file_is_judged_with_the_values_of_who_handed_it_in(
+@pytest.mark.slow
+def test_submission_with_a_foreign_id_is_judged_with_the_values_of_its_submitter(
     course: Course,
     right: str,
     strangers: tuple[str, str],
@@ -127,14 +130,17 @@ def test_a_friends_file_is_judged_with_the_values_of_who_handed_it_in(
         "needs_marking",
         MISMATCH,
     )
-    assert f"the file names {ada}, but {bob} handed it in" in made[bob]["message"]
+    assert f"the file has the ID {ada}, but {bob} submitted it" in made[bob]["message"]
     said = capsys.readouterr().out.splitlines()
-    assert any(line.startswith(f"Look at: {MISMATCH}: 1 submission ({bob} week01_exercise)") for line in said)
+    assert any(
+        line.startswith(f"Please review: {MISMATCH}: 1 submission ({bob} week01_exercise)") for line in said
+    )
     index = (tmp_path / "out/reports/index.html").read_text()
     assert index.count(f"<strong>{MISMATCH}</strong>") == 1
 
 
-def test_a_held_back_mark_goes_out_after_a_person_has_looked(
+@pytest.mark.slow
+def test_withheld_mark_is_released_after_manual_marking(
     course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
 ) -> None:
     out, lms = tmp_path / "out", tmp_path / "lms.csv"
@@ -154,11 +160,11 @@ def test_a_held_back_mark_goes_out_after_a_person_has_looked(
     assert f"<strong>{MISMATCH}</strong>" in (out / "reports/index.html").read_text()
 
 
-def test_identical_files_run_once_for_equal_personal_values(
+def test_identical_files_with_equal_personal_values_run_once(
     course: Course, strangers: tuple[str, str]
 ) -> None:
     tasks = list(catalog_of(course).tasks.values())
-    steps = plan(tasks, catalog_of(course), hidden=True)
+    steps = plan_scenarios(tasks, catalog_of(course), hidden=True)
     limits = catalog_of(course).course.limits
     same = next(
         name
@@ -169,7 +175,7 @@ def test_identical_files_run_once_for_equal_personal_values(
     assert keys[0] == keys[2] != keys[1]
 
 
-def test_a_mended_id_is_seen_by_resume(
+def test_corrected_student_id_is_detected_by_resume(
     course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook
 ) -> None:
     path = write_notebook(tmp_path / "in/bob" / NAME, right, student="ada")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.platforms.kit_source import kit_source
+from course_lib.grading.platforms.gradescope import kit_source
 
 COMMIT = "0123456789abcdef0123456789abcdef01234567"
 
@@ -39,14 +39,14 @@ def installed(folder: Path, direct: dict[str, Any] | None) -> metadata.Distribut
     ],
     ids=["index", "repository", "address"],
 )
-def test_what_others_can_fetch_is_named_with_its_version(
+def test_kit_from_a_public_origin_is_required_by_version(
     tmp_path: Path, direct: dict[str, Any] | None, words: str
 ) -> None:
     source = kit_source(installed(tmp_path, direct))
     assert (source.words, source.files) == (words, {})
 
 
-def test_a_wheel_of_this_machine_is_packed(tmp_path: Path) -> None:
+def test_local_wheel_of_the_kit_is_included(tmp_path: Path) -> None:
     wheel = tmp_path / "the wheels" / "course_lib-9.8-py3-none-any.whl"
     wheel.parent.mkdir()
     wheel.write_bytes(b"PK")
@@ -55,7 +55,7 @@ def test_a_wheel_of_this_machine_is_packed(tmp_path: Path) -> None:
     assert source.files == {f"kit/{wheel.name}": b"PK"}
 
 
-def test_a_checkout_is_packed_without_answers(tmp_path: Path) -> None:
+def test_checkout_of_the_kit_is_included_without_answers(tmp_path: Path) -> None:
     checkout = Path(__file__).parents[2]
     direct = {"url": checkout.as_uri(), "dir_info": {"editable": True}}
     source = kit_source(installed(tmp_path, direct))
@@ -64,7 +64,9 @@ def test_a_checkout_is_packed_without_answers(tmp_path: Path) -> None:
     assert not [name for name in source.files if name.startswith(("kit/solutions", "kit/tests"))]
 
 
-def test_files_that_are_gone_are_named(tmp_path: Path) -> None:
+def test_missing_kit_source_files_are_reported(tmp_path: Path) -> None:
     gone = installed(tmp_path, {"url": (tmp_path / "gone").as_uri(), "dir_info": {}})
-    with pytest.raises(CourseError, match=re.escape(f"from {(tmp_path / 'gone').as_uri()}, which is not")):
+    with pytest.raises(
+        CourseError, match=re.escape(f"from {(tmp_path / 'gone').as_uri()}, which no longer exists")
+    ):
         kit_source(gone)

@@ -4,16 +4,22 @@ from typing import Any
 import pytest
 
 from course_lib.grading import (
+    Call,
+    Scenario,
+    Task,
     expect_colors_apart,
     expect_display,
     expect_displays_on,
     expect_drawn,
     expect_layout,
+    my,
 )
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.inputs import header, pose, transforms
+from course_lib.grading.judge import judge_task
+from course_lib.grading.run.run import Run
 from course_lib.grading.task import Message
-from course_lib.grading.vocabulary.layouts import MAX_TEXT
+from course_lib.grading.vocabulary.files import MAX_TEXT
 
 LAYOUT = """
 Visualization Manager:
@@ -43,25 +49,25 @@ def said(check: Check, layout: Any = LAYOUT) -> str:
     return "" if verdict.score == 1 else verdict.message
 
 
-def test_a_display_is_found_in_groups_with_its_topic_and_values() -> None:
+def test_display_in_a_group_is_found_with_its_topic_and_values() -> None:
     assert said(expect_display("LaserScan", "/scan", properties={"Name": "Laser"})) == ""
     assert said(expect_display("Grid", properties={"Plane Cell Count": 20})) == ""
     policy = {"Topic/Reliability Policy": "Reliable"}
     assert "is 'Best Effort', expected 'Reliable'" in said(expect_display("LaserScan", properties=policy))
-    assert said(expect_display("LaserScan", "/other")) == "LaserScan listens to '/scan', expected '/other'"
+    assert said(expect_display("LaserScan", "/other")) == "LaserScan subscribes to '/scan', expected '/other'"
 
 
-def test_a_display_that_is_not_enabled_is_not_there() -> None:
-    assert said(expect_display("TF")) == "no enabled display TF is in the layout, it has Grid and LaserScan"
+def test_disabled_display_counts_as_missing() -> None:
+    assert said(expect_display("TF")) == "the layout has no enabled display TF, it has Grid and LaserScan"
 
 
-def test_options_and_view_are_compared() -> None:
+def test_global_options_and_view_are_compared() -> None:
     assert said(expect_layout(fixed_frame="world", view="Orbit", view_properties={"Distance": 8.0})) == ""
     assert "the Fixed Frame is 'world', expected 'map'" in said(expect_layout(fixed_frame="map"))
     assert "the view is 'Orbit', expected 'FPS'" in said(expect_layout(view="FPS"))
 
 
-def test_one_of_several_views_and_a_range_of_its_values_are_enough() -> None:
+def test_one_of_several_expected_views_within_its_value_range_passes() -> None:
     assert said(expect_layout(view=("FPS", "Orbit"), view_within={"Distance": (0.5, 50.0)})) == ""
     assert said(expect_layout(view=("FPS", "XYOrbit"))) == "the view is 'Orbit', expected 'FPS' or 'XYOrbit'"
     too_far = "'Distance' of the view is 8, expected 0.5 to 5"
@@ -71,10 +77,10 @@ def test_one_of_several_views_and_a_range_of_its_values_are_enough() -> None:
     assert "expected 0.5 to 50" in said(expect_layout(view_within={"Distance": (0.5, 50.0)}), nowhere)
 
 
-def test_a_topic_without_a_display_or_with_two_is_named() -> None:
+def test_topic_without_a_display_or_with_two_is_reported() -> None:
     assert said(expect_displays_on("/scan")) == ""
-    assert said(expect_displays_on("/scan", "/plan")) == "0 enabled displays listen to '/plan', expected 1"
-    assert said(expect_displays_on()) == "1 enabled displays listen to '/scan', expected 0"
+    assert said(expect_displays_on("/scan", "/plan")) == "0 enabled displays subscribe to '/plan', expected 1"
+    assert said(expect_displays_on()) == "1 enabled displays subscribe to '/scan', expected 0"
 
 
 @pytest.mark.parametrize(
@@ -88,14 +94,14 @@ def test_a_topic_without_a_display_or_with_two_is_named() -> None:
         (("nan; 0; 0", "0; 0; 0"), "no channel differs"),
     ],
 )
-def test_colors_that_look_alike_are_named(colors: tuple[str, ...], message: str) -> None:
+def test_similar_display_colors_are_reported(colors: tuple[str, ...], message: str) -> None:
     rows = "".join(f"    - {{Class: rviz_default_plugins/Path, Color: {color}}}\n" for color in colors)
     layout = f"Visualization Manager:\n  Displays:\n{rows}"
     assert message in said(expect_colors_apart("Path", 100), layout)
     assert (message == "") == (said(expect_colors_apart("Path", 100), layout) == "")
 
 
-def test_drawn_is_what_a_robots_messages_show_in_the_layout() -> None:
+def test_expect_drawn_judges_the_display_of_robot_messages() -> None:
     check = expect_drawn("LaserScan", ROBOT, best_effort=("/scan",))
     assert said(check) == ""
     assert "RELIABILITY" in said(check, LAYOUT.replace("Best Effort", "Reliable"))
@@ -116,7 +122,7 @@ def test_drawn_is_what_a_robots_messages_show_in_the_layout() -> None:
         "\0",
     ],
 )
-def test_what_is_no_layout_fails_with_a_sentence(layout: Any) -> None:
+def test_invalid_layout_fails_with_a_message(layout: Any) -> None:
     checks = (
         expect_display("Grid"),
         expect_layout(fixed_frame="a"),
@@ -127,22 +133,63 @@ def test_what_is_no_layout_fails_with_a_sentence(layout: Any) -> None:
     assert all(said(check, layout) for check in checks)
 
 
-def test_a_grid_of_a_billion_cells_costs_nothing() -> None:
+def test_grid_with_a_billion_cells_is_judged_quickly() -> None:
     layout = LAYOUT.replace("Plane Cell Count: 20", "Plane Cell Count: 1000000000")
     assert said(expect_drawn("LaserScan", ROBOT, best_effort=("/scan",)), layout) == ""
 
 
-def test_a_layout_of_aliases_is_the_students_mistake(
+@pytest.mark.slow
+def test_layout_with_recursive_yaml_aliases_is_reported_as_a_student_mistake(
     evidence: Callable[..., Evidence],
 ) -> None:
     levels = [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9 if n else 'x')}]" for n in range(9)]
     verdict = expect_layout(fixed_frame="map").judge(evidence(returns=("\n".join(levels),)))
-    assert (verdict.score, verdict.mistake) == (0, "the layout is no YAML")
+    assert (verdict.score, verdict.mistake) == (0, "the layout is not valid YAML")
     assert "aliases" in verdict.message
 
 
-def test_a_layout_reads_no_file_of_the_grader(evidence: Callable[..., Evidence]) -> None:
+def test_layout_cannot_read_files_of_the_grader(evidence: Callable[..., Evidence]) -> None:
     robot = "{Class: rviz_default_plugins/RobotModel, Description Source: File, Description File: /etc/hosts}"
     text = f"Visualization Manager: {{Displays: [{robot}]}}"
     verdict = expect_drawn("RobotModel", ()).judge(evidence(returns=(text,)))
     assert verdict.mistake == "a description comes from a file"
+
+
+def test_displays_with_every_class_and_value_do_not_earn_full_marks() -> None:
+    grid = "    - {{Class: rviz_default_plugins/Grid, Name: Grid, Plane Cell Count: {}}}\n"
+    several = LAYOUT.replace("  Displays:\n", "  Displays:\n" + grid.format(30), 1)
+    kinds = ("Axes", "Path", "Map", "Image", "Range", "PointCloud2")
+    all_kinds = "".join(f"    - {{Class: rviz_default_plugins/{kind}, Name: {kind}}}\n" for kind in kinds)
+    checks = (
+        expect_display("Grid", properties={"Plane Cell Count": my("cells")}).titled("cells"),
+        expect_display("LaserScan", "/scan").titled("topic"),
+        expect_drawn("LaserScan", ROBOT, best_effort=("/scan",)).titled("drawn"),
+    )
+    assert failing(checks, LAYOUT, cells=20) == {}
+    assert failing(checks, several, cells=30) == {
+        "cells": "the layout has 2 enabled displays Grid, expected at most 1: remove or disable the others"
+    }
+    assert failing(checks, LAYOUT.replace("  Displays:\n", "  Displays:\n" + all_kinds, 1), cells=20) == {
+        "drawn": "the layout has 6 enabled displays that the task does not ask for: remove or disable them"
+    }
+    counting = (*checks, expect_displays_on("/scan").worth(0))
+    assert failing(counting, several, cells=30) == {}
+
+
+def test_one_display_per_expected_topic_is_accepted() -> None:
+    path = "    - {{Class: rviz_default_plugins/Path, Name: {}, Color: {}, Topic: {{Value: {}}}}}\n"
+    rows = path.format("A", "255; 0; 0", "/a") + path.format("B", "0; 255; 0", "/b")
+    two = LAYOUT.replace("  Displays:\n", "  Displays:\n" + rows, 1)
+    checks = (expect_display("Path", "/a"), expect_display("Path", "/b"), expect_colors_apart("Path", 100))
+    assert failing(checks, two) == {}
+    three = two.replace("  Displays:\n", "  Displays:\n" + path.format("C", "0; 0; 255", "/a"), 1)
+    assert list(failing(checks, three)) == ["the displays Path differ in color"]
+
+
+def failing(checks: tuple[Check, ...], layout: str, **personal: Any) -> dict[str, str]:
+    """Return the messages of the checks of one scenario that fail, by title."""
+    scenario = Scenario("public", calls=(Call(),), checks=checks)
+    task = Task("week05.x", "A layout", "function", "layout", ("a", "b", "c"), (scenario,))
+    evidence = Evidence("week05.x", "public", 0.0, returns=(layout,), personal=personal)
+    result = judge_task(task, 10.0, False, [Run(scenario, evidence)])
+    return {check.title: check.message for check in result.checks if not check.passed}

@@ -3,15 +3,15 @@ import csv
 import io
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from course_lib.errors import CourseError
-from course_lib.grading.handin.lms import fill_lms
-from course_lib.grading.handin.platform_files import LmsFile
+from course_lib.grading.submissions.lms import fill_lms
+from course_lib.grading.submissions.platform_files import LmsFile
 
 GRADEBOOK = """\
 student,exercise,score,max_score,days_late,penalty,final,status,reason,message
@@ -52,7 +52,7 @@ Fill = Callable[..., tuple[bytes, list[str]]]
 def fill(out: Path) -> Fill:
     """Fills a file of these bytes and returns the new ones, and the lines."""
 
-    def do(data: bytes, column: str, id_column: str, **more: bool) -> tuple[bytes, list[str]]:
+    def do(data: bytes, column: str, id_column: str, **more: Any) -> tuple[bytes, list[str]]:
         (out / "lms.csv").write_bytes(data)
         source, target = out / "lms.csv", out / "filled.csv"
         lines = fill_lms(
@@ -65,7 +65,7 @@ def fill(out: Path) -> Fill:
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1", "utf-16-be-bom"])
 @pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
-def test_canvas_keeps_every_byte_but_the_marks(fill: Fill, encoding: str, newline: str) -> None:
+def test_canvas_csv_is_unchanged_except_for_the_marks(fill: Fill, encoding: str, newline: str) -> None:
     def bytes_of(text: str) -> bytes:
         text = text.replace("\n", newline)
         if encoding == "utf-16-be-bom":
@@ -81,31 +81,36 @@ def test_canvas_keeps_every_byte_but_the_marks(fill: Fill, encoding: str, newlin
         "gradebook.csv: ghost9: no such ID in lms.csv",
         lines[-1],
     ]
-    assert lines[-1].endswith("filled.csv: 2 marks after the late policy; switch the platform's off.")
+    assert lines[-1].endswith(
+        "filled.csv: 2 marks after the late policy; turn off the platform's late policy."
+    )
 
 
-def test_moodle_keeps_its_quotes_and_lists_whom_it_names_no_id_of(fill: Fill) -> None:
+def test_moodle_csv_keeps_its_quotes_and_students_without_an_id_are_reported(fill: Fill) -> None:
     filled, lines = fill(MOODLE.encode("utf-8-sig"), "Grade", "ID number")
     expected = MOODLE.replace('grading";""', 'grading";"81.45"').replace('"12,00"', '"50"')
     assert filled == expected.encode("utf-8-sig")
     assert "lms.csv: row 4, no ID: no mark" in lines
 
 
-def test_a_platform_with_its_own_late_policy_gets_the_raw_scores(fill: Fill) -> None:
+def test_raw_scores_are_exported_to_a_platform_with_its_own_late_policy(fill: Fill) -> None:
     filled, lines = fill(CANVAS.encode(), "Week 1", "SIS Login ID", raw=True)
     assert b'"R ""2""",90.5,' in filled
     assert "before the late policy" in lines[-1]
 
 
-def test_other_points_than_the_exercise_has_are_noted(fill: Fill) -> None:
+def test_mismatch_between_platform_and_exercise_points_is_reported(fill: Fill) -> None:
     _, lines = fill(CANVAS.replace("100.0,100.0", "20,20").encode(), "Week 1", "SIS Login ID")
     assert "note: the platform gives 20 points, gradebook.csv 100" in lines
 
 
-def test_marks_above_what_the_platform_gives_are_noted(fill: Fill) -> None:
+def test_marks_above_the_maximum_of_the_platform_are_reported(fill: Fill) -> None:
     _, lines = fill(MOODLE.replace("100,00", "60,50").encode(), "Grade", "ID number")
     assert "note: the platform gives 60.5 points, gradebook.csv 100" in lines
-    assert "note: 1 mark above the platform's 60.5: it may refuse them; --cap makes each the maximum" in lines
+    assert (
+        "note: 1 mark above the platform's 60.5: it may reject them; --cap reduces them to the maximum"
+        in lines
+    )
 
 
 GERMAN = MOODLE.replace("Maximum Grade", "Bestwertung").replace('"Grade"', '"Bewertung"')
@@ -120,7 +125,7 @@ GERMAN = MOODLE.replace("Maximum Grade", "Bestwertung").replace('"Grade"', '"Bew
         (CANVAS.replace("100.0,100.0", "60.5,20"), "Week 1", "SIS Login ID"),
     ],
 )
-def test_with_cap_no_mark_is_above_the_platforms_maximum(
+def test_cap_option_limits_marks_to_the_platform_maximum(
     fill: Fill, text: str, column: str, id_column: str
 ) -> None:
     filled, lines = fill(text.encode(), column, id_column, cap=True)
@@ -129,14 +134,14 @@ def test_with_cap_no_mark_is_above_the_platforms_maximum(
     assert not any("may refuse" in line for line in lines)
 
 
-def test_with_cap_a_csv_without_a_maximum_takes_that_of_the_exercise(fill: Fill, out: Path) -> None:
+def test_cap_option_uses_the_exercise_maximum_if_the_csv_has_none(fill: Fill, out: Path) -> None:
     book = (out / "gradebook.csv").read_text().replace("81.45", "110.0")
     (out / "gradebook.csv").write_text(book)
     filled, _ = fill(b"id,mark\nada1,\nbob2,\n", "mark", "id", cap=True)
     assert filled == b"id,mark\nada1,100\nbob2,50\n"
 
 
-def test_an_id_in_two_rows_fills_neither(fill: Fill) -> None:
+def test_id_in_two_rows_gets_no_mark_in_either(fill: Fill) -> None:
     filled, lines = fill(CANVAS.replace("dora4", "ADA 1").encode(), "Week 1", "SIS Login ID")
     assert b"81.45" not in filled
     assert sum("more than one row has this ID" in line for line in lines) == 2
@@ -153,7 +158,7 @@ def test_an_id_in_two_rows_fills_neither(fill: Fill) -> None:
         ("a,a,b\n", "a", "b", "2 columns are named 'a'"),
     ],
 )
-def test_what_does_not_fit_is_refused_and_nothing_is_written(
+def test_mismatched_platform_csv_is_rejected_and_nothing_is_written(
     fill: Fill, out: Path, data: str, column: str, id_column: str, message: str
 ) -> None:
     with pytest.raises(CourseError, match=message):
@@ -164,26 +169,28 @@ def test_what_does_not_fit_is_refused_and_nothing_is_written(
 ANY_TEXT = st.text(st.sampled_from('ab,;"\t\r\n |é=+-@ 7'), max_size=60).map(lambda text: "a,b" + text)
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(text=ANY_TEXT, encoding=st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "latin-1"]))
-def test_whatever_is_read_is_written_again(
+def test_csv_file_is_unchanged_after_reading_and_writing(
     tmp_path_factory: pytest.TempPathFactory, text: str, encoding: str
 ) -> None:
     path = tmp_path_factory.getbasetemp() / "any.csv"
     path.write_bytes(text.encode(encoding))
-    assert LmsFile.read(path).encoded() == text.encode(encoding)
+    assert LmsFile.read(path).to_bytes() == text.encode(encoding)
 
 
 CELLS = st.text(st.sampled_from('ab,;"\n é='), max_size=8)
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(
     rows=st.lists(st.tuples(CELLS, CELLS, CELLS), min_size=1, max_size=5),
     delimiter=st.sampled_from(",;\t"),
     quoting=st.sampled_from([csv.QUOTE_ALL, csv.QUOTE_MINIMAL]),
 )
-def test_cells_are_those_that_pythons_own_reader_finds_and_one_alone_changes(
+def test_cells_match_the_csv_module_and_only_the_edited_cell_changes(
     tmp_path_factory: pytest.TempPathFactory,
     rows: list[tuple[str, str, str]],
     delimiter: str,
@@ -197,5 +204,6 @@ def test_cells_are_those_that_pythons_own_reader_finds_and_one_alone_changes(
     file.put(len(rows), 2, "42")
     expected = [["who", "id", "mark"], *map(list, rows)]
     expected[-1][2] = "42"
-    assert list(csv.reader(io.StringIO(file.encoded().decode(), newline=""), delimiter=delimiter)) == expected
+    text = io.StringIO(file.to_bytes().decode(), newline="")
+    assert list(csv.reader(text, delimiter=delimiter)) == expected
     assert [file.text(row, 0) for row in range(1, len(rows) + 1)] == [row[0].strip() for row in rows]

@@ -19,11 +19,11 @@ MakeEvidence = Callable[..., Evidence]
 MakeCube = Callable[..., Any]
 
 
-def test_the_cube_of_lesson_1_passes(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_cube_of_lesson_1_passes(evidence: MakeEvidence, cube: MakeCube) -> None:
     assert RED_CUBE.judge(evidence((1, TOPIC, cube()))).score == 1
 
 
-def test_float_noise_does_not_matter(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_floating_point_rounding_is_tolerated(evidence: MakeEvidence, cube: MakeCube) -> None:
     assert RED_CUBE.judge(evidence((1, TOPIC, cube(pose__position__z=0.1 + 0.2 + 0.2)))).score == 1
 
 
@@ -59,16 +59,16 @@ def test_float_noise_does_not_matter(evidence: MakeEvidence, cube: MakeCube) -> 
         ({"type": 2}, "the sphere is of type SPHERE, expected CUBE", "the type of a marker is wrong"),
     ],
 )
-def test_a_message_says_what_came_and_what_was_expected(
+def test_failure_message_reports_received_and_expected_values(
     evidence: MakeEvidence, cube: MakeCube, changes: dict[str, Any], message: str, mistake: str
 ) -> None:
     verdict = RED_CUBE.judge(evidence((1, TOPIC, cube(**changes))))
     assert (verdict.score, verdict.message, verdict.mistake) == (0, message, mistake)
 
 
-def test_an_invisible_cube_is_named_as_such(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_invisible_cube_is_reported(evidence: MakeEvidence, cube: MakeCube) -> None:
     verdict = RED_CUBE.judge(evidence((1, TOPIC, cube(color__a=0.0))))
-    assert "nobody can see it" in verdict.message
+    assert "it is invisible" in verdict.message
 
 
 @pytest.mark.parametrize(
@@ -82,14 +82,14 @@ def test_an_invisible_cube_is_named_as_such(evidence: MakeEvidence, cube: MakeCu
         ({"type": Marker.TEXT_VIEW_FACING}, "its text is empty"),
     ],
 )
-def test_an_invisible_marker_passes_no_check_and_counts_for_none(
+def test_invisible_marker_fails_every_check_and_is_not_counted(
     evidence: MakeEvidence, cube: MakeCube, changes: dict[str, Any], why: str
 ) -> None:
     came = evidence((1, TOPIC, cube(**changes)))
     verdict = expect_marker(TOPIC, frame="map", position=(0, 0, 0.5)).judge(came)
     assert (verdict.score, verdict.mistake) == (0, "a marker is invisible")
     assert verdict.message.endswith(f"is invisible: {why}")
-    assert f"nobody can see 1 more: {why}" in expect_marker_count(TOPIC, 1).judge(came).message
+    assert f"1 more is invisible: {why}" in expect_marker_count(TOPIC, 1).judge(came).message
     assert expect_marker_count(TOPIC, 0).judge(came).score == 1
 
 
@@ -103,26 +103,26 @@ def test_an_invisible_marker_passes_no_check_and_counts_for_none(
         {"type": Marker.MESH_RESOURCE, "mesh_use_embedded_materials": True, "color__a": 0.0},
     ],
 )
-def test_a_marker_needs_no_more_than_rviz_to_be_seen(
+def test_marker_visibility_requires_only_the_fields_that_rviz_uses(
     evidence: MakeEvidence, cube: MakeCube, changes: dict[str, Any]
 ) -> None:
     assert expect_marker_count(TOPIC, 1).judge(evidence((1, TOPIC, cube(**changes)))).score == 1
 
 
-def test_a_color_up_to_255_is_explained(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_color_in_the_range_0_to_255_is_explained(evidence: MakeEvidence, cube: MakeCube) -> None:
     verdict = RED_CUBE.judge(evidence((1, TOPIC, cube(color__r=255.0))))
     assert "colors go from 0 to 1, not to 255" in verdict.message
 
 
 @pytest.mark.parametrize("field", ["pose__position__z", "scale__x", "color__r"])
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_nan_and_infinity_never_pass(
+def test_nan_and_infinity_fail_the_check(
     evidence: MakeEvidence, cube: MakeCube, field: str, value: float
 ) -> None:
     assert RED_CUBE.judge(evidence((1, TOPIC, cube(**{field: value})))).score == 0
 
 
-def test_the_marker_that_fits_best_is_meant(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_best_matching_marker_is_judged(evidence: MakeEvidence, cube: MakeCube) -> None:
     other = cube(id=1, type=Marker.SPHERE, pose__position__z=9.0)
     assert RED_CUBE.judge(evidence((1, TOPIC, cube()), (1, TOPIC, other))).score == 1
 
@@ -130,10 +130,10 @@ def test_the_marker_that_fits_best_is_meant(evidence: MakeEvidence, cube: MakeCu
 def test_ns_and_id_select_a_marker(evidence: MakeEvidence, cube: MakeCube) -> None:
     check = expect_marker(TOPIC, id=4, position=(0, 0, 0.5))
     verdict = check.judge(evidence((1, TOPIC, cube(id=3))))
-    assert "there is: 'basic_shapes' 3" in verdict.message
+    assert "it shows: 'basic_shapes' 3" in verdict.message
 
 
-def test_what_is_deleted_is_not_shown(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_deleted_marker_is_not_shown(evidence: MakeEvidence, cube: MakeCube) -> None:
     verdict = RED_CUBE.judge(evidence((1, TOPIC, cube()), (2, TOPIC, cube(action=Marker.DELETE))))
     assert (
         verdict.message == f"{TOPIC} shows no marker at the end: all were deleted, or their lifetime is over"
@@ -147,27 +147,27 @@ def test_marker_arrays_count_as_markers(evidence: MakeEvidence, cube: MakeCube) 
     assert "shows 2 markers" in expect_marker_count(TOPIC, 3).judge(evidence((1, TOPIC, array))).message
 
 
-def test_silence_names_the_topics_that_were_heard(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_missing_messages_are_reported_with_the_published_topics(
+    evidence: MakeEvidence, cube: MakeCube
+) -> None:
     verdict = RED_CUBE.judge(evidence((1, "/visualisation_marker", cube())))
     assert verdict.message.startswith(f"nothing was published on {TOPIC} in 3 s")
     assert "/visualisation_marker" in verdict.message
 
 
-def test_a_wrong_message_type_is_named(evidence: MakeEvidence) -> None:
+def test_wrong_message_type_is_reported(evidence: MakeEvidence) -> None:
     verdict = RED_CUBE.judge(evidence((1, TOPIC, String(data="cube"))))
     assert "carries std_msgs/msg/String" in verdict.message
 
 
-def test_values_of_the_student_are_used(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_personal_values_of_the_student_are_compared(evidence: MakeEvidence, cube: MakeCube) -> None:
     check = expect_marker(TOPIC, position=(0, 0, my("height")))
     came = (1, TOPIC, cube(pose__position__z=0.8))
     assert check.judge(evidence(came, personal={"height": 0.8})).score == 1
     assert check.judge(evidence(came, personal={"height": 1.1})).score == 0
 
 
-def test_a_point_where_none_belongs_is_found_also_on_a_closed_line(
-    evidence: MakeEvidence, cube: MakeCube
-) -> None:
+def test_misplaced_point_on_a_closed_line_fails_the_check(evidence: MakeEvidence, cube: MakeCube) -> None:
     from geometry_msgs.msg import Point
 
     corners = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)]
@@ -178,7 +178,7 @@ def test_a_point_where_none_belongs_is_found_also_on_a_closed_line(
     assert check.judge(evidence((1, TOPIC, astray))).score == 0
 
 
-def test_the_title_names_what_is_asked_for() -> None:
+def test_check_title_lists_the_checked_fields() -> None:
     assert RED_CUBE.title == f"the marker on {TOPIC}: type, frame, position, scale and color"
     assert expect_marker(TOPIC).title == f"the marker on {TOPIC}: is there"
 
@@ -192,11 +192,11 @@ def test_text_points_and_yaw_are_compared(evidence: MakeEvidence, cube: MakeCube
     check = expect_marker(TOPIC, text="hello", points=[(0, 1, 0), (1, 0, 0)], yaw=-3.14159)
     assert check.judge(came).score == 1
     wrong = expect_marker(TOPIC, text="hi", points=[(0, 1, 0), (2, 0, 0)], yaw=0.0).judge(came)
-    for part in ("says 'hello'", "no point at (2.00, 0.00, 0.00) m", "turned by 3.14 rad"):
+    for part in ("reads 'hello'", "no point at (2.00, 0.00, 0.00) m", "turned by 3.14 rad"):
         assert part in wrong.message
 
 
-def test_bytes_that_are_no_message_count_as_silence(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_invalid_message_bytes_count_as_no_message(evidence: MakeEvidence, cube: MakeCube) -> None:
     from dataclasses import replace
 
     came = evidence((1, TOPIC, cube()))
@@ -208,14 +208,14 @@ def seconds(duration: float) -> dict[str, Any]:
     return {"lifetime__sec": int(duration), "lifetime__nanosec": round(duration % 1 * 1e9)}
 
 
-def test_a_marker_whose_lifetime_is_over_is_not_shown(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_expired_marker_is_not_shown(evidence: MakeEvidence, cube: MakeCube) -> None:
     brief = evidence((1, TOPIC, cube(**seconds(0.5))))
     assert RED_CUBE.judge(brief).mistake == "no marker is left at the end"
     renewed = evidence((0, TOPIC, cube(**seconds(0.5))), (1, TOPIC, cube()))
     assert RED_CUBE.judge(renewed).score == 1
 
 
-def test_a_wrong_lifetime_is_named_in_seconds(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_wrong_marker_lifetime_is_reported_in_seconds(evidence: MakeEvidence, cube: MakeCube) -> None:
     check = expect_marker(TOPIC, lifetime=1.0)
     assert check.judge(evidence((2.5, TOPIC, cube(lifetime__sec=1)))).score == 1
     verdict = check.judge(evidence((1, TOPIC, cube())))
@@ -223,7 +223,7 @@ def test_a_wrong_lifetime_is_named_in_seconds(evidence: MakeEvidence, cube: Make
     assert verdict.mistake == "the lifetime of a marker is wrong"
 
 
-def test_markers_are_looked_at_at_any_time(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_marker_is_checked_at_the_requested_time(evidence: MakeEvidence, cube: MakeCube) -> None:
     short = cube(lifetime__sec=1)
     came = evidence(
         (0.5, TOPIC, cube()), (1.0, TOPIC, cube(action=Marker.DELETE)), (2.0, TOPIC, short), seconds=4
@@ -234,20 +234,20 @@ def test_markers_are_looked_at_at_any_time(evidence: MakeEvidence, cube: MakeCub
     assert expect_marker(TOPIC, at=0.6, position=(0, 0, 0.5)).judge(came).score == 1
     messages = [expect_marker(TOPIC, at=at).judge(came).message for at in (0.4, 1.5, None)]
     assert messages == [
-        f"{TOPIC} shows no marker after 0.40 s: the first one comes later",
+        f"{TOPIC} shows no marker after 0.40 s: the first one is published later",
         f"{TOPIC} shows no marker after 1.50 s: all were deleted, or their lifetime is over",
         f"{TOPIC} shows no marker at the end: all were deleted, or their lifetime is over",
     ]
 
 
-def test_an_arrow_has_a_point_and_not_only_a_line(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_reversed_arrow_is_reported(evidence: MakeEvidence, cube: MakeCube) -> None:
     came = evidence((1, TOPIC, cube(type=Marker.ARROW, points=[Point(), Point(x=1.0)])))
     assert expect_marker(TOPIC, points=((0, 0, 0), (1, 0, 0))).judge(came).score == 1
     verdict = expect_marker(TOPIC, points=((1, 0, 0), (0, 0, 0))).judge(came)
     assert verdict.message == "the arrow points the other way: from the second point to the first"
 
 
-def test_a_length_that_does_not_matter_is_not_compared(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_unspecified_scale_component_is_not_compared(evidence: MakeEvidence, cube: MakeCube) -> None:
     came = evidence((1, TOPIC, cube(scale__y=7.0)))
     assert expect_marker(TOPIC, scale=(1.0, None, 1.0)).judge(came).score == 1
     assert expect_marker(TOPIC, scale=(None, 1.0, None)).judge(came).score == 0
@@ -265,12 +265,72 @@ CORNERS = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0
         ((0, 2, 1, 3, 0), "the line strip does not go round from corner to corner"),
         ((0, 1, 2, 1, 0), "the line strip does not go round from corner to corner"),
         ((0, 1, 0), "the line strip does not go round from corner to corner"),
-        ((0, 1, 2, 3), "the line strip does not come back to its first point"),
+        ((0, 1, 2, 3), "the line strip does not end at its first point"),
     ],
 )
-def test_a_loop_starts_anywhere_and_goes_either_way_round(
+def test_loop_matches_from_any_start_in_both_directions(
     evidence: MakeEvidence, cube: MakeCube, order: tuple[int, ...], message: str
 ) -> None:
     points = [Point(x=x, y=y, z=z) for x, y, z in (CORNERS[index] for index in order)]
     came = evidence((1, TOPIC, cube(type=Marker.LINE_STRIP, points=points)))
     assert expect_marker(TOPIC, loop=CORNERS).judge(came).message == message
+
+
+@pytest.mark.parametrize(
+    ("changes", "message", "mistake"),
+    [
+        ([{"id": 0}, {"id": 0}], "several have ns 'x' and id 0", "markers with the same ns and id"),
+        (
+            [{"id": 0, "type": Marker.SPHERE}],
+            "its markers are of type SPHERE",
+            "the type of a marker is wrong",
+        ),
+        (
+            [{"id": 0, "lifetime__nanosec": 1}],
+            "the lifetime of 0.00 s is over",
+            "no marker is shown in between",
+        ),
+        ([{"id": 0}], "shows 1 marker of type CUBE at the end, expected 2", "the count is wrong"),
+    ],
+)
+def test_missing_markers_have_their_cause(
+    evidence: MakeEvidence, cube: MakeCube, changes: list[dict[str, Any]], message: str, mistake: str
+) -> None:
+    came = evidence(*((1, TOPIC, cube(ns="x", **one)) for one in changes))
+    verdict = expect_marker_count(TOPIC, 2, type="CUBE").judge(came)
+    assert message in verdict.message
+    assert verdict.mistake.startswith(mistake)
+
+
+def test_empty_arrays_are_reported(evidence: MakeEvidence) -> None:
+    verdict = expect_marker_count(TOPIC, 2).judge(evidence((1, TOPIC, MarkerArray())))
+    assert verdict.message.endswith("expected 2; its arrays are empty")
+
+
+@pytest.mark.parametrize(
+    ("text", "cause"),
+    [
+        ("Person(0.95)", ": the spaces differ"),
+        ("person (0.95)", ": upper and lower case differ"),
+        ("Person (0.950)", ": the digits of the number differ"),
+        ("Person 0.95", ": the signs around the words differ"),
+        ("{label} (0.95)", ": write f before the quotes of the string"),
+        ("Car (0.95)", ""),
+    ],
+)
+def test_difference_of_a_text_is_described(
+    evidence: MakeEvidence, cube: MakeCube, text: str, cause: str
+) -> None:
+    came = evidence((1, TOPIC, cube(type=Marker.TEXT_VIEW_FACING, text=text)))
+    verdict = expect_marker(TOPIC, text="Person (0.95)").judge(came)
+    assert verdict.message == f"the text reads {text!r}, expected 'Person (0.95)'{cause}"
+
+
+def test_turn_about_another_axis_is_reported(evidence: MakeEvidence, cube: MakeCube) -> None:
+    came = evidence((1, TOPIC, cube(pose__orientation__x=0.6, pose__orientation__w=0.8)))
+    assert "turned about x instead" in expect_marker(TOPIC, yaw=1.0).judge(came).message
+
+
+def test_frame_with_a_slash_is_explained(evidence: MakeEvidence, cube: MakeCube) -> None:
+    came = evidence((1, TOPIC, cube(header__frame_id="/map")))
+    assert expect_marker(TOPIC, frame="map").judge(came).message.endswith(": a frame's name has no slash")

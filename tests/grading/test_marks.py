@@ -8,13 +8,19 @@ import pytest
 
 from course_lib.course.course_file import Late
 from course_lib.grading.evidence import Check, Evidence, Verdict, with_formal
-from course_lib.grading.handin.received import Received
-from course_lib.grading.handin.submission import Submission
-from course_lib.grading.judge import CheckResult, TaskResult, judge_task
-from course_lib.grading.marks.mark import Result, results_in
-from course_lib.grading.marks.marks import Mark, add_up, count_days_late
+from course_lib.grading.judge import judge_task
+from course_lib.grading.marks import results_in
+from course_lib.grading.records import (
+    CheckResult,
+    Mark,
+    Received,
+    Result,
+    Submission,
+    TaskResult,
+    count_days_late,
+)
 from course_lib.grading.reports.tables import write_gradebook
-from course_lib.grading.run.job import Run
+from course_lib.grading.run.run import Run
 from course_lib.grading.task import Scenario, Task
 
 PARIS = ZoneInfo("Europe/Paris")
@@ -37,19 +43,24 @@ def task(points: float, score: float, *, bonus: bool = False) -> TaskResult:
         (datetime(2026, 11, 24, 12, 0, tzinfo=PARIS), 31),
     ],
 )
-def test_late_days_are_started_days_of_local_time(received: datetime, days: int) -> None:
+def test_late_days_are_rounded_up_in_local_time(received: datetime, days: int) -> None:
     assert count_days_late(received, DEADLINE, Late(grace_minutes=5)) == days
 
 
-def test_without_a_deadline_nothing_is_late() -> None:
+def test_submission_without_a_deadline_is_never_late() -> None:
     assert count_days_late(DEADLINE, None, Late()) == 0
 
 
-def test_a_bonus_comes_on_top_and_the_penalty_is_a_part_of_the_score() -> None:
+def test_bonus_is_added_and_penalty_is_a_fraction_of_the_score() -> None:
     tasks = [task(60, 1.0), task(40, 0.5), task(10, 1.0, bonus=True)]
-    assert add_up(tasks, 0, Late()) == Mark(90, 100, 0, 0, 90)
-    assert add_up(tasks, 2, Late()) == Mark(90, 100, 2, 18, 72)
-    assert add_up(tasks, 11, Late()) == Mark(90, 100, 11, 90, 0)
+    assert Mark.of(tasks, 0, Late()) == Mark(90, 100, 0, 0, 90)
+    assert Mark.of(tasks, 2, Late()) == Mark(90, 100, 2, 18, 72)
+    assert Mark.of(tasks, 11, Late()) == Mark(90, 100, 11, 90, 0)
+
+
+def test_penalty_has_a_maximum_and_ends_with_the_last_accepted_day() -> None:
+    late, tasks = Late(max_percent=30, accepted_days=7), [task(100, 0.8)]
+    assert [Mark.of(tasks, days, late).final for days in (0, 2, 3, 7, 8)] == [80, 64, 56, 56, 0]
 
 
 def judged(*checks: Check) -> TaskResult:
@@ -62,7 +73,7 @@ def scoring(score: float) -> Check:
     return Check("c", lambda _: Verdict(score, "m"))
 
 
-def test_checks_share_the_points_by_their_weights() -> None:
+def test_points_are_distributed_by_check_weight() -> None:
     assert judged(scoring(1.0).worth(3), scoring(0.0)).score == 37.5
     assert judged(scoring(1.0), scoring(0.0).worth(0)).score == 50
     assert judged(scoring(0.25)).score == 12.5
@@ -70,7 +81,7 @@ def test_checks_share_the_points_by_their_weights() -> None:
 
 
 @pytest.mark.parametrize("score", [float("nan"), -1.0, 2.0])
-def test_a_score_that_is_none_counts_nothing(score: float) -> None:
+def test_none_score_counts_as_zero(score: float) -> None:
     assert judged(scoring(score)).score == 0
 
 
@@ -78,32 +89,35 @@ def raising(evidence: Evidence) -> Verdict:
     raise KeyError(evidence.task)
 
 
-def test_a_check_that_raises_costs_that_check_and_a_person_looks_at_it() -> None:
+def test_raising_check_scores_zero_and_needs_review() -> None:
     result = judged(Check("my check", raising), scoring(1.0))
-    assert (result.score, result.waits) == (25, True)
-    assert result.checks[0].broken == "KeyError: 'week01.demo'"
+    assert (result.score, result.needs_hand_mark) == (25, True)
+    assert result.checks[0].broken == "tests/grading/test_marks.py line 88: KeyError: 'week01.demo'"
     assert "KeyError" not in result.checks[0].message + result.checks[0].mistake
-    assert not replace(result, manual=50.0).waits
+    assert not replace(result, manual=50.0).needs_hand_mark
 
 
-def test_a_check_that_only_reports_makes_nobody_wait() -> None:
-    assert not judged(Check("my check", raising).worth(0), scoring(1.0)).waits
+def test_broken_check_without_points_does_not_withhold_the_mark() -> None:
+    assert not judged(Check("my check", raising).worth(0), scoring(1.0)).needs_hand_mark
 
 
-def test_a_check_that_requires_a_broken_one_names_it() -> None:
+def test_check_reports_a_broken_required_check() -> None:
     result = judged(scoring(1.0).requiring(Check("my check", raising)))
-    assert (result.checks[0].score, result.checks[0].broken) == (0, "KeyError: 'week01.demo'")
+    assert (result.checks[0].score, result.checks[0].broken) == (
+        0,
+        "tests/grading/test_marks.py line 88: KeyError: 'week01.demo'",
+    )
 
 
 NO_NUMBER: Any = "a"
 
 
 @pytest.mark.parametrize("answer", [None, 1.0, Verdict(NO_NUMBER, "m")])
-def test_a_check_that_returns_something_else_is_broken(answer: Any) -> None:
-    assert judged(Check("c", lambda _: answer)).waits
+def test_check_returning_an_invalid_verdict_is_reported_as_broken(answer: Any) -> None:
+    assert judged(Check("c", lambda _: answer)).needs_hand_mark
 
 
-def test_a_check_that_others_require_is_evaluated_once_in_a_run() -> None:
+def test_required_check_is_evaluated_once_per_run() -> None:
     calls = []
 
     def shape(evidence: Evidence) -> Verdict:
@@ -115,7 +129,7 @@ def test_a_check_that_others_require_is_evaluated_once_in_a_run() -> None:
     assert calls == ["public"]
 
 
-def test_a_formula_in_the_gradebook_is_only_a_text(tmp_path: Path) -> None:
+def test_formula_in_the_gradebook_is_escaped(tmp_path: Path) -> None:
     when = Received(datetime(2026, 1, 1, tzinfo=UTC), "receipt")
     submission = Submission("=cmd()", "week01_exercise", tmp_path / "a.ipynb", when)
     Result(submission, "rejected", "unreadable", '@SUM(A1), "quoted"').write(tmp_path)
@@ -124,7 +138,7 @@ def test_a_formula_in_the_gradebook_is_only_a_text(tmp_path: Path) -> None:
     )
 
 
-def test_a_check_scores_only_where_the_checks_it_requires_pass() -> None:
+def test_check_scores_only_if_its_required_checks_pass() -> None:
     shape = Check("a cube", lambda evidence: Verdict(0.5, "half a cube"))
     rate = Check("once a second", lambda evidence: Verdict(1.0, "as expected"))
     scenario = Scenario("public", checks=(shape, rate.requiring(shape), rate.requiring(rate)))
@@ -133,10 +147,10 @@ def test_a_check_scores_only_where_the_checks_it_requires_pass() -> None:
     result = judge_task(Task("week01.demo", "D", "node", "N", ("a", "b", "c")), 30, False, [run])
 
     assert [check.score for check in result.checks] == [0.5, 0.0, 1.0]
-    assert result.checks[1].message == "counts when this passes: a cube"
+    assert result.checks[1].message == 'checked once "a cube" passes'
 
 
-def test_formal_checks_weigh_a_tenth_together_and_need_the_shape() -> None:
+def test_formal_checks_have_a_tenth_of_the_weight_and_require_the_shape_check() -> None:
     shape = Check("a cube", lambda evidence: Verdict(1.0 if evidence.samples else 0.0, ""))
     color = Check("red", lambda evidence: Verdict(1.0, "as expected"), weight=2.0)
     rate, stamps = (Check(name, lambda evidence: Verdict(1.0, "as expected")) for name in ("rate", "stamps"))
@@ -150,7 +164,7 @@ def test_formal_checks_weigh_a_tenth_together_and_need_the_shape() -> None:
     assert with_formal((shape,)) == (shape,)
 
 
-def test_a_check_names_its_own_mistake_before_that_of_a_check_which_it_requires() -> None:
+def test_own_mistake_of_a_check_precedes_the_mistake_of_a_required_check() -> None:
     shape = Check("a cube", lambda evidence: Verdict(0.0, "no cube"))
     rate = Check("once a second", lambda evidence: Verdict(0.5, "too slow", "a rate is wrong"))
     scenario = Scenario("public", checks=(rate.requiring(shape),))

@@ -37,7 +37,7 @@ def going_round(evidence: MakeEvidence, cube: MakeCube) -> MakeRound:
     return make
 
 
-def test_the_asked_circle_passes(going_round: MakeRound) -> None:
+def test_requested_circle_passes(going_round: MakeRound) -> None:
     assert CIRCLE.judge(going_round()).score == 1
 
 
@@ -50,14 +50,14 @@ def test_the_asked_circle_passes(going_round: MakeRound) -> None:
         ({"period": 5.0}, "one turn takes 5.00 s, expected 10.00 s: 5.00 s too fast", "the time of one turn"),
         (
             {"period": 0.23},
-            "the marker jumps by 157° from one message to the next: were degrees",
-            "a path jumps",
+            "the marker jumps by 157° from one message to the next: are degrees",
+            "an angle jumps",
         ),
         ({"period": 1e9}, "the marker stands still", "a marker does not move as expected"),
-        ({"radius": math.nan}, "not at a place", "the path leaves the circle"),
+        ({"radius": math.nan}, "not a number", "the path leaves the circle"),
     ],
 )
-def test_what_is_wrong_about_a_circle_is_named(
+def test_faults_of_a_circular_motion_are_reported(
     going_round: MakeRound, changes: dict[str, float], message: str, mistake: str
 ) -> None:
     verdict = CIRCLE.judge(going_round(**changes))
@@ -66,29 +66,31 @@ def test_what_is_wrong_about_a_circle_is_named(
     assert verdict.mistake.startswith(mistake)
 
 
-def test_without_a_period_half_a_turn_must_be_seen(going_round: MakeRound) -> None:
+def test_circle_without_a_period_needs_half_a_turn(going_round: MakeRound) -> None:
     check = expect_circle(TOPIC, radius=2.0)
     assert check.judge(going_round(seconds=6.0)).score == 1
-    assert "turned only" in check.judge(going_round(seconds=2.0)).message
+    assert "turns by only" in check.judge(going_round(seconds=2.0)).message
 
 
-def test_another_marker_does_not_count(going_round: MakeRound) -> None:
+def test_other_marker_is_not_judged_by_the_circle_check(going_round: MakeRound) -> None:
     verdict = expect_circle(TOPIC, radius=2.0, type="SPHERE").judge(going_round())
     assert verdict.message == "no marker with type 'SPHERE' was added on /ball"
 
 
-def test_an_invisible_marker_goes_round_no_circle(going_round: MakeRound) -> None:
+def test_invisible_marker_fails_the_circle_check(going_round: MakeRound) -> None:
     verdict = CIRCLE.judge(going_round(alpha=0.0))
     assert (verdict.score, verdict.message) == (0, "the marker is invisible: color.a is 0")
 
 
-def test_a_piece_of_the_circle_at_the_end_is_not_going_round(going_round: MakeRound) -> None:
+def test_motion_in_only_a_short_time_range_fails_the_circle_check(going_round: MakeRound) -> None:
     evidence = going_round(seconds=4.0)
     piece = replace(evidence, samples=evidence.samples[-5:])
-    assert CIRCLE.judge(piece).message == "the marker was seen to move for 0.40 s of 4 s"
+    assert CIRCLE.judge(piece).message == "the marker moves for only 0.40 s of 4 s"
 
 
-def test_a_circle_without_a_height_is_level_and_a_place(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_circle_check_without_a_height_requires_constant_height(
+    evidence: MakeEvidence, cube: MakeCube
+) -> None:
     check = expect_circle(TOPIC, radius=1.0)
 
     def at(tick: int, height: float) -> tuple[float, str, Any]:
@@ -96,5 +98,5 @@ def test_a_circle_without_a_height_is_level_and_a_place(evidence: MakeEvidence, 
         return tick, TOPIC, cube(pose__position__x=x, pose__position__y=y, pose__position__z=height)
 
     assert check.judge(evidence(*(at(tick, 2.0) for tick in range(5)))).score == 1
-    assert "too high" in check.judge(evidence(*(at(tick, float(tick)) for tick in range(5)))).message
+    assert "moves up and down" in check.judge(evidence(*(at(tick, float(tick)) for tick in range(5)))).message
     assert check.judge(evidence(*(at(tick, math.nan) for tick in range(5)))).score == 0

@@ -24,7 +24,7 @@ def way(count: int = 3, frame: str = "map", y: float = 0.0, yaw: float = 1.0) ->
     return (1.0, "/way", path)
 
 
-def test_the_right_path_passes(evidence: MakeEvidence) -> None:
+def test_correct_path_passes(evidence: MakeEvidence) -> None:
     assert CHECK.judge(evidence(way())).score == 1
 
 
@@ -37,7 +37,7 @@ def test_the_right_path_passes(evidence: MakeEvidence) -> None:
         (way(yaw=0.0), "the last pose of /way is turned by 0.00 rad about z, expected 1.00 rad"),
     ],
 )
-def test_what_is_wrong_with_a_path_is_named(evidence: MakeEvidence, wrong: Any, message: str) -> None:
+def test_faults_of_a_path_are_reported(evidence: MakeEvidence, wrong: Any, message: str) -> None:
     verdict = CHECK.judge(evidence(wrong))
     assert (verdict.score, verdict.message) == (0, message)
 
@@ -55,7 +55,7 @@ def returned(text: Any) -> Evidence:
         "/**: {ros__parameters: {rate: 1.0}}\ntalker: {ros__parameters: {rate: 5.0}}",
     ],
 )
-def test_a_parameter_may_be_given_in_all_ways_that_ros_reads(text: str) -> None:
+def test_parameter_is_accepted_in_every_ros_notation(text: str) -> None:
     assert expect_parameters("/talker", {"rate": 5.0}).judge(returned(text)).score == 1
 
 
@@ -64,17 +64,17 @@ def test_a_parameter_may_be_given_in_all_ways_that_ros_reads(text: str) -> None:
     [
         ("talker: {ros__parameters: {rate: 5}}", "rate of /talker is the integer 5, expected a double"),
         ("listener: {ros__parameters: {rate: 5.0}}", "/talker gets no rate from the file"),
-        ("talker: {rate: 5.0}", "ROS says of the file: Cannot have a value before ros__parameters at line 1"),
-        ("a: &x {}\nb: *x", "ROS says of the file: Will not support aliasing at line 2"),
-        (None, "no text of a parameters file came back"),
+        ("talker: {rate: 5.0}", "ROS rejects the file: Cannot have a value before ros__parameters at line 1"),
+        ("a: &x {}\nb: *x", "ROS rejects the file: Will not support aliasing at line 2"),
+        (None, "no parameters file was returned"),
     ],
 )
-def test_what_is_wrong_with_a_file_is_named(text: Any, message: str) -> None:
+def test_faults_of_a_parameter_file_are_reported(text: Any, message: str) -> None:
     verdict = expect_parameters("/talker", {"rate": 5.0}).judge(returned(text))
     assert (verdict.score, verdict.message) == (0, message)
 
 
-def test_another_type_on_the_topic_is_the_students_mistake(evidence: MakeEvidence) -> None:
+def test_wrong_message_type_on_the_path_topic_is_reported(evidence: MakeEvidence) -> None:
     verdict = CHECK.judge(evidence((1.0, "/way", PoseStamped())))
     assert verdict.message == "/way carries geometry_msgs/msg/PoseStamped, expected nav_msgs/msg/Path"
     assert verdict.mistake == "a topic has the wrong message type"

@@ -12,13 +12,13 @@ import pytest
 
 import course_lib
 from course_lib.errors import CourseError
-from course_lib.grading.executors import Here
-from course_lib.grading.grade import grade
-from course_lib.grading.marks.mark import results_in
-from course_lib.grading.preflight import kit_here, try_out
-from course_lib.grading.records import Course
+from course_lib.grading.grade import grade, installed_kit, run_preflight
+from course_lib.grading.judge import InlineExecutor
+from course_lib.grading.marks import results_in
+from course_lib.grading.store import Course
 from tests.grading.conftest import RIGHT
 from tests.grading.test_class import change, count_runs
+from tests.patience import PATIENCE
 
 SOLVED = RIGHT.replace(
     "    return length / 2\n", "    # solution: half of it\n    return length / 2\n    # end of solution\n"
@@ -44,7 +44,8 @@ def solve(course: Course, write_notebook: WriteNotebook, tmp_path: Path) -> Call
     return write
 
 
-def test_a_class_is_graded_once_solution_and_stub_got_their_marks(
+@pytest.mark.slow
+def test_class_is_graded_after_solution_and_stub_get_their_expected_marks(
     course: Course,
     solve: Callable[[str], Path],
     tmp_path: Path,
@@ -54,8 +55,8 @@ def test_a_class_is_graded_once_solution_and_stub_got_their_marks(
     solve(SOLVED)
     runs = count_runs(monkeypatch)
     assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
-    assert "Solution and stub of week01_exercise: full marks and none" in capsys.readouterr().out
-    assert [result["row"]["final"] for result in results_in(tmp_path / "out")] == [110]
+    assert "Solution and stub of week01_exercise: full marks and no marks" in capsys.readouterr().out
+    assert [one.row.cells["final"] for one in results_in(tmp_path / "out")] == [110]
     assert len(runs) == 3
     for again in ("resume", "rejudge", ""):
         runs.clear()
@@ -64,7 +65,8 @@ def test_a_class_is_graded_once_solution_and_stub_got_their_marks(
         assert len(runs) == (not again)  # the submission only, and only where that is asked for
 
 
-def test_a_solution_without_full_marks_stops_it_and_is_run_again_the_next_time(
+@pytest.mark.slow
+def test_solution_without_full_marks_stops_grading_and_is_run_again_next_time(
     course: Course, solve: Callable[[str], Path], tmp_path: Path
 ) -> None:
     path = solve(SOLVED.replace("length / 2", "length / 4"))
@@ -74,7 +76,7 @@ def test_a_solution_without_full_marks_stops_it_and_is_run_again_the_next_time(
         for said in (
             f"nothing is graded: the solution {path} gets 70 of 110 points, expected all",
             "week01.half: 0 of 40; public, 'the value is right': the value is 1.00 m, expected 2.00 m",
-            f"Type `course check {path}` to see more",
+            f"Run `course check {path}` to see more",
             str(Path(course_lib.__file__).parent),
         ):
             assert said in str(refused.value)
@@ -83,14 +85,15 @@ def test_a_solution_without_full_marks_stops_it_and_is_run_again_the_next_time(
     assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
 
 
-def test_a_stub_with_points_stops_it(course: Course, solve: Callable[[str], Path], tmp_path: Path) -> None:
+def test_stub_with_points_stops_grading(course: Course, solve: Callable[[str], Path], tmp_path: Path) -> None:
     half = "    # solution: half of it\n    return length / 2\n    # end of solution\n"
     solve(SOLVED.replace(half, "    return length / 2\n"))
     with pytest.raises(CourseError, match=r"the stub .* gets 40 of 110 points, expected none\. week01\.half"):
         grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
 
 
-def test_a_check_that_raises_over_the_solution_stops_it(
+@pytest.mark.slow
+def test_check_raising_for_the_solution_stops_grading(
     course: Course, solve: Callable[[str], Path], tmp_path: Path
 ) -> None:
     solve(SOLVED)
@@ -99,30 +102,30 @@ def test_a_check_that_raises_over_the_solution_stops_it(
         grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
 
 
-def test_an_exercise_without_a_solution_is_named(
+def test_exercise_without_a_solution_is_reported(
     course: Course, solve: Callable[[str], Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     solve(SOLVED).unlink()
     assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
-    assert "Not tried out: week01_exercise, as there is no" in capsys.readouterr().out
+    assert "Not tested: week01_exercise, because" in capsys.readouterr().out
 
 
-class Elsewhere(Here):
+class Elsewhere(InlineExecutor):
     """Folder of another version of the kit."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> "Future[Any]":
         future: Future[Any] = Future()
         future.set_result(("/another/course_lib", "0" * 64))
-        return future if fn is kit_here else super().submit(fn, *args, **kwargs)
+        return future if fn is installed_kit else super().submit(fn, *args, **kwargs)
 
 
-def test_another_version_of_the_kit_elsewhere_is_named_with_both_places(
+def test_kit_version_mismatch_on_a_worker_is_reported_with_both_paths(
     course: Course, solve: Callable[[str], Path], tmp_path: Path
 ) -> None:
     solve(SOLVED)
     kit = Path(course_lib.__file__).parent
     with pytest.raises(CourseError, match=f"/another/course_lib, which is not the version in {kit}"):
-        try_out(["week01_exercise"], course, tmp_path, Elsewhere(), Here(), may_run=True)
+        run_preflight(["week01_exercise"], course, tmp_path, Elsewhere(), InlineExecutor(), may_run=True)
 
 
 PRINT_KIT = """
@@ -137,10 +140,13 @@ with closing(SubmissionRun(cells, {task.id: {}}, Limits())) as running:
 """
 
 
-def test_submissions_run_with_the_kit_that_grades_and_not_with_the_installed_one(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_submissions_run_with_the_grading_kit_instead_of_the_installed_kit(tmp_path: Path) -> None:
     kit = tmp_path / "checkout" / "course_lib"
     shutil.copytree(Path(course_lib.__file__).parent, kit, ignore=shutil.ignore_patterns("__pycache__"))
     tmp_path.chmod(0o755)  # the submissions' user is another one
     command = [sys.executable, "-c", PRINT_KIT]
-    done = subprocess.run(command, cwd=kit.parent, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=kit.parent, capture_output=True, text=True, check=False, timeout=PATIENCE
+    )
     assert done.stdout.strip() == str(kit / "__init__.py"), done.stderr

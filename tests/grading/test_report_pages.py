@@ -9,19 +9,22 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from course_lib.grading.grade import grade
-from course_lib.grading.marks.mark import Result, read_result
-from course_lib.grading.records import Course, catalog_of
+from course_lib.grading.marks import read_result
 from course_lib.grading.reports.report import standalone
+from course_lib.grading.store import Course, catalog_of
+from course_lib.viewer.html import static_page
 from course_lib.viewer.picture import find_browser
+from course_lib.viewer.scene import Scene
 from tests.browser.axe import faults
 from tests.browser.fake_host import chromium
 from tests.browser.test_page import pixels_of
+from tests.browser.test_playback import READING, WATCH
+from tests.browser.waiting import at_rest
 from tests.grading.conftest import RIGHT, write_course, written
 
 pytestmark = pytest.mark.browser
 
 SCRIPT = "<script>document.title = 'run'</script><img src=x onerror=\\\"document.title = 'run'\\\">"
-READING = ".course-time output"
 FRAMES = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -76,8 +79,10 @@ def yours(page: Page) -> np.ndarray:
     return pixels_of(page.locator("figure canvas").first.screenshot())
 
 
+@pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_reports_and_their_index_serve_a_screen_reader(
+def test_reports_and_index_are_accessible(
     page: Page, reports: Path, scheme: Literal["light", "dark"]
 ) -> None:
     page.emulate_media(color_scheme=scheme)
@@ -86,24 +91,26 @@ def test_reports_and_their_index_serve_a_screen_reader(
         assert faults(page) == []
 
 
-def test_a_report_plays_offline_from_a_file(page: Page, reports: Path) -> None:
+@pytest.mark.slow
+def test_report_plays_offline_from_a_file(page: Page, reports: Path) -> None:
     page.goto((reports / "ada/week01_exercise.html").as_uri())
     page.wait_for_selector(READING)
     assert page.locator("figure canvas").count() == 2
     page.locator("figure canvas").first.scroll_into_view_if_needed()
     time = page.get_by_role("slider", name="Time")
-    at_end = yours(page)
+    at_end = at_rest(lambda: yours(page), page)
     time.press("Home")
     at_start = yours(page)
     assert np.count_nonzero((at_start != at_end).any(axis=-1)) > 500
     page.get_by_role("combobox", name="Speed").select_option("4")
+    page.evaluate(WATCH)
     page.get_by_role("button", name="Play").click()
-    page.get_by_role("button", name="Pause").wait_for()
+    page.wait_for_function("seen.length > 2 && seen.at(-1) > seen[0]")
     page.get_by_role("button", name="Play").wait_for()
-    assert np.array_equal(yours(page), at_end)
+    assert np.array_equal(at_rest(lambda: yours(page), page), at_end)
 
 
-def test_what_students_write_shows_as_text_and_does_not_run(page: Page, reports: Path) -> None:
+def test_student_text_is_escaped_in_the_report(page: Page, reports: Path) -> None:
     page.goto((reports / "bob/week01_exercise.html").as_uri())
     page.wait_for_selector("figure canvas")
     page.evaluate(FRAMES)
@@ -113,9 +120,48 @@ def test_what_students_write_shows_as_text_and_does_not_run(page: Page, reports:
     assert page.locator("main img").count() == 0
 
 
-def test_without_the_viewer_a_report_says_which_file_it_lacks(
-    page: Page, reports: Path, tmp_path: Path
+PAGES = (
+    "ada/week01_exercise.html", "index.html", "items.html", "copies_week01_exercise.html", "alone.html",
+    "render.html",
+)  # fmt: skip
+INJECTED = (
+    "<script>document.title = 'run'</script><img src=x onerror=\"document.title = 'run'\">"
+    "<iframe srcdoc=\"<script>parent.document.title = 'run'</script>\"></iframe>"
+    "<a id=trap href=\"javascript:void(document.title = 'run')\">trap</a>"
+)
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("name", PAGES)
+def test_content_security_policy_blocks_scripts_in_unescaped_text(
+    page: Page, graded: tuple[Course, Path], tmp_path: Path, name: str
 ) -> None:
+    course, out = graded
+    result = read_result(out / "results/ada/week01_exercise.json").result
+    if name == "alone.html":
+        text = standalone(result, out, catalog_of(course)).decode()
+    elif name == "render.html":
+        text = static_page(Scene())
+    else:
+        text = (out / "reports" / name).read_text()
+    before, script, after = text.rpartition("<script>")
+    spoilt = f"{before}{INJECTED}{script}{after}" if script else text.replace("</main>", f"{INJECTED}</main>")
+    path = tmp_path / "reports" / "ada" / "page.html"
+    path.parent.mkdir(parents=True)
+    path.write_text(spoilt)
+    for viewer in (out / "reports").glob("viewer-*.js"):
+        (tmp_path / "reports" / viewer.name).write_bytes(viewer.read_bytes())
+    page.goto(path.as_uri())
+    title = page.title()
+    page.get_by_text("trap").evaluate("(link) => link.click()")
+    page.evaluate(FRAMES)
+    assert page.title() == title != "run"
+    if 'class="course-scene"' in text:
+        page.wait_for_selector("canvas")
+
+
+@pytest.mark.slow
+def test_report_without_the_viewer_shows_the_missing_file(page: Page, reports: Path, tmp_path: Path) -> None:
     alone = tmp_path / "reports" / "ada" / "week01_exercise.html"
     alone.parent.mkdir(parents=True)
     alone.write_bytes((reports / "ada/week01_exercise.html").read_bytes())
@@ -124,7 +170,8 @@ def test_without_the_viewer_a_report_says_which_file_it_lacks(
     page.get_by_text(f"The scenes need the file {script.name}").wait_for()
 
 
-def test_the_index_sorts_by_keyboard_and_leads_to_the_reports(page: Page, reports: Path) -> None:
+@pytest.mark.slow
+def test_index_is_sortable_by_keyboard_and_links_to_the_reports(page: Page, reports: Path) -> None:
     page.goto((reports / "index.html").as_uri())
     table = page.get_by_role("table", name="Submissions")
     assert "3 submissions: 2 graded, 1 rejected" in page.locator("main").inner_text()
@@ -147,11 +194,12 @@ def test_the_index_sorts_by_keyboard_and_leads_to_the_reports(page: Page, report
     assert page.title() == "week01_exercise: ada"
 
 
-def test_a_returned_report_plays_alone_in_an_empty_folder(
+@pytest.mark.slow
+def test_standalone_report_plays_in_an_empty_folder(
     page: Page, graded: tuple[Course, Path], tmp_path: Path
 ) -> None:
     course, out = graded
-    result = Result.from_plain(read_result(out / "results/ada/week01_exercise.json"))
+    result = read_result(out / "results/ada/week01_exercise.json").result
     alone = tmp_path / "downloads" / "week01_exercise.html"
     alone.parent.mkdir()
     alone.write_bytes(standalone(result, out, catalog_of(course)))
@@ -160,6 +208,6 @@ def test_a_returned_report_plays_alone_in_an_empty_folder(
     assert page.locator("figure canvas").count() == 2
     time = page.get_by_role("slider", name="Time")
     page.locator("figure canvas").first.scroll_into_view_if_needed()
-    at_end = yours(page)
+    at_end = at_rest(lambda: yours(page), page)
     time.press("Home")
     assert np.count_nonzero((at_end != yours(page)).any(axis=-1)) > 500

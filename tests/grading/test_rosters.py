@@ -8,13 +8,12 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 import pytest
 
 from course_lib.course import course_file
-from course_lib.course.course_file import read_course_file, zone_named
+from course_lib.course.course_file import find_zone, read_course_file
 from course_lib.errors import CourseError
-from course_lib.grading.handin.collect import Collection, collect
-from course_lib.grading.handin.roster import read_class
-from course_lib.grading.handin.sender import platform_name
-from course_lib.grading.handin.submission import UTC
-from course_lib.grading.term.class_list import read_class_list
+from course_lib.grading.submissions.collect import Collection, collect
+from course_lib.grading.submissions.readers import platform_name
+from course_lib.grading.submissions.roster import read_class, read_class_list
+from course_lib.grading.submissions.submission import UTC
 from tests.grading.platforms import NAME, Handed, canvas_zip, moodle_zip, notebook, table, zipped
 from tests.test_cli import course
 
@@ -36,7 +35,7 @@ def collected(tmp_path: Path, **more: object) -> Collection:
         (("Number", "Student", "Name"), "{}"),
     ],
 )
-def test_the_columns_of_a_roster_are_found_by_their_content(
+def test_roster_columns_are_identified_by_their_content(
     tmp_path: Path, headings: tuple[str, ...], cell: str
 ) -> None:
     moodle_zip(tmp_path / "in.zip", STUDENTS)
@@ -45,7 +44,7 @@ def test_the_columns_of_a_roster_are_found_by_their_content(
     assert collected(tmp_path, roster=tmp_path / "roster.csv").students == {s.id for s in STUDENTS}
 
 
-def test_canvass_gradebook_names_students_by_its_own_headings(tmp_path: Path) -> None:
+def test_canvas_gradebook_headings_are_recognized_as_a_roster(tmp_path: Path) -> None:
     students = [Handed("ada", 11, "A1"), Handed("bob", 12, "B2")]
     canvas_zip(tmp_path / "in.zip", students)
     rows = [("", "", "", "", ""), ("    Points Possible", "", "", "", "100")]
@@ -54,7 +53,7 @@ def test_canvass_gradebook_names_students_by_its_own_headings(tmp_path: Path) ->
     assert collected(tmp_path, roster=tmp_path / "gradebook.csv").students == {"a1", "b2"}
 
 
-def test_where_several_columns_can_be_the_ids_the_option_is_suggested(tmp_path: Path) -> None:
+def test_ambiguous_id_column_is_reported_with_the_option_to_pass(tmp_path: Path) -> None:
     moodle_zip(tmp_path / "in.zip", STUDENTS)
     rows = [(f"Teilnehmer/in{s.number}", f"login{s.id}", s.id) for s in STUDENTS]
     table(tmp_path / "roster.csv", ("ID", "Anmeldename", "ID-Nummer"), rows)
@@ -64,7 +63,7 @@ def test_where_several_columns_can_be_the_ids_the_option_is_suggested(tmp_path: 
     assert done.students == {s.id for s in STUDENTS}
 
 
-def test_a_roster_of_something_else_is_refused_with_what_to_export(tmp_path: Path) -> None:
+def test_unsuitable_roster_is_rejected_with_the_export_to_use(tmp_path: Path) -> None:
     moodle_zip(tmp_path / "in.zip", STUDENTS)
     table(tmp_path / "roster.csv", ("Vorname", "Nachname", "E-Mail"), [("Ada", "L", "ada@x.org")])
     with pytest.raises(CourseError, match=r"like 4101000; its columns: 'Vorname'.*grading worksheet"):
@@ -72,12 +71,12 @@ def test_a_roster_of_something_else_is_refused_with_what_to_export(tmp_path: Pat
     assert not (tmp_path / "out").exists()
 
 
-def test_a_roster_for_a_download_without_numbers_is_not_used_and_that_is_said(tmp_path: Path) -> None:
+def test_roster_for_a_download_without_numbers_is_ignored_with_a_note(tmp_path: Path) -> None:
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada/week01_exercise.ipynb").write_text("{}")
     table(tmp_path / "roster.csv", ("a", "b"), [("1", "2")])
     done = collect(tmp_path / "in", tmp_path / "out", UTC, tmp_path / "roster.csv")
-    assert any("its exports are not used" in note for note in done.notes)
+    assert any("so the exports are ignored" in note for note in done.notes)
 
 
 @pytest.mark.parametrize(
@@ -95,12 +94,12 @@ def test_a_roster_for_a_download_without_numbers_is_not_used_and_that_is_said(tm
         ("week01_exercise_20231234.zip", None),
     ],
 )
-def test_names_of_platforms_are_read(name: str, expected: tuple[object, ...] | None) -> None:
+def test_person_names_of_each_platform_are_parsed(name: str, expected: tuple[object, ...] | None) -> None:
     found = platform_name(name)
     assert (found and (found.platform, found.number, found.late, found.file)) == expected
 
 
-def test_an_anonymous_download_is_named_with_what_to_do(tmp_path: Path) -> None:
+def test_anonymous_download_is_reported_with_advice(tmp_path: Path) -> None:
     (tmp_path / "in.zip").write_bytes(zipped({f"anon_aB3xy_900_{NAME}": notebook()}))
     done = collected(tmp_path)
     assert done.students == {"anon_ab3xy"}
@@ -115,7 +114,7 @@ def test_an_anonymous_download_is_named_with_what_to_do(tmp_path: Path) -> None:
     assert not any("anonymous" in note for note in done.notes)
 
 
-def test_the_zone_of_a_course_that_names_none_is_the_machines_and_is_said_once(
+def test_course_without_a_time_zone_uses_the_zone_of_the_machine_with_one_notice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tzlocal.get_localzone", lambda: ZoneInfo("America/Lima"))  # the real one keeps it
@@ -131,7 +130,9 @@ def test_the_zone_of_a_course_that_names_none_is_the_machines_and_is_said_once(
     assert (read_course_file(path).zone.key, read_course_file(path).zone_note) == ("Europe/Paris", "")
 
 
-def test_a_machine_without_a_zone_is_told_what_to_write(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_machine_without_a_time_zone_is_an_error_with_the_entry_to_write(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     def conflicting() -> None:
         raise ZoneInfoNotFoundError("Multiple conflicting time zone configurations found")
 
@@ -140,12 +141,13 @@ def test_a_machine_without_a_zone_is_told_what_to_write(monkeypatch: pytest.Monk
         course_file.machine_zone()
 
 
-def test_a_zone_that_does_not_exist_is_refused() -> None:
+def test_unknown_time_zone_is_rejected() -> None:
     with pytest.raises(CourseError, match="Did you mean Europe/Paris"):
-        zone_named("Europe/Pariss")
+        find_zone("Europe/Pariss")
 
 
-def test_the_commands_read_a_worksheet_and_say_the_zone_once(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_commands_read_a_worksheet_and_report_the_time_zone_once(tmp_path: Path) -> None:
     moodle_zip(tmp_path / "moodle.zip", STUDENTS)
     rows = [(f"Teilnehmer/in{s.number}", s.id, "Sonntag, 8. März 2026, 23:59") for s in STUDENTS]
     table(tmp_path / "w.csv", ("ID", "ID-Nummer", "Zuletzt geändert (Abgabe)"), rows)
@@ -160,7 +162,7 @@ def test_the_commands_read_a_worksheet_and_say_the_zone_once(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_a_class_list_of_ids_alone_is_enough(tmp_path: Path, end: str) -> None:
+def test_class_list_with_only_ids_is_accepted(tmp_path: Path, end: str) -> None:
     path = tmp_path / "roster.csv"
     path.write_text(f"id{end}S001{end}s002{end}{end}", newline="")
     assert list(read_class_list(path).by_id) == ["s001", "s002"]

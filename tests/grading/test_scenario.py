@@ -14,8 +14,8 @@ from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import set_parameters
 from course_lib.grading.run.outcome import RAISED
-from course_lib.grading.run.scenario_graph import rejections
-from course_lib.grading.run.student_side import run_here
+from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.run.submission_run import rejection_reasons
 from course_lib.grading.task import Call, Kind, Message, Scenario, Task, my
 
 # How a runaway thread is ended; nothing else raises in threads here.
@@ -27,7 +27,7 @@ NUMBER = "std_msgs/msg/Float64"
 def run(subject: Any, kind: Kind = "node", personal: dict[str, Any] | None = None, **more: Any) -> Evidence:
     task = Task("week01.demo", "A demo", kind, "demo", ("one", "two", "three"))
     limit = more.pop("wall_limit", 20.0)
-    return run_here(task, Scenario("public", **more), subject, personal or {}, wall_limit=limit)
+    return run_in_this_process(task, Scenario("public", **more), subject, personal or {}, wall_limit=limit)
 
 
 class Doubler(Node):
@@ -44,21 +44,21 @@ def numbers(evidence: Evidence) -> list[tuple[float, float]]:
     return [(round(seconds, 3), message.data) for seconds, message in evidence.messages("/out")]
 
 
-def test_inputs_arrive_and_only_the_students_side_is_evidence() -> None:
+def test_inputs_are_received_and_only_student_messages_are_evidence() -> None:
     inputs = tuple(Message("/in", NUMBER, {"data": data}, at=at) for at, data in ((0.5, 1), (1.5, 2)))
     evidence = run(Doubler, inputs=inputs, seconds=2.0)
     assert numbers(evidence) == [(0.501, 2.0), (1.501, 4.0)]
     assert evidence.topics.keys() == {"/out"}
 
 
-def test_the_students_own_values_go_into_inputs_and_calls() -> None:
+def test_personal_values_are_inserted_into_inputs_and_calls() -> None:
     inputs = (Message("/in", NUMBER, {"data": my("n")}, at=0.5),)
     assert numbers(run(Doubler, inputs=inputs, personal={"n": 5.0})) == [(0.501, 10.0)]
     calls = (Call(my("n"), [my("n", times=2)]),)
     assert run(lambda a, b: (a, b), "function", {"n": 5.0}, calls=calls).returns == ([5.0, [10.0]],)
 
 
-def test_an_input_may_ask_a_service() -> None:
+def test_input_may_call_a_service() -> None:
     def tuned() -> Node:
         node = Node("tuned")
         node.declare_parameter("gain", 1.0)
@@ -74,7 +74,7 @@ def test_an_input_may_ask_a_service() -> None:
     ]
 
 
-def test_the_reasons_of_rejected_parameters_are_in_the_output() -> None:
+def test_reasons_for_rejected_parameters_are_in_the_output() -> None:
     def strict() -> Node:
         node = Node("strict")
         node.declare_parameter("gain", 1.0)
@@ -90,11 +90,11 @@ def test_the_reasons_of_rejected_parameters_are_in_the_output() -> None:
 
 
 @pytest.mark.parametrize("cdr", [b"", b"\0\1\0\0", b"\0\1\0\0\xff\xff\xff\xff"])
-def test_a_reply_that_is_none_rejects_nothing(cdr: bytes) -> None:
-    assert rejections(cdr) == []
+def test_invalid_reply_is_not_a_rejection(cdr: bytes) -> None:
+    assert rejection_reasons(cdr) == []
 
 
-def test_a_malformed_input_names_its_topic() -> None:
+def test_malformed_input_is_reported_with_its_topic() -> None:
     with pytest.raises(CourseError, match=r"the message for /in \(std_msgs/msg/Float64\)"):
         run(Doubler, inputs=(Message("/in", NUMBER, {"date": 1.0}),))
 
@@ -113,20 +113,20 @@ def several() -> list[Node]:
 
 
 @pytest.mark.parametrize("subject", [main, several, lambda: Doubler()])
-def test_a_main_or_a_factory_is_as_good_as_a_class(subject: Callable[..., Any]) -> None:
+def test_main_function_or_factory_is_accepted_instead_of_a_class(subject: Callable[..., Any]) -> None:
     evidence = run(subject, inputs=(Message("/in", NUMBER, {"data": 1.0}, at=0.25),), seconds=1.0)
     assert evidence.errors == ()
     assert numbers(evidence)[0] == (0.251, 2.0)
 
 
-def test_every_call_keeps_its_place_and_errors_are_sentences() -> None:
+def test_call_results_keep_their_order_and_errors_are_readable() -> None:
     evidence = run(lambda x: 1 / x, "function", calls=(Call(2.0), Call(0.0), Call(4.0)))
     assert evidence.returns == (0.5, RAISED, 0.25)
     assert evidence.errors[0].startswith("ZeroDivisionError: float division by zero")
     assert "test_scenario.py, line" in evidence.errors[0]
 
 
-def test_values_texts_and_files_are_handed_in(tmp_path: Any) -> None:
+def test_values_texts_and_files_are_recorded(tmp_path: Any) -> None:
     assert run([1, (2,)], "value").returns == ([1, [2]],)
     assert run("because", "text").returns == ("because",)
     (tmp_path / "view.rviz").write_text("Panels: []")
@@ -145,16 +145,18 @@ def loop_in_a_thread() -> Node:
 
 
 @pytest.mark.parametrize("subject", [loop_for_ever, loop_in_a_thread])
-def test_an_endless_loop_is_interrupted_and_the_next_run_is_fine(subject: Callable[..., Any]) -> None:
+def test_endless_loop_is_interrupted_and_the_next_run_succeeds(subject: Callable[..., Any]) -> None:
     evidence = run(subject, wall_limit=0.2)
     assert evidence.stopped == "time"
     (said,) = evidence.errors
     where = r"test_scenario.py, line \d+: (while True:|pass)"
-    assert re.fullmatch(rf"still running after 0.2 s \({where}\): an endless loop\? It was stopped.", said)
+    assert re.fullmatch(
+        rf"still running after 0.2 s \({where}\): is it an endless loop\? It was stopped.", said
+    )
     assert run(lambda: 3, "function", calls=(Call(),)).returns == (3,)
 
 
-def test_an_endless_loop_is_interrupted_where_interrupts_are_ignored_as_under_nohup() -> None:
+def test_endless_loop_is_interrupted_under_nohup() -> None:
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         assert run(loop_for_ever, wall_limit=0.2).stopped == "time"
@@ -163,7 +165,7 @@ def test_an_endless_loop_is_interrupted_where_interrupts_are_ignored_as_under_no
         signal.signal(signal.SIGINT, before)
 
 
-def test_output_is_kept_and_chance_is_seeded() -> None:
+def test_output_is_recorded_and_random_generators_are_seeded() -> None:
     def roll() -> float:
         import random
 
@@ -175,15 +177,39 @@ def test_output_is_kept_and_chance_is_seeded() -> None:
     assert first.returns == second.returns != run(roll, "function", calls=(Call(),), seed=5).returns
 
 
-def test_leaving_the_process_is_an_error_of_the_student() -> None:
+def test_process_exit_is_an_error_of_the_student() -> None:
     evidence = run(lambda: exit(3), "function", calls=(Call(),))
     assert evidence.errors[0].startswith("SystemExit: 3")
 
 
-def test_an_object_instead_of_its_class_is_explained() -> None:
+def test_passing_an_instance_instead_of_its_class_is_explained() -> None:
     class Made:
         pass
 
     assert run(Made()).errors == (
-        "got an object of Made, expected a node class: give Made itself, without ()",
+        "got an object of Made, expected a node class: pass Made itself, without ()",
     )
+
+
+def stops_in_finally() -> None:
+    rclpy.init()
+    node = Doubler()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        node.out.publish(Float64(data=0.0))
+        rclpy.shutdown()
+
+
+def test_errors_after_the_end_of_a_scenario_are_ignored() -> None:
+    inputs = (Message("/in", NUMBER, {"data": 1.0}, at=0.5),)
+    evidence = run(stops_in_finally, inputs=inputs, seconds=1.0)
+    assert evidence.errors == ()
+    assert numbers(evidence) == [(0.501, 2.0)]
+
+
+def test_errors_before_the_end_of_a_scenario_are_recorded() -> None:
+    evidence = run(lambda: [Doubler(), 3], seconds=1.0)
+    assert len(evidence.errors) == 1

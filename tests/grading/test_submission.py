@@ -8,17 +8,17 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
+from course_lib.course.course_file import Late
 from course_lib.errors import CourseError
-from course_lib.grading.handin.notebook import parse_notebook
-from course_lib.grading.handin.submission import find_submissions
-from course_lib.grading.handin.submit import submit
+from course_lib.grading.records import RECEIPT_TIME, Received
+from course_lib.grading.submissions.notebook import parse_notebook
+from course_lib.grading.submissions.submission import find_submissions, skipped_files
+from course_lib.grading.submissions.submit import submit
 
 WriteNotebook = Callable[..., Path]
 
 
-def test_what_submit_packs_is_found_again_with_its_receipt(
-    tmp_path: Path, write_notebook: WriteNotebook
-) -> None:
+def test_submission_package_is_read_with_its_receipt(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     exercise = write_notebook(tmp_path / "work/week01_exercise.ipynb", "x = 1", student="ada")
     receipt = submit(exercise)
     assert receipt.file.name == "week01_exercise_ada.zip"
@@ -32,9 +32,9 @@ def test_what_submit_packs_is_found_again_with_its_receipt(
     assert found.notebook.cells == ("x = 1",)
 
 
-def test_without_an_id_the_student_is_told(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_missing_student_id_is_reported_at_submission(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     exercise = write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1")
-    assert "It names no student" in submit(exercise, tmp_path / "out.zip").text()
+    assert "It has no student ID" in submit(exercise, tmp_path / "out.zip").text()
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_without_an_id_the_student_is_told(tmp_path: Path, write_notebook: Write
         ("week01.zip", b"PK", "not a file that `course submit` wrote"),
     ],
 )
-def test_what_cannot_be_handed_in_is_refused_in_one_line(
+def test_invalid_submission_is_rejected_with_one_line(
     tmp_path: Path, name: str, content: bytes | None, message: str
 ) -> None:
     (tmp_path / "folder").mkdir()
@@ -63,27 +63,27 @@ def test_what_cannot_be_handed_in_is_refused_in_one_line(
     assert "\n" not in str(refusal.value)
 
 
-def test_an_out_file_that_cannot_be_written_is_named(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_unwritable_out_file_is_reported(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     exercise = write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1")
     with pytest.raises(CourseError, match="can't be written"):
         submit(exercise, tmp_path / "nowhere/out.zip")
 
 
-def test_a_notebook_may_keep_its_source_as_lines_and_have_any_metadata() -> None:
+def test_notebook_source_may_be_a_list_of_lines_and_metadata_arbitrary() -> None:
     cells = [{"cell_type": "code", "source": ["a = 1\n", "b = 2", 3]}, {"cell_type": "markdown"}]
     notebook = parse_notebook(json.dumps({"cells": cells, "metadata": {"course": 7}}).encode(), "n")
     assert notebook.cells == ("a = 1\nb = 2",)
     assert (notebook.exercise, notebook.student) == (None, None)
 
 
-def test_old_formats_and_other_encodings_are_read() -> None:
+def test_older_notebook_formats_and_other_encodings_are_read() -> None:
     cells = [{"cell_type": "code", "input": ["x = 1\n", "y = 2"]}, {"cell_type": "markdown", "source": "é"}]
     old = json.dumps({"nbformat": 3, "worksheets": [{"cells": cells}], "metadata": {}}, ensure_ascii=False)
     for encoding in ("utf-8", "utf-8-sig", "utf-16", "utf-32"):
         assert parse_notebook(old.encode(encoding), "week01_exercise.ipynb").cells == ("x = 1\ny = 2",)
 
 
-def test_the_folder_says_who(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_folder_determines_the_student(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     write_notebook(tmp_path / "ada/deep/week01_exercise.ipynb", "x = 1", student="bob")
     write_notebook(tmp_path / "cleo/week01_exercise (1).ipynb", "x = 1")
     write_notebook(tmp_path / "cleo/.ipynb_checkpoints/week01_exercise-checkpoint.ipynb", "x = 2")
@@ -92,12 +92,14 @@ def test_the_folder_says_who(tmp_path: Path, write_notebook: WriteNotebook) -> N
     assert (cleo.student, cleo.exercise, cleo.claimed) == ("cleo", "week01_exercise", None)
 
 
-def test_an_id_that_is_a_path_never_names_a_folder(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_path_as_student_id_is_not_used_as_a_folder(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1", student="../../etc")
     assert find_submissions(tmp_path)[0].student == "week01_exercise"
 
 
-def test_a_files_own_time_is_no_time_of_receipt(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_file_modification_time_is_not_the_time_of_receipt(
+    tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
     for name, second in (("week01_exercise.ipynb", 100), ("week01_exercise_v2.ipynb", 50)):
         path = write_notebook(tmp_path / "ada" / name, "x = 1")
         os.utime(path, (second, second))
@@ -106,7 +108,7 @@ def test_a_files_own_time_is_no_time_of_receipt(tmp_path: Path, write_notebook: 
     assert (found.received.time, found.received.source) == (None, "unknown")
 
 
-def test_links_are_not_followed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_symlinks_are_not_followed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     secret = write_notebook(tmp_path / "secret/week01_exercise.ipynb", "x = 1")
     write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", "x = 1")
     (tmp_path / "in/bob").mkdir()
@@ -115,7 +117,29 @@ def test_links_are_not_followed(tmp_path: Path, write_notebook: WriteNotebook) -
     assert [found.student for found in find_submissions(tmp_path / "in")] == ["ada"]
 
 
-def test_a_zip_bomb_is_not_unpacked(tmp_path: Path) -> None:
+def test_skipped_symlinks_and_pipes_are_listed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+    ada = write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
+    (tmp_path / "bob").mkdir()
+    (tmp_path / "bob/week01_exercise.ipynb").symlink_to(ada)
+    (tmp_path / "cleo").symlink_to(ada.parent)
+    os.mkfifo(tmp_path / "ada/week02_exercise.ipynb")
+    assert skipped_files(tmp_path) == [
+        "skipped: cleo: it is a link, not a file",
+        "skipped: ada/week02_exercise.ipynb: it is a pipe or a device, not a file",
+        "skipped: bob/week01_exercise.ipynb: it is a link, not a file",
+    ]
+
+
+@pytest.mark.parametrize(("day", "said"), [(10, "on time"), (12, "late")])
+def test_time_known_only_from_the_receipt_has_a_remark(day: int, said: str) -> None:
+    deadline = datetime(2026, 10, 11, tzinfo=UTC)
+    received = Received(datetime(2026, 10, day, tzinfo=UTC), RECEIPT_TIME)
+    expected = f"{said} according to the receipt only, which the student's machine wrote"
+    assert received.remark(deadline, Late()) == expected
+
+
+@pytest.mark.slow
+def test_zip_bomb_is_not_unpacked(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "bomb.zip", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("receipt.json", json.dumps({"exercise": "week01_exercise"}))
         archive.writestr("week01_exercise.ipynb", b" " * 50_000_000)
@@ -135,7 +159,7 @@ def test_a_zip_bomb_is_not_unpacked(tmp_path: Path) -> None:
         ({"ada/timestamp.txt": "2026-10-11 10:00:00 UTC"}, 10, "timestamp.txt"),
     ],
 )
-def test_the_time_of_receipt_and_its_source_are_known(
+def test_receipt_time_and_its_source_are_recorded(
     tmp_path: Path, write_notebook: WriteNotebook, files: dict[str, str], time: int, source: str
 ) -> None:
     write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
@@ -160,7 +184,7 @@ def test_the_time_of_receipt_and_its_source_are_known(
         ("ada/received.csv", "\0broken"),
     ],
 )
-def test_a_bad_time_is_a_note_of_that_one_and_the_class_goes_on(
+def test_invalid_receipt_time_is_reported_for_its_submission_only(
     tmp_path: Path, write_notebook: WriteNotebook, name: str, text: str
 ) -> None:
     for student in ("ada", "bob"):
@@ -173,7 +197,7 @@ def test_a_bad_time_is_a_note_of_that_one_and_the_class_goes_on(
     assert not bob.notes
 
 
-def test_a_stamp_that_is_a_link_is_not_followed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_symlinked_timestamp_file_is_not_followed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", "x = 1", student="ada")
     (tmp_path / "stamp").write_text("2026-10-11 10:00:00 UTC")
     (tmp_path / "in/ada/timestamp.txt").symlink_to(tmp_path / "stamp")
@@ -182,7 +206,7 @@ def test_a_stamp_that_is_a_link_is_not_followed(tmp_path: Path, write_notebook: 
     assert "it is a link" in found.notes[0]
 
 
-def test_a_list_at_the_top_without_its_columns_is_refused(
+def test_received_csv_without_required_columns_is_rejected(
     tmp_path: Path, write_notebook: WriteNotebook
 ) -> None:
     write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
@@ -192,7 +216,7 @@ def test_a_list_at_the_top_without_its_columns_is_refused(
 
 
 @pytest.mark.parametrize("written", ["2026-10-11T10:00:00+02:00", "2026-10-11 10:00", "11.10.2026 10:00"])
-def test_an_instructor_may_write_local_time_as_a_spreadsheet_does(
+def test_local_times_in_spreadsheet_format_are_accepted_in_received_csv(
     tmp_path: Path, write_notebook: WriteNotebook, written: str
 ) -> None:
     write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
@@ -201,14 +225,14 @@ def test_an_instructor_may_write_local_time_as_a_spreadsheet_does(
     assert found.received.time == datetime(2026, 10, 11, 8, tzinfo=UTC)
 
 
-def test_folders_and_claims_have_one_spelling(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_folder_names_and_claimed_ids_are_normalized(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     write_notebook(tmp_path / "Ada 1/week01_exercise.ipynb", "x = 1", student="ADA1")
     (found,) = find_submissions(tmp_path)
     assert (found.student, found.claimed, found.notes) == ("ada1", "ada1", [])
 
 
 @pytest.mark.parametrize("damage", ["encrypted", "bytes"])
-def test_a_damaged_archive_is_that_students_problem_only(
+def test_damaged_archive_affects_only_its_student(
     tmp_path: Path, write_notebook: WriteNotebook, damage: str
 ) -> None:
     write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1", student="ada")
@@ -228,13 +252,13 @@ def test_a_damaged_archive_is_that_students_problem_only(
     assert len(problems) == 1
 
 
-def test_a_pipe_is_no_submission(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_named_pipe_is_not_a_submission(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
     os.mkfifo(tmp_path / "ada/week02_exercise.ipynb")
     assert len(find_submissions(tmp_path)) == 1
 
 
-def test_a_receipt_of_no_possible_time_is_not_believed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
+def test_receipt_with_an_impossible_time_is_ignored(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     packed = submit(write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1")).file
     with zipfile.ZipFile(packed) as archive:
         content = {name: archive.read(name) for name in archive.namelist()}

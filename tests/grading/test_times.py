@@ -11,10 +11,10 @@ import pytest
 from course_lib.course.course_file import Late
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.handin.collect import Collection, collect
-from course_lib.grading.handin.received import Received
-from course_lib.grading.handin.submission import find_submissions
-from course_lib.grading.records import Course
+from course_lib.grading.records import Received
+from course_lib.grading.store import Course
+from course_lib.grading.submissions.collect import Collection, collect
+from course_lib.grading.submissions.submission import find_submissions
 from tests.grading.platforms import (
     NAME,
     Handed,
@@ -68,8 +68,9 @@ def sort(tmp_path: Path) -> Collect:
     return do
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("language", WORKSHEETS)
-def test_moodles_worksheet_gives_times_and_ids_in_any_language(
+def test_moodle_worksheet_gives_times_and_ids_in_any_language(
     tmp_path: Path, sort: Collect, language: str
 ) -> None:
     headings, participant, submitted, graded = WORKSHEETS[language]
@@ -84,14 +85,14 @@ def test_moodles_worksheet_gives_times_and_ids_in_any_language(
     assert [one.student for one in found] == [s.id for s in STUDENTS]
     assert {one.received.time for one in found} == {TIME}
     assert {one.received.source for one in found} == {f"received.csv (worksheet.csv, {headings[6]})"}
-    assert f"note: times are those of worksheet.csv, {headings[6]}, read as Europe/Paris" in done.notes
+    assert f"note: times are from worksheet.csv, {headings[6]}, interpreted as Europe/Paris" in done.notes
 
 
 UNREAD = {"Islamic": "8 رمضان 1447، 23:59", "Thai": "8 มีนาคม 2569 23:59", "none": "8 Nonsense 2026, 23:59"}
 
 
 @pytest.mark.parametrize("time", UNREAD.values(), ids=UNREAD)
-def test_times_that_cannot_be_read_are_named_and_nobody_is_late(
+def test_unreadable_times_are_reported_and_not_counted_as_late(
     tmp_path: Path, sort: Collect, time: str
 ) -> None:
     moodle_zip(tmp_path / "in.zip", STUDENTS)
@@ -101,13 +102,11 @@ def test_times_that_cannot_be_read_are_named_and_nobody_is_late(
     assert any(
         note.startswith(f"note: worksheet.csv, Modified: times like {time!r} can't be read") for note in notes
     )
-    assert any("Without a time nobody is late" in note for note in notes)
+    assert any("Without a time no submission is late" in note for note in notes)
     assert {one.received.time for one in find_submissions(tmp_path / "out")} == {None}
 
 
-def test_the_time_of_grading_and_the_due_date_are_not_that_of_submission(
-    tmp_path: Path, sort: Collect
-) -> None:
+def test_grading_time_and_due_date_are_not_used_as_submission_time(tmp_path: Path, sort: Collect) -> None:
     moodle_zip(tmp_path / "in.zip", STUDENTS)
     due, graded = "Sonntag, 8. März 2026, 23:59", "Montag, 16. März 2026, 10:0{}"
     rows = [
@@ -121,7 +120,7 @@ def test_the_time_of_grading_and_the_due_date_are_not_that_of_submission(
     assert times == [datetime(2026, 3, 6, 9, i, tzinfo=UTC) for i in range(6)]
 
 
-def test_canvass_api_export_gives_times(tmp_path: Path, sort: Collect) -> None:
+def test_canvas_api_export_gives_submission_times(tmp_path: Path, sort: Collect) -> None:
     students = [
         Handed("ada", 11, "", "2026-03-08T22:59:00+00:00"),
         Handed("bob", 12, "", "2026-03-09T08:00:00+00:00", late=True),
@@ -137,7 +136,7 @@ def test_canvass_api_export_gives_times(tmp_path: Path, sort: Collect) -> None:
     assert "note: cleo has no time of submission in submissions.json, submitted_at" in done.notes
 
 
-def test_canvass_submissions_csv_gives_times(tmp_path: Path, sort: Collect) -> None:
+def test_canvas_submissions_csv_gives_submission_times(tmp_path: Path, sort: Collect) -> None:
     canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, ""), Handed("bob", 12, "")])
     rows = [(number, "2026-03-01T00:00:00Z", "2026-03-08T22:59:00Z") for number in (11, 12)]
     table(tmp_path / "s.csv", ("user_id", "cached_due_date", "submitted_at"), rows)
@@ -145,7 +144,7 @@ def test_canvass_submissions_csv_gives_times(tmp_path: Path, sort: Collect) -> N
     assert {one.received.time for one in find_submissions(tmp_path / "out")} == {TIME}
 
 
-def test_an_export_of_another_assignment_gives_no_times(tmp_path: Path, sort: Collect) -> None:
+def test_export_of_another_assignment_gives_no_submission_times(tmp_path: Path, sort: Collect) -> None:
     canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, "")])
     other = [{"user_id": 11, "submitted_at": "2026-01-01T00:00:00Z", "attachments": [{"id": 7}]}]
     (tmp_path / "other.json").write_text(json.dumps(other))
@@ -153,7 +152,7 @@ def test_an_export_of_another_assignment_gives_no_times(tmp_path: Path, sort: Co
     assert find_submissions(tmp_path / "out")[0].received.time is None
 
 
-def test_the_download_time_of_a_zip_makes_nobody_late(tmp_path: Path, sort: Collect, course: Course) -> None:
+def test_download_time_of_a_zip_does_not_count_as_late(tmp_path: Path, sort: Collect, course: Course) -> None:
     moodle_zip(tmp_path / "in.zip", STUDENTS[:2])
     done = sort()
     assert any("Moodle's zip has no times of submission: add --roster" in note for note in done.notes)
@@ -167,7 +166,7 @@ def test_the_download_time_of_a_zip_makes_nobody_late(tmp_path: Path, sort: Coll
     assert "Time of receipt unknown" in next((tmp_path / "graded/reports").glob("*/*.html")).read_text()
 
 
-def test_what_the_instructor_corrected_survives_another_collect(tmp_path: Path, sort: Collect) -> None:
+def test_corrections_of_the_instructor_are_kept_by_a_repeated_collect(tmp_path: Path, sort: Collect) -> None:
     moodle_zip(tmp_path / "in.zip", STUDENTS[:1])
     headings, participant, submitted, _ = WORKSHEETS["English"]
     row = (participant.format(4101000), "A", "20230000", "-", "", "100", submitted, "-")
@@ -193,12 +192,18 @@ DEADLINE = datetime(2026, 3, 8, 23, 59, tzinfo=PARIS)
 @pytest.mark.parametrize(
     ("late", "receipt", "days", "remark", "notes"),
     [
-        (True, "2026-03-01T12:00:00+00:00", 1, "late by the platform's word", ["not believed, it is 0 days"]),
-        (False, "2026-03-20T12:00:00+00:00", 0, "not late by the platform's word", ["it is 12 days late"]),
+        (
+            True,
+            "2026-03-01T12:00:00+00:00",
+            1,
+            "late according to the platform",
+            ["not trusted, it is 0 days"],
+        ),
+        (False, "2026-03-20T12:00:00+00:00", 0, "not late according to the platform", ["it is 12 days late"]),
         (True, "nonsense", 1, "counted as 1 day", []),
     ],
 )
-def test_a_receipt_never_overrules_canvass_late(
+def test_receipt_never_overrides_the_late_marker_of_canvas(
     tmp_path: Path, sort: Collect, late: bool, receipt: str, days: int, remark: str, notes: list[str]
 ) -> None:
     canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, "", files={"a.zip": packed(receipt)}, late=late)])
@@ -212,18 +217,18 @@ def test_a_receipt_never_overrules_canvass_late(
     assert all(part in line for part, line in zip(notes, said, strict=True))
 
 
-def test_late_in_a_name_that_contradicts_the_time_is_noted() -> None:
+def test_late_marker_contradicting_the_submission_time_is_reported() -> None:
     in_time = Received(datetime(2026, 3, 1, tzinfo=UTC), "received.csv", late=True)
     assert in_time.days_late(DEADLINE, Late()) == 0
     assert in_time.contradictions(DEADLINE, Late()) == [
-        "the platform calls it late, but by received.csv it is 0 days late"
+        "the platform marks it as late, but according to received.csv it is 0 days late"
     ]
     assert in_time.contradictions(None, Late()) == [
-        "the platform calls it late, but course.toml has no deadline"
+        "the platform marks it as late, but course.toml has no deadline"
     ]
 
 
-def test_a_receipt_counts_where_nothing_else_is_known_and_the_gradebook_says_so(tmp_path: Path) -> None:
+def test_receipt_time_is_used_without_other_sources_and_noted_in_the_gradebook(tmp_path: Path) -> None:
     (tmp_path / "ada").mkdir()
     (tmp_path / "ada/a.zip").write_bytes(packed("2026-03-20T12:00:00+00:00"))
     (found,) = find_submissions(tmp_path)
@@ -231,9 +236,7 @@ def test_a_receipt_counts_where_nothing_else_is_known_and_the_gradebook_says_so(
     assert "the student's machine" in found.received.remark(DEADLINE, Late())
 
 
-def test_a_students_own_list_and_stamp_in_a_platforms_folder_are_not_believed(
-    tmp_path: Path, sort: Collect
-) -> None:
+def test_student_supplied_received_csv_and_timestamp_are_ignored(tmp_path: Path, sort: Collect) -> None:
     moodle_zip(tmp_path / "in.zip", STUDENTS[:1])
     sort()
     folder = tmp_path / "out/participant4101000"
@@ -241,10 +244,10 @@ def test_a_students_own_list_and_stamp_in_a_platforms_folder_are_not_believed(
     (folder / "timestamp.txt").write_text("2020-01-01 00:00:00 UTC")
     (found,) = find_submissions(tmp_path / "out")
     assert found.received.time is None
-    assert sum("is not believed" in note for note in found.notes) == 2
+    assert sum("is not trusted" in note for note in found.notes) == 2
 
 
-def test_a_stamp_in_a_students_zip_is_not_kept(tmp_path: Path, sort: Collect) -> None:
+def test_timestamp_in_a_student_zip_is_not_kept(tmp_path: Path, sort: Collect) -> None:
     inner = zipped({NAME: notebook(), "timestamp.txt": b"2020-01-01 00:00:00 UTC", "received.csv": b"a,b\n"})
     with zipfile.ZipFile(tmp_path / "in.zip", "w") as archive:
         archive.writestr("submitted/ada/week01/work.zip", inner)
@@ -253,7 +256,7 @@ def test_a_stamp_in_a_students_zip_is_not_kept(tmp_path: Path, sort: Collect) ->
     assert find_submissions(tmp_path / "out")[0].received.time is None
 
 
-def test_an_export_that_is_broken_is_refused(tmp_path: Path, sort: Collect) -> None:
+def test_damaged_export_is_rejected(tmp_path: Path, sort: Collect) -> None:
     canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, "")])
     for text in ("{", "[]", "[" * 100_000, '{"errors": "no"}'):
         (tmp_path / "s.json").write_text(text)
@@ -261,7 +264,7 @@ def test_an_export_that_is_broken_is_refused(tmp_path: Path, sort: Collect) -> N
             sort(times=[tmp_path / "s.json"])
 
 
-def test_the_instructors_list_may_lie_beside_the_folder_of_submissions(tmp_path: Path) -> None:
+def test_received_csv_may_be_next_to_the_submission_folder(tmp_path: Path) -> None:
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada" / NAME).write_bytes(notebook())
     (tmp_path / "received.csv").write_text(f"file,received\nin/ada/{NAME},2026-03-08T23:59:00+01:00\n")
@@ -279,7 +282,7 @@ def test_the_instructors_list_may_lie_beside_the_folder_of_submissions(tmp_path:
         ("2026-03-08T23:59:00+01:00", "22:59"),
     ],
 )
-def test_nbgraders_stamp_is_read_in_its_zone(tmp_path: Path, text: str, utc: str) -> None:
+def test_nbgrader_timestamp_is_read_in_its_time_zone(tmp_path: Path, text: str, utc: str) -> None:
     folder = tmp_path / "ada/week01"
     folder.mkdir(parents=True)
     (folder / NAME).write_bytes(notebook())
@@ -289,7 +292,7 @@ def test_nbgraders_stamp_is_read_in_its_zone(tmp_path: Path, text: str, utc: str
     assert f"{found.received.time:%H:%M}" == utc
 
 
-def test_a_stamp_in_an_unpacked_download_is_not_believed(tmp_path: Path) -> None:
+def test_timestamp_in_an_unpacked_download_is_ignored(tmp_path: Path) -> None:
     folder = tmp_path / "Ada_7_assignsubmission_file_"
     folder.mkdir()
     (folder / NAME).write_bytes(notebook())

@@ -17,7 +17,7 @@ from course_lib.grading import (
     expect_topic,
 )
 from course_lib.grading.evidence import Evidence
-from course_lib.ros.clock import START_NS
+from course_lib.ros.graph.graph import START_NS
 
 MakeEvidence = Callable[..., Evidence]
 MakeCube = Callable[..., Any]
@@ -29,7 +29,7 @@ def ticks(*times: float) -> list[tuple[float, str, Any]]:
     return [(at, "/tick", Float64(data=float(at))) for at in times]
 
 
-def test_a_topic_of_the_right_type_passes(evidence: MakeEvidence) -> None:
+def test_topic_with_the_expected_type_passes(evidence: MakeEvidence) -> None:
     assert expect_topic("/tick", KIND, at_least=2).judge(evidence(*ticks(1, 2))).score == 1
     assert (
         "expected at least 3" in expect_topic("/tick", KIND, at_least=3).judge(evidence(*ticks(1, 2))).message
@@ -58,7 +58,7 @@ def test_a_topic_of_the_right_type_passes(evidence: MakeEvidence) -> None:
         ((), "nothing was published on /tick in 3 s, nor on any other topic"),
     ],
 )
-def test_a_rate_is_measured_over_the_whole_scenario(
+def test_rate_is_measured_over_the_whole_scenario(
     evidence: MakeEvidence, times: tuple[float, ...], message: str
 ) -> None:
     assert expect_rate("/tick", 1.0).judge(evidence(*ticks(*times))).message == message
@@ -72,7 +72,7 @@ def test_a_rate_is_measured_over_the_whole_scenario(
         (3.1, 3.9, "nothing was published on /tick from 3.1 to 3.9 s"),
     ],
 )
-def test_a_rate_may_be_that_of_a_part(
+def test_rate_may_be_measured_over_a_time_range(
     evidence: MakeEvidence, begin: float, end: float | None, message: str
 ) -> None:
     came = evidence(*ticks(1, 2, 3, 4, 4.5, 5), seconds=5.0)
@@ -84,18 +84,21 @@ def test_a_rate_may_be_that_of_a_part(
     [
         ((1.0, 2.0, 3.0), "as expected"),
         ((1.5, 3.0), "as expected"),
-        ((3.0,), "/tick was published only once in 3 s, expected messages from beginning to end"),
-        ((1.5,), "/tick was published only once in 3 s, expected messages from beginning to end"),
-        ((0.0, 3.0), "/tick is silent for 3.00 s in 3 s, expected messages from beginning to end"),
+        ((3.0,), "/tick was published only once in 3 s, expected messages the whole time"),
+        ((1.5,), "/tick was published only once in 3 s, expected messages the whole time"),
+        (
+            (0.0, 3.0),
+            "/tick is silent from 0.00 s to 3.00 s, expected messages all the time, at most 1.55 s apart",
+        ),
     ],
 )
-def test_what_is_published_throughout_is_silent_for_half_of_the_time_at_most(
+def test_silence_of_more_than_half_of_a_scenario_is_rejected(
     evidence: MakeEvidence, times: tuple[float, ...], message: str
 ) -> None:
     assert expect_throughout("/tick").judge(evidence(*ticks(*times))).message == message
 
 
-def test_a_field_in_a_list_is_named_by_its_place(evidence: MakeEvidence) -> None:
+def test_list_items_are_addressed_by_index_in_a_field_path(evidence: MakeEvidence) -> None:
     array = DiagnosticArray(status=[DiagnosticStatus(name="a"), DiagnosticStatus(name="b")])
     came = evidence((1.0, "/diagnostics", array))
     assert expect_message("/diagnostics", {"status.1.name": "b"}).judge(came).score == 1
@@ -112,11 +115,28 @@ def test_a_field_in_a_list_is_named_by_its_place(evidence: MakeEvidence) -> None
         (-START_NS / 1e9, "header.stamp on /m is not set"),
     ],
 )
-def test_stamps_are_the_time_of_publishing(
+def test_header_stamps_must_equal_the_publishing_time(
     evidence: MakeEvidence, cube: MakeCube, stamp_s: float, message: str
 ) -> None:
     marker = cube(header__stamp__sec=int(START_NS // 10**9 + stamp_s))
     assert expect_stamps("/m").judge(evidence((1.0, "/m", marker))).message.startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("stamp_s", "message"),
+    [
+        (3.0, "as expected"),
+        (4.0, "header.stamp on /m is 1.00 s later than the stamp of the input"),
+        (2.0, "header.stamp on /m is 1.00 s earlier than the stamp of the input"),
+        (-START_NS / 1e9, "header.stamp on /m is not set"),
+    ],
+)
+def test_header_stamps_must_equal_those_of_a_delayed_input(
+    evidence: MakeEvidence, cube: MakeCube, stamp_s: float, message: str
+) -> None:
+    marker = cube(header__stamp__sec=int(START_NS // 10**9 + stamp_s))
+    check = expect_stamps("/m", delay=1.0)
+    assert check.judge(evidence((4.0, "/m", marker))).message.startswith(message)
 
 
 def test_fields_of_the_last_message_are_compared(evidence: MakeEvidence, cube: MakeCube) -> None:
@@ -126,14 +146,14 @@ def test_fields_of_the_last_message_are_compared(evidence: MakeEvidence, cube: M
     assert wrong.message == "scale.x is 1.50 m, expected 1.00 m: 0.50 m too much"
 
 
-def test_a_type_without_a_header_is_no_fault_of_the_check(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_message_type_without_a_header_fails_the_check(evidence: MakeEvidence, cube: MakeCube) -> None:
     mixed = evidence((1, "/m", Float64(data=1.0)), (2, "/m", cube()))
     assert expect_stamps("/m").judge(mixed).message == "std_msgs/msg/Float64 on /m has no header"
     assert expect_circle("/m", radius=1.0).judge(mixed).score == 0
     assert expect_marker("/m", type="CUBE").judge(mixed).score == 1
 
 
-def test_every_marker_is_in_the_frame(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_every_marker_must_be_in_the_expected_frame(evidence: MakeEvidence, cube: MakeCube) -> None:
     gone = cube(action=Marker.DELETE, header__frame_id="")
     here, there = cube(), cube(id=1, header__frame_id="odom")
     for arrays, message in (
@@ -146,11 +166,11 @@ def test_every_marker_is_in_the_frame(evidence: MakeEvidence, cube: MakeCube) ->
     assert "has no header" in expect_frame("/tick", "map").judge(evidence(*ticks(1))).message
 
 
-def test_an_array_without_markers_has_no_stamps(evidence: MakeEvidence) -> None:
+def test_empty_marker_array_fails_the_stamp_check(evidence: MakeEvidence) -> None:
     assert expect_stamps("/m").judge(evidence((1, "/m", MarkerArray()))).score == 0
 
 
-def test_bytes_that_are_no_message_keep_no_rate(evidence: MakeEvidence) -> None:
+def test_invalid_message_bytes_fail_the_rate_check(evidence: MakeEvidence) -> None:
     from dataclasses import replace
 
     came = evidence(*ticks(1, 2, 3))
@@ -160,7 +180,7 @@ def test_bytes_that_are_no_message_keep_no_rate(evidence: MakeEvidence) -> None:
         assert check.judge(broken).score == 0
 
 
-def test_a_stamp_is_told_in_seconds(evidence: MakeEvidence, cube: MakeCube) -> None:
+def test_stamp_difference_is_reported_in_seconds(evidence: MakeEvidence, cube: MakeCube) -> None:
     check = expect_message("/cubes", {"header.stamp.nanosec": 520_000_000})
     late = check.judge(evidence((1, "/cubes", cube(header__stamp__nanosec=700_000_000))))
     assert late.message == (

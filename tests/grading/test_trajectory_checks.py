@@ -19,7 +19,7 @@ def sent(at: float = 1.0, names: tuple[str, ...] = ("elbow", "lift"), seconds: i
     return (at, TOPIC, JointTrajectory(joint_names=list(names), points=[last]))
 
 
-def test_joints_may_come_in_any_order(evidence: MakeEvidence) -> None:
+def test_joints_in_any_order_pass(evidence: MakeEvidence) -> None:
     assert CHECK.judge(evidence(sent())).message == "as expected"
 
 
@@ -33,7 +33,7 @@ def test_joints_may_come_in_any_order(evidence: MakeEvidence) -> None:
         ),
         (
             sent(names=("elbow", "shoulder")),
-            "the controller says: Incoming joint shoulder doesn't match the controller's joints.",
+            "the controller rejects it: Incoming joint shoulder doesn't match the controller's joints.",
             "the controller refuses the trajectory",
         ),
         (
@@ -48,33 +48,35 @@ def test_joints_may_come_in_any_order(evidence: MakeEvidence) -> None:
         ),
         (
             sent(at=0.0),
-            "the trajectory came after 0.00 s, expected after 1.00 s",
+            "the trajectory was published after 0.00 s, expected after 1.00 s",
             "a trajectory is sent at the wrong time",
         ),
     ],
 )
-def test_what_is_wrong_is_named(evidence: MakeEvidence, wrong: Any, message: str, mistake: str) -> None:
+def test_faults_of_a_trajectory_are_reported(
+    evidence: MakeEvidence, wrong: Any, message: str, mistake: str
+) -> None:
     verdict = CHECK.judge(evidence(wrong))
     assert (verdict.score, verdict.message, verdict.mistake) == (0.0, message, mistake)
 
 
-def test_a_stamp_before_1970_is_the_students_mistake(evidence: MakeEvidence) -> None:
+def test_trajectory_stamp_before_1970_is_reported(evidence: MakeEvidence) -> None:
     at, topic, message = sent()
     message.header.stamp.sec = -1
     verdict = CHECK.judge(evidence((at, topic, message)))
-    assert verdict.message == "the controller says: Seconds value must not be negative"
+    assert verdict.message == "the controller rejects it: Seconds value must not be negative"
 
 
-def test_a_trajectory_that_did_not_come_is_missed(evidence: MakeEvidence) -> None:
+def test_missing_trajectory_is_reported(evidence: MakeEvidence) -> None:
     assert "nothing was published on" in CHECK.judge(evidence()).message
     second = expect_trajectory(TOPIC, {"lift": 1.5, "elbow": 0.5}, index=1, at=1.0, seconds=3.0)
-    assert "1 trajectories came on" in second.judge(evidence(sent())).message
+    assert "1 trajectory was published on" in second.judge(evidence(sent())).message
 
 
-def test_more_trajectories_or_points_than_asked_for_are_named(evidence: MakeEvidence) -> None:
+def test_extra_trajectories_or_missing_points_are_reported(evidence: MakeEvidence) -> None:
     goal = {"lift": 1.5, "elbow": 0.5}
     two = evidence(sent(), sent(at=2.0))
     only_one = expect_trajectory(TOPIC, goal, at=1.0, seconds=3.0, of=1)
-    assert only_one.judge(two).message == f"2 trajectories came on {TOPIC}, expected 1"
+    assert only_one.judge(two).message == f"2 trajectories were published on {TOPIC}, expected 1"
     of_two = expect_trajectory(TOPIC, goal, at=1.0, seconds=3.0, points=2)
-    assert of_two.judge(two).message == "the trajectory has 1 points, expected 2"
+    assert of_two.judge(two).message == "the trajectory has 1 point, expected 2"

@@ -5,11 +5,10 @@ from pathlib import Path
 import pytest
 
 from course_lib.course.course_file import Limits
-from course_lib.grading.records import usage_path
-from course_lib.grading.run.job import Job, Step
 from course_lib.grading.run.outcome import Usage
-from course_lib.grading.run.run import read_usage, run_scenarios
+from course_lib.grading.run.run import Job, Step, read_usage, run_scenarios
 from course_lib.grading.run.submission_run import SubmissionRun
+from course_lib.grading.store import usage_path
 from course_lib.grading.task import Call, Scenario, Task
 
 ANSWER = Task("week01.answer", "An answer", "value", "answer", ("a", "b", "c"), (Scenario("public"),))
@@ -21,7 +20,8 @@ def used(*cells: str) -> Usage:
     return session.usage
 
 
-def test_time_and_memory_of_a_submission_and_of_its_children_count() -> None:
+@pytest.mark.slow
+def test_resource_usage_includes_child_processes() -> None:
     idle = used("answer = 1")
     busy = used("answer = sum(range(30_000_000))")
     large = used("answer = len(bytearray(200_000_000))")
@@ -34,14 +34,14 @@ def test_time_and_memory_of_a_submission_and_of_its_children_count() -> None:
 
 
 @pytest.mark.parametrize("show", ["print", "display", "sys.stderr.write"])
-def test_what_a_cell_prints_takes_no_memory(show: str) -> None:
+def test_printed_output_does_not_count_as_memory(show: str) -> None:
     first = "import sys\nfrom IPython.display import display\n"
     loop = f"for n in range(60): {show}(str(n) * 500_000)"
     quiet, loud = used(f"{first}answer = 1"), used(f"{first}{loop}\nanswer = 1")
     assert loud.memory_megabytes < quiet.memory_megabytes + 20  # 60 MB were printed
 
 
-def test_each_scenario_has_its_own_time() -> None:
+def test_cpu_time_is_measured_per_scenario() -> None:
     busy = Task(
         "week01.busy", "Busy", "function", "busy", ("a", "b", "c"), (Scenario("public", calls=(Call(1),)),)
     )
@@ -55,7 +55,7 @@ def test_each_scenario_has_its_own_time() -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the system keeps no process on a processor")
-def test_a_submission_shares_one_processor_with_its_grader_and_the_next_one_may_have_another() -> None:
+def test_submission_runs_on_one_cpu_and_grader_affinity_is_restored() -> None:
     allowed = os.sched_getaffinity(0)
     steps = (Step(ANSWER, ANSWER.scenarios[0], hidden=False),)
     cells = ("import os\nanswer = len(os.sched_getaffinity(0))",)
@@ -64,7 +64,7 @@ def test_a_submission_shares_one_processor_with_its_grader_and_the_next_one_may_
     assert os.sched_getaffinity(0) == allowed
 
 
-def test_usage_comes_back_from_its_file_and_a_broken_one_is_none(tmp_path: Path) -> None:
+def test_usage_is_read_from_its_file_and_invalid_usage_is_none(tmp_path: Path) -> None:
     path = usage_path(tmp_path, "key")
     assert read_usage(tmp_path, "key") is None
     path.parent.mkdir()

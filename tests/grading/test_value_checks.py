@@ -7,7 +7,7 @@ import pytest
 from course_lib.grading import expect_text, expect_value
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.run.outcome import RAISED, is_plain, plain
-from course_lib.grading.run.student_side import run_here
+from course_lib.grading.run.student_side import run_in_this_process
 from course_lib.grading.task import Call, Scenario, Task
 
 MakeEvidence = Callable[..., Evidence]
@@ -27,7 +27,7 @@ MakeEvidence = Callable[..., Evidence]
         ({"x": 1.0, "extra": 2}, {"x": 1.0}),
     ],
 )
-def test_equal_values_pass_in_whatever_form(evidence: MakeEvidence, value: Any, expected: Any) -> None:
+def test_equal_values_pass_in_every_supported_type(evidence: MakeEvidence, value: Any, expected: Any) -> None:
     assert expect_value(expected).judge(evidence(returns=(plain(value),))).score == 1
 
 
@@ -35,6 +35,13 @@ def test_equal_values_pass_in_whatever_form(evidence: MakeEvidence, value: Any, 
     ("value", "expected", "message"),
     [
         (0.5, 0.8, "the value is 0.50 m, expected 0.80 m: 0.30 m too little"),
+        (
+            [2.0, 1.0],
+            [1.0, 2.0],
+            "the value is [2.0, 1.0], expected [1.0, 2.0]: the order is the other way round",
+        ),
+        ({}.items, 0.8, "the value is a builtin_function_or_method, expected a number: are its ( ) missing?"),
+        ((x for x in [1.0]), [1.0], "the value is a generator, expected a list of 1: put it into list( )"),
         (float("nan"), 0.8, "the value is nan m, expected 0.80 m"),
         (True, 1.0, "the value is True, expected a number"),
         (1, True, "the value is 1, expected True"),
@@ -44,30 +51,49 @@ def test_equal_values_pass_in_whatever_form(evidence: MakeEvidence, value: Any, 
         (None, 1.0, "the value is None, expected a number"),
         (object(), 1.0, "the value is a object, expected a number"),
         ({}, {"x": 1}, "the value has no 'x'"),
+        ([1], [1, 2], "the value has 1 item, expected 2"),
+        ([1, 2], [], "the value has 2 items, expected none"),
         (3.0, [3.0], "the value is 3.0, expected a list of 1"),
+        (None, [], "the value is None, expected an empty list"),
         ([1], {"x": 1}, "the value is [1], expected a dict"),
     ],
 )
-def test_other_values_fail_and_say_why(
+def test_different_values_fail_with_the_difference(
     evidence: MakeEvidence, value: Any, expected: Any, message: str
 ) -> None:
     verdict = expect_value(expected, unit="m").judge(evidence(returns=(plain(value),)))
     assert (verdict.score, verdict.message) == (0, message)
 
 
-def test_a_wrong_sign_is_named_without_the_value(evidence: MakeEvidence) -> None:
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ([[0.2], "red"], "the color of a bar is 'red', expected a list of 2"),
+        ([[0.3], [0.0, 1.0]], "[0] of the size of a bar is 0.30, expected 0.20: 0.1000 too much"),
+        ([[0.2]], "a bar has 1 item, expected 2"),
+        (0.2, "a bar is 0.2, expected a list of 2"),
+    ],
+)
+def test_named_components_of_a_value_are_reported_by_name(
+    evidence: MakeEvidence, value: Any, message: str
+) -> None:
+    check = expect_value([[0.2], [0.0, 1.0]], name="a bar", parts=("size", "color"))
+    assert check.judge(evidence(returns=(plain(value),))).message == message
+
+
+def test_wrong_sign_is_reported_without_the_value(evidence: MakeEvidence) -> None:
     assert expect_value(0.5).judge(evidence(returns=(-0.5,))).mistake == "a value has the wrong sign"
 
 
-def test_each_call_has_its_own_value(evidence: MakeEvidence) -> None:
+def test_each_call_has_its_own_expected_value(evidence: MakeEvidence) -> None:
     assert expect_value(2, call=1).judge(evidence(returns=(1, 2))).score == 1
-    assert "nothing came back" in expect_value(2, call=2).judge(evidence(returns=(1, 2))).message
+    assert "nothing was returned" in expect_value(2, call=2).judge(evidence(returns=(1, 2))).message
 
 
-def test_a_call_that_raised_returned_nothing_that_a_check_expects() -> None:
+def test_call_that_raised_fails_the_value_check() -> None:
     scenario = Scenario("public", calls=(Call(0), Call(1)))
     task = Task("week01.inverse", "1 / x", "function", "inverse", ("a", "b", "c"), (scenario,))
-    came = run_here(task, scenario, lambda x: {"x": 1 / x}, {})
+    came = run_in_this_process(task, scenario, lambda x: {"x": 1 / x}, {})
     answers: tuple[Any, ...] = (None, {}, RAISED, [], "", 0)
     for expected in answers:
         verdict = expect_value(expected).judge(came)
@@ -75,22 +101,22 @@ def test_a_call_that_raised_returned_nothing_that_a_check_expects() -> None:
     assert expect_value({"x": 1}, call=1).judge(came).score == 1
 
 
-def test_an_object_is_not_a_dict(evidence: MakeEvidence) -> None:
+def test_custom_object_is_not_accepted_as_a_dict(evidence: MakeEvidence) -> None:
     verdict = expect_value({}).judge(evidence(returns=(plain(object()),)))
     assert (verdict.score, verdict.message) == (0, "the value is a object, expected a dict")
 
 
 @pytest.mark.parametrize("text", ["The fixed frame!", "it is  the FIXED-FRAME, I think"])
-def test_a_text_may_say_it_in_its_own_way(evidence: MakeEvidence, text: str) -> None:
+def test_text_with_the_expected_terms_in_any_wording_passes(evidence: MakeEvidence, text: str) -> None:
     assert expect_text("fixed frame", "map").judge(evidence(returns=(text,))).score == 1
 
 
 @pytest.mark.parametrize("text", ["", "the fixed frames", None, 3])
-def test_a_text_that_does_not_say_it_fails(evidence: MakeEvidence, text: Any) -> None:
+def test_text_without_the_expected_terms_fails(evidence: MakeEvidence, text: Any) -> None:
     assert expect_text("fixed frame").judge(evidence(returns=(text,))).score == 0
 
 
-def test_plain_data_bounds_what_a_student_can_return() -> None:
+def test_returned_value_is_limited_to_plain_data() -> None:
     deep: Any = []
     for _ in range(1000):
         deep = [deep]
@@ -101,18 +127,18 @@ def test_plain_data_bounds_what_a_student_can_return() -> None:
 
 
 @pytest.mark.parametrize("value", [b"bytes", {1: 2}, (1,), object(), [[set()]]])
-def test_only_plain_data_is_taken_from_outside(value: Any) -> None:
+def test_non_plain_value_is_rejected(value: Any) -> None:
     assert not is_plain(value)
 
 
 @pytest.mark.parametrize("value", [1e300, -1e300, 1.7e308, 10**18])
-def test_a_number_of_hundreds_of_digits_is_short(value: float) -> None:
+def test_number_with_hundreds_of_digits_is_abbreviated(value: float) -> None:
     verdict = expect_value(2.0, unit="m").judge(Evidence("week01.t", "public", 1.0, returns=(value,)))
     assert "e+" in verdict.message
     assert len(verdict.message) < 80
 
 
-def test_an_item_within_an_item_is_named_like_an_index() -> None:
+def test_nested_item_is_reported_as_an_index() -> None:
     check = expect_value([[1, 2], {"a": [3]}], name="a bar")
     verdict = check.judge(Evidence("week01.t", "public", 1.0, returns=([[1, 5], {"a": [4]}],)))
     assert verdict.message == (

@@ -1,7 +1,6 @@
 """Limits of time on a machine that is too busy: what a submission waits for a processor does not count."""
 
 import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import closing, suppress
@@ -11,12 +10,12 @@ import pytest
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.launch import shared_template
-from course_lib.grading.jail.limits import descendants
-from course_lib.grading.run import waiting
-from course_lib.grading.run.submission_run import CellLog, SubmissionRun
-from course_lib.grading.run.waiting import MOST, OWN, ThreadTimes, Waiting
+from course_lib.grading.jail.layers import descendants
+from course_lib.grading.run import submission_run
+from course_lib.grading.run.submission_run import MOST, OWN, CellLog, SubmissionRun, ThreadTimes, WaitingTime
 from course_lib.grading.task import Call, Scenario, Task
-from course_lib.ros import wall
+from course_lib.ros.time import wall
+from tests.processes import Program
 
 HOGS = 4  # processes that take their share of the submission's processor
 LIMIT = 0.6  # [s] of a cell and of a scenario
@@ -37,7 +36,7 @@ def starved() -> Iterator[None]:
     if not (sys.platform == "linux" and os.path.exists("/proc/self/schedstat")):
         pytest.skip("the kernel does not count how long a process waits for a processor")
     template, cpus = shared_template().pid, os.sched_getaffinity(0)
-    hogs = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(HOGS)]
+    hogs = [Program([sys.executable, "-c", "while True: pass"]) for _ in range(HOGS)]
     own = (0, template, *descendants(template))  # a submission runs where the thread does that starts it
     give_processors({min(cpus)}, *own, *(hog.pid for hog in hogs))
     yield
@@ -59,15 +58,17 @@ def made(*cells: str, total: float = 2 * LIMIT) -> tuple[Evidence, CellLog]:
         return session.run(BUSY, BUSY.scenarios[0]), session.log
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("starved")
-def test_what_a_starved_submission_waits_for_a_processor_does_not_count() -> None:
+def test_cpu_wait_time_of_a_starved_submission_is_not_counted() -> None:
     came, log = made(WORK, "work()", "work()")
     assert (log.limit, log.stopped, came.stopped, came.errors) == ("", {}, "", ())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("starved")
 @pytest.mark.parametrize("cell", ["while True: pass", "os.read(os.pipe()[0], 1)"])
-def test_what_has_no_end_ends_on_a_busy_machine_too(cell: str) -> None:
+def test_endless_code_is_stopped_on_a_busy_machine(cell: str) -> None:
     came, log = made(WORK, cell, total=60.0)
     assert (log.limit, came.stopped) == ("time", "")
     assert log.stopped == {1: f"cell 2 was stopped after {LIMIT:g} s"}
@@ -86,25 +87,25 @@ THREADS = [
 
 
 @pytest.mark.parametrize(("threads", "grows"), THREADS)
-def test_a_limit_grows_by_what_was_waited_for_others(
+def test_time_limit_grows_by_the_time_waited_for_other_threads(
     threads: dict[int, ThreadTimes], grows: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now, known = [100.0], dict[int, ThreadTimes]()
     monkeypatch.setattr(wall, "monotonic", lambda: now[0])
-    monkeypatch.setattr(waiting, "_threads", lambda _: iter(known.items()))
-    count = Waiting(1, 10.0)
+    monkeypatch.setattr(submission_run, "_threads", lambda _: iter(known.items()))
+    count = WaitingTime(1, 10.0)
     now[0] += 10.0
     known.update(threads)
-    assert count.grow() == pytest.approx(grows)
-    assert count.grow() == 0.0  # the same waiting counts once
+    assert count.extend() == pytest.approx(grows)
+    assert count.extend() == 0.0  # the same waiting counts once
 
 
-def test_a_limit_does_not_grow_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_extension_of_the_time_limit_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
     monkeypatch.setattr(wall, "monotonic", lambda: now[0])
-    monkeypatch.setattr(waiting, "_threads", lambda _: iter([(1, ThreadTimes(0.0, now[0]))]))
-    count = Waiting(1, 10.0)
+    monkeypatch.setattr(submission_run, "_threads", lambda _: iter([(1, ThreadTimes(0.0, now[0]))]))
+    count = WaitingTime(1, 10.0)
     while now[0] < 10_000.0:
         now[0] += 10.0
-        count.grow()
-    assert count.given == MOST * 10.0
+        count.extend()
+    assert count.granted == MOST * 10.0

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from course_lib.grading.grade import grade
-from course_lib.grading.handin.archives import working_files
-from course_lib.grading.handin.submission import find_submissions
-from course_lib.grading.handin.submit import submit
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
+from course_lib.grading.submissions.archives import working_files
+from course_lib.grading.submissions.submission import find_submissions
+from course_lib.grading.submissions.submit import submit
 
 WriteNotebook = Callable[..., Path]
 CODE = """
@@ -31,7 +31,9 @@ def exercise(tmp_path: Path, write_notebook: WriteNotebook) -> Path:
     return path
 
 
-def test_submit_packs_the_files_that_the_notebook_names_and_says_so(exercise: Path, tmp_path: Path) -> None:
+def test_submission_package_contains_and_lists_the_files_used_by_the_notebook(
+    exercise: Path, tmp_path: Path
+) -> None:
     receipt = submit(exercise, tmp_path / "handed_in.zip")
     assert receipt.content["files"] == "layouts/mine.rviz, fine.yaml"
     (tmp_path / "in").mkdir()
@@ -41,16 +43,16 @@ def test_submit_packs_the_files_that_the_notebook_names_and_says_so(exercise: Pa
     assert found.sha256 == receipt.content["sha256"]
 
 
-def test_beside_a_notebook_only_its_own_folder_is_looked_into(exercise: Path) -> None:
+def test_working_files_are_searched_only_in_the_notebook_folder(exercise: Path) -> None:
     assert list(working_files(exercise, (CODE,))) == ["layouts/mine.rviz", "fine.yaml"]
 
 
-def test_notebooks_of_several_students_in_one_folder_get_no_file_of_each_other(exercise: Path) -> None:
+def test_notebooks_of_several_students_in_one_folder_share_no_files(exercise: Path) -> None:
     found = [found for found in find_submissions(exercise.parent) if found.claimed == "ada"]
     assert found[0].files == {}
 
 
-def test_unsafe_names_in_an_archive_are_left_out(exercise: Path, tmp_path: Path) -> None:
+def test_archive_members_with_unsafe_names_are_ignored(exercise: Path, tmp_path: Path) -> None:
     packed = submit(exercise, tmp_path / "handed_in.zip").file
     with zipfile.ZipFile(packed, "a") as archive:
         for name in ("files/../../evil.yaml", "files//etc/evil.yaml", "files/large.yaml"):
@@ -58,7 +60,7 @@ def test_unsafe_names_in_an_archive_are_left_out(exercise: Path, tmp_path: Path)
     assert list(working_files(packed, ())) == ["layouts/mine.rviz", "fine.yaml"]
 
 
-def test_a_file_task_is_graded_on_the_file_that_was_handed_in(
+def test_file_task_is_graded_with_the_submitted_file(
     course: Course, tmp_path: Path, write_notebook: WriteNotebook
 ) -> None:
     checks = course.exercises / "checks/week01.py"
@@ -76,6 +78,6 @@ def test_a_file_task_is_graded_on_the_file_that_was_handed_in(
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
     scores = {}
     for path in (tmp_path / "out/results").glob("*/*.json"):
-        tasks = json.loads(path.read_text())["tasks"]
+        tasks = json.loads(path.read_text())["judgement"]["tasks"]
         scores[path.parent.name] = next(task["score"] for task in tasks if task["task"] == "week01.answer")
     assert scores == {"ada": 10, "bob": 0}

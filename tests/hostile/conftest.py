@@ -17,8 +17,8 @@ import pytest
 
 import course_lib
 from course_lib.grading.grade import grade
+from course_lib.grading.jail.filters import CHILD_SUBREAPER, prctl
 from course_lib.grading.jail.launch import shared_template
-from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, prctl
 from tests.grading.conftest import COURSE, HIDDEN, RIGHT, write_course
 from tests.hostile.files import FILES
 from tests.hostile.submissions import ALL
@@ -39,7 +39,7 @@ class Graded:
     connections: list[Any] = field(default_factory=list)
     library_before: str = ""
     left: set[int] = field(default_factory=set)  # processes
-    hides: bool = True
+    hides_names: bool = True
 
     def result(self, student: str) -> Any:
         return json.loads((self.top / "out/results" / student / "week01_exercise.json").read_text())
@@ -77,7 +77,7 @@ def graded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graded]:
     _hand_in_all(top, "".join(f"{name} = {str(value)!r}\n" for name, value in places.items()))
     made = Graded(top, {}, library_before=library_hash())
     threading.Thread(target=_count, args=(listener, made.connections), daemon=True).start()
-    made.hides = shared_template().isolation.hides  # its process stays
+    made.hides_names = shared_template().isolation.hides_names  # its process stays
     with orphans_become_ours():
         before = descendants()
         grade(top / "in", top / "out", jobs=2, course=course)

@@ -10,19 +10,16 @@ from hypothesis import strategies as st
 
 from course_lib.grading import expect_marker, expect_rate, expect_value
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.jail.isolation import Isolation
+from course_lib.grading.jail.filters import Isolation
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.job import Run, Step
 from course_lib.grading.run.outcome import Outcome
-from course_lib.grading.run.run import ExerciseRun, pack, unpack
-from course_lib.grading.run.scenario_graph import ScenarioGraph
-from course_lib.grading.run.submission_run import CellLog, _drive
+from course_lib.grading.run.run import ExerciseRun, Run, Step, pack, unpack
+from course_lib.grading.run.submission_run import CellLog, ScenarioGraph, _drive
 from course_lib.grading.task import Call, Scenario, Task
-from course_lib.ros import wall
-from course_lib.ros.channel import Channel, ChannelError
-from course_lib.ros.graph_server import Room
+from course_lib.ros.graph.remote import Channel, ChannelError, RecordingBudget
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
-from course_lib.ros.qos import Qos
+from course_lib.ros.time import wall
 
 TOPIC, MARKER = "/visualization_marker", "visualization_msgs/msg/Marker"
 CHECKS = (
@@ -91,7 +88,7 @@ def swallow(stream: bytes) -> Evidence:
     theirs.sendall(stream)
     theirs.shutdown(socket.SHUT_WR)
     try:
-        outcome = _drive(channel, stage, Room())
+        outcome = _drive(channel, stage, RecordingBudget())
     except ChannelError as error:
         outcome = Outcome(errors=[str(error)])
     finally:

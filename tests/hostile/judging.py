@@ -2,20 +2,19 @@
 
 import random
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from course_lib import grading as v
-from course_lib.course.installation import exercises_dir, solutions_dir
+from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.grading.catalog import load_catalog
-from course_lib.grading.evidence import Check, Evidence
-from course_lib.grading.handin.archives import working_files
-from course_lib.grading.handin.notebook import parse_notebook
+from course_lib.grading.evidence import Check, Evidence, all_checks
 from course_lib.grading.inputs import header, pose, transforms
 from course_lib.grading.judge import CHECK_SECONDS
-from course_lib.grading.run.job import Job, Run, plan
-from course_lib.grading.run.run import run_scenarios
-from course_lib.grading.task import Message
-from course_lib.grading.time_limit import time_limit
+from course_lib.grading.run.run import Job, Run, plan_scenarios, run_scenarios
+from course_lib.grading.submissions.archives import working_files
+from course_lib.grading.submissions.notebook import parse_notebook
+from course_lib.grading.task import Message, time_limit
 from tests.hostile.made_up import made_up, spoilt_evidence
 
 T = "/topic"
@@ -63,8 +62,9 @@ WORDS: tuple[tuple[str, Check], ...] = (
     ("expect_path", v.expect_path(T, count=3, frame="map", ends=((0, 0, 0), (2, 0, 0)), yaw=1.0)),
     ("expect_rate", v.expect_rate(T, 10.0, begin=0.5, end=2.5)),
     ("expect_stamps", v.expect_stamps(T)),
-    ("expect_text", v.expect_text("fixed frame")),
+    ("expect_text", v.expect_text("fixed frame", but_not=("target frame",))),
     ("expect_throughout", v.expect_throughout(T)),
+    ("expect_throughout", v.expect_throughout(T, hz=10.0, begin=0.5, end=2.0)),
     ("expect_topic", v.expect_topic(T, MARKER, at_most=2)),
     ("expect_topic", v.expect_topic(T, MARKER, at_least=2)),
     ("expect_trajectory", v.expect_trajectory(T, {"joint_1": 1.0}, at=0.0, seconds=1.0)),
@@ -102,9 +102,14 @@ def judge(check: Check, evidence: Evidence) -> None:
 
 
 def words_over(chance: random.Random, rounds: int) -> int:
-    """Judge made-up evidence by every word; returns the number of judgements."""
-    for _ in range(rounds):
+    """Judge made-up evidence by every word; returns the number of judgements.
+
+    In half of the rounds the words are the checks of one scenario, so that they are bound to one marker.
+    """
+    together = all_checks([check for _, check in WORDS])
+    for number in range(rounds):
         evidence = made_up(chance, ((T, chance.choice(ON_TOPIC)), *FIXED), seconds=3.0)
+        evidence = replace(evidence, checks=together if number % 2 else ())
         for _, check in WORDS:
             judge(check, evidence)
     return rounds * len(WORDS)
@@ -118,7 +123,7 @@ def right_runs(weeks: Sequence[str] = ()) -> list[Run]:
         path, tasks = solutions_dir() / f"{week}_solution.ipynb", catalog.of_week(week)
         if tasks:
             cells = parse_notebook(path.read_bytes(), path.name).cells
-            steps = plan(tasks, catalog, hidden=True)
+            steps = plan_scenarios(tasks, catalog, hidden=True)
             job = Job(cells, "fuzz", steps, catalog.course.limits, working_files(path, cells))
             runs += run_scenarios(job).runs
     return runs
@@ -138,7 +143,7 @@ def course_over(chance: random.Random, runs: Sequence[Run], rounds: int) -> int:
     judged = 0
     for _ in range(rounds):
         run = chance.choice(runs)
-        evidence = spoilt_evidence(chance, run.evidence)
+        evidence = replace(spoilt_evidence(chance, run.evidence), checks=all_checks(run.scenario.checks))
         for check in checks_of(run):
             judge(check, evidence)
             judged += 1

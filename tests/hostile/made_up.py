@@ -8,12 +8,11 @@ from functools import cache
 from typing import Any
 
 from course_lib.grading.evidence import Evidence
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import START_NS, Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class, serialize, type_name
 from course_lib.ros.messages.definitions import FieldDefinition, definition, type_names
 from course_lib.ros.messages.interface_files import PLACEHOLDER
-from course_lib.ros.qos import Qos
 
 NAN, INF = float("nan"), float("inf")
 FLOATS = (0.0, -0.0, 1.0, -1.0, 0.5, NAN, INF, -INF, 3e38, -3e38, 1e-45, 1e9, 3.14159)

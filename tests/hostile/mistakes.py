@@ -9,8 +9,8 @@ MISTAKES = (
     Entry("debugger", "breakpoint()"),
     Entry("magics", "%matplotlib inline\n%timeit -n1 -r1 1 + 1"),
     Entry("cell_magic", "%%time\nx = 1"),
-    Entry("shell", "!ls\n!pip install x", says="There is no shell when graded"),
-    Entry("pip", "%pip install x", says="There is no shell when graded"),
+    Entry("shell", "!ls\n!pip install x", says="Grading has no shell"),
+    Entry("pip", "%pip install x", says="Grading has no shell"),
     Entry("bash", "%%bash\necho BRO''KEN"),
     Entry(
         "figures",
@@ -25,7 +25,7 @@ MISTAKES = (
     Entry("spins_for_ever", "import threading\nthreading.Event().wait()", says="wait"),
     Entry("asyncio", "import asyncio\nawait asyncio.sleep(3)"),
     Entry("thread_left", "import threading, time\nthreading.Thread(target=time.sleep, args=(1e6,)).start()"),
-    Entry("renamed", change=replaced("def half", "def halve"), final=70, says="half is not in the notebook"),
+    Entry("renamed", change=replaced("def half", "def halve"), final=70, says="half is not defined"),
     Entry("duplicated", "def half(length):\n    return 0.0\n"),
     Entry(
         "endless_function",

@@ -10,14 +10,12 @@ from pathlib import Path
 from course_lib.displays.layout import layout_of
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.handin.notebook import parse_notebook
-from course_lib.grading.jail.isolation import Isolation
-from course_lib.grading.run.job import Run, Step
-from course_lib.grading.run.run import ExerciseRun, pack, unpack
+from course_lib.grading.jail.filters import Isolation
+from course_lib.grading.run.run import ExerciseRun, Run, Step, pack, unpack
 from course_lib.grading.run.submission_run import CellLog
-from course_lib.grading.task import Scenario, Task
-from course_lib.grading.time_limit import time_limit
-from course_lib.ros.parameter_yaml import read_text
+from course_lib.grading.submissions.notebook import parse_notebook
+from course_lib.grading.task import Scenario, Task, time_limit
+from course_lib.ros.programs.parameter_yaml import read_text
 from tests.hostile.made_up import made_text, spoilt
 from tests.hostile.staff_files import STAFF
 

@@ -61,6 +61,13 @@ while True:
         status="limit",
         reason="size|time",
     ),
+    Entry(
+        "flush_flood",
+        "import ctypes, os, time\nbegin = time.perf_counter()\nf = open('f', 'w')\n"
+        "for _ in range(20_000): os.sync(); os.fsync(f.fileno()); os.fdatasync(f.fileno())\n"
+        "assert ctypes.CDLL(None).syncfs(f.fileno()) == 0\nprint('flushed')",
+        says="flushed",
+    ),
     Entry("print_flood", "for _ in range(100): print('x' * 10**6)", says="cut after"),
     Entry("real_flood", "import os\nfor _ in range(100): os.write(1, b'x' * 10**6)", says="cut after"),
     Entry("huge_return", change=replaced("return length / 2", "return [0.0] * 10**7"), final=70),

@@ -1,37 +1,25 @@
-"""Files that instructors' commands read: a platform's tables and zips, class lists, requests, course.toml."""
+"""Files that instructors' commands read: a platform's tables and zips, class lists, course.toml."""
 
 import json
 import random
 import tempfile
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
-from course_lib.course.course_file import CourseFile, read_course_file
-from course_lib.course.installation import exercises_dir
-from course_lib.grading.handin.archives import working_files
-from course_lib.grading.handin.collect import collect
-from course_lib.grading.handin.received import Ledger
-from course_lib.grading.handin.roster import read_class, read_ids, read_times
-from course_lib.grading.handin.submission import find_submissions
-from course_lib.grading.marks.mark import read_result
-from course_lib.grading.marks.marks import read_marks
-from course_lib.grading.marks.requests import read_requests
-from course_lib.grading.term.class_list import (
-    ClassList,
-    Member,
-    read_class_list,
-    read_exemptions,
-    read_quizzes,
-)
-from course_lib.grading.term.regrade import take_in
+from course_lib.course.course_file import read_course_file
+from course_lib.course.state import exercises_dir
+from course_lib.grading.marks import read_marks, read_result
+from course_lib.grading.submissions.archives import working_files
+from course_lib.grading.submissions.collect import collect
+from course_lib.grading.submissions.received import Ledger
+from course_lib.grading.submissions.roster import read_class, read_class_list, read_ids, read_times
+from course_lib.grading.submissions.submission import find_submissions
 from tests.grading.platforms import NAME, notebook, zipped
 from tests.hostile.made_up import spoilt
 
 ZONE = ZoneInfo("Europe/Paris")
 NUMBERS = ("101", "102")
-CLASS = ClassList((Member("ada1"), Member("bob2")))
 PIECES = (
     "", " ", '"', '""', ",", ";", "\t", "\n", "\r\n", "\r", "\0", "=cmd|' /C calc'!A0", "../" * 9 + "passwd",
     "/", "\\", "NaN", "inf", "-1", "1e999", "9" * 400, "²", "٣", "\u202e", "\ufeff", "a\u0300" * 40, "🤖",
@@ -42,8 +30,6 @@ PIECES = (
 )  # fmt: skip
 TABLES = {
     "roster": "id,name,email,section,group,login\nada1,Ada,ada@x.org,1,g1,ada\nbob2,Bob,bob@x.org,1,g1,bob\n",
-    "exemptions": "id,week,reason\nada1,week01,ill\n",
-    "quizzes": "id,week,percent\nada1,week01,90\nbob2,week02,55.5\n",
     "received": "file,received,late,source,name,handed_in_as,id_from\n"
     "ada1/week01_exercise.ipynb,2026-10-11T23:59:00+02:00,no,x,Ada,x,roster\n",
     "worksheet": 'Identifier,Full name,ID number,"Last modified (submission)",Grade\n'
@@ -59,7 +45,6 @@ PATHS = (
 API = [{"user_id": 101, "submitted_at": "2026-03-08T22:59:00Z", "attachments": [{"id": 1}], "late": False}]
 RECORDS = {
     "marks": [{"task": "week01.a", "points": 1, "row": "", "comment": "", "by": "", "time": ""}],
-    "requests": [{"text": "Please", "time": "", "answer": "", "answered": ""}],
     "result": {"student": "ada1", "exercise": "week01_exercise", "status": "graded", "tasks": []},
 }
 VALUES: tuple[object, ...] = (
@@ -124,11 +109,6 @@ def mangled_zip(chance: random.Random) -> bytes:
     return spoilt(chance, made) if chance.random() < 0.4 else made
 
 
-@cache
-def course() -> CourseFile:
-    return read_course_file(exercises_dir() / "course.toml")
-
-
 def _course_file(chance: random.Random, top: Path) -> None:
     text = (exercises_dir() / "course.toml").read_text()
     start = chance.choice((0, text.index("[limits]"), text.index("[weeks.week07]")))
@@ -137,14 +117,6 @@ def _course_file(chance: random.Random, top: Path) -> None:
 
 def _roster(chance: random.Random, top: Path) -> None:
     read_class_list(written(top / "roster.csv", mangled(chance, TABLES["roster"])))
-
-
-def _exemptions(chance: random.Random, top: Path) -> None:
-    read_exemptions(written(top / "e.csv", mangled(chance, TABLES["exemptions"])), CLASS, course())
-
-
-def _quizzes(chance: random.Random, top: Path) -> None:
-    read_quizzes(written(top / "q.csv", mangled(chance, TABLES["quizzes"])), CLASS, course())
 
 
 def _received(chance: random.Random, top: Path) -> None:
@@ -180,13 +152,7 @@ def _download(chance: random.Random, top: Path) -> None:
 def _records(chance: random.Random, top: Path) -> None:
     kind = chance.choice(list(RECORDS))
     path = written(top / "ada1" / "week01_exercise.json", mangled_json(chance, RECORDS[kind]))
-    {"marks": read_marks, "requests": read_requests, "result": read_result}[kind](path)
-
-
-def _asked(chance: random.Random, top: Path) -> None:
-    name = chance.choice(("ada1", "bob2", *PIECES)).replace("/", "_").replace("\0", "_")[:99]
-    written(top / "requests" / (name or "x") / "week01_exercise.txt", mangled(chance, "Please look again."))
-    take_in(top / "out", top / "requests")
+    {"marks": read_marks, "result": read_result}[kind](path)
 
 
 def written(path: Path, data: bytes) -> Path:
@@ -206,6 +172,6 @@ def in_a_folder(read: Callable[[random.Random, Path], None]) -> Callable[[random
 
 
 FILES = (
-    _course_file, _roster, _exemptions, _quizzes, _received, _worksheet, _api, _download, _records, _asked,
+    _course_file, _roster, _received, _worksheet, _api, _download, _records,
 )  # fmt: skip
 STAFF = tuple(map(in_a_folder, FILES))

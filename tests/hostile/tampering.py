@@ -113,7 +113,7 @@ if "canary-4711" in "".join(seen): print("BROKEN")
     Entry(
         "clock",
         "import time\ntime.time = time.monotonic = lambda: 0.0\n"
-        "import course_lib.ros.clock as clock\nclock.START_NS = 0",
+        "import course_lib.ros.graph.graph as clock\nclock.START_NS = 0",
     ),
     Entry("garbage_in_pipe", "import os\nos.write(3, b'\\xff' * 1000)"),
     Entry(

@@ -19,6 +19,7 @@ ENTITIES = (
 )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("cell", "error", "limit"),
     [
@@ -38,7 +39,7 @@ ENTITIES = (
         ),
     ],
 )
-def test_a_file_that_is_none_is_an_error_of_that_task(cell: str, error: str, limit: str) -> None:
+def test_missing_or_invalid_returned_file_is_an_error_of_that_task(cell: str, error: str, limit: str) -> None:
     with closing(SubmissionRun([cell], {LAYOUT.id: {}}, Limits(scenario_seconds=2))) as session:
         came = session.run(LAYOUT, LAYOUT.scenarios[0])
     assert any(came.errors[0].startswith(kind) for kind in error.split("|"))
@@ -49,7 +50,7 @@ def test_a_file_that_is_none_is_an_error_of_that_task(cell: str, error: str, lim
 @pytest.mark.parametrize(
     "text", [LAUGHS, ENTITIES, "[" * 50_000, "x" * 10**7, "a: !!python/object:os.system x"]
 )
-def test_a_bomb_is_but_a_text(text: str) -> None:
+def test_yaml_bomb_is_returned_as_plain_text(text: str) -> None:
     files = {"f.yaml": text}
     with closing(SubmissionRun(["layout = 'f.yaml'"], {LAYOUT.id: {}}, Limits(), files=files)) as session:
         came = session.run(LAYOUT, LAYOUT.scenarios[0])

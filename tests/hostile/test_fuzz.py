@@ -6,13 +6,14 @@ from hypothesis import given, settings
 from tests.hostile.fuzzing import PUBLISHER, packed, streams, swallow
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(streams)
-def test_whatever_a_submission_sends_ends_in_a_mark(stream: bytes) -> None:
+def test_arbitrary_worker_stream_gives_a_mark(stream: bytes) -> None:
     swallow(stream)
 
 
-def test_the_streams_can_publish() -> None:
+def test_fuzzed_streams_can_contain_published_messages() -> None:
     published = packed(["publish", 3, b"x"]) + packed(["result", [], []]) + packed(["exit", 0, 0.1])
     assert swallow(b"".join(map(packed, PUBLISHER)) + published).samples
 
@@ -29,5 +30,5 @@ def test_the_streams_can_publish() -> None:
         packed(["result", [{"object": 1}] * 100, []]) + packed(["exit", 0, 0.1]),
     ],
 )
-def test_bombs_are_refused(stream: bytes) -> None:
+def test_stream_bomb_is_rejected(stream: bytes) -> None:
     swallow(stream)

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.installation import exercises_dir, solutions_dir
+from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.judge import Judgement, judge
-from course_lib.grading.personal import give_values, personal_values
-from course_lib.grading.run.job import Job, Run, plan
-from course_lib.grading.run.run import run_scenarios
-from course_lib.grading.run.student_side import run_here
+from course_lib.grading.inputs import personal_values, set_values
+from course_lib.grading.judge import judge
+from course_lib.grading.records import Judgement
+from course_lib.grading.run.run import Job, Run, plan_scenarios, run_scenarios
+from course_lib.grading.run.student_side import run_in_this_process
 from course_lib.grading.task import Scenario, Task
 
 WEEKS = sorted(path.name[:6] for path in solutions_dir().glob("week*_solution.ipynb"))
@@ -51,7 +51,7 @@ class Marked(NamedTuple):
 
 
 def marked(cells: Sequence[str], tasks: Sequence[Task], *, hidden: bool = True) -> Marked:
-    steps = plan(tasks, catalog(), hidden=hidden)
+    steps = plan_scenarios(tasks, catalog(), hidden=hidden)
     made = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
     return Marked(made.runs, judge(made, tasks, catalog()))
 
@@ -64,7 +64,7 @@ def run_of(path: Path) -> Marked:
 
 def defined(cells: Sequence[str], week: str) -> dict[str, Any]:
     """The names that a notebook's definitions define, in this process: views and runs are left out."""
-    give_values({task.id: personal_values(task, STUDENT) for task in catalog().of_week(week)})
+    set_values({task.id: personal_values(task, STUDENT) for task in catalog().of_week(week)})
     namespace: dict[str, Any] = {}
     for cell in (re.sub(r"^%.*\n", "", cell) for cell in cells):
         if re.match(DEFINITION, cell):
@@ -72,10 +72,12 @@ def defined(cells: Sequence[str], week: str) -> dict[str, Any]:
     return namespace
 
 
-def evidence_here(task: Task, scenario: Scenario, namespace: Mapping[str, Any]) -> Evidence:
+def evidence_here(
+    task: Task, scenario: Scenario, namespace: Mapping[str, Any], wall_limit: float = A_WHILE
+) -> Evidence:
     """Return the evidence of a scenario, run in this process."""
     subject, personal = namespace[task.name], personal_values(task, STUDENT)
-    return run_here(task, scenario, subject, personal, wall_limit=A_WHILE)
+    return run_in_this_process(task, scenario, subject, personal, wall_limit=wall_limit)
 
 
 def judged(week: str) -> list[Task]:

@@ -1,15 +1,16 @@
 """All that `course verify` looks at, in every week of the course."""
 
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
 import pytest
 
-from course_lib.authoring.flaw import ASPECTS
+from course_lib.authoring.fields import ASPECTS
 from course_lib.authoring.verify import EXTRAS, WeekReport, verify, weeks_of
 from course_lib.course.exercise import exercise_path
-from course_lib.course.installation import solutions_dir
-from course_lib.grading.records import this_course
+from course_lib.course.state import solutions_dir
+from course_lib.grading.store import this_course
 from tests.notebooks.graded import (
     IN_PROCESS,
     WEEKS,
@@ -20,21 +21,34 @@ from tests.notebooks.graded import (
     run_of,
     solution,
 )
+from tests.once import Once
 
 ANSWERS = solutions_dir() / "answers"
 ALL_WEEKS = weeks_of(this_course())
 
 
-@cache
-def report(week: str) -> WeekReport:
-    (made,) = verify(this_course(), [week], jobs=1)  # in this process: others would start for each week
-    return made
+@pytest.fixture(scope="module")
+def report(once: Once) -> Iterator[Callable[[str], WeekReport]]:
+    """Verify a week, once for all aspects."""
+
+    @cache
+    def verified(week: str) -> WeekReport:
+        # In this process: a pool would start its processes for each week.
+        (made,) = verify(this_course(), [week], jobs=1)
+        return made
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("course_lib.authoring.verify.rehearse", once.rehearse)
+        patch.setattr("course_lib.authoring.verify.run_lesson", once.run_lesson)
+        yield verified
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("aspect", ASPECTS, ids=lambda aspect: aspect.replace(" ", "_"))
 @pytest.mark.parametrize("week", ALL_WEEKS)
-def test_what_must_hold_of_a_week_does(week: str, aspect: str) -> None:
+def test_each_week_has_no_flaws_in_any_aspect(
+    week: str, aspect: str, report: Callable[[str], WeekReport]
+) -> None:
     assert [str(flaw) for flaw in report(week).flaws if flaw.aspect == aspect] == []
     assert report(week).cell(aspect) == "✔" or week not in WEEKS
 
@@ -48,8 +62,9 @@ def kinds_of_files() -> list[tuple[str, str]]:
     return [(week, kind) for week in WEEKS for kind in ("solution", "stub", "first_try", "second_try")]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("week", "kind"), kinds_of_files())
-def test_kernel_and_worker_record_the_same(
+def test_kernel_and_worker_record_equal_evidence(
     week: str, kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)  # answers may write files

@@ -1,13 +1,13 @@
 """`course run` runs every lesson and every solution to its end."""
 
-import shutil
 from pathlib import Path
 
 import pytest
 
-from course_lib.course.installation import lessons_dir, solutions_dir
+from course_lib.course.state import lessons_dir, solutions_dir
 from course_lib.tools.run import run
 from tests.export.conftest import write_notebook
+from tests.once import Once
 from tests.test_cli import course
 
 LESSONS, SOLUTIONS = sorted(lessons_dir().glob("*.ipynb")), sorted(solutions_dir().glob("*.ipynb"))
@@ -21,21 +21,25 @@ TIMED = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("notebook", [*LESSONS, *SOLUTIONS], ids=lambda path: path.stem)
-def test_a_notebook_runs_to_its_end(
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda path: path.stem)
+def test_lesson_runs_without_errors(lesson: Path, once: Once) -> None:
+    assert once.run_lesson(lesson) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("notebook", SOLUTIONS, ids=lambda path: path.stem)
+def test_solution_runs_without_errors(
     notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setenv("COURSE_STRICT", "1" if notebook in SOLUTIONS else "0")
+    monkeypatch.setenv("COURSE_STRICT", "1")
     copy = tmp_path / notebook.name  # it writes files beside itself
     copy.write_bytes(notebook.read_bytes())
-    for module in notebook.parent.glob("week*.py"):
-        shutil.copy(module, tmp_path)
     code = run([copy], seconds=None, seed=0, bag=None, args=(), real_time=False)
     shown = capfd.readouterr()
     assert (code, "Traceback" in shown.out + shown.err) == (0, False), shown
 
 
-def test_a_timeout_is_not_counted_as_the_user_s_ctrl_c(tmp_path: Path) -> None:
+def test_timeout_is_not_reported_as_ctrl_c_of_the_user(tmp_path: Path) -> None:
     write_notebook(tmp_path / "timed.ipynb", TIMED)
     done = course("run", "timed.ipynb", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
@@ -43,7 +47,7 @@ def test_a_timeout_is_not_counted_as_the_user_s_ctrl_c(tmp_path: Path) -> None:
     assert done.stdout.endswith("ok: True\n")
 
 
-def test_a_notebook_works_in_its_own_folder_as_in_jupyter(tmp_path: Path) -> None:
+def test_notebook_runs_in_its_own_folder(tmp_path: Path) -> None:
     (tmp_path / "lessons").mkdir()
     write_notebook(tmp_path / "lessons" / "where.ipynb", ["from pathlib import Path\nprint(Path.cwd().name)"])
     assert course("run", "lessons/where.ipynb", cwd=tmp_path).stdout == "lessons\n"

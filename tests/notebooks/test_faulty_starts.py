@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from course_lib.grading.judge import judge_task
-from course_lib.grading.run.job import Run
+from course_lib.grading.run.run import Run
 from course_lib.grading.task import Task
 from tests.notebooks.graded import (
     IN_PROCESS,
@@ -48,7 +48,7 @@ STARTS = list(faulty_starts())
 
 
 @pytest.mark.parametrize(("task", "faulty"), STARTS)
-def test_a_faulty_start_earns_at_most_a_tenth(task: Task, faulty: str) -> None:
+def test_faulty_start_code_of_a_task_earns_at_most_a_tenth(task: Task, faulty: str) -> None:
     names = defined(cells_of(solution(task.week)), task.week)
     names[task.name] = names[faulty]
     scenarios = [(one, False) for one in task.scenarios]
@@ -60,7 +60,7 @@ def test_a_faulty_start_earns_at_most_a_tenth(task: Task, faulty: str) -> None:
 
 
 @pytest.mark.parametrize("week", ["week01", "week02", "week03", "week07", "week08"])
-def test_there_are_faults_to_find_in_each_week(week: str) -> None:
+def test_every_week_has_tasks_with_faulty_start_code(week: str) -> None:
     assert [start.values[0].id for start in STARTS if start.values[0].week == week]
 
 
@@ -72,7 +72,7 @@ HANDED_OUT = {  # task: the class or function that its exercise hands out with f
 
 
 @pytest.mark.parametrize(("name", "faulty"), HANDED_OUT.items())
-def test_a_faulty_start_earns_nothing_as_it_is(name: str, faulty: str) -> None:
+def test_unchanged_faulty_start_code_earns_nothing(name: str, faulty: str) -> None:
     task = catalog().task(name)
     subject = {task.name: defined(cells_of(solution(task.week)), task.week)[faulty]}
     scenarios = [(one, False) for one in task.scenarios]

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
-from course_lib.course.installation import exercises_dir, lessons, solutions_dir
+from course_lib.course.state import exercises_dir, lessons, solutions_dir
 
 LESSONS = lessons()
 EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))
@@ -108,12 +108,12 @@ def stated(path: Path) -> int:
 
 
 @pytest.mark.parametrize(("read", "took"), STRANGERS.values(), ids=STRANGERS)
-def test_the_estimate_agrees_with_what_strangers_took(read: Content, took: float) -> None:
+def test_estimated_minutes_agree_with_measured_reading_times(read: Content, took: float) -> None:
     assert read.minutes() + PER_QUIZ == pytest.approx(took, rel=SPREAD)
 
 
 @pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
-def test_the_stated_minutes_of_a_lesson_are_near_the_estimate(path: Path) -> None:
+def test_stated_minutes_of_a_lesson_match_the_estimate(path: Path) -> None:
     needed, optional = parts(path)
     assert stated(path) == pytest.approx(needed.minutes() + PER_QUIZ, rel=SPREAD)
     more = OPTIONAL.search("\n".join(sources(path, "markdown")))
@@ -121,12 +121,12 @@ def test_the_stated_minutes_of_a_lesson_are_near_the_estimate(path: Path) -> Non
 
 
 @pytest.mark.parametrize("path", EXERCISES, ids=lambda path: path.stem)
-def test_the_stated_minutes_of_an_exercise_are_near_the_estimate(path: Path) -> None:
+def test_stated_minutes_of_an_exercise_match_the_estimate(path: Path) -> None:
     assert stated(path) == pytest.approx(minutes_of_exercise(path), rel=SPREAD_OF_EXERCISES)
 
 
 @pytest.mark.parametrize("path", [*LESSONS, *EXERCISES], ids=lambda path: path.stem)
-def test_the_readme_states_the_same_minutes(path: Path) -> None:
+def test_readme_minutes_equal_the_notebook_minutes(path: Path) -> None:
     rows = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
     (row,) = (row for row in rows if row.startswith(f"| {int(path.stem[4:6])} "))
     column = 4 if path in EXERCISES else 3
@@ -134,5 +134,5 @@ def test_the_readme_states_the_same_minutes(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", EXERCISES, ids=lambda path: path.stem)
-def test_an_exercise_and_its_metadata_state_the_same_minutes(path: Path) -> None:
+def test_exercise_text_and_metadata_state_the_same_minutes(path: Path) -> None:
     assert read_notebook(path)["metadata"]["course"]["minutes"] == stated(path)

@@ -1,19 +1,22 @@
 """Promises of this course beyond the rules for notebooks that `course verify` knows."""
 
+import re
 import tomllib
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from course_lib.authoring.lesson_rules import code_of, used_in_answers
+from course_lib.authoring.rules import code_of, names_in_answers
 from course_lib.authoring.verify import page_flaws, weeks_of
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.installation import exercises_dir, lessons_dir, solutions_dir
 from course_lib.course.questions import load_quiz
-from course_lib.grading.records import this_course
+from course_lib.course.state import exercises_dir, lessons_dir, solutions_dir
+from course_lib.grading.store import this_course
 
 COVERAGE = tomllib.loads(Path(__file__).with_name("coverage.toml").read_text(encoding="utf-8"))["part"]
+PAGES = sorted([*lessons_dir().glob("*.ipynb"), *exercises_dir().glob("*.ipynb")])
 SOLUTIONS = sorted(solutions_dir().glob("week*_solution.ipynb"))
 
 
@@ -22,8 +25,16 @@ def test_lessons_reviews_exercises_and_solutions_follow_the_rules(week: str) -> 
     assert [str(flaw) for flaw in page_flaws(week, this_course())] == []
 
 
+@pytest.mark.parametrize("path", [*PAGES, *SOLUTIONS], ids=lambda path: path.stem)
+def test_sentence_is_not_repeated_within_a_cell(path: Path) -> None:
+    for cell in read_notebook(path)["cells"]:
+        if cell["cell_type"] == "markdown":
+            sentences = [one.strip() for one in re.split(r"(?<=[.!?])\s+", source(cell)) if len(one) > 12]
+            assert [one for one, count in Counter(sentences).items() if count > 1] == []
+
+
 @pytest.mark.parametrize("part", COVERAGE, ids=lambda part: part["topic"])
-def test_every_part_of_the_original_tutorials_is_there_by_its_words(part: dict[str, Any]) -> None:
+def test_every_part_of_the_original_tutorials_is_covered_by_its_keywords(part: dict[str, Any]) -> None:
     assert sum(map(len, part["words"].values())) >= 2
     for name, words in part["words"].items():
         folder = exercises_dir() if name.endswith("exercise") else lessons_dir()
@@ -32,18 +43,18 @@ def test_every_part_of_the_original_tutorials_is_there_by_its_words(part: dict[s
         assert [word for word in words if word.casefold() not in text] == []
 
 
-def test_week_6_asks_the_ten_questions_of_its_tutorial() -> None:
+def test_week_6_contains_the_ten_questions_of_its_tutorial() -> None:
     assert len(load_quiz("week06")) == 10
 
 
 @pytest.mark.parametrize("path", SOLUTIONS, ids=lambda path: path.stem[:6])
 def test_answers_use_names_of_ros_or_the_kit(path: Any) -> None:
-    assert len(set(used_in_answers(code_of(path)))) > 3
+    assert len(set(names_in_answers(code_of(path)))) > 3
 
 
-def test_a_name_of_an_answer_is_found_and_one_of_given_code_is_not() -> None:
+def test_names_are_collected_from_answers_and_not_from_given_code() -> None:
     code = "from rclpy.node import Node\nclass A(Node):\n    def f(self):\n        self.get_name()\n"
     answer = (
         "        # solution: missing\n        self.create_timer(1.0, self.f)\n        # end of solution\n"
     )
-    assert list(used_in_answers(code + answer)) == ["create_timer"]
+    assert list(names_in_answers(code + answer)) == ["create_timer"]

@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from course_lib.course.installation import exercises_dir, solutions_dir
+from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.robots.kinematics import link_poses
 from course_lib.robots.robot import load_robot
 
@@ -24,7 +24,7 @@ SIDE, FORWARD, UP = PUBLIC["SIDE"], PUBLIC["FORWARD"], PUBLIC["UP"]
         (HIDDEN["PAN"], HIDDEN["LIFT"] - pi / 2, HIDDEN["ELBOW"], HIDDEN["wrist"]()),
     ],
 )
-def test_the_checks_expect_the_wrist_where_pinocchio_has_it(
+def test_expected_wrist_positions_match_pinocchio(
     pan: float, lift: float, elbow: float, wrist: list[float]
 ) -> None:
     positions = {"shoulder_pan_joint": pan, "shoulder_lift_joint": lift, "elbow_joint": elbow}
@@ -32,7 +32,7 @@ def test_the_checks_expect_the_wrist_where_pinocchio_has_it(
     assert np.allclose(found, wrist, atol=1e-6)
 
 
-def test_the_checks_name_the_joints_of_the_ur10() -> None:
+def test_joint_checks_list_the_joints_of_the_ur10() -> None:
     joints = load_robot("ur10").tree.joints.values()
     moving = [joint.name for joint in joints if joint.kind != "fixed"]
     assert list(PUBLIC["NAMES"]) == list(HIDDEN["NAMES"]) == moving

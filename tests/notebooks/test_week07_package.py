@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 
 from course_lib.course.exercise import read_notebook, source
-from course_lib.course.installation import lessons_dir, solutions_dir
-from course_lib.export.check import lacks
-from course_lib.export.export import export
+from course_lib.course.state import lessons_dir, solutions_dir
+from course_lib.export.export import export, lacks
 from tests.export.conftest import write_notebook
 from tests.ros.launch.run import recorded
 
@@ -31,7 +30,7 @@ def exported_cells(notebook: Path) -> list[str]:
 
 
 @BOTH
-def test_the_launched_package_publishes_what_the_notebook_s_nodes_do(
+def test_launched_package_publishes_the_same_messages_as_the_notebook_nodes(
     notebook: Path, nodes: Sequence[str], tmp_path: Path
 ) -> None:
     made = ", ".join(f"{node}()" for node in nodes)

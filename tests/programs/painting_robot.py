@@ -9,9 +9,9 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from course_lib.robots.joint_trajectory_controller import JointTrajectoryController
 from course_lib.robots.mobile_manipulator import START, OmniBase, mobile_manipulator
-from course_lib.robots.robot_state_publisher import RobotStatePublisher
+from course_lib.robots.state_publishers import RobotStatePublisher
+from course_lib.robots.trajectory import JointTrajectoryController
 
 JOINTS = [
     f"ur10{name}_joint"

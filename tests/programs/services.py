@@ -1,5 +1,7 @@
 """Asks a service from several threads, changes a parameter by its service, and publishes what comes back."""
 
+from __future__ import annotations
+
 from contextlib import suppress
 
 import rclpy

@@ -5,11 +5,11 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, read_bag, write_bag
-from course_lib.recording.bag_writer import BagWriter
-from course_lib.ros.graph import Sample
+from course_lib.recording.bag import BagWriter
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class, serialize
 from course_lib.ros.messages.definitions import typestore
-from course_lib.ros.qos import Qos
 
 START = 1_700_000_000_000_000_000  # [ns]
 STRING = "std_msgs/msg/String"
@@ -34,47 +34,47 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def test_a_bag_gives_back_what_was_written(tmp_path: Path) -> None:
+def test_bag_survives_a_round_trip(tmp_path: Path) -> None:
     recording = make_recording()
     write_bag(recording, tmp_path / "new" / "bag")
     assert read_bag(tmp_path / "new" / "bag") == recording
 
 
-def test_order_survives_when_stamps_are_equal_and_the_bag_is_large(tmp_path: Path) -> None:
+def test_message_order_is_kept_with_equal_stamps_and_in_large_bags(tmp_path: Path) -> None:
     recording = make_recording(count=200, size=10_000)
     write_bag(recording, tmp_path / "bag")
     assert read_bag(tmp_path / "bag").digest() == recording.digest()
 
 
-def test_the_same_recording_gives_the_same_bytes_in_any_folder(tmp_path: Path) -> None:
+def test_equal_recordings_give_equal_bytes_in_any_folder(tmp_path: Path) -> None:
     write_bag(make_recording(), tmp_path / "one")
     write_bag(make_recording(), tmp_path / "other")
     assert contents(tmp_path / "one") == contents(tmp_path / "other")
     assert contents(tmp_path / "one").keys() == {"recording.mcap", "metadata.yaml"}
 
 
-def test_an_empty_recording_makes_a_bag(tmp_path: Path) -> None:
+def test_empty_recording_is_saved_as_a_bag(tmp_path: Path) -> None:
     write_bag(Recording(()), tmp_path / "bag")
     assert read_bag(tmp_path / "bag") == Recording(())
 
 
-def test_a_bag_is_replaced_only_with_force(tmp_path: Path) -> None:
+def test_existing_bag_is_replaced_only_with_force(tmp_path: Path) -> None:
     write_bag(make_recording(1), tmp_path / "bag")
-    with pytest.raises(CourseError, match="exists already"):
+    with pytest.raises(CourseError, match="already exists"):
         write_bag(make_recording(2), tmp_path / "bag")
     write_bag(make_recording(2), tmp_path / "bag", force=True)
     assert len(read_bag(tmp_path / "bag").samples) == 4
     assert [path.name for path in tmp_path.iterdir()] == ["bag"]
 
 
-def test_force_replaces_nothing_but_a_bag(tmp_path: Path) -> None:
+def test_force_replaces_only_bags(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("all of it")
     with pytest.raises(CourseError, match="is not a bag, so it is not replaced"):
         write_bag(make_recording(), tmp_path, force=True)
     assert (tmp_path / "thesis.txt").exists()
 
 
-def test_a_crash_while_writing_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_crash_while_writing_leaves_no_files_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def crash(*_: object) -> None:
         raise RuntimeError("power cut")
 
@@ -84,24 +84,24 @@ def test_a_crash_while_writing_leaves_nothing_behind(tmp_path: Path, monkeypatch
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_place_that_takes_no_files_is_named(tmp_path: Path) -> None:
+def test_unwritable_bag_folder_is_reported(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(CourseError, match=r"Can't write the bag .*file/bag"):
         write_bag(make_recording(), tmp_path / "file" / "bag")
 
 
-def test_a_type_that_is_not_known_is_named(tmp_path: Path) -> None:
+def test_unknown_type_in_a_bag_is_reported(tmp_path: Path) -> None:
     stranger = Sample(START, "/x", "my_msgs/msg/Thing", b"", Qos(), node=0)
     with pytest.raises(CourseError, match="No message type 'my_msgs/msg/Thing'"):
         write_bag(Recording((stranger,)), tmp_path / "bag")
 
 
-def test_a_missing_bag_is_answered_with_how_to_record_one(tmp_path: Path) -> None:
+def test_missing_bag_error_explains_how_to_record_one(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match=r"There is no bag .*nowhere\. `course run FILE.py --bag"):
         read_bag(tmp_path / "nowhere")
 
 
-def test_a_folder_or_file_that_is_no_bag_is_refused(tmp_path: Path) -> None:
+def test_path_that_is_not_a_bag_is_rejected(tmp_path: Path) -> None:
     (tmp_path / "file.txt").write_text("x")
     with pytest.raises(CourseError, match="is a folder but not a bag"):
         read_bag(tmp_path)
@@ -110,7 +110,7 @@ def test_a_folder_or_file_that_is_no_bag_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kept", [0, 5, 100, 400])
-def test_a_bag_in_which_nothing_is_whole_is_one_clear_error(tmp_path: Path, kept: int) -> None:
+def test_bag_without_intact_messages_is_an_error(tmp_path: Path, kept: int) -> None:
     write_bag(make_recording(), tmp_path / "bag")
     file = tmp_path / "bag" / "recording.mcap"
     file.write_bytes(file.read_bytes()[:kept])
@@ -125,7 +125,7 @@ def test_broken_metadata_is_one_clear_error(tmp_path: Path, text: str) -> None:
         read_bag(tmp_path)
 
 
-def test_a_sqlite_bag_is_read(tmp_path: Path) -> None:
+def test_sqlite_bag_is_read(tmp_path: Path) -> None:
     recording = make_recording()
     with Writer(tmp_path / "bag", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
         for topic in recording.topics():
@@ -141,7 +141,7 @@ def texts(recording: Recording) -> list[str]:
 
 
 @pytest.mark.parametrize("scene", sorted(path.name for path in REFERENCE.iterdir()))
-def test_every_message_of_the_reference_bags_is_understood(scene: str) -> None:
+def test_every_message_of_the_reference_bags_is_read(scene: str) -> None:
     recording = read_bag(REFERENCE / scene / "bag")
     found = [message for topic in recording.topics() for _, message in recording.messages(topic.name)]
     assert len(found) == len(recording.samples) > 0

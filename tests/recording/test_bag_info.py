@@ -7,10 +7,10 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, write_bag
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class, serialize
 from course_lib.ros.messages.definitions import typestore
-from course_lib.ros.qos import Qos
 
 EXPECTED = """
 Files:             recording.mcap
@@ -49,14 +49,14 @@ def test_info_has_the_format_of_ros2_bag_info(tmp_path: Path, monkeypatch: pytes
     time.tzset()
 
 
-def test_a_day_of_one_digit_has_a_space_before_it(tmp_path: Path) -> None:
+def test_single_digit_day_is_padded_with_a_space(tmp_path: Path) -> None:
     stamp_ns = 1_699_358_400 * 10**9  # 7 November 2023, noon in Greenwich
     cdr = serialize(message_class("std_msgs/msg/String")())
     write_bag(Recording((Sample(stamp_ns, "/a", "std_msgs/msg/String", cdr, Qos(), 1),)), tmp_path / "bag")
     assert re.search(r"Start: +Nov  [678] 2023 ", bag_info(tmp_path / "bag"))
 
 
-def test_a_topic_without_messages_is_listed(tmp_path: Path) -> None:
+def test_topic_without_messages_is_listed(tmp_path: Path) -> None:
     with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         writer.add_connection("/tf", "tf2_msgs/msg/TFMessage", typestore=typestore())
     text = (
@@ -65,6 +65,6 @@ def test_a_topic_without_messages_is_listed(tmp_path: Path) -> None:
     assert text in bag_info(tmp_path / "bag").splitlines()
 
 
-def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
+def test_path_that_is_not_a_bag_is_rejected(tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="not a bag"):
         bag_info(tmp_path)

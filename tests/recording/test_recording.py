@@ -1,10 +1,9 @@
 from std_msgs.msg import String
 
 from course_lib.recording import Recording, record
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.graph.graph import START_NS, Graph, Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
-from course_lib.ros.qos import Qos
 
 STRING = "std_msgs/msg/String"
 LATCHED = Qos(durability="transient_local")
@@ -14,7 +13,7 @@ def sample(stamp_ns: int, topic: str, text: str, qos: Qos | None = None) -> Samp
     return Sample(stamp_ns, topic, STRING, serialize(String(data=text)), qos or Qos(), node=1)
 
 
-def test_a_recording_knows_its_topics_messages_and_times() -> None:
+def test_recording_has_topics_messages_and_times() -> None:
     recording = Recording([sample(5, "/b", "x"), sample(6, "/a", "y"), sample(8, "/b", "z", LATCHED)])
     assert [(topic.name, topic.type_name, topic.count) for topic in recording.topics()] == [
         ("/a", STRING, 1),
@@ -25,12 +24,12 @@ def test_a_recording_knows_its_topics_messages_and_times() -> None:
     assert (recording.start_ns, recording.end_ns) == (5, 8)
 
 
-def test_an_empty_recording_has_no_topics() -> None:
+def test_empty_recording_has_no_topics() -> None:
     empty = Recording(())
     assert (empty.topics(), empty.start_ns, empty.end_ns) == ([], 0, 0)
 
 
-def test_the_digest_sees_topic_stamp_and_bytes_and_nothing_else() -> None:
+def test_digest_depends_only_on_topic_stamp_and_bytes() -> None:
     digest = Recording([sample(5, "/a", "x")]).digest()
     assert len(digest) == 64
     assert Recording([sample(5, "/a", "x", LATCHED)]).digest() == digest
@@ -38,7 +37,7 @@ def test_the_digest_sees_topic_stamp_and_bytes_and_nothing_else() -> None:
         assert Recording([other]).digest() != digest
 
 
-def test_the_recorder_keeps_what_is_published_until_it_is_stopped() -> None:
+def test_recorder_keeps_messages_until_stopped() -> None:
     graph = Graph()
     node = graph.add_node("talker", "/")
     latched = graph.add_publisher(node, "/map", STRING, LATCHED)

@@ -7,10 +7,10 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, read_bag, write_bag
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class, serialize
 from course_lib.ros.messages.definitions import typestore
-from course_lib.ros.qos import Qos
 
 START = 1_700_000_000_000_000_000  # [ns]
 STRING = "std_msgs/msg/String"
@@ -53,7 +53,10 @@ def is_beginning(part: Recording, whole: Recording) -> bool:
     return keys[0] == keys[1][: len(keys[0])]
 
 
-def test_every_cut_gives_the_messages_before_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.slow
+def test_bag_truncated_anywhere_gives_the_messages_before_the_cut(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     recording = make_recording(30)
     write_bag(recording, tmp_path / "bag")
     file = tmp_path / "bag" / "recording.mcap"
@@ -71,8 +74,9 @@ def test_every_cut_gives_the_messages_before_it(tmp_path: Path, capsys: pytest.C
     assert said.splitlines()[0].endswith(" messages.")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
-def test_a_cut_in_a_compressed_chunk_gives_what_can_be_unpacked(tmp_path: Path, share: float) -> None:
+def test_truncated_compressed_chunk_is_read_up_to_the_damage(tmp_path: Path, share: float) -> None:
     recording = make_recording(20_000)
     file = write(recording, tmp_path / "bag", StoragePlugin.MCAP, compressed=True)
     data = file.read_bytes()
@@ -83,7 +87,7 @@ def test_a_cut_in_a_compressed_chunk_gives_what_can_be_unpacked(tmp_path: Path, 
 
 
 @pytest.mark.parametrize("share", [0.3, 0.9])
-def test_a_cut_off_sqlite_bag_opens_as_well(tmp_path: Path, share: float) -> None:
+def test_truncated_sqlite_bag_can_be_opened(tmp_path: Path, share: float) -> None:
     recording = make_recording(2_000)
     file = write(recording, tmp_path / "bag", StoragePlugin.SQLITE3)
     data = file.read_bytes()
@@ -93,7 +97,7 @@ def test_a_cut_off_sqlite_bag_opens_as_well(tmp_path: Path, share: float) -> Non
     assert len(part.samples) > share * 2_000 * 0.6
 
 
-def test_a_sqlite_bag_in_which_nothing_is_whole_is_one_error(tmp_path: Path) -> None:
+def test_sqlite_bag_without_intact_messages_is_an_error(tmp_path: Path) -> None:
     file = write(make_recording(10), tmp_path / "bag", StoragePlugin.SQLITE3)
     file.write_bytes(file.read_bytes()[:3000])
     with pytest.raises(CourseError, match="damaged or was cut off"):
@@ -101,10 +105,44 @@ def test_a_sqlite_bag_in_which_nothing_is_whole_is_one_error(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("text", [None, "", "[", "rosbag2_bagfile_information: 3"])
-def test_a_bag_whose_recorder_died_before_its_metadata_is_read(tmp_path: Path, text: str | None) -> None:
+def test_bag_without_metadata_is_read(tmp_path: Path, text: str | None) -> None:
     recording = make_recording(5)
     write_bag(recording, tmp_path / "bag")
     metadata = tmp_path / "bag" / "metadata.yaml"
     metadata.unlink() if text is None else metadata.write_text(text)
     assert read_bag(tmp_path / "bag") == recording
     assert "Messages:          5" in bag_info(tmp_path / "bag")
+
+
+@pytest.mark.parametrize("storage", list(StoragePlugin))
+def test_file_of_a_bag_is_read_without_its_folder(
+    storage: StoragePlugin, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording = make_recording(30)
+    file = write(recording, tmp_path / "bag", storage)
+    alone = file.rename(tmp_path / f"alone{file.suffix}")
+    assert is_beginning(read_bag(alone), recording)
+    assert len(read_bag(alone).samples) == 30
+    assert f"Files:             {alone.name}\n" in bag_info(alone)
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("storage", list(StoragePlugin))
+def test_truncated_single_file_is_read_with_a_warning(
+    storage: StoragePlugin, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording = make_recording(3000)
+    file = write(recording, tmp_path / "bag", storage)
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    part = read_bag(file)
+    assert is_beginning(part, recording)
+    assert 0 < len(part.samples) < 3000
+    warning = capsys.readouterr().err
+    assert warning.startswith(f"warning: The bag {file} is damaged or was cut off: ")
+    assert "None" not in warning
+
+
+def test_info_of_a_bag_with_a_renamed_file_lists_the_existing_file(tmp_path: Path) -> None:
+    write_bag(make_recording(3), tmp_path / "bag")
+    (tmp_path / "bag" / "recording.mcap").rename(tmp_path / "bag" / "walk.mcap")
+    assert "Files:             walk.mcap\n" in bag_info(tmp_path / "bag")

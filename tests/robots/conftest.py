@@ -8,11 +8,11 @@ import rclpy
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-from course_lib.ros import virtual_time
-from course_lib.ros.baton import baton
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph, Sample, use_graph
+from course_lib.ros.graph.graph import Graph, Sample, use_graph
 from course_lib.ros.messages import deserialize, message_class
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.driving import spin_for
+from course_lib.ros.time.time_lock import time_lock
 
 Published = list[tuple[str, Any]]
 
@@ -21,7 +21,7 @@ Published = list[tuple[str, Any]]
 def graph() -> Iterator[Graph]:
     """A run that `rclpy.init()` has begun."""
     virtual_time.install()
-    with use_graph(Graph(notebook=True)) as graph, baton.known():
+    with use_graph(Graph(notebook=True)) as graph, time_lock.hold():
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         yield graph
         uninstall_signal_handlers()

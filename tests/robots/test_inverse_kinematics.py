@@ -3,8 +3,14 @@ import numpy.typing as npt
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.inverse_kinematics import arm_of, joints_for, straight_line
-from course_lib.robots.kinematics import configuration, link_poses, motions_of
+from course_lib.robots.kinematics import (
+    arm_of,
+    configuration,
+    joints_for,
+    link_poses,
+    motions_of,
+    straight_line,
+)
 from course_lib.robots.mobile_manipulator import START, mobile_manipulator
 from course_lib.robots.robot import load_robot
 from course_lib.robots.urdf import MOVING
@@ -15,8 +21,10 @@ WRIST = "ur10wrist_3_link"
 WIDE = '<limit lower="-3" upper="3" effort="1" velocity="1"/>'
 
 
+@pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "link"), [("ur10", "tool0"), ("panda", "panda_link8"), ("ur5", "ee_link")])
-def test_the_joints_found_bring_the_link_there_by_pinocchio_to_1e_9(name: str, link: str) -> None:
+def test_solution_reaches_the_pose_by_pinocchio_to_1e_9(name: str, link: str) -> None:
     robot, random = load_robot(name), np.random.default_rng(0)
     model = robot.model
     lower, upper = np.maximum(model.lowerPositionLimit, -3), np.minimum(model.upperPositionLimit, 3)
@@ -31,6 +39,7 @@ def test_the_joints_found_bring_the_link_there_by_pinocchio_to_1e_9(name: str, l
         np.testing.assert_allclose(reached, goal, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_jacobians_agree_with_pinocchio_for_every_link_of_each_kind_of_robot() -> None:
     pin, random = by_pinocchio.pin, np.random.default_rng(0)
     for name in ("ur10", "tiago", "solo12", "pr2"):
@@ -49,7 +58,7 @@ def test_jacobians_agree_with_pinocchio_for_every_link_of_each_kind_of_robot() -
                 np.testing.assert_allclose(jacobian[:, index], column, rtol=0, atol=1e-9)
 
 
-def test_of_several_solutions_it_takes_one_near_the_start() -> None:
+def test_solution_near_the_start_is_selected() -> None:
     robot = mobile_manipulator()
     goal = link_poses(robot, START)[WRIST]
     goal[2, 3] += 0.01  # [m]
@@ -57,7 +66,8 @@ def test_of_several_solutions_it_takes_one_near_the_start() -> None:
     assert max(abs(found[name] - START.get(name, 0.0)) for name in found) < 0.05  # [rad]
 
 
-def test_what_is_out_of_reach_says_how_near_it_comes() -> None:
+@pytest.mark.slow
+def test_unreachable_pose_error_has_the_smallest_distance() -> None:
     robot, goal = mobile_manipulator(), np.eye(4)
     goal[:3, 3] = 5.0, 0.0, 1.3  # [m]: more than 2.7 m beyond the reach of 1.3 m from (0.9, 0, 1.3)
     says = r"^ur10tool0 cannot be brought to \(5.00, 0.00, 1.30\) m in base_link.* is (2\.[7-9]|3\.)\d+ m"
@@ -66,17 +76,17 @@ def test_what_is_out_of_reach_says_how_near_it_comes() -> None:
 
 
 @pytest.mark.parametrize("pose", [np.eye(3), np.diag([2.0, 1, 1, 1]), np.full((4, 4), np.nan)])
-def test_a_pose_that_is_none_is_refused(pose: npt.NDArray[np.float64]) -> None:
+def test_invalid_pose_is_rejected(pose: npt.NDArray[np.float64]) -> None:
     with pytest.raises(CourseError, match=r"is not a rigid transform of shape \(4, 4\), link to root"):
         joints_for(mobile_manipulator(), WRIST, pose)
 
 
-def test_a_link_that_is_not_there_is_named() -> None:
+def test_unknown_link_is_reported() -> None:
     with pytest.raises(CourseError, match="'mobile_manipulator' has no link 'hand'"):
         joints_for(mobile_manipulator(), "hand", np.eye(4))
 
 
-def test_a_robot_with_wheels_and_joints_of_no_number_has_an_arm_too() -> None:
+def test_robot_with_wheels_and_unbounded_joints_can_solve_for_its_arm() -> None:
     robot = load_robot(ALL_KINDS)
     wanted = {"lift": 0.3}  # [m]
     found = joints_for(robot, "finger", link_poses(robot, wanted)["finger"])
@@ -99,7 +109,8 @@ MIMICS = robot(
 )
 
 
-def test_mimic_joints_are_one_degree_of_freedom_with_their_joint() -> None:
+@pytest.mark.slow
+def test_mimic_joints_share_one_degree_of_freedom_with_their_joint() -> None:
     arm = load_robot(MIMICS)
     for middle in (-1.2, 0.0, 0.7):  # [rad]
         goal = link_poses(arm, {"middle": middle})["three"]
@@ -111,7 +122,7 @@ def test_mimic_joints_are_one_degree_of_freedom_with_their_joint() -> None:
         joints_for(arm, "three", goal)
 
 
-def test_mimic_joints_turn_as_in_pinocchios_model_with_mimic() -> None:
+def test_mimic_joints_move_as_in_the_pinocchio_model_with_mimic() -> None:
     follower = (
         WIDE + '<origin xyz="1 0 0"/><axis xyz="0 0 1"/><mimic joint="lead" multiplier="-2" offset="0.1"/>'
     )
@@ -128,7 +139,7 @@ def test_mimic_joints_turn_as_in_pinocchios_model_with_mimic() -> None:
     assert found == pytest.approx({"lead": position, "follower": 0.1 - 2 * position})
 
 
-def test_a_mimic_outside_of_the_chain_is_driven_by_its_joint_and_one_of_a_fixed_joint_stands() -> None:
+def test_mimic_joint_outside_the_chain_follows_its_joint_unless_that_is_fixed() -> None:
     hand = robot(
         links("base", "left", "right", "stiff"),
         joint("left", "base", "left", "prismatic"),
@@ -141,14 +152,15 @@ def test_a_mimic_outside_of_the_chain_is_driven_by_its_joint_and_one_of_a_fixed_
     assert joints_for(arm, "stiff", goal) == pytest.approx({"left": 0.4, "right": -0.4, "stiff": 0.2})
 
 
-def test_a_trajectory_commands_no_mimic_joints() -> None:
+def test_trajectory_excludes_mimic_joints() -> None:
     start = {"drive": 0.0, "lift": 0.1}
     robot_of_all = load_robot(ALL_KINDS)
     goal = link_poses(robot_of_all, start)["mast"][:3, 3]
     assert straight_line(robot_of_all, "mast", start, goal, seconds=1.0).joint_names == ["drive", "lift"]
 
 
-def test_the_root_is_where_it_is() -> None:
+@pytest.mark.slow
+def test_root_link_can_only_have_the_identity_pose() -> None:
     assert joints_for(load_robot("ur10"), "world", np.eye(4), {"elbow_joint": 0.5})["elbow_joint"] == 0.5
     with pytest.raises(CourseError, match="world cannot be brought"):
         joints_for(load_robot("ur10"), "world", np.diag([-1.0, -1.0, 1.0, 1.0]))

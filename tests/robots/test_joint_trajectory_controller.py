@@ -6,11 +6,11 @@ import pytest
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from course_lib.robots.joint_trajectory_controller import JointTrajectoryController
 from course_lib.robots.mobile_manipulator import START, mobile_manipulator
-from course_lib.robots.robot_state_publisher import RobotStatePublisher
-from course_lib.ros.graph import Graph
-from course_lib.ros.tf2_transform import Transform
+from course_lib.robots.state_publishers import RobotStatePublisher
+from course_lib.robots.trajectory import JointTrajectoryController
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.tf2 import Transform
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
 NAMES = [f"ur10{joint}_joint" for joint in JOINTS]
@@ -58,7 +58,7 @@ def arm(graph: Graph, run: Run, on: On) -> Arm:
     return Arm(run, on)
 
 
-def test_it_stays_where_it_starts_and_says_so_at_its_rate(arm: Arm, on: On) -> None:
+def test_controller_publishes_the_start_position_at_its_rate(arm: Arm, on: On) -> None:
     arm.run(2.0)
     assert len(arm.states) == 100
     assert np.ptp(arm.states, axis=0).tolist() == [0.0] * 6
@@ -66,7 +66,7 @@ def test_it_stays_where_it_starts_and_says_so_at_its_rate(arm: Arm, on: On) -> N
     np.testing.assert_allclose(arm.states[0], [START.get(name, 0.0) for name in NAMES])
 
 
-def test_a_point_with_velocities_is_reached_along_a_cubic_to_1e_9(arm: Arm) -> None:
+def test_point_with_velocities_is_reached_along_a_cubic_to_1e_9(arm: Arm) -> None:
     arm.run(0.5, to(DOWN, 3))
     arm.run(4.0)
     moving = np.flatnonzero(np.abs(arm.states - arm.states[0]).max(axis=1) > 0)[0] - 1
@@ -75,7 +75,7 @@ def test_a_point_with_velocities_is_reached_along_a_cubic_to_1e_9(arm: Arm) -> N
     np.testing.assert_allclose(arm.states[moving:], arm.states[0] + cubic, atol=1e-9)
 
 
-def test_transforms_of_what_it_moves_agree_with_pinocchio_to_1e_9(graph: Graph, run: Run, on: On) -> None:
+def test_transforms_of_moved_joints_agree_with_pinocchio_to_1e_9(graph: Graph, run: Run, on: On) -> None:
     import pinocchio as pin
 
     robot = mobile_manipulator()
@@ -95,7 +95,7 @@ def test_transforms_of_what_it_moves_agree_with_pinocchio_to_1e_9(graph: Graph, 
         np.testing.assert_allclose(came.matrix(), data.liMi[joint].homogeneous, atol=1e-9)
 
 
-def test_a_new_trajectory_takes_over_without_a_jump(arm: Arm) -> None:
+def test_new_trajectory_replaces_the_old_one_without_a_jump(arm: Arm) -> None:
     arm.run(1.5, to(DOWN, 3))
     arm.run(3.5, to(UP, 2))
     np.testing.assert_allclose(arm.states[-1], UP, atol=1e-9)
@@ -103,7 +103,7 @@ def test_a_new_trajectory_takes_over_without_a_jump(arm: Arm) -> None:
     assert np.abs(np.diff(speeds, axis=0)).max() < 0.2  # [rad/s] from one period to the next
 
 
-def test_what_is_too_fast_follows_as_fast_as_the_joints_can(
+def test_too_fast_trajectory_is_followed_at_maximum_speed(
     arm: Arm, capfd: pytest.CaptureFixture[str]
 ) -> None:
     arm.run(0.5, to([3.0, *DOWN[1:]], 1))
@@ -115,9 +115,7 @@ def test_what_is_too_fast_follows_as_fast_as_the_joints_can(
     )
 
 
-def test_a_refused_trajectory_is_logged_and_changes_nothing(
-    arm: Arm, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_rejected_trajectory_is_logged_and_ignored(arm: Arm, capfd: pytest.CaptureFixture[str]) -> None:
     wrong = to(UP, 1)
     wrong.joint_names = [name.removeprefix("ur10") for name in NAMES]
     arm.run(1.0, to(DOWN, 3))
@@ -128,7 +126,7 @@ def test_a_refused_trajectory_is_logged_and_changes_nothing(
     np.testing.assert_allclose(arm.states[-1], DOWN, atol=1e-9)
 
 
-def test_a_trajectory_may_start_later(arm: Arm) -> None:
+def test_trajectory_can_start_later(arm: Arm) -> None:
     later = to(UP, 1)
     later.header.stamp = arm.operator.get_clock().now().to_msg()
     later.header.stamp.sec += 2

@@ -9,7 +9,8 @@ from course_lib.robots.robot import load_robot
 from tests.robots.urdfs import ALL_KINDS, ARM_2R, with_mesh
 
 
-def test_a_robot_is_loaded_by_name_with_its_shapes_and_its_description() -> None:
+@pytest.mark.slow
+def test_robot_is_loaded_by_name_with_its_shapes_and_description() -> None:
     robot = load_robot("ur10")
     assert (robot.name, robot.model.nq, len(robot.visual_model.geometryObjects)) == ("ur10", 6, 7)
     assert robot.q0.shape == (6,)
@@ -17,30 +18,31 @@ def test_a_robot_is_loaded_by_name_with_its_shapes_and_its_description() -> None
     assert robot.tree.root == "world"
 
 
-def test_a_robots_meshes_are_found() -> None:
+def test_meshes_of_a_robot_are_found() -> None:
     robot = load_robot("panda")
     uri = "package://example-robot-data/robots/panda_description/meshes/visual/link0.dae"
     assert uri in robot.urdf
     assert robot.resolve(uri).name == "link0.dae"
 
 
-def test_a_legged_robot_has_a_free_flyer() -> None:
+@pytest.mark.slow
+def test_legged_robot_has_a_free_flyer() -> None:
     assert load_robot("solo12").model.nq == 7 + 12
 
 
-def test_a_robot_is_loaded_from_the_text_of_a_urdf() -> None:
+def test_robot_is_loaded_from_a_urdf_string() -> None:
     robot = load_robot(ALL_KINDS)
     assert (robot.name, robot.urdf, robot.path) == ("small", ALL_KINDS, None)
     assert robot.q0.shape == (robot.model.nq,)
 
 
-def test_a_robot_is_loaded_from_a_file(tmp_path: Path) -> None:
+def test_robot_is_loaded_from_a_file(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
     path.write_text(ARM_2R)
     assert load_robot(path).model.nq == load_robot(str(path)).model.nq == 2
 
 
-def test_a_file_may_name_meshes_of_its_own_package(tmp_path: Path) -> None:
+def test_file_can_reference_meshes_of_its_own_package(tmp_path: Path) -> None:
     stl = Path(
         load_robot("ur10").resolve(
             "package://example-robot-data/robots/ur_description/meshes/ur10/collision/base.stl"
@@ -53,7 +55,7 @@ def test_a_file_may_name_meshes_of_its_own_package(tmp_path: Path) -> None:
     assert len(load_robot(path).visual_model.geometryObjects) == 1
 
 
-def test_poses_of_links_read_no_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_link_poses_are_computed_without_reading_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delattr("example_robot_data.load_full")
     monkeypatch.delattr("pinocchio.buildGeomFromUrdfString")
     mobile_manipulator.cache_clear()
@@ -62,42 +64,74 @@ def test_poses_of_links_read_no_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
     assert mobile_manipulator().q0.shape == (6,)
 
 
-def test_robots_of_one_text_are_apart() -> None:
+def test_robots_with_equal_descriptions_are_independent() -> None:
     first, second = load_robot(ARM_2R), load_robot(ARM_2R)
     first.model.upperPositionLimit[:] = 9.0
     assert list(second.model.upperPositionLimit) == [1.0, 1.0]
 
 
-def test_an_unknown_name_is_answered_with_close_ones() -> None:
+def test_unknown_name_error_suggests_close_names() -> None:
     with pytest.raises(CourseError, match=r"no robot 'ur1O' among the \d+ models\. Did you mean ur10"):
         load_robot("ur1O")
 
 
-def test_a_robot_that_is_no_urdf_says_so() -> None:
+def test_description_that_is_not_a_urdf_is_an_error() -> None:
     with pytest.raises(CourseError, match="'cassie' is described by SDF, not URDF"):
         load_robot("cassie")
 
 
 @pytest.mark.parametrize("name", ["nowhere/arm.urdf", "arm.urdf", Path("arm")])
-def test_a_file_that_is_not_there_is_named(name: str | Path) -> None:
+def test_missing_file_is_an_error(name: str | Path) -> None:
     with pytest.raises(CourseError, match=f"Cannot read {name}: .*No such file"):
         load_robot(name)
 
 
-def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
+def test_binary_file_is_rejected(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(CourseError, match=r"Cannot read .*arm\.urdf: .*codec"):
         load_robot(path)
 
 
-def test_a_missing_mesh_is_named() -> None:
-    with pytest.raises(CourseError, match=r"There is no file package://my_robot/leg\.stl"):
+def test_missing_mesh_is_reported() -> None:
+    with pytest.raises(CourseError, match=r"The file package://my_robot/leg\.stl does not exist"):
         load_robot(with_mesh("package://my_robot/leg.stl"))
 
 
-def test_a_mesh_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+def test_unreadable_mesh_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "leg.stl"
     path.write_text("no mesh")
     with pytest.raises(CourseError, match=r"shapes of 'small' cannot be loaded: (.|\n)*leg\.stl"):
         load_robot(with_mesh(path.as_uri()))
+
+
+XACRO = (
+    '<robot name="$(arg name)" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    '<xacro:arg name="high" default="0"/>'
+    '<link name="a"/><xacro:if value="$(arg high)"><link name="b"/><joint name="j" type="fixed">'
+    '<parent link="a"/><child link="b"/></joint></xacro:if></robot>'
+)
+
+
+@pytest.mark.parametrize("file", ["arm.urdf.xacro", "arm.urdf"])
+def test_xacro_arguments_are_passed_as_keywords(file: str, tmp_path: Path) -> None:
+    path = tmp_path / file
+    path.write_text(XACRO)
+    robot = load_robot(path, name="ur", high=True)
+    assert (robot.name, list(robot.tree.joints)) == ("ur", ["j"])
+    with pytest.raises(
+        CourseError, match=r"(?s)Undefined.*needs a value for its argument 'name': load_robot\("
+    ):
+        load_robot(str(path))
+
+
+@pytest.mark.parametrize("name", ["ur10", '<robot name="r"><link name="a"/></robot>'])
+def test_arguments_for_a_robot_without_xacro_are_rejected(name: str) -> None:
+    with pytest.raises(CourseError, match=r"but prefix was given\. Only xacro files take arguments\."):
+        load_robot(name, prefix="left_")
+    assert load_robot(name=name).name
+
+
+def test_robot_is_shown_by_its_name_and_path() -> None:
+    robot = load_robot("ur10")
+    assert repr(robot) == f"Robot(name='ur10', path={robot.path!r})"

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.resources import resolve
+from course_lib.robots.robot import resolve
 
 
 @pytest.fixture
@@ -14,32 +14,32 @@ def mesh(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_file_address_is_that_file(mesh: Path) -> None:
+def test_file_address_is_resolved_to_its_file(mesh: Path) -> None:
     assert resolve(mesh.as_uri()) == mesh
 
 
-def test_a_package_is_found_above_the_file_that_names_it(mesh: Path) -> None:
+def test_package_is_found_in_a_parent_folder_of_the_urdf(mesh: Path) -> None:
     urdf = mesh.parents[1] / "urdf" / "my_robot.urdf"
     assert resolve("package://my_robot/meshes/an%20arm.stl", urdf) == mesh
 
 
-def test_a_package_is_found_on_the_package_path(mesh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_package_is_found_on_the_package_path(mesh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{mesh.parents[2]}")
     assert resolve("package://my_robot/meshes/an arm.stl") == mesh
 
 
-def test_the_robot_data_of_the_kit_is_found() -> None:
+def test_robot_data_of_the_kit_are_found() -> None:
     uri = "package://example-robot-data/robots/ur_description/meshes/ur10/visual/upperarm.dae"
     assert resolve(uri).stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("uri", ["package://my_robot/meshes/leg.stl", "file:///nowhere/leg.stl"])
-def test_a_missing_file_is_named(uri: str) -> None:
-    with pytest.raises(CourseError, match=f"There is no file {uri}; correct the address"):
+def test_missing_file_is_reported(uri: str) -> None:
+    with pytest.raises(CourseError, match=f"The file {uri} does not exist. Correct the address"):
         resolve(uri)
 
 
 @pytest.mark.parametrize("uri", ["meshes/leg.stl", "https://example.org/leg.stl", ""])
-def test_what_is_no_address_of_a_file_is_refused(uri: str) -> None:
+def test_invalid_file_address_is_rejected(uri: str) -> None:
     with pytest.raises(CourseError, match="write package://PACKAGE/PATH or file:///PATH"):
         resolve(uri)

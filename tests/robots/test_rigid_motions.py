@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from course_lib.arrays import Floats
-from course_lib.robots.rigid_motions import inverse, motion_of, twist_jacobian, twist_of
+from course_lib.robots.kinematics import inverse, motion_of, twist_jacobian, twist_of
 from tests.robots.by_pinocchio import pin
 
 ANGLES = (0.0, 1e-9, 1e-6, 0.9e-3, 1.1e-3, 0.05, 0.11, 1.0, 2.0, 3.1, pi - 1e-7)  # [rad]
@@ -27,13 +27,13 @@ def test_motions_and_their_twists_agree_with_pinocchio(angle: float) -> None:
 
 
 @pytest.mark.parametrize("axis", [*np.eye(3), -np.eye(3)[1], (0.6, -0.8, 0.0), (2 / 3, 1 / 3, -2 / 3)])
-def test_half_a_circle_has_a_twist(axis: Floats) -> None:
+def test_half_turn_twists_survive_a_round_trip(axis: Floats) -> None:
     motion = motion_of(np.array([1.0, 2.0, 3.0, *(np.array(axis) * pi)]))
     np.testing.assert_allclose(motion_of(twist_of(motion)), motion, atol=1e-12)
 
 
 @pytest.mark.parametrize("angle", [angle for angle in ANGLES if angle < 3])
-def test_the_jacobian_is_the_slope_of_the_twist(angle: float) -> None:
+def test_jacobian_is_the_derivative_of_the_twist(angle: float) -> None:
     small = 1e-6
     for twist in twists(angle):
         slopes = [

@@ -6,9 +6,9 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from course_lib.displays.viewer import Viewer
-from course_lib.robots.robot_state_publisher import RobotStatePublisher
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph
+from course_lib.robots.state_publishers import RobotStatePublisher
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.driving import spin_for
 from tests.robots.urdfs import ARM_2R, joint, links, robot
 
 ARM = ARM_2R.removeprefix('<robot name="small">').removesuffix("</robot>")
@@ -36,7 +36,7 @@ def links_shown(viewer: Viewer) -> dict[str, str]:
     return {link: said[link] for link in ("base", "lamp", "upper", "fore", "tip")}
 
 
-def test_links_beyond_a_joint_that_is_nowhere_wait_and_all_others_go_on(graph: Graph) -> None:
+def test_links_beyond_a_nan_joint_are_not_placed_and_others_are_drawn(graph: Graph) -> None:
     viewer = Viewer(fixed_frame="base")
     viewer.add("RobotModel", topic="/robot_description")
     nodes = RobotStatePublisher(ARM_AND_LAMP), Joints()

@@ -12,9 +12,9 @@ from sensor_msgs.msg import JointState
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
 from course_lib.robots.robot import load_robot
-from course_lib.robots.robot_state_publisher import RobotStatePublisher
-from course_lib.ros.graph import Graph
-from course_lib.ros.tf2_transform import Transform
+from course_lib.robots.state_publishers import RobotStatePublisher
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.tf2 import Transform
 from tests.robots.urdfs import ALL_KINDS, ARM_2R
 
 On = Callable[[str], list[Any]]
@@ -49,7 +49,7 @@ def matrices(message: Any) -> dict[str, Any]:
     return found
 
 
-def test_it_offers_what_the_ros_node_offers(graph: Graph) -> None:
+def test_node_has_the_interfaces_of_the_ros_node(graph: Graph) -> None:
     node = RobotStatePublisher(ARM_2R)
     for topic, type_name in {
         "/tf": "TFMessage",
@@ -60,13 +60,15 @@ def test_it_offers_what_the_ros_node_offers(graph: Graph) -> None:
         assert (found.node_name, found.topic_type.split("/")[2]) == (node.get_name(), type_name)
 
 
-def test_who_comes_late_still_gets_the_description_and_the_fixed_transforms(graph: Graph) -> None:
+def test_late_joining_subscription_receives_description_and_static_transforms(graph: Graph) -> None:
     RobotStatePublisher(ARM_2R)
-    kept = {sample.topic for sample in graph.latched()}
+    kept = {sample.topic for sample in graph.latched_samples()}
     assert kept == {"/rosout", "/robot_description", "/tf_static"}
 
 
-def test_moving_joints_go_to_tf_with_the_stamp_of_the_joint_state(graph: Graph, on: On, run: Run) -> None:
+def test_movable_joints_are_published_on_tf_with_the_stamp_of_the_joint_state(
+    graph: Graph, on: On, run: Run
+) -> None:
     node, joints = RobotStatePublisher(ARM_2R), Joints()
     stamp_ns = graph.now_ns - 123
     joints.say({"shoulder": 0.3, "elbow": -0.2}, stamp_ns)
@@ -76,7 +78,7 @@ def test_moving_joints_go_to_tf_with_the_stamp_of_the_joint_state(graph: Graph, 
     assert {Time.from_msg(t.header.stamp).nanoseconds for t in message.transforms} == {stamp_ns}
 
 
-def test_fixed_joints_go_to_tf_static_once(graph: Graph, on: On, run: Run) -> None:
+def test_fixed_joints_are_published_on_tf_static_once(graph: Graph, on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ALL_KINDS), Joints()
     joints.say({"drive": 1.0})
     run(1.0, node, joints)
@@ -86,7 +88,7 @@ def test_fixed_joints_go_to_tf_static_once(graph: Graph, on: On, run: Run) -> No
 
 
 @pytest.mark.parametrize("name", ["ur10", "panda", "tiago"])
-def test_all_transforms_together_are_pinocchios_link_poses(name: str, on: On, run: Run) -> None:
+def test_all_transforms_together_agree_with_pinocchio_link_poses(name: str, on: On, run: Run) -> None:
     robot, random = load_robot(name), np.random.default_rng(1)
     free = [j for j in robot.tree.joints.values() if j.kind != "fixed" and not j.mimic]
     positions = {j.name: float(random.uniform(-1.5, 1.5)) for j in free}
@@ -102,7 +104,7 @@ def test_all_transforms_together_are_pinocchios_link_poses(name: str, on: On, ru
         np.testing.assert_allclose(transform_link_to_root, chained, atol=1e-9)
 
 
-def test_it_publishes_at_most_20_times_a_second_in_whole_messages(on: On, run: Run) -> None:
+def test_complete_messages_are_published_at_most_20_times_a_second(on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ARM_2R), Joints()
     joints.create_timer(0.02, lambda: joints.say({"shoulder": 0.0, "elbow": 0.0}))  # 50 Hz
     run(1.001, node, joints)
@@ -110,14 +112,14 @@ def test_it_publishes_at_most_20_times_a_second_in_whole_messages(on: On, run: R
 
 
 @pytest.mark.parametrize(("frequency", "count"), [(1000.0, 50), (0.0, 50), (50.0, 50), (5.0, 5), (30.0, 25)])
-def test_the_publish_frequency_is_a_limit(frequency: float, count: int, on: On, run: Run) -> None:
+def test_publish_frequency_is_a_limit(frequency: float, count: int, on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ARM_2R, publish_frequency=frequency), Joints()
     joints.create_timer(0.02, lambda: joints.say({"shoulder": 0.0, "elbow": 0.0}))
     run(1.001, node, joints)
     assert len(on("/tf")) == count
 
 
-def test_a_joint_heard_for_the_first_time_is_published_at_once(on: On, run: Run) -> None:
+def test_newly_received_joint_is_published_immediately(on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ARM_2R), Joints()
     joints.say({"shoulder": 0.0})
     joints.say({"elbow": 0.0})
@@ -126,7 +128,7 @@ def test_a_joint_heard_for_the_first_time_is_published_at_once(on: On, run: Run)
     assert [frames(m) for m in on("/tf")] == [[("base", "upper")], [("upper", "fore")]]
 
 
-def test_a_message_without_a_stamp_is_ignored_unless_stamps_are(on: On, run: Run) -> None:
+def test_message_without_a_stamp_is_ignored_unless_timestamps_are_ignored(on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ARM_2R), Joints()
     joints.say({"shoulder": 0.0}, stamp_ns=0)
     run(0.1, node, joints)
@@ -138,7 +140,7 @@ def test_a_message_without_a_stamp_is_ignored_unless_stamps_are(on: On, run: Run
     assert len(on("/tf")) == 1
 
 
-def test_frames_get_the_prefix(on: On, run: Run) -> None:
+def test_frame_names_have_the_prefix(on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ARM_2R, frame_prefix="left/"), Joints()
     joints.say({"shoulder": 0.0})
     run(0.1, node, joints)
@@ -146,7 +148,7 @@ def test_frames_get_the_prefix(on: On, run: Run) -> None:
     assert frames(on("/tf_static")[0]) == [("left/fore", "left/tip")]
 
 
-def test_unknown_and_fixed_joints_are_ignored_without_a_word(on: On, run: Run) -> None:
+def test_unknown_and_fixed_joints_are_ignored_silently(on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ARM_2R), Joints()
     joints.say({"tail": 1.0, "tip_joint": 1.0, "elbow": 0.5})
     joints.say({"tail": 1.0}, stamp_ns=joints.get_clock().now().nanoseconds + 10**9)
@@ -155,7 +157,7 @@ def test_unknown_and_fixed_joints_are_ignored_without_a_word(on: On, run: Run) -
     assert [m.msg for m in on("/rosout")] == ["Robot initialized"]
 
 
-def test_mimic_joints_follow_one_joint_each_unless_they_are_given(on: On, run: Run) -> None:
+def test_mimic_joints_follow_one_joint_each_unless_set_explicitly(on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ALL_KINDS), Joints()
     joints.say({"lift": 0.25})
     run(0.1, node, joints)
@@ -169,7 +171,7 @@ def test_mimic_joints_follow_one_joint_each_unless_they_are_given(on: On, run: R
     np.testing.assert_allclose(matrices(on("/tf")[1])["finger"], np.eye(4), atol=1e-12)
 
 
-def test_a_joint_that_is_nowhere_is_published_as_it_came_and_the_others_go_on(on: On, run: Run) -> None:
+def test_nan_joint_position_is_published_unchanged_with_the_others(on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ARM_2R), Joints()
     joints.say({"shoulder": nan, "elbow": 0.5})
     run(0.1, node, joints)
@@ -178,7 +180,7 @@ def test_a_joint_that_is_nowhere_is_published_as_it_came_and_the_others_go_on(on
     assert not isnan(fore.transform.rotation.w)
 
 
-def test_of_a_joint_named_twice_the_first_position_counts(on: On, run: Run) -> None:
+def test_first_position_of_a_duplicate_joint_name_is_used(on: On, run: Run) -> None:
     node, joints = RobotStatePublisher(ARM_2R), Joints()
     state = JointState(name=["shoulder", "shoulder"], position=[0.0, 1.0])
     state.header.stamp = joints.get_clock().now().to_msg()
@@ -194,7 +196,7 @@ def test_of_a_joint_named_twice_the_first_position_counts(on: On, run: Run) -> N
         ([1.0], "Robot state publisher ignored an invalid JointState message"),
     ],
 )
-def test_a_message_whose_sizes_disagree_is_refused_with_ross_text(
+def test_message_with_different_sizes_is_rejected_with_the_text_of_ros(
     positions: list[float], text: str, on: On, run: Run
 ) -> None:
     node, joints = RobotStatePublisher(ARM_2R), Joints()
@@ -204,7 +206,7 @@ def test_a_message_whose_sizes_disagree_is_refused_with_ross_text(
     assert on("/tf") == []
 
 
-def test_time_that_runs_backwards_makes_all_joints_be_published_again(
+def test_all_joints_are_published_again_after_a_backward_time_jump(
     graph: Graph, on: On, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     node, joints = RobotStatePublisher(ARM_2R), Joints()
@@ -219,7 +221,7 @@ def test_time_that_runs_backwards_makes_all_joints_be_published_again(
     assert "Moved backwards in time, re-publishing joint transforms!" in [m.msg for m in on("/rosout")]
 
 
-def test_another_robot_may_take_its_place(on: On, run: Run) -> None:
+def test_robot_can_be_replaced(on: On, run: Run) -> None:
     node = RobotStatePublisher(ARM_2R)
     node.set_description(ALL_KINDS)
     assert [m.data for m in on("/robot_description")] == [ARM_2R, ALL_KINDS]
@@ -236,7 +238,7 @@ def test_another_robot_may_take_its_place(on: On, run: Run) -> None:
         (ARM_2R, nan, "publish_frequency must be between 0 and 1000"),
     ],
 )
-def test_a_node_that_cannot_work_says_why_and_leaves_nothing_behind(
+def test_failing_constructor_raises_and_leaves_no_node(
     text: str, frequency: float, reason: str, graph: Graph
 ) -> None:
     with pytest.raises(CourseError, match=reason):
@@ -244,22 +246,33 @@ def test_a_node_that_cannot_work_says_why_and_leaves_nothing_behind(
     assert graph.nodes() == []
 
 
-def test_parameters_from_outside_count_more(graph: Graph) -> None:
+def test_command_line_parameters_take_precedence(graph: Graph) -> None:
     overrides = [Parameter("robot_description", value=ARM_2R), Parameter("frame_prefix", value="r/")]
     node = RobotStatePublisher(parameter_overrides=overrides)
     assert node.get_parameter("frame_prefix").value == "r/"
 
 
-def test_another_robot_can_be_set_as_a_parameter_and_a_wrong_one_is_refused(graph: Graph) -> None:
+def test_valid_robot_description_can_be_set_as_a_parameter_and_an_invalid_one_is_rejected(
+    graph: Graph,
+) -> None:
     node = RobotStatePublisher(ARM_2R)
     told: list[str] = []
     graph.tap(lambda sample: told.append(sample.topic))
     for name, value, reason in (
         ("robot_description", ALL_KINDS, ""),
-        ("robot_description", "", "robot_description parameter must not be empty"),
-        ("publish_frequency", 2000.0, "publish_frequency must be between 0 and 1000"),
+        ("robot_description", "", "Empty URDF is not allowed"),
+        ("publish_frequency", 2000.0, "publish_frequency must be between 0.0 and 1000.0"),
     ):
         (result,) = node.set_parameters([Parameter(name, value=value)])
         assert (result.successful, result.reason) == (not reason, reason)
-    assert told[:3] == ["/robot_description", "/rosout", "/tf_static"]
+    assert told[:4] == ["/parameter_events", "/robot_description", "/rosout", "/tf_static"]
     assert node.get_parameter("robot_description").value == ALL_KINDS
+
+
+def test_robot_description_in_a_rejected_request_changes_nothing(graph: Graph, on: On) -> None:
+    node = RobotStatePublisher(ARM_2R)
+    result = node.set_parameters_atomically(
+        [Parameter("robot_description", value=ALL_KINDS), Parameter("publish_frequency", value=-1.0)]
+    )
+    assert not result.successful
+    assert [message.data for message in on("/robot_description")] == [ARM_2R]

@@ -2,16 +2,16 @@ import numpy as np
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.joint_trajectory_controller import SimulatedJoints
 from course_lib.robots.mobile_manipulator import mobile_manipulator
 from course_lib.robots.robot import load_robot
+from course_lib.robots.trajectory import SimulatedJoints
 
 
 def ur10(**start: float) -> SimulatedJoints:
     return SimulatedJoints(mobile_manipulator().tree, {f"ur10{name}": p for name, p in start.items()})
 
 
-def test_within_the_limits_they_are_where_they_are_told() -> None:
+def test_joints_within_limits_reach_their_commands() -> None:
     joints = ur10(elbow_joint=0.5)
     command = joints.positions + 0.01
     assert joints.follow(command, 0.02) == []
@@ -19,21 +19,21 @@ def test_within_the_limits_they_are_where_they_are_told() -> None:
     np.testing.assert_allclose(joints.velocities, 0.5, atol=1e-12)
 
 
-def test_they_are_not_faster_than_the_urdf_allows_and_say_so() -> None:
+def test_joint_velocity_is_limited_and_reported() -> None:
     joints = ur10()
     said = joints.follow(np.array([1.0, 0, 0, 0, 0, 0]), 0.02)
     assert said == ["Joint(s) [ur10shoulder_pan_joint] would exceed velocity limits, limiting"]
     assert joints.velocities[0] == pytest.approx(2.16)  # [rad/s]
 
 
-def test_they_stop_at_their_limits_and_say_so() -> None:
+def test_joints_stop_at_their_limits_and_report_it() -> None:
     joints = ur10(elbow_joint=3.14)
     said = joints.follow(np.array([0, 0, 3.2, 0, 0, 0]), 0.02)
     assert said == ["Joint(s) [ur10elbow_joint] would exceed position limits, limiting"]
     assert joints.positions[2] == pytest.approx(np.pi)
 
 
-def test_a_start_that_is_none_is_refused() -> None:
+def test_invalid_start_is_rejected() -> None:
     with pytest.raises(
         CourseError, match=r"no joint 'ur10elbow' to start; there are ur10shoulder_pan_joint, "
     ):
@@ -47,7 +47,7 @@ def test_a_start_that_is_none_is_refused() -> None:
 
 
 @pytest.mark.parametrize("name", ["panda", "tiago"])
-def test_any_robot_has_them_but_those_that_mimic(name: str) -> None:
+def test_all_joints_except_mimic_joints_are_simulated(name: str) -> None:
     tree = load_robot(name).tree
     joints = SimulatedJoints(tree, {})
     mimics = [joint.name for joint in tree.joints.values() if joint.mimic]

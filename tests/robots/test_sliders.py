@@ -4,26 +4,26 @@ from typing import Any
 import pytest
 import rclpy
 
-from course_lib.robots.joint_state_publisher import JointStatePublisher, joint_sliders
-from course_lib.ros.graph import Graph
+from course_lib.robots.state_publishers import JointStatePublisher, joint_sliders
+from course_lib.ros.graph.graph import Graph
 from tests.robots.urdfs import ALL_KINDS, ARM_2R
 
 
 @pytest.fixture
 def page(monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel that a page watches."""
-    monkeypatch.setattr("course_lib.ros.pace.wanted", lambda: "real")
+    monkeypatch.setattr("course_lib.ros.time.pace.mode", lambda: "real")
 
 
 def rows(box: Any) -> list[tuple[Any, str]]:
     return [(row.children[0], row.children[1].value) for row in box.children[1:]]
 
 
-def test_without_a_page_there_are_none(graph: Graph) -> None:
+def test_no_sliders_are_created_without_a_page(graph: Graph) -> None:
     assert joint_sliders(JointStatePublisher(ARM_2R)) is None
 
 
-def test_each_free_joint_has_a_slider_with_its_name_and_its_limits(graph: Graph, page: None) -> None:
+def test_each_movable_joint_has_a_slider_with_its_limits(graph: Graph, page: None) -> None:
     found = rows(joint_sliders(JointStatePublisher(ALL_KINDS)))
     assert [(slider.description, text) for slider, text in found] == [
         ("drive", "-3.142 … 3.142 rad"),
@@ -32,7 +32,7 @@ def test_each_free_joint_has_a_slider_with_its_name_and_its_limits(graph: Graph,
     assert (found[1][0].min, found[1][0].max) == (-1.0, 1.0)
 
 
-def test_what_a_slider_says_is_published(graph: Graph, page: None, on: Callable[[str], list[Any]]) -> None:
+def test_slider_values_are_published(graph: Graph, page: None, on: Callable[[str], list[Any]]) -> None:
     node = JointStatePublisher(ARM_2R)
     (_, _), (elbow, _) = rows(joint_sliders(node))
     elbow.value = 0.75
@@ -40,7 +40,7 @@ def test_what_a_slider_says_is_published(graph: Graph, page: None, on: Callable[
     assert list(on("/joint_states")[-1].position) == [0.0, 0.75]
 
 
-def test_center_takes_all_joints_back(graph: Graph, page: None) -> None:
+def test_center_button_resets_all_joints(graph: Graph, page: None) -> None:
     node = JointStatePublisher(ARM_2R, zeros={"elbow": 0.5})
     box = joint_sliders(node)
     for slider, _ in rows(box):
@@ -50,7 +50,7 @@ def test_center_takes_all_joints_back(graph: Graph, page: None) -> None:
     assert [joint.position for joint in node.joints.values()] == [0.0, 0.5]
 
 
-def test_another_robot_gets_its_own_sliders(graph: Graph, page: None) -> None:
+def test_changed_robot_gets_its_own_sliders(graph: Graph, page: None) -> None:
     node = JointStatePublisher(ARM_2R)
     box = joint_sliders(node)
     node.set_description(ALL_KINDS)

@@ -4,8 +4,7 @@ import pytest
 from rclpy.time import Time
 
 from course_lib.errors import CourseError
-from course_lib.robots.inverse_kinematics import joints_for, straight_line
-from course_lib.robots.kinematics import link_poses
+from course_lib.robots.kinematics import joints_for, link_poses, straight_line
 from course_lib.robots.mobile_manipulator import START, mobile_manipulator
 from course_lib.robots.trajectory import sample, waypoints_of
 
@@ -28,7 +27,7 @@ def driven(
 
 
 @pytest.mark.parametrize("goal", [(1.7, 0.16, 0.6), (1.6, 0.5, 1.2), (1.7, -0.3, 2.0)])
-def test_the_wrist_leaves_the_line_by_less_than_a_centimetre_and_does_not_turn(
+def test_wrist_deviates_less_than_a_centimeter_from_the_line_and_does_not_rotate(
     goal: tuple[float, float, float],
 ) -> None:
     start = joints_for(mobile_manipulator(), WRIST, AT_THE_WALL, START)
@@ -44,12 +43,13 @@ def test_the_wrist_leaves_the_line_by_less_than_a_centimetre_and_does_not_turn(
 @pytest.mark.parametrize(
     ("link", "goal", "seconds"), [("hand", (1, 0, 1), 1.0), (WRIST, (1, 0), 1.0), (WRIST, (1, 0, 1), 0.0)]
 )
-def test_arguments_that_are_none_are_refused(link: str, goal: tuple[float, ...], seconds: float) -> None:
+def test_invalid_arguments_are_rejected(link: str, goal: tuple[float, ...], seconds: float) -> None:
     with pytest.raises(CourseError, match="give a link of 'mobile_manipulator', a point, and a time"):
         straight_line(mobile_manipulator(), link, START, goal, seconds=seconds)
 
 
-def test_a_line_out_of_reach_or_too_fast_is_refused() -> None:
+@pytest.mark.slow
+def test_unreachable_or_too_fast_line_is_rejected() -> None:
     robot = mobile_manipulator()
     start = joints_for(robot, WRIST, AT_THE_WALL, START)
     with pytest.raises(CourseError, match="ur10wrist_3_link cannot be brought to"):

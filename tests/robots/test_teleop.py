@@ -6,8 +6,8 @@ from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
 from course_lib.robots.teleop import KEYS, TwistTeleop, key_buttons
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time.driving import spin_for
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def run() -> Iterator[tuple[TwistTeleop, Node, list[Twist]]]:
     ("keys", "forward", "turn"),
     [("i", 0.5, 0.0), ("j", 0.0, 1.0), (".", -0.5, 1.0), ("k", 0.0, 0.0), ("?", 0.0, 0.0), ("qi", 0.55, 0.0)],
 )
-def test_a_key_or_its_button_drives(
+def test_key_or_its_button_drives_the_robot(
     run: tuple[TwistTeleop, Node, list[Twist]], keys: str, forward: float, turn: float
 ) -> None:
     teleop, base, heard = run

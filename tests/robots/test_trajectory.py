@@ -21,7 +21,7 @@ def trajectory(*points: JointTrajectoryPoint, names: tuple[str, ...] = ("b", "a"
     return JointTrajectory(joint_names=list(names), points=list(points))
 
 
-def test_numbers_come_in_the_order_of_the_controllers_joints() -> None:
+def test_values_are_in_the_joint_order_of_the_controller() -> None:
     message = trajectory(
         point(0.5, positions=[1.0, 2.0]), point(2.0, positions=[3.0, 4.0], velocities=[0.0, 0.0])
     )
@@ -30,7 +30,7 @@ def test_numbers_come_in_the_order_of_the_controllers_joints() -> None:
     assert (second.seconds, second.state.tolist()) == (2.0, [[4.0, 3.0], [0.0, 0.0]])
 
 
-def test_accelerations_without_velocities_do_not_count() -> None:
+def test_accelerations_without_velocities_are_ignored() -> None:
     (waypoint,) = waypoints_of(
         trajectory(point(1, positions=[1.0, 2.0], accelerations=[5.0, 5.0])), ["a", "b"], NOW
     )
@@ -77,7 +77,7 @@ REFUSED = [  # the texts of ros2_controllers 4.42.1, joint_trajectory_controller
 
 
 @pytest.mark.parametrize(("message", "says"), REFUSED, ids=[says[:30] for _, says in REFUSED])
-def test_what_the_controller_refuses_is_said_in_its_words(message: JointTrajectory, says: str) -> None:
+def test_rejected_trajectory_has_the_message_of_the_controller(message: JointTrajectory, says: str) -> None:
     with pytest.raises(CourseError) as refused:
         waypoints_of(message, ["a", "b"], NOW)
     assert str(refused.value) == says

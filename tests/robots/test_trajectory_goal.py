@@ -12,9 +12,9 @@ from rclpy.action import ActionClient
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from course_lib.robots.joint_trajectory_controller import JointTrajectoryController
 from course_lib.robots.mobile_manipulator import START, mobile_manipulator
-from course_lib.ros.graph import Graph
+from course_lib.robots.trajectory import JointTrajectoryController
+from course_lib.ros.graph.graph import Graph
 
 NAMES = [
     f"ur10{joint}_joint"
@@ -76,7 +76,7 @@ def within(joint: str, position: float) -> list[JointTolerance]:
     return [JointTolerance(name=f"ur10{joint}_joint", position=position)]
 
 
-def test_a_goal_is_followed_reported_on_and_reached(
+def test_goal_is_executed_with_feedback_and_succeeds(
     client: Client, capfd: pytest.CaptureFixture[str]
 ) -> None:
     handle = client.send(UP, 1, goal_tolerance=within("elbow", 0.01), path_tolerance=within("elbow", 0.01))
@@ -91,7 +91,7 @@ def test_a_goal_is_followed_reported_on_and_reached(
         assert line in said
 
 
-def test_a_joint_that_cannot_keep_to_the_path_aborts_the_goal_and_the_arm_stops(
+def test_joint_outside_its_path_tolerance_aborts_the_goal_and_stops_the_arm(
     client: Client, capfd: pytest.CaptureFixture[str]
 ) -> None:
     handle = client.send(FAR, 1, path_tolerance=within("shoulder_pan", 0.1))
@@ -110,7 +110,7 @@ def test_a_joint_that_cannot_keep_to_the_path_aborts_the_goal_and_the_arm_stops(
         assert line in said
 
 
-def test_a_goal_that_is_late_waits_for_its_time_tolerance_then_aborts(client: Client) -> None:
+def test_late_goal_waits_for_its_time_tolerance_and_is_aborted(client: Client) -> None:
     late = FollowJointTrajectory.Goal().goal_time_tolerance
     late.nanosec = 100_000_000
     handle = client.send(FAR, 1, goal_tolerance=within("shoulder_pan", 0.01), goal_time_tolerance=late)
@@ -119,27 +119,28 @@ def test_a_goal_that_is_late_waits_for_its_time_tolerance_then_aborts(client: Cl
     assert says.startswith("Aborted due to goal_time_tolerance exceeding by 0.1")
 
 
-def test_without_a_time_tolerance_it_waits_until_the_joints_are_there(client: Client) -> None:
+def test_goal_without_a_time_tolerance_waits_until_the_joints_arrive(client: Client) -> None:
     handle = client.send(FAR, 1, goal_tolerance=within("shoulder_pan", 0.01))
     assert client.ends(handle, 2.0)[0] == GoalStatus.STATUS_SUCCEEDED
     assert client.position[0] == pytest.approx(3.0, abs=0.01)
 
 
-def test_without_any_tolerance_it_succeeds_at_its_time_and_still_arrives(client: Client) -> None:
+def test_goal_without_tolerances_succeeds_on_time_and_the_joints_still_arrive(client: Client) -> None:
     handle = client.send(FAR, 1)
     assert client.ends(handle, 1.0)[0] == GoalStatus.STATUS_SUCCEEDED
     client.run(1.0)
     assert client.position[0] == pytest.approx(3.0, abs=1e-9)
 
 
-def test_a_new_goal_aborts_the_old_one(client: Client) -> None:
+def test_new_goal_aborts_the_previous_one(client: Client) -> None:
     first, second = client.send(DOWN, 3), client.send(UP, 1)
     says = "Current goal preempted by new incoming action."
     assert client.ends(first, 0.1) == (GoalStatus.STATUS_ABORTED, -1, says)
     assert client.ends(second, 1.5)[0] == GoalStatus.STATUS_SUCCEEDED
 
 
-def test_a_cancelled_goal_stops_the_arm(client: Client) -> None:
+@pytest.mark.slow
+def test_canceled_goal_stops_the_arm(client: Client) -> None:
     handle = client.send(DOWN, 3)
     handle.cancel_goal_async()
     assert client.ends(handle, 0.2)[0] == GoalStatus.STATUS_CANCELED
@@ -148,7 +149,9 @@ def test_a_cancelled_goal_stops_the_arm(client: Client) -> None:
     np.testing.assert_allclose(client.position, stopped, atol=1e-9)
 
 
-def test_a_goal_with_a_bad_trajectory_is_rejected(client: Client, capfd: pytest.CaptureFixture[str]) -> None:
+def test_goal_with_an_invalid_trajectory_is_rejected(
+    client: Client, capfd: pytest.CaptureFixture[str]
+) -> None:
     assert not client.send([0.0], 1).accepted
     assert "Mismatch between joint_names size (6) and positions (1) at point #0." in capfd.readouterr().err
 
@@ -160,7 +163,7 @@ def test_a_goal_with_a_bad_trajectory_is_rejected(client: Client, capfd: pytest.
         (within("elbow", -0.5), "specified in goal.path_tolerance has a invalid position tolerance."),
     ],
 )
-def test_a_tolerance_that_is_none_is_logged_and_none_is_enforced(
+def test_invalid_tolerance_is_logged_and_not_enforced(
     client: Client, capfd: pytest.CaptureFixture[str], tolerance: list[JointTolerance], says: str
 ) -> None:
     handle = client.send(FAR, 1, path_tolerance=tolerance)

@@ -13,13 +13,13 @@ from sensor_msgs.msg import Image
 
 from course_lib.errors import CourseError
 from course_lib.grading.catalog import shipped_catalog
-from course_lib.grading.vocabulary.diagnostics import DIGESTS, TOOLS, digest, is_fact
+from course_lib.grading.vocabulary.topics import DIGESTS, TOOLS, digest, is_fact
 from course_lib.recording import record
 from course_lib.robots.unknown_robot import unknown_robot
-from course_lib.ros import virtual_time
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.qos import incompatible
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.graph.topics import find_incompatible_policy
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.driving import spin_for
 from course_lib.tools.performance import PerformanceReport, performance_report
 
 
@@ -43,7 +43,9 @@ def unheard(graph: Graph) -> set[str]:
         a.topic
         for a in ends
         for b in ends
-        if a.topic == b.topic and (a.kind, b.kind) == ("pub", "sub") and incompatible(a.qos, b.qos)
+        if a.topic == b.topic
+        and (a.kind, b.kind) == ("pub", "sub")
+        and find_incompatible_policy(a.qos, b.qos)
     }
 
 
@@ -78,12 +80,12 @@ def looked_at(serial: int) -> dict[str, Any]:
     }
 
 
-def test_the_table_has_the_facts_of_every_robot_that_a_student_may_get(graph: Graph) -> None:
+def test_table_contains_the_properties_of_every_assignable_robot(graph: Graph) -> None:
     assert set(shipped_catalog().task("week06.robot_facts").personal["serial"]) == set(DIGESTS)
 
 
 @pytest.mark.parametrize("serial", DIGESTS)
-def test_a_robot_is_as_the_table_says(graph: Graph, serial: int) -> None:
+def test_robot_agrees_with_the_table(graph: Graph, serial: int) -> None:
     facts = looked_at(serial)
     assert list(facts) == list(TOOLS)
     meant = facts | {"image_rate": round(facts["image_rate"])}
@@ -92,7 +94,7 @@ def test_a_robot_is_as_the_table_says(graph: Graph, serial: int) -> None:
     assert unheard(graph) == set()
 
 
-def test_no_robot_of_a_student_has_the_facts_of_the_lesson(graph: Graph) -> None:
+def test_student_robot_never_has_the_properties_of_the_lesson_robot(graph: Graph) -> None:
     lesson = {
         "image_rate": 30,
         "image_width": 64,
@@ -103,7 +105,7 @@ def test_no_robot_of_a_student_has_the_facts_of_the_lesson(graph: Graph) -> None
         assert [name for name, value in lesson.items() if is_fact(serial, name, value)] == []
 
 
-def test_a_robot_that_does_not_run_tells_nothing_of_itself(graph: Graph) -> None:
+def test_inactive_robot_reveals_nothing(graph: Graph) -> None:
     camera, detector, _, base, *_ = unknown_robot(26)
     assert camera.get_parameter("frame_rate").value == 30.0
     assert detector.get_parameter("threshold").value == 0.5
@@ -113,7 +115,7 @@ def test_a_robot_that_does_not_run_tells_nothing_of_itself(graph: Graph) -> None
         vars(type(camera))["begin"](camera)
 
 
-def test_number_0_has_a_mismatch_a_wrong_frame_and_a_slow_node(graph: Graph) -> None:
+def test_robot_0_has_a_qos_mismatch_a_wrong_frame_and_a_slow_node(graph: Graph) -> None:
     nodes = unknown_robot()
     assert unheard(graph) == {"/robot/scan"}
     with record(graph) as recorder:
@@ -126,7 +128,7 @@ def test_number_0_has_a_mismatch_a_wrong_frame_and_a_slow_node(graph: Graph) -> 
     assert sent["/robot/scan"][0].header.frame_id not in frames
 
 
-def test_its_camera_follows_its_parameter_and_refuses_what_is_too_much(graph: Graph) -> None:
+def test_camera_applies_its_parameter_and_rejects_large_values(graph: Graph) -> None:
     camera = unknown_robot(26)[0]
     spin_for(0.1, camera)  # [s]
     (result,) = camera.set_parameters([rclpy.parameter.Parameter("frame_rate", value=5.0)])
@@ -136,7 +138,7 @@ def test_its_camera_follows_its_parameter_and_refuses_what_is_too_much(graph: Gr
     assert not result.successful
 
 
-def test_the_camera_announces_a_new_rate_and_no_other_parameter(
+def test_camera_logs_a_new_rate_and_no_other_parameter(
     graph: Graph, capfd: pytest.CaptureFixture[str]
 ) -> None:
     camera = next(node for node in unknown_robot(0) if node.get_name() == "camera_driver")

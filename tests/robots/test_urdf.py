@@ -1,11 +1,11 @@
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.robots.urdf import Follow, parse_urdf
+from course_lib.robots.urdf import Mimic, parse_urdf
 from tests.robots.urdfs import ALL_KINDS, LIMIT, joint, links, robot
 
 
-def test_joints_come_in_the_order_of_the_file_with_what_is_given_of_their_limits() -> None:
+def test_joints_are_in_file_order_with_their_limits() -> None:
     tree = parse_urdf(ALL_KINDS)
     assert (tree.name, tree.root) == ("small", "base")
     assert list(tree.joints) == ["drive", "lift", "finger", "thumb", "slide", "fly", "hang"]
@@ -22,26 +22,26 @@ def test_soft_limits_are_read() -> None:
     }  # fmt: skip
 
 
-def test_a_mimic_joint_follows_through_a_chain() -> None:
+def test_mimic_joint_follows_through_a_chain() -> None:
     tree = parse_urdf(ALL_KINDS)
-    assert tree.followed(tree.joints["finger"]) == Follow("lift", 2.0, 0.5)
-    assert tree.followed(tree.joints["thumb"]) == Follow("lift", -2.0, -0.5)
-    assert tree.followed(tree.joints["lift"]) == Follow("lift", 1.0, 0.0)
+    assert tree.resolve_mimic(tree.joints["finger"]) == Mimic("lift", 2.0, 0.5)
+    assert tree.resolve_mimic(tree.joints["thumb"]) == Mimic("lift", -2.0, -0.5)
+    assert tree.resolve_mimic(tree.joints["lift"]) == Mimic("lift", 1.0, 0.0)
 
 
-def test_a_mimic_of_a_joint_that_is_not_there_stands_for_itself() -> None:
+def test_mimic_of_a_missing_joint_is_independent() -> None:
     tree = parse_urdf(robot(links("a", "b"), joint("j", "a", "b", inner=LIMIT + '<mimic joint="ghost"/>')))
-    assert tree.followed(tree.joints["j"]) == Follow("j", 1.0, 0.0)
+    assert tree.resolve_mimic(tree.joints["j"]) == Mimic("j", 1.0, 0.0)
 
 
-def test_a_ring_of_mimics_is_named() -> None:
+def test_circular_mimic_joints_are_reported() -> None:
     ring = [LIMIT + f'<mimic joint="{other}"/>' for other in ("k", "j")]
     text = robot(
         links("a", "b", "c"), joint("j", "a", "b", inner=ring[0]), joint("k", "b", "c", inner=ring[1])
     )
     tree = parse_urdf(text)
     with pytest.raises(CourseError, match=r"infinite recursive mimic chain: \['j', 'k', 'j'\]"):
-        tree.followed(tree.joints["j"])
+        tree.resolve_mimic(tree.joints["j"])
 
 
 ORIGIN = '<origin xyz="0 0"/>'
@@ -68,7 +68,7 @@ ORIGIN = '<origin xyz="0 0"/>'
         (robot(links("a", "b", "c"), joint("k", "b", "c"), joint("l", "c", "b")), "is not a tree"),
     ],
 )
-def test_what_is_no_urdf_is_refused_with_urdfdoms_reason(
+def test_invalid_urdf_is_rejected_with_the_reason_of_urdfdom(
     text: str, reason: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(CourseError, match=reason):

@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 HIDDEN = """
 import sys
 for package in ("pinocchio", "example_robot_data", "coal", "eigenpy"):
@@ -34,7 +36,8 @@ for read in ("model", "q0", "visual_model", "collision_model"):
 """
 
 
-def test_robots_move_and_are_drawn_and_only_pinocchios_models_are_refused() -> None:
+@pytest.mark.slow
+def test_robots_move_and_are_drawn_without_pinocchio_and_only_its_models_are_unavailable() -> None:
     ran = subprocess.run(
         [sys.executable, "-c", HIDDEN + WORKS], capture_output=True, text=True, check=False, timeout=120
     )

@@ -5,8 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 import msgpack
 import pytest
 
-from course_lib.ros import wall
-from course_lib.ros.channel import (
+from course_lib.ros.graph.remote import (
     MAX_FRAME,
     MOST,
     MOST_QUEUED,
@@ -15,6 +14,7 @@ from course_lib.ros.channel import (
     ChannelError,
     ChannelTimeoutError,
 )
+from course_lib.ros.time import wall
 from tests.patience import PATIENCE
 
 
@@ -28,7 +28,7 @@ def framed(body: bytes) -> bytes:
     return struct.pack("!I", len(body)) + body
 
 
-def test_frames_arrive_as_sent_the_queued_ones_first(ends: tuple[Channel, socket.socket]) -> None:
+def test_frames_arrive_in_order_with_queued_frames_first(ends: tuple[Channel, socket.socket]) -> None:
     channel, other = ends[0], Channel(ends[1])
     channel.queue(["first", 1])
     channel.send(["second", b"\x00", None, [1.5]])
@@ -36,7 +36,7 @@ def test_frames_arrive_as_sent_the_queued_ones_first(ends: tuple[Channel, socket
 
 
 @pytest.mark.parametrize("size", [1, 2**14])
-def test_queued_frames_are_sent_before_they_take_much_memory(
+def test_queued_frames_are_flushed_before_they_use_much_memory(
     ends: tuple[Channel, socket.socket], size: int
 ) -> None:
     channel, other = ends[0], Channel(ends[1])
@@ -51,23 +51,21 @@ def test_queued_frames_are_sent_before_they_take_much_memory(
 @pytest.mark.parametrize(
     ("sent", "complaint"),
     [
-        (struct.pack("!I", MAX_FRAME + 1), "bytes came; at most"),
-        (framed(b"\xc1"), "What came is not a frame"),
+        (struct.pack("!I", MAX_FRAME + 1), "the limit is"),
+        (framed(b"\xc1"), "is not a valid frame"),
         (framed(msgpack.packb({"a": 1})), "not a list that starts with its name"),
         (framed(msgpack.packb([])), "not a list that starts with its name"),
         (framed(msgpack.packb([1])), "not a list that starts with its name"),
-        (framed(b"\x91" * 5000), "What came is not a frame"),
+        (framed(b"\x91" * 5000), "is not a valid frame"),
     ],
 )
-def test_what_is_no_frame_is_refused(
-    ends: tuple[Channel, socket.socket], sent: bytes, complaint: str
-) -> None:
+def test_invalid_frame_is_rejected(ends: tuple[Channel, socket.socket], sent: bytes, complaint: str) -> None:
     ends[1].sendall(sent)
     with pytest.raises(ChannelError, match=complaint):
         ends[0].receive()
 
 
-def test_a_silent_or_deaf_other_side_costs_no_more_than_the_deadline(
+def test_unresponsive_peer_delays_calls_at_most_until_the_deadline(
     ends: tuple[Channel, socket.socket],
 ) -> None:
     channel, start = ends[0], wall.monotonic()
@@ -82,7 +80,7 @@ def test_a_silent_or_deaf_other_side_costs_no_more_than_the_deadline(
     assert wall.monotonic() - start < 60  # [s]; without it, for ever
 
 
-def test_a_side_that_is_gone_is_named(ends: tuple[Channel, socket.socket]) -> None:
+def test_closed_peer_is_reported_on_receive_and_send(ends: tuple[Channel, socket.socket]) -> None:
     ends[1].sendall(b"\x00\x00")
     ends[1].close()
     with pytest.raises(ChannelClosedError, match="is gone"):

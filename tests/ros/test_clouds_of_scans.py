@@ -11,7 +11,7 @@ from sensor_msgs_py.point_cloud2 import create_cloud_xyz32, read_points
 from tf2_ros import Buffer
 from tf2_sensor_msgs import do_transform_cloud
 
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 
 SCAN = LaserScan(
     angle_min=0.0,
@@ -39,34 +39,34 @@ def turned() -> TransformStamped:
     return transform
 
 
-def test_valid_ranges_become_points_with_their_intensities_and_numbers() -> None:
+def test_valid_ranges_become_points_with_their_intensities_and_indices() -> None:
     cloud = LaserProjection().projectLaser(SCAN)
     assert [field.name for field in cloud.fields] == ["x", "y", "z", "intensity", "index"]
     assert rows(cloud) == [(1, 0, 0, 5, 0), (0, 2, 0, 6, 1), (0, -4, 0, 8, 3)]
     assert cloud.header.frame_id == "laser"
 
 
-def test_a_cutoff_and_other_channels_can_be_asked_for() -> None:
+def test_range_cutoff_and_channel_options_are_applied() -> None:
     cloud = LaserProjection().projectLaser(SCAN, 2.5, Option.DISTANCE | Option.TIMESTAMP)
     assert [field.name for field in cloud.fields[3:]] == ["distances", "stamps"]
     assert rows(cloud) == [(1, 0, 0, 1, 0), (0, 2, 0, 2, 0.5)]
 
 
-def test_a_scan_without_intensities_or_ranges_has_none() -> None:
+def test_scan_without_intensities_or_ranges_gives_a_cloud_without_them() -> None:
     bare = LaserScan(ranges=[1.0], range_max=5.0)
     assert [field.name for field in LaserProjection().projectLaser(bare).fields] == ["x", "y", "z", "index"]
     assert rows(LaserProjection().projectLaser(LaserScan())) == []
 
 
 @pytest.mark.parametrize("stamped", [True, False])
-def test_a_cloud_is_turned_and_keeps_its_other_fields(stamped: bool) -> None:
+def test_transformed_cloud_keeps_its_other_fields(stamped: bool) -> None:
     transform: TransformStamped | Transform = turned() if stamped else turned().transform
     cloud = do_transform_cloud(LaserProjection().projectLaser(SCAN), transform)
     assert rows(cloud) == [(0, 1, 1, 5, 0), (-2, 0, 1, 6, 1), (4, 0, 1, 8, 3)]
     assert cloud.header.frame_id == ("map" if stamped else "laser")
 
 
-def test_a_buffer_transforms_clouds() -> None:
+def test_buffer_transforms_clouds() -> None:
     with use_graph(Graph()):
         rclpy.init()
         buffer = Buffer()
@@ -76,6 +76,6 @@ def test_a_buffer_transforms_clouds() -> None:
         rclpy.shutdown()
 
 
-def test_a_cloud_without_places_is_refused() -> None:
+def test_cloud_without_coordinates_is_rejected() -> None:
     with pytest.raises(AssertionError, match="Point cloud needs the fields x, y, and z"):
         do_transform_cloud(PointCloud2(), turned())

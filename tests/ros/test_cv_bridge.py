@@ -24,7 +24,7 @@ def converted(pixels: Any, source: str, target: str) -> Any:
 
 @pytest.mark.parametrize("channels", [1, 2, 3, 4])
 @pytest.mark.parametrize("dtype", DTYPES)
-def test_every_type_of_pixels_comes_back_as_it_went(dtype: str, channels: int) -> None:
+def test_every_pixel_type_survives_a_round_trip(dtype: str, channels: int) -> None:
     shape = (3, 5) if channels == 1 else (3, 5, channels)
     pixels = np.arange(15 * channels).reshape(shape).astype(dtype)
     message = BRIDGE.cv2_to_imgmsg(pixels, header=Header(frame_id="camera"))
@@ -53,11 +53,11 @@ def test_every_type_of_pixels_comes_back_as_it_went(dtype: str, channels: int) -
         (PAIR, "yuv422_yuy2", "rgb8", [[[169, 55, 30], [255, 229, 204]]]),
     ],
 )
-def test_colors_are_converted_as_opencv_does(pixels: Any, source: str, target: str, expected: Any) -> None:
+def test_colors_are_converted_as_in_opencv(pixels: Any, source: str, target: str, expected: Any) -> None:
     assert converted(pixels, source, target).tolist() == expected
 
 
-def test_a_mosaic_of_colors_is_filled_as_opencv_does() -> None:
+def test_bayer_images_are_converted_as_in_opencv() -> None:
     assert converted(MOSAIC, "bayer_rggb8", "rgb8")[1].tolist() == [
         [60, 109, 60],
         [60, 109, 60],
@@ -67,7 +67,7 @@ def test_a_mosaic_of_colors_is_filled_as_opencv_does() -> None:
     assert converted(MOSAIC, "bayer_rggb8", "mono8")[1:3].tolist() == [[89, 89, 129, 129], [50, 50, 115, 115]]
 
 
-def test_bytes_at_the_end_of_a_row_and_big_ends_are_read() -> None:
+def test_padded_rows_and_big_endian_pixels_are_read() -> None:
     rows = np.array([[1, 258, 9], [3, 4, 9]], ">u2")
     message = Image(height=2, width=2, step=6, encoding="mono16", is_bigendian=1, data=rows.tobytes())
     back = BRIDGE.imgmsg_to_cv2(message)
@@ -88,14 +88,14 @@ def test_bytes_at_the_end_of_a_row_and_big_ends_are_read() -> None:
         (MOSAIC, "bayer_rggb8", "rgba8", "Unsupported conversion"),
     ],
 )
-def test_what_is_not_possible_says_so_in_ros_s_words(
+def test_unsupported_conversion_raises_the_error_message_of_ros(
     pixels: Any, source: str, target: str, said: str
 ) -> None:
     with pytest.raises(CvBridgeError, match=said):
         converted(pixels, source, target)
 
 
-def test_only_arrays_of_opencv_s_types_become_messages() -> None:
+def test_only_arrays_with_opencv_types_become_messages() -> None:
     with pytest.raises(TypeError, match="Your input type is not a numpy array"):
         BRIDGE.cv2_to_imgmsg([[1, 2]])  # type: ignore[arg-type]
     with pytest.raises(KeyError, match="int64"):
@@ -103,14 +103,14 @@ def test_only_arrays_of_opencv_s_types_become_messages() -> None:
 
 
 @pytest.mark.parametrize("shape", [(8, 9), (8, 9, 3), (8, 9, 4)])
-def test_compressed_pictures_keep_their_channels(shape: tuple[int, ...]) -> None:
+def test_compressed_images_keep_their_channels(shape: tuple[int, ...]) -> None:
     pixels = np.arange(np.prod(shape)).reshape(shape).astype(np.uint8)
     message = BRIDGE.cv2_to_compressed_imgmsg(pixels, "png")
     assert message.format == "png"
     assert_array_equal(BRIDGE.compressed_imgmsg_to_cv2(message), pixels)
 
 
-def test_a_compressed_picture_is_blue_first_and_another_encoding_on_request() -> None:
+def test_compressed_image_is_bgr_by_default_and_has_another_encoding_on_request() -> None:
     file = BytesIO()
     Picture.new("RGB", (2, 2), (200, 100, 50)).save(file, "PNG")
     message = CompressedImage(format="png", data=file.getvalue())
@@ -118,7 +118,7 @@ def test_a_compressed_picture_is_blue_first_and_another_encoding_on_request() ->
     assert BRIDGE.compressed_imgmsg_to_cv2(message, "rgb8")[0, 0].tolist() == [200, 100, 50]
 
 
-def test_what_is_no_picture_and_no_format_is_an_error() -> None:
+def test_invalid_compressed_image_and_unknown_format_are_errors() -> None:
     with pytest.raises(CvBridgeError, match="cannot be read"):
         BRIDGE.compressed_imgmsg_to_cv2(CompressedImage(data=b"no picture"))
     with pytest.raises(CvBridgeError, match=r"extension \.gif7"):

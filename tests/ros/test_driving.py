@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import re
 import threading
 import time
@@ -10,11 +12,10 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.ros import driving, interrupts, pace, virtual_time, wall
-from course_lib.ros.baton import baton
-from course_lib.ros.clock import START_NS
-from course_lib.ros.driving import running_nodes, spin_for
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
+from course_lib.ros.time import driving, interrupts, pace, virtual_time, wall
+from course_lib.ros.time.driving import running_nodes, spin_for
+from course_lib.ros.time.time_lock import time_lock
 from tests.patience import PATIENCE
 
 SECOND = 10**9  # [ns]
@@ -30,14 +31,14 @@ def notebook(monkeypatch: pytest.MonkeyPatch) -> Iterator[Graph]:
         rclpy.try_shutdown()
 
 
-def test_spin_for_takes_exactly_so_much_robot_time(notebook: Graph) -> None:
+def test_spin_for_advances_robot_time_by_exactly_its_duration(notebook: Graph) -> None:
     node, calls = Node("talker"), []
     node.create_timer(0.5, lambda: calls.append(1))
     spin_for(2.0, node)
     assert (len(calls), notebook.now_ns) == (4, START_NS + 2 * SECOND)
 
 
-def test_a_burst_of_callbacks_takes_no_time(notebook: Graph) -> None:
+def test_burst_of_callbacks_takes_no_robot_time(notebook: Graph) -> None:
     node, got = Node("talker"), []
     publisher = node.create_publisher(String, "x", 2000)
     node.create_subscription(String, "x", lambda _: got.append(1), 2000)
@@ -47,7 +48,7 @@ def test_a_burst_of_callbacks_takes_no_time(notebook: Graph) -> None:
     assert (len(got), notebook.now_ns) == (1500, START_NS + SECOND // 1000)
 
 
-def test_spin_for_ends_although_a_callback_takes_its_whole_period_and_that_is_said_once(
+def test_spin_for_ends_and_warns_once_when_a_callback_takes_its_full_period(
     notebook: Graph, capsys: pytest.CaptureFixture[str]
 ) -> None:
     node, calls = Node("sleeper"), []
@@ -63,7 +64,7 @@ def test_spin_for_ends_although_a_callback_takes_its_whole_period_and_that_is_sa
     assert capsys.readouterr().out.count(hint) == 1
 
 
-def test_a_callback_that_sleeps_less_than_its_period_gets_no_hint(
+def test_callback_shorter_than_its_period_gets_no_hint(
     notebook: Graph, capsys: pytest.CaptureFixture[str]
 ) -> None:
     node = Node("sleeper")
@@ -72,15 +73,15 @@ def test_a_callback_that_sleeps_less_than_its_period_gets_no_hint(
     assert (capsys.readouterr().out, notebook.now_ns) == ("", START_NS + 3 * SECOND + SECOND // 2)
 
 
-def test_the_line_that_keeps_a_cell_busy_is_named_and_so_is_the_one_that_was_interrupted(
+def test_line_of_a_blocking_callback_and_the_interrupted_line_are_reported(
     notebook: Graph, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(interrupts, "PATIENCE", 0.0)
     node = Node("stuck")
 
     def tick() -> None:
-        callback = interrupts.watch.under_way
-        while callback is not None and not callback.named:
+        callback = interrupts.watch.running_callback
+        while callback is not None and not callback.is_reported:
             pass
         while True:
             interrupt_main()
@@ -94,17 +95,17 @@ def test_the_line_that_keeps_a_cell_busy_is_named_and_so_is_the_one_that_was_int
 
 
 @pytest.mark.parametrize("seconds", [-1, "2", float("nan"), 1e7])
-def test_what_is_no_time_is_refused(notebook: Graph, seconds: float) -> None:
+def test_invalid_duration_is_rejected(notebook: Graph, seconds: float) -> None:
     with pytest.raises(CourseError, match=r"give the seconds of robot time first, from 0 to 1e\+06"):
         spin_for(seconds)
 
 
-def test_what_is_no_node_is_refused(notebook: Graph) -> None:
+def test_invalid_node_is_rejected(notebook: Graph) -> None:
     with pytest.raises(CourseError, match=r"is not a node. Give an object of your class"):
         spin_for(1.0, Node)  # type: ignore[arg-type]  # the mistake under test
 
 
-def test_only_the_nodes_given_and_the_live_ones_run(notebook: Graph) -> None:
+def test_only_the_passed_nodes_and_live_nodes_run(notebook: Graph) -> None:
     calls: list[str] = []
     for name in ("given", "live", "left over"):
         node = Node(name.replace(" ", "_"))
@@ -117,7 +118,7 @@ def test_only_the_nodes_given_and_the_live_ones_run(notebook: Graph) -> None:
     assert calls == ["given", "live"]
 
 
-def test_waiting_for_a_future_or_a_callback_drives_the_live_nodes(notebook: Graph) -> None:
+def test_waiting_for_a_future_or_a_callback_spins_the_live_nodes(notebook: Graph) -> None:
     live, waiting = Node("live"), Node("waiting")
     running_nodes().append(live)
     future: Future[int] = Future()
@@ -128,7 +129,7 @@ def test_waiting_for_a_future_or_a_callback_drives_the_live_nodes(notebook: Grap
     assert live.executor is rclpy.get_global_executor()
 
 
-def test_a_cell_that_loops_over_spin_once_lets_time_pass(notebook: Graph) -> None:
+def test_cell_looping_over_spin_once_advances_time(notebook: Graph) -> None:
     node, calls = Node("talker"), []
     node.create_timer(0.01, lambda: calls.append(1))
     for _ in range(3000):
@@ -136,7 +137,7 @@ def test_a_cell_that_loops_over_spin_once_lets_time_pass(notebook: Graph) -> Non
     assert calls
 
 
-def test_an_interrupt_ends_it_with_one_line_while_a_thread_of_the_program_has_the_baton(
+def test_interrupt_ends_spin_with_one_line_while_another_thread_holds_the_time_lock(
     notebook: Graph, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")
@@ -151,18 +152,19 @@ def test_an_interrupt_ends_it_with_one_line_while_a_thread_of_the_program_has_th
     assert float(said.split()[2]) < 60  # [s] of robot time
 
 
-def test_a_thread_that_lost_the_baton_to_a_second_interrupt_waits_for_its_turn(notebook: Graph) -> None:
+@pytest.mark.slow
+def test_thread_that_lost_the_time_lock_to_a_second_interrupt_reacquires_it(notebook: Graph) -> None:
     node, held = Node("talker"), []
 
     def stuck() -> None:
-        with baton.known():
+        with time_lock.hold():
             time.sleep(0.5)
             for _ in range(2):  # outside of the kit
                 interrupt_main()
                 wall.sleep(0.2)
             wall.sleep(0.3)
             time.sleep(0.5)
-            held.append(baton._holder is baton._threads[threading.get_ident()])
+            held.append(time_lock._holder is time_lock._threads[threading.get_ident()])
 
     thread = threading.Thread(target=stuck, daemon=True)
     thread.start()
@@ -173,7 +175,7 @@ def test_a_thread_that_lost_the_baton_to_a_second_interrupt_waits_for_its_turn(n
     assert held == [True]
 
 
-def test_the_pace_lets_others_look_again_after_a_slice() -> None:
+def test_pacing_yields_to_other_threads_after_a_slice() -> None:
     graph = Graph()
     paced = pace.WallPace(graph)
     start = wall.monotonic()
@@ -182,14 +184,14 @@ def test_the_pace_lets_others_look_again_after_a_slice() -> None:
     assert paced(graph.now_ns)
 
 
-def test_waiting_says_whether_it_came_about(notebook: Graph) -> None:
+def test_wait_for_returns_whether_the_condition_became_true(notebook: Graph) -> None:
     assert not driving.wait_for(lambda: False, seconds=1.0)
     assert notebook.now_ns == START_NS + SECOND
     assert driving.wait_for(lambda: True, seconds=1.0)
 
 
 def sleep_in_the_program() -> None:
-    with baton.known():
+    with time_lock.hold():
         time.sleep(1000.0)
 
 

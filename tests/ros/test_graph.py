@@ -1,8 +1,7 @@
 import random
 
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, current_graph, use_graph
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.graph import START_NS, Graph, current_graph, use_graph
+from course_lib.ros.graph.topics import Qos
 
 MS = 10**6  # [ns]
 STRING = "std_msgs/msg/String"
@@ -14,7 +13,7 @@ def run(graph: Graph) -> None:
         pass
 
 
-def test_events_at_one_time_happen_in_the_order_of_nodes_then_entities_then_sequence() -> None:
+def test_simultaneous_events_are_ordered_by_node_then_entity_then_sequence() -> None:
     graph, seen = Graph(), list[str]()
     for node, entity, name in ((2, 0, "c"), (1, 1, "b"), (1, 0, "a"), (2, 0, "d")):
         graph.call_at(START_NS + MS, lambda name=name: seen.append(name), node=node, entity=entity)  # type: ignore[misc]  # bound now
@@ -23,14 +22,14 @@ def test_events_at_one_time_happen_in_the_order_of_nodes_then_entities_then_sequ
     assert graph.now_ns == START_NS + MS
 
 
-def test_a_cancelled_event_does_not_happen() -> None:
+def test_canceled_event_is_not_run() -> None:
     graph = Graph()
     graph.call_at(START_NS + MS, lambda: None, node=0, entity=0).cancel()
     assert not graph.advance()
     assert graph.now_ns == START_NS
 
 
-def test_events_due_at_the_end_happen_and_later_ones_do_not() -> None:
+def test_events_due_at_the_end_run_and_later_events_do_not() -> None:
     graph, seen = Graph(end_ns=START_NS + 2 * MS), list[int]()
     for due in (1, 2, 3):
         graph.call_at(START_NS + due * MS, lambda due=due: seen.append(due), node=0, entity=0)  # type: ignore[misc]  # bound now
@@ -40,7 +39,7 @@ def test_events_due_at_the_end_happen_and_later_ones_do_not() -> None:
     assert graph.now_ns == START_NS + 2 * MS
 
 
-def test_a_message_arrives_one_millisecond_after_its_publication() -> None:
+def test_message_arrives_one_millisecond_after_its_publication() -> None:
     graph, got = Graph(), list[tuple[bytes, int, int]]()
     node = graph.add_node("talker", "/")
     publisher = graph.add_publisher(node, "/chatter", STRING, Qos())
@@ -51,7 +50,7 @@ def test_a_message_arrives_one_millisecond_after_its_publication() -> None:
     assert got == [(b"hello", START_NS, START_NS + MS)]
 
 
-def test_only_same_types_and_compatible_qos_match() -> None:
+def test_only_endpoints_of_equal_type_and_compatible_qos_match() -> None:
     graph, got = Graph(), list[str]()
     node = graph.add_node("talker", "/")
     publisher = graph.add_publisher(node, "/t", STRING, Qos(reliability="best_effort"))
@@ -68,7 +67,7 @@ def test_only_same_types_and_compatible_qos_match() -> None:
     assert got == ["match"]
 
 
-def test_a_late_subscription_gets_the_last_samples_only_if_both_sides_are_transient_local() -> None:
+def test_late_joining_subscription_receives_last_samples_only_with_transient_local_endpoints() -> None:
     graph = Graph()
     late, volatile = list[bytes](), list[bytes]()
     node = graph.add_node("map_server", "/")
@@ -80,10 +79,10 @@ def test_a_late_subscription_gets_the_last_samples_only_if_both_sides_are_transi
     run(graph)
     assert late == [b"2", b"3"]
     assert volatile == []
-    assert [sample.cdr for sample in graph.latched()] == [b"2", b"3"]
+    assert [sample.cdr for sample in graph.latched_samples()] == [b"2", b"3"]
 
 
-def test_removing_a_node_removes_its_endpoints_and_what_is_on_its_way_to_them() -> None:
+def test_removing_a_node_removes_its_endpoints_and_the_messages_being_delivered_to_them() -> None:
     graph, got = Graph(), list[bytes]()
     talker, listener = graph.add_node("talker", "/"), graph.add_node("listener", "/")
     publisher = graph.add_publisher(talker, "/t", STRING, Qos())
@@ -96,7 +95,7 @@ def test_removing_a_node_removes_its_endpoints_and_what_is_on_its_way_to_them() 
     assert [endpoint.kind for endpoint in graph.endpoints()] == ["pub"]
 
 
-def test_the_endpoints_of_a_topic_are_those_of_the_whole_graph_on_it() -> None:
+def test_topic_endpoints_agree_with_the_endpoints_of_the_full_graph() -> None:
     graph, chance = Graph(), random.Random(0)
     nodes = [graph.add_node(f"n{number}", "/") for number in range(4)]
     for _ in range(300):
@@ -105,7 +104,7 @@ def test_the_endpoints_of_a_topic_are_those_of_the_whole_graph_on_it() -> None:
         if ends and chance.random() < 0.4:
             graph.remove_endpoint(chance.choice(ends).id)
         elif chance.random() < 0.1:
-            chance.choice((graph.rest, graph.wake))(node)
+            chance.choice((graph.hide_node, graph.show_node))(node)
         elif chance.random() < 0.5:
             graph.add_publisher(node, topic, STRING, Qos())
         else:
@@ -114,7 +113,7 @@ def test_the_endpoints_of_a_topic_are_those_of_the_whole_graph_on_it() -> None:
             assert graph.endpoints_on(topic) == [end for end in graph.endpoints() if end.topic == topic]
 
 
-def test_taps_and_watchers_see_all_until_they_are_taken_off() -> None:
+def test_taps_and_watchers_receive_all_events_until_removed() -> None:
     graph, samples, times = Graph(), list[bytes](), list[int]()
     publisher = graph.add_publisher(graph.add_node("talker", "/"), "/t", STRING, Qos())
     untap = graph.tap(lambda sample: samples.append(sample.cdr))
@@ -130,7 +129,7 @@ def test_taps_and_watchers_see_all_until_they_are_taken_off() -> None:
     assert times == [START_NS + MS]
 
 
-def test_another_graph_can_be_used_for_a_while() -> None:
+def test_another_graph_can_be_used_temporarily() -> None:
     before = current_graph()
     with use_graph(Graph()) as graph:
         assert current_graph() is graph

@@ -10,11 +10,13 @@ import rclpy
 from IPython.core.interactiveshell import InteractiveShell
 
 from course_lib import extension
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.idle_loops import IdleLoops
-from course_lib.ros.process import make_shell
-from course_lib.ros.program import run_files
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.programs.process import make_shell
+from course_lib.ros.programs.program import run_files
+from course_lib.ros.time.busy_loops import BusyWaitTransformer
+from course_lib.ros.time.time_lock import time_lock
+from tests.patience import PATIENCE
+from tests.processes import Program
 
 NODE = """
 import threading
@@ -75,7 +77,7 @@ STUCK = NODE + "print('begins', flush=True)\nrounds = 0\nwhile not node.got_it:\
 
 
 @pytest.mark.parametrize("loop", WAITS.values(), ids=WAITS)
-def test_a_program_waits_for_a_variable_that_another_thread_sets(
+def test_program_polls_a_variable_that_another_thread_sets(
     loop: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "waits.py").write_text(NODE + SPIN + loop + SECONDS)
@@ -85,7 +87,7 @@ def test_a_program_waits_for_a_variable_that_another_thread_sets(
 
 
 @pytest.mark.parametrize(("code", "said"), [(IN_A_THREAD, "worker\n"), (IN_A_CALLBACK, "callback\n")])
-def test_other_threads_and_callbacks_wait_for_a_variable_too(
+def test_other_threads_and_callbacks_can_poll_a_variable(
     code: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "waits.py").write_text(NODE + code)
@@ -95,7 +97,7 @@ def test_other_threads_and_callbacks_wait_for_a_variable_too(
     assert capsys.readouterr().out == said
 
 
-def test_a_module_that_a_program_imports_waits_too_and_leaves_no_cache(
+def test_imported_module_can_poll_a_variable_and_leaves_no_cache(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "waiting_module.py").write_text("def wait_for(node):\n    while not node.got_it: pass\n")
@@ -108,7 +110,7 @@ def test_a_module_that_a_program_imports_waits_too_and_leaves_no_cache(
     assert not (tmp_path / "__pycache__").exists()
 
 
-def test_alone_it_waits_in_vain_until_the_end_of_the_run(tmp_path: Path) -> None:
+def test_polling_program_without_other_threads_ends_with_the_run(tmp_path: Path) -> None:
     (tmp_path / "waits.py").write_text(NODE + WAITS["a variable"])
     with use_graph(Graph()) as graph:
         graph.end_ns = graph.now_ns + 2 * 10**9
@@ -118,7 +120,7 @@ def test_alone_it_waits_in_vain_until_the_end_of_the_run(tmp_path: Path) -> None
 
 @pytest.fixture
 def shell() -> Iterator[InteractiveShell]:
-    """An interpreter whose cells are not known to the baton, as a kernel's are not."""
+    """An interpreter whose cells are not known to the time lock, as a kernel's are not."""
     shell = make_shell()
     shell.ast_transformers.clear()
     extension.load(shell)
@@ -132,14 +134,14 @@ def graph() -> Iterator[Graph]:
     with use_graph(Graph(notebook=True)) as graph:
         yield graph
         rclpy.try_shutdown()
-        with baton.known():
-            baton.sleep_until(graph.now_ns + 10**7, "the ends of threads")
-        assert not baton.has_visitors(graph)
+        with time_lock.hold():
+            time_lock.sleep_until(graph.now_ns + 10**7, "the ends of threads")
+        assert not time_lock.has_waiting_threads(graph)
 
 
 @pytest.mark.parametrize("loop", ["pass", "time.sleep(0.1)"])
 @pytest.mark.parametrize("driven", [SPIN, "from course_lib import run_live\nrun_live(node)\n"])
-def test_a_cell_waits_for_a_variable_of_a_thread_or_of_a_live_node(
+def test_cell_polls_a_variable_of_a_thread_or_live_node(
     shell: InteractiveShell,
     graph: Graph,
     loop: str,
@@ -154,14 +156,14 @@ def test_a_cell_waits_for_a_variable_of_a_thread_or_of_a_live_node(
 
 
 @pytest.mark.parametrize("rests", ["time.sleep(0.1)", "!sleep 0.1; echo rested"])
-def test_after_shutdown_a_cell_rests_although_a_thread_is_left(
+def test_cell_can_sleep_after_shutdown_despite_a_remaining_thread(
     shell: InteractiveShell, graph: Graph, rests: str
 ) -> None:
     for cell in (NODE + SPIN + "time.sleep(0.2)\nrclpy.shutdown()", rests):
         assert shell.run_cell(cell).success, cell  # type: ignore[no-untyped-call]  # not annotated
 
 
-def test_loops_that_do_something_or_have_no_end_stay_as_they_are() -> None:
+def test_loops_other_than_busy_waits_are_unchanged() -> None:
     for loop in (
         "while i < 5: i += 1",
         "while True:\n        if step(): return",
@@ -173,17 +175,70 @@ def test_loops_that_do_something_or_have_no_end_stay_as_they_are() -> None:
     ):
         tree = ast.parse(f"async def f():\n    {loop}")
         before = ast.dump(tree)
-        assert ast.dump(IdleLoops().visit(tree)) == before, loop
+        assert ast.dump(BusyWaitTransformer().visit(tree)) == before, loop
 
 
-def test_ctrl_c_names_the_line_of_a_loop_that_lets_no_time_pass(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_ctrl_c_reports_the_line_of_a_busy_loop(tmp_path: Path) -> None:
     (tmp_path / "stuck.py").write_text(STUCK)
     command = [sys.executable, "-m", "course_lib", "run", str(tmp_path / "stuck.py")]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "begins\n"
+    with Program(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.read_line() == "begins\n"
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "interrupted in stuck.py, line 2" in said
     assert "time.sleep(0.01)" in said
+
+
+POLLING = """
+import threading
+
+import rclpy
+from rclpy.action import ActionClient
+from example_interfaces.action import Fibonacci
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+rclpy.init()
+node = rclpy.create_node("poller")
+client = node.create_client(Trigger, "empty")
+action = ActionClient(node, Fibonacci, "fibonacci")
+subscription = node.create_subscription(String, "chatter", print, 10)
+publisher = node.create_publisher(String, "other", 10)
+
+
+def poll():
+    count = 0
+    while True:
+        count += 1
+        {call}
+
+
+{start}
+"""
+IN_THREAD = "threading.Thread(target=poll, daemon=True).start()\nrclpy.spin(node)"
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("start", ["poll()", IN_THREAD], ids=["main", "thread"])
+@pytest.mark.parametrize(
+    "call",
+    [
+        "client.service_is_ready()",
+        "client.call_async(Trigger.Request())",
+        "action.server_is_ready()",
+        "publisher.get_subscription_count()",
+        "subscription.get_publisher_count()",
+        "node.count_subscribers('nothing')",
+        "node.count_publishers('nothing')",
+    ],
+)
+def test_loop_that_polls_the_graph_and_counts_iterations_ends_with_the_run(
+    tmp_path: Path, call: str, start: str
+) -> None:
+    file = tmp_path / "poller.py"
+    file.write_text(POLLING.format(call=call, start=start), encoding="utf-8")
+    command = [sys.executable, "-m", "course_lib", "run", "--seconds", "0.5", str(file)]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert run.returncode == 0, run.stderr

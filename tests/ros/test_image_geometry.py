@@ -51,7 +51,7 @@ def distorted(x: float, y: float, d: Sequence[float]) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_a_ray_through_the_pixel_of_a_point_points_at_it(seed: int) -> None:
+def test_ray_through_the_pixel_of_a_point_passes_through_the_point(seed: int) -> None:
     rng = random.Random(seed)
     point = np.array([rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(0.5, 9)])
     model = camera()
@@ -62,7 +62,7 @@ def test_a_ray_through_the_pixel_of_a_point_points_at_it(seed: int) -> None:
 
 @pytest.mark.parametrize("count", [0, 4, 5, 8, 12, 14])
 @pytest.mark.parametrize("seed", range(5))
-def test_a_rectified_point_is_where_a_lens_without_distortion_shows_it(seed: int, count: int) -> None:
+def test_rectified_point_is_the_projection_through_a_lens_without_distortion(seed: int, count: int) -> None:
     rng = random.Random(seed)
     d = [rng.uniform(-0.02, 0.02) for _ in range(min(count, 8))]
     x, y = rng.uniform(-0.5, 0.5), rng.uniform(-0.4, 0.4)
@@ -72,17 +72,17 @@ def test_a_rectified_point_is_where_a_lens_without_distortion_shows_it(seed: int
     assert model.rectifyPoint(seen).tolist() == pytest.approx([400 * x + 320, 410 * y + 240], abs=0.01)
 
 
-def test_a_point_for_which_the_lens_model_has_no_place_stays() -> None:
+def test_point_without_a_rectified_position_is_returned_unchanged() -> None:
     turned_round = [0.0, 0.0, 0.0, 0.0, 0.0, -9.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.05, 0.05]
     assert camera(d=turned_round).rectifyPoint((620, 440)).tolist() == pytest.approx([620, 440])
 
 
-def test_a_number_of_coefficients_that_no_lens_model_has_is_refused() -> None:
+def test_invalid_number_of_distortion_coefficients_is_rejected() -> None:
     with pytest.raises(ValueError, match=r"d has 3 coefficients; the model has \(4, 5, 8, 12, 14\) or none"):
         camera(d=[0.1, 0.0, 0.0]).rectifyPoint((1, 1))
 
 
-def test_matrices_follow_binning_and_region_and_keep_the_full_ones() -> None:
+def test_matrices_follow_binning_and_region_and_full_matrices_are_kept() -> None:
     region = RegionOfInterest(x_offset=20, y_offset=40, width=200, height=100)
     model = camera(binning_x=2, binning_y=4, roi=region)
     assert (model.fx(), model.fy(), model.cx(), model.cy()) == (200, 102.5, 150, 50)
@@ -91,13 +91,13 @@ def test_matrices_follow_binning_and_region_and_keep_the_full_ones() -> None:
     assert (model.raw_roi, model.fullResolution()) == (region, (640, 480))
 
 
-def test_a_region_of_zeros_is_the_whole_image() -> None:
+def test_region_of_zeros_is_the_full_image() -> None:
     model = camera()
     assert (model.raw_roi.width, model.raw_roi.height) == (640, 480)
     assert (model.distortionCoeffs(), model.tfFrame()) == (None, "camera")
 
 
-def test_lengths_and_pixels_at_a_depth_are_each_others_inverse() -> None:
+def test_lengths_and_pixels_at_a_depth_are_inverse_conversions() -> None:
     model = camera()
     assert (model.getDeltaU(0.5, 2.0), model.getDeltaX(100.0, 2.0)) == (100.0, 0.5)
     assert (model.getDeltaV(0.5, 2.0), model.getDeltaY(102.5, 2.0)) == (102.5, 0.5)
@@ -105,11 +105,11 @@ def test_lengths_and_pixels_at_a_depth_are_each_others_inverse() -> None:
     assert (model.fovX(), model.fovY()) == pytest.approx((2 * math.atan(0.8), 2 * math.atan(240 / 410)))
 
 
-def test_a_point_in_the_plane_of_the_camera_has_no_pixel() -> None:
+def test_point_in_the_camera_plane_has_no_pixel() -> None:
     assert np.isnan(camera().project3dToPixel((1.0, 1.0, 0.0))).all()
 
 
-def test_a_stereo_camera_finds_a_point_from_its_pixel_and_disparity() -> None:
+def test_stereo_camera_computes_a_point_from_its_pixel_and_disparity() -> None:
     model, point = stereo(), (0.3, -0.2, 2.0)
     (u_left, v_left), (u_right, v_right) = model.project3dToPixel(point)
     assert (u_left - u_right, v_left) == pytest.approx((20.0, v_right))
@@ -119,14 +119,14 @@ def test_a_stereo_camera_finds_a_point_from_its_pixel_and_disparity() -> None:
     assert (x, z) == pytest.approx((0.3, 2.0))
 
 
-def test_a_disparity_of_zero_is_at_infinity() -> None:
+def test_zero_disparity_is_at_infinity() -> None:
     assert stereo().projectPixelTo3d((1.0, 1.0), 0.0) == (0.0, 0.0, 0.0)
     assert stereo().getZ(0.0) == stereo().getDisparity(0.0) == math.inf
     assert stereo().tfFrame() == "camera"
 
 
 @pytest.mark.skipif(importlib.util.find_spec("cv2") is not None, reason="OpenCV is installed")
-def test_rectifying_an_image_without_opencv_names_the_command_that_installs_it() -> None:
+def test_rectify_image_without_opencv_reports_the_install_command() -> None:
     image = np.zeros((480, 640), np.uint8)
     with pytest.raises(CourseError, match=r"^rectifyImage needs OpenCV.*pip install opencv-python-headless$"):
         camera().rectifyImage(image, image.copy())

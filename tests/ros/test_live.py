@@ -11,11 +11,9 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.ros import interrupts, live, pace, virtual_time, wall
-from course_lib.ros.clock import START_NS
-from course_lib.ros.driving import running_nodes
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.live import LiveRun, run_live, stop_all
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
+from course_lib.ros.time import driving, interrupts, pace, virtual_time, wall
+from course_lib.ros.time.driving import LiveRun, run_live, running_nodes, stop_all
 
 Captured = pytest.CaptureFixture[str]
 A_MINUTE = 60.0  # [s]
@@ -48,7 +46,7 @@ def in_a_kernel(
     asyncio.run(kernel())
 
 
-def test_without_a_page_it_runs_two_seconds_at_once_and_says_so(
+def test_live_run_without_a_page_simulates_two_seconds_and_prints_a_notice(
     notebook: Graph, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "fast")
@@ -60,7 +58,7 @@ def test_without_a_page_it_runs_two_seconds_at_once_and_says_so(
     assert run.state() == "▶ running: talker (0.0 s of robot time)"
 
 
-def test_nodes_run_while_the_loop_is_free_and_rest_when_stopped(
+def test_live_nodes_run_while_the_event_loop_is_idle_and_pause_when_stopped(
     notebook: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     node, calls = Node("talker"), []
@@ -99,7 +97,7 @@ def test_stopped_nodes_are_not_listed_until_they_run_or_publish_again(
     assert listed() == both
 
 
-def test_a_node_that_is_run_again_has_one_run(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_node_run_again_has_only_one_live_run(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
     node = Node("talker")
     monkeypatch.setenv("COURSE_PACE", "fast")
     first, second = run_live(node), run_live(node)
@@ -108,7 +106,9 @@ def test_a_node_that_is_run_again_has_one_run(notebook: Graph, monkeypatch: pyte
     assert running_nodes() == []
 
 
-def test_all_that_runs_can_be_stopped_at_once(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stop_without_arguments_stops_all_live_nodes(
+    notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("COURSE_PACE", "fast")
     runs = [run_live(Node("talker")), run_live(Node("listener"))]
     stop_all()
@@ -116,8 +116,8 @@ def test_all_that_runs_can_be_stopped_at_once(notebook: Graph, monkeypatch: pyte
     assert running_nodes() == []
 
 
-def test_a_shutdown_ends_it_without_a_word(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(live, "show_error", lambda: pytest.fail("an error was shown"))
+def test_shutdown_ends_a_live_run_silently(notebook: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(driving, "show_error", lambda: pytest.fail("an error was shown"))
     node = Node("talker")
     runs: list[LiveRun] = []
 
@@ -128,7 +128,7 @@ def test_a_shutdown_ends_it_without_a_word(notebook: Graph, monkeypatch: pytest.
     in_a_kernel(cell, monkeypatch, until=lambda: not runs[0].running)
 
 
-def test_a_shutdown_in_a_callback_ends_it_and_it_can_begin_anew(
+def test_shutdown_in_a_callback_ends_a_live_run_and_it_can_be_started_again(
     notebook: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     node, calls = Node("talker"), []
@@ -140,12 +140,12 @@ def test_a_shutdown_in_a_callback_ends_it_and_it_can_begin_anew(
     in_a_kernel(lambda: run_live(again), monkeypatch, until=lambda: calls)
 
 
-def test_it_needs_a_node(notebook: Graph) -> None:
+def test_live_run_requires_a_node(notebook: Graph) -> None:
     with pytest.raises(CourseError, match=r"at least one node, like run_live\(MyNode\(\)\)"):
         run_live()
 
 
-def test_paused_nodes_rest_and_a_step_lets_them_run_so_long(
+def test_paused_nodes_do_not_run_and_a_step_advances_them_by_its_duration(
     notebook: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     node, calls = Node("talker"), []
@@ -159,7 +159,7 @@ def test_paused_nodes_rest_and_a_step_lets_them_run_so_long(
     assert (len(calls), notebook.now_ns) == (2, START_NS + 110_000_000)
 
 
-def test_robot_time_keeps_to_the_wall_clock_where_a_callback_sleeps_its_whole_period(
+def test_robot_time_keeps_up_with_the_wall_clock_if_a_callback_sleeps_its_full_period(
     notebook: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     node, calls = Node("sleeper"), []
@@ -194,9 +194,10 @@ def sleep_and_swallow_all() -> None:
             time.sleep(0.01)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("tick", [loop_for_ever, swallow_all, sleep_and_swallow_all])
 @pytest.mark.parametrize("by_click", [True, False])
-def test_stop_and_the_interrupt_button_end_a_callback_without_an_end_and_name_its_line(
+def test_stop_button_and_interrupt_end_an_endless_callback_and_report_its_line(
     tick: Callable[[], None], by_click: bool, notebook: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stuck, other = Node("stuck"), Node("other")
@@ -204,10 +205,10 @@ def test_stop_and_the_interrupt_button_end_a_callback_without_an_end_and_name_it
     runs: list[LiveRun] = []
 
     def press() -> None:
-        while interrupts.watch.under_way is None:
+        while interrupts.watch.running_callback is None:
             wall.sleep(0.01)
         if by_click:
-            runs[0]._stop_clicked()
+            runs[0]._on_stop_click()
         else:
             interrupts.interrupt_main_thread()
 
@@ -221,13 +222,14 @@ def test_stop_and_the_interrupt_button_end_a_callback_without_an_end_and_name_it
     stop_all()
 
 
-def test_a_state_that_nobody_sees_is_not_sent_again_and_again(
+@pytest.mark.slow
+def test_run_state_is_not_sent_repeatedly_without_an_open_page(
     notebook: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Messages of a kernel whose page is closed would keep a hub from ending it."""
     told: list[str] = []
     monkeypatch.setattr(LiveRun, "show_state", lambda run, note="": told.append(run.state(note)))
-    monkeypatch.setattr(live, "RECENTLY", 0.1)
+    monkeypatch.setattr(driving, "RECENTLY", 0.1)
     calls: list[int] = []
     node = Node("talker")
     node.create_timer(0.05, lambda: calls.append(1))
@@ -238,6 +240,42 @@ def test_a_state_that_nobody_sees_is_not_sent_again_and_again(
     in_a_kernel(lambda: run_live(node), monkeypatch, until=silent_for_ten_calls)
     shown = len(told)
     monkeypatch.setattr(pace, "views", {lambda: True})
-    monkeypatch.setattr(live, "RECENTLY", 0.0)
+    monkeypatch.setattr(driving, "RECENTLY", 0.0)
     in_a_kernel(lambda: run_live(node), monkeypatch, until=lambda: len(told) > shown + 10)
     assert "goes on" not in told[-1]
+
+
+def test_run_state_includes_the_name_of_a_replaced_node(notebook: Graph) -> None:
+    run = LiveRun(notebook, (Node("talker"),))
+    Node("talker")
+    assert run.is_over()
+    assert "talker" in run.state()
+
+
+class Faulty(Node):
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.create_timer(0.05, self.tick)
+
+    def tick(self) -> None:
+        raise ValueError("too <fast>")
+
+
+def test_run_state_shows_the_error_after_an_exception(
+    notebook: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(driving, "show_error", lambda: None)
+    runs: list[LiveRun] = []
+
+    def cell() -> None:
+        runs.append(run_live(Node("talker")))
+        runs.append(run_live(Faulty("faulty")))
+
+    in_a_kernel(cell, monkeypatch, until=lambda: not any(run.running for run in runs))
+    state = runs[1].state()
+    assert state.startswith("✗ stopped by an error: faulty (")
+    assert "ValueError: too <fast> in test_live.py, line " in state
+    assert runs[0].state().startswith("■ stopped: talker (")
+    assert runs[0].state().endswith("as faulty ended with an error")
+    assert "color: var(--jp-error-color1, #d32f2f)" in runs[1]._html()
+    assert "too &lt;fast&gt;" in runs[1]._html()

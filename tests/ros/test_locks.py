@@ -6,14 +6,15 @@ from typing import Any
 
 import pytest
 
-from course_lib.ros import virtual_time, wall
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time import virtual_time, wall
+from course_lib.ros.time.time_lock import time_lock
+from tests.patience import PATIENCE
 
 
 def run_threads(*bodies: "object") -> None:
     """Run functions as threads of a program to their ends."""
-    with use_graph(Graph()), baton.known():
+    with use_graph(Graph()), time_lock.hold():
         threads = [threading.Thread(target=body, daemon=True) for body in bodies]  # type: ignore[arg-type]
         for thread in threads:
             thread.start()
@@ -22,7 +23,7 @@ def run_threads(*bodies: "object") -> None:
 
 
 @pytest.mark.parametrize("make", ["Lock", "RLock"])
-def test_a_lock_made_in_a_cell_hands_the_baton_on(make: str) -> None:
+def test_lock_created_in_a_cell_releases_the_time_lock_while_waiting(make: str) -> None:
     virtual_time.install()
     lock, order = getattr(threading, make)(), []
 
@@ -35,7 +36,7 @@ def test_a_lock_made_in_a_cell_hands_the_baton_on(make: str) -> None:
     assert order == ["a", "b"]
 
 
-def test_a_pools_queue_made_in_a_cell_hands_the_baton_on() -> None:
+def test_pool_queue_created_in_a_cell_releases_the_time_lock_while_waiting() -> None:
     virtual_time.install()
     jobs: queue.SimpleQueue[int] = queue.SimpleQueue()
     got: list[int] = []
@@ -48,7 +49,7 @@ def test_a_pools_queue_made_in_a_cell_hands_the_baton_on() -> None:
     assert got == [7]
 
 
-def test_a_lock_that_an_ordinary_thread_holds_is_waited_for_by_the_wall_clock() -> None:
+def test_lock_held_by_an_ordinary_thread_is_awaited_in_wall_time() -> None:
     virtual_time.install()
     lock = threading.Lock()
     held = threading.Event()
@@ -58,9 +59,9 @@ def test_a_lock_that_an_ordinary_thread_holds_is_waited_for_by_the_wall_clock() 
             held.set()
             wall.sleep(0.05)
 
-    threading.Thread(target=hold).start()
-    held.wait()
-    with use_graph(Graph()) as graph, baton.known():
+    threading.Thread(target=hold, daemon=True).start()
+    assert held.wait(PATIENCE)
+    with use_graph(Graph()) as graph, time_lock.hold():
         start_ns = graph.now_ns
         with lock:
             assert graph.now_ns == start_ns
@@ -88,7 +89,7 @@ class JustTaken:
 
 
 @pytest.mark.parametrize("program_had_it_before", [False, True])
-def test_a_lock_that_an_ordinary_thread_has_just_taken_is_no_deadlock(
+def test_lock_just_acquired_by_an_ordinary_thread_is_not_a_deadlock(
     program_had_it_before: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     virtual_time.install()
@@ -105,19 +106,19 @@ def test_a_lock_that_an_ordinary_thread_has_just_taken_is_no_deadlock(
         real_sleep(seconds)
 
     monkeypatch.setattr(wall, "sleep", sleep)
-    with use_graph(Graph()), baton.known():
+    with use_graph(Graph()), time_lock.hold():
         if program_had_it_before:
             with lock:
                 pass
         lock._real = just_taken = JustTaken(lock._real)  # type: ignore[assignment]  # it acts as one
         _thread.start_new_thread(take_and_release, ())
-        just_taken.taken.acquire()
+        assert just_taken.taken.acquire(timeout=PATIENCE)
         with lock:
             assert not just_taken.stops
-        ends.acquire()
+        assert ends.acquire(timeout=PATIENCE)
 
 
-def test_a_lock_that_a_visitor_keeps_beyond_its_visit_is_no_deadlock() -> None:
+def test_lock_held_by_a_thread_after_it_releases_the_time_lock_is_not_a_deadlock() -> None:
     virtual_time.install()
     lock = virtual_time.ProgramLock()
     held, visited, ended = (_thread.allocate_lock() for _ in range(3))
@@ -126,22 +127,22 @@ def test_a_lock_that_a_visitor_keeps_beyond_its_visit_is_no_deadlock() -> None:
     def visit() -> None:
         with lock:
             held.release()
-            with baton.known():  # it comes in when the main thread waits for the lock
+            with time_lock.hold():  # it comes in when the main thread waits for the lock
                 visited.release()
             wall.sleep(0.05)
         ended.release()
 
-    with use_graph(Graph()), baton.known():
+    with use_graph(Graph()), time_lock.hold():
         _thread.start_new_thread(visit, ())
-        held.acquire()
-        while not baton._waiting:
+        assert held.acquire(timeout=PATIENCE)
+        while not time_lock._waiting:
             wall.sleep(0.001)
         with lock:
             assert not visited.locked()
-        ended.acquire()
+        assert ended.acquire(timeout=PATIENCE)
 
 
-def test_a_lock_behaves_as_python_s_own() -> None:
+def test_lock_behaves_like_a_python_lock() -> None:
     virtual_time.install()
     lock = threading.Lock()
     assert lock.acquire(timeout=0.01)
@@ -153,7 +154,7 @@ def test_a_lock_behaves_as_python_s_own() -> None:
         lock.release()
 
 
-def test_a_thread_that_python_did_not_start_can_make_a_lock() -> None:
+def test_thread_not_started_by_python_can_create_a_lock() -> None:
     virtual_time.install()
     ended, made = _thread.allocate_lock(), []
     ended.acquire()
@@ -165,5 +166,5 @@ def test_a_thread_that_python_did_not_start_can_make_a_lock() -> None:
             ended.release()
 
     _thread.start_new_thread(make, ())
-    ended.acquire()
+    assert ended.acquire(timeout=PATIENCE)
     assert made

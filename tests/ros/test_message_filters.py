@@ -17,7 +17,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header, String
 
 from course_lib import spin_for
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 
 
 def at(seconds: float) -> Time:
@@ -36,7 +36,7 @@ def heard(last: SimpleFilter) -> list[tuple[str, ...]]:
     return sets
 
 
-def test_a_pair_of_real_topics_meets_in_one_callback() -> None:
+def test_pair_of_topics_is_synchronized_in_one_callback() -> None:
     class Camera(Node):
         def __init__(self) -> None:
             super().__init__("camera")
@@ -64,7 +64,7 @@ def test_a_pair_of_real_topics_meets_in_one_callback() -> None:
     assert (image.getTopic(), info.topic_name) == ("image", "/info")
 
 
-def test_equal_stamps_meet_and_full_queues_lose_the_oldest() -> None:
+def test_exact_stamps_match_and_full_queues_drop_the_oldest() -> None:
     left, right = SimpleFilter(), SimpleFilter()
     sets = heard(TimeSynchronizer([left, right], 2))
     for seconds in (1.0, 2.0, 3.0):
@@ -78,7 +78,7 @@ def test_equal_stamps_meet_and_full_queues_lose_the_oldest() -> None:
     ("slop", "expected"),
     [(0.3, [("1.2", "1.1"), ("1", "0.9")]), (0.1, [("1.2", "1.1")]), (0.0, [])],
 )
-def test_near_stamps_meet_the_nearest_first(slop: float, expected: list[tuple[str, ...]]) -> None:
+def test_approximate_stamps_match_the_nearest_first(slop: float, expected: list[tuple[str, ...]]) -> None:
     left, right = SimpleFilter(), SimpleFilter()
     sets = heard(ApproximateTimeSynchronizer([left, right], 10, slop))
     for seconds in (1.0, 1.2):
@@ -88,7 +88,7 @@ def test_near_stamps_meet_the_nearest_first(slop: float, expected: list[tuple[st
     assert [tuple(frame.replace("1.11", "1.1") for frame in one) for one in sets] == expected
 
 
-def test_three_filters_meet_only_within_the_slop_of_all() -> None:
+def test_three_filters_match_only_within_the_slop_of_all() -> None:
     sources = [SimpleFilter() for _ in range(3)]
     sets = heard(ApproximateTimeSynchronizer(sources, 5, 0.1))
     for source, seconds in zip(sources, (1.0, 1.09, 1.18), strict=True):
@@ -98,7 +98,9 @@ def test_three_filters_meet_only_within_the_slop_of_all() -> None:
     assert sets == [("1.1", "1.09", "1.18")]
 
 
-def test_a_message_without_a_header_counts_now_or_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
+def test_message_without_a_header_uses_the_current_time_or_is_rejected(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
     with use_graph(Graph()):
         rclpy.init()
         source = SimpleFilter()
@@ -109,7 +111,7 @@ def test_a_message_without_a_header_counts_now_or_is_refused(capfd: pytest.Captu
     assert "can not use message filters messages without timestamp infomation" in capfd.readouterr().err
 
 
-def test_a_cache_answers_for_times_and_intervals() -> None:
+def test_cache_returns_messages_by_time_and_interval() -> None:
     source = SimpleFilter()
     cache = Cache(source, 3)
     passed = heard(cache)
@@ -123,7 +125,7 @@ def test_a_cache_answers_for_times_and_intervals() -> None:
     assert (cache.getElemBeforeTime(at(1.0)), cache.getElemAfterTime(at(5.0))) == (None, None)
 
 
-def test_a_callback_that_raises_leaves_the_synchronizer_usable() -> None:
+def test_exception_in_a_callback_leaves_the_synchronizer_usable() -> None:
     left, right = SimpleFilter(), SimpleFilter()
     both = TimeSynchronizer([left, right], 5)
     both.registerCallback(lambda *_: 1 / 0)

@@ -6,8 +6,8 @@ from rclpy.node import Node
 
 from course_lib import extension
 from course_lib.ros import notices
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.notices import Replacements, repeated_lines
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.notices import ReplacedNodes, repeated_lines
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def said(capsys: pytest.CaptureFixture[str]) -> list[str]:
     return [line.rpartition("] ")[2] for line in capsys.readouterr().err.splitlines()]
 
 
-def test_equal_lines_of_a_notebook_s_log_are_counted(node: Node, capsys: pytest.CaptureFixture[str]) -> None:
+def test_repeated_log_lines_in_a_notebook_are_counted(node: Node, capsys: pytest.CaptureFixture[str]) -> None:
     for _ in range(1003):
         node.get_logger().warning("no transform")
     node.get_logger().warning("found it")
@@ -37,7 +37,7 @@ def test_equal_lines_of_a_notebook_s_log_are_counted(node: Node, capsys: pytest.
     ]
 
 
-def test_lines_that_differ_and_those_of_other_severity_are_all_shown(
+def test_log_lines_that_differ_in_text_or_severity_are_all_shown(
     node: Node, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for number in range(20):
@@ -46,7 +46,9 @@ def test_lines_that_differ_and_those_of_other_severity_are_all_shown(
     assert len(said(capsys)) == 40
 
 
-def test_a_cell_s_end_tells_how_many_there_were(node: Node, capsys: pytest.CaptureFixture[str]) -> None:
+def test_end_of_a_cell_prints_the_count_of_repeated_lines(
+    node: Node, capsys: pytest.CaptureFixture[str]
+) -> None:
     for _ in range(8):
         node.get_logger().info("on")
     repeated_lines.end()
@@ -56,7 +58,7 @@ def test_a_cell_s_end_tells_how_many_there_were(node: Node, capsys: pytest.Captu
     assert said(capsys) == ["[robot]: on"]
 
 
-def test_a_program_s_log_keeps_every_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_log_of_a_program_keeps_every_line(capsys: pytest.CaptureFixture[str]) -> None:
     with use_graph(Graph()):
         rclpy.init()
         for _ in range(20):
@@ -65,18 +67,18 @@ def test_a_program_s_log_keeps_every_line(capsys: pytest.CaptureFixture[str]) ->
     assert said(capsys).count("[robot]: on") == 20
 
 
-def test_the_nodes_that_a_cell_replaces_are_named_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    replacements = Replacements()
-    replacements.waits = True
+def test_nodes_replaced_in_a_cell_are_listed_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    replacements = ReplacedNodes()
+    replacements.is_deferred = True
     for name in ("/a", "/b", "/a"):
         replacements.add(name)
     assert capsys.readouterr().out == ""
-    replacements.tell()
-    replacements.tell()
-    assert capsys.readouterr().out == "New nodes replace those of the same names: /a, /b.\n"
+    replacements.report()
+    replacements.report()
+    assert capsys.readouterr().out == "New nodes replace nodes with the same names: /a, /b.\n"
 
 
-def test_a_node_that_is_replaced_after_a_cell_is_named_immediately(
+def test_node_replaced_between_cells_is_reported_immediately(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     extension._begin_cell()

@@ -1,9 +1,8 @@
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.ros import pace, wall
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph
+from course_lib.ros.time import pace, wall
 
 
 @pytest.mark.parametrize(
@@ -15,28 +14,28 @@ from course_lib.ros.graph import Graph
         ({"COURSE_PACE": "real"}, "real"),
     ],
 )
-def test_kernels_of_a_jupyter_server_keep_the_walls_pace_unless_told_otherwise(
+def test_jupyter_kernel_runs_in_real_time_unless_the_environment_overrides_it(
     monkeypatch: pytest.MonkeyPatch, environment: dict[str, str], expected: str
 ) -> None:
     for name in ("JPY_SESSION_NAME", "COURSE_PACE"):
         monkeypatch.delenv(name, raising=False)
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
-    assert pace.wanted() == expected
+    assert pace.mode() == expected
 
 
-def test_another_pace_is_refused_with_what_would_be_right(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unknown_pace_is_rejected_with_the_valid_values(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COURSE_PACE", "slow")
     with pytest.raises(CourseError, match="COURSE_PACE=real or COURSE_PACE=fast"):
-        pace.wanted()
+        pace.mode()
 
 
-def test_the_walls_pace_holds_events_back(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_real_time_pace_delays_events(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")
     graph = Graph(notebook=True)
     graph.call_at(START_NS + 50_000_000, lambda: None, node=0, entity=0)
     start = wall.monotonic()
-    with pace.kept(graph):
+    with pace.keep_pace(graph):
         while graph.now_ns == START_NS:
             graph.advance()
     assert wall.monotonic() - start >= 0.05
@@ -52,18 +51,18 @@ def slept(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 
 @pytest.mark.usefixtures("slept")
-def test_a_call_that_waits_gives_a_page_two_seconds_to_come_but_only_once(
+def test_blocking_call_waits_two_seconds_for_a_page_only_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")
     pace.pages.add(lambda: False)
     for expected in (pace.WAIT_FOR_PAGE, 0.0):
         start = wall.monotonic()
-        with pace.kept(Graph(notebook=True)):
+        with pace.keep_pace(Graph(notebook=True)):
             assert wall.monotonic() - start == pytest.approx(expected, abs=pace.SLICE)
 
 
-def test_robot_time_may_go_slower_stand_and_step(slept: list[float]) -> None:
+def test_robot_time_can_be_slowed_paused_and_stepped(slept: list[float]) -> None:
     graph = Graph()
     speed, at_pace = pace.speed_of(graph), pace.WallPace(graph)
     speed.rate = 0.5
@@ -78,12 +77,12 @@ def test_robot_time_may_go_slower_stand_and_step(slept: list[float]) -> None:
     assert not at_pace(due_ns + 2 * 10**8)
 
 
-def test_a_call_that_waits_while_robot_time_is_paused_says_so(
+def test_blocking_call_while_robot_time_is_paused_prints_a_notice(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")
     graph = Graph(notebook=True)
     pace.speed_of(graph).paused = True
-    with pace.kept(graph):
+    with pace.keep_pace(graph):
         pass
     assert "Robot time is paused" in capsys.readouterr().out

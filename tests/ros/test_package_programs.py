@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
+from course_lib import cli
 from course_lib.errors import CourseError
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
 from course_lib.ros.hints import hint
-from course_lib.ros.not_offered import not_offered
-from course_lib.ros.packages import why_not_found
-from course_lib.ros.program import run_files
+from course_lib.ros.programs.missing_packages import NotHereError, why_not_offered
+from course_lib.ros.programs.packages import packages, why_not_found
+from course_lib.ros.programs.program import run_files
 from course_lib.tools.run import ros2_over
 
 SCRIPTS = '["talker = my_robot.talker:main", "fail = my_robot.talker:fail"]'
@@ -84,13 +84,13 @@ def shown(program: Path, capsys: pytest.CaptureFixture[str], *args: str) -> tupl
         ("my_robot/my_robot/relative.py", 0, "relative to my robot\n"),
     ],
 )
-def test_a_program_of_a_package_finds_the_workspace_that_it_lies_in(
+def test_program_in_a_package_finds_its_workspace(
     program: str, code: int, text: str, workspace: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert shown(workspace / program, capsys, "word") == (code, text)
 
 
-def test_ros2_run_takes_a_package_s_folder(
+def test_ros2_run_accepts_a_package_folder(
     workspace: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(workspace / "my_robot")
@@ -99,7 +99,28 @@ def test_ros2_run_takes_a_package_s_folder(
         assert "my robot 57" in capsys.readouterr().out
 
 
-def test_an_executable_that_a_package_lacks_is_refused_with_those_it_has(
+def test_ros2_run_returns_the_exit_code_of_the_executable(
+    workspace: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(workspace)
+    (tmp_path / "wrong.launch.py").write_text("def generate_launch_description():\n    return 1 / 0\n")
+    assert ros2_over(["run", "my_robot", "fail"], files=[], bag=None, seconds=1.0) == 3
+    assert ros2_over(["launch", str(tmp_path / "wrong.launch.py")], files=[], bag=None, seconds=1.0) == 1
+    assert ros2_over(["run", "my_robot", "talker"], files=[], bag=None, seconds=1.0) == 0
+
+
+def test_course_option_after_an_executable_gets_a_hint(
+    workspace: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(workspace / "my_robot")
+    for words, count in ((["--seconds", "1"], 1), (["--ros-args", "-p", "seconds:=1"], 0)):
+        ros2_over(["run", "my_robot", "talker", *words], files=[], bag=None, seconds=1.0)
+        assert capsys.readouterr().err.count("course ros2 --seconds 1 run my_robot …") == count
+    with pytest.raises(CourseError, match=r"given with --run: course ros2 --run setup\.py topic list$"):
+        ros2_over(["setup.py"], files=[], bag=None, seconds=1.0)
+
+
+def test_missing_executable_is_rejected_with_the_available_ones(
     workspace: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(
@@ -108,7 +129,7 @@ def test_an_executable_that_a_package_lacks_is_refused_with_those_it_has(
         shown(workspace / "my_robot:talk", capsys)
 
 
-def test_a_compiled_executable_is_refused_as_what_it_is(
+def test_compiled_executable_is_rejected_with_the_reason(
     workspace: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cmake = workspace / "my_robot" / "CMakeLists.txt"
@@ -129,15 +150,100 @@ def test_a_compiled_executable_is_refused_as_what_it_is(
         ("nav2_bringup", "navigation runs"),
         ("controller_manager", "ros2_control is made"),
         ("usb_cam", "a driver runs"),
+        ("realsense2_camera", "a driver runs"),
+        ("slam_toolbox", "navigation runs"),
+        ("joy", "a gamepad is read"),
+        ("teleop_twist_joy", "a gamepad is read"),
+        ("twist_mux", "this passes messages on"),
+        ("foxglove_bridge", "this is a server"),
+        ("image_proc", "images are processed"),
+        ("pointcloud_to_laserscan", "sensor data is filtered"),
+        ("plotjuggler", "this window is"),
+        ("clearpath_config", "this configures"),
     ],
 )
-def test_what_no_kit_without_ros_can_offer_says_so_and_what_to_do(package: str, reason: str) -> None:
+def test_unavailable_ros_package_error_has_the_reason_and_the_next_step(package: str, reason: str) -> None:
     text = why_not_found(package)
     assert text.startswith(f"package '{package}' not found: {reason}")
-    assert text.endswith("course run FILE --robot tcp/HOST:7447.")
+    assert text.endswith("course run FILE --robot dds/HOST.")
     assert hint(ModuleNotFoundError(f"No module named '{package}.x'", name=f"{package}.x")) in text
 
 
-@pytest.mark.parametrize("package", ["nav2_msgs", "moveit_msgs", "gazebo_msgs", "my_moveit", "nav2_common"])
-def test_types_and_packages_of_ones_own_are_not_refused(package: str) -> None:
-    assert not_offered(package) == ""
+@pytest.mark.parametrize(
+    "package",
+    [
+        *(
+            "nav2_msgs",
+            "moveit_msgs",
+            "gazebo_msgs",
+            "my_moveit",
+            "nav2_common",
+            "velodyne_msgs",
+            "mavros_msgs",
+        ),
+        *(
+            "clearpath_platform_msgs",
+            "grid_map_msgs",
+            "apriltag_msgs",
+            "rqt_graph",
+            "joystick_node",
+            "my_joy",
+        ),
+    ],
+)
+def test_custom_types_and_packages_are_accepted(package: str) -> None:
+    assert why_not_offered(package) == ""
+
+
+@pytest.mark.parametrize(
+    "entry",
+    ["go = my_robot.classes:Robot.go", "go=my_robot.classes : Robot.go", "go = my_robot.classes:go [x]"],
+)
+def test_entry_point_with_an_attribute_of_a_class_or_extras_is_run(
+    entry: str, workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (workspace / "my_robot" / "my_robot" / "classes.py").write_text(
+        "class Robot:\n    @staticmethod\n    def go():\n        print('gone')\ngo = Robot.go\n"
+    )
+    (workspace / "my_robot" / "setup.py").write_text(SETUP.replace('["talker', f'["{entry}", "talker'))
+    assert shown(workspace / "my_robot:go", capsys) == (0, "gone\n")
+
+
+def test_missing_attribute_of_a_class_in_an_entry_point_is_reported(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (workspace / "my_robot" / "my_robot" / "classes.py").write_text("class Robot:\n    def go(self): ...\n")
+    entry = '["go = my_robot.classes:Robot.goo", "talker'
+    (workspace / "my_robot" / "setup.py").write_text(SETUP.replace('["talker', entry))
+    code, text = shown(workspace / "my_robot:go", capsys)
+    assert code == 1
+    assert "the module my_robot.classes has no function 'Robot.goo'. Did you mean go?" in text
+
+
+def test_executable_of_a_package_with_cmake_macros_of_its_own_cannot_run_here(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    driver = workspace / "driver"
+    (driver / "code").mkdir(parents=True)
+    (driver / "package.xml").write_text("<package><name>driver</name></package>")
+    (driver / "CMakeLists.txt").write_text("project(driver)\nour_macro(code)\n")
+    (driver / "code" / "main.cpp").write_text("int main() {}\n")
+    with pytest.raises(NotHereError, match="'driver_node' of package 'driver' cannot run here"):
+        shown(workspace / "driver:driver_node", capsys)
+
+
+@pytest.mark.parametrize(("module", "name"), [("cv2", "opencv-python-headless"), ("serial", "pyserial")])
+def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, name: str) -> None:
+    error = ModuleNotFoundError(f"No module named '{module}'", name=module)
+    assert hint(error).endswith(f": pip install {name}")
+
+
+def test_packages_of_a_layout_are_found_from_any_folder(
+    workspace: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "")
+    monkeypatch.chdir("/")
+    layout = workspace / "my_robot" / "view.rviz"
+    layout.touch()
+    cli._find_packages_of(layout)
+    assert packages(in_working_folder=False)["far_msgs"] == workspace / "tools" / "far_msgs"

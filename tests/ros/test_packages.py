@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 from ament_index_python import PackageNotFoundError, get_package_prefix, get_package_share_directory
 
-from course_lib.ros.packages import find_package, packages, python_path, source
+from course_lib.ros.programs.packages import find_package, packages, python_path, source
 
 
 def make(folder: Path, name: str) -> Path:
@@ -20,7 +20,9 @@ def nowhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path / "here")
 
 
-def test_what_is_built_comes_before_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_installed_package_takes_precedence_over_its_sources(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     built = make(tmp_path / "install" / "robot" / "share" / "robot", "robot")
     make(tmp_path / "src" / "robot", "robot")
     sources = make(tmp_path / "src" / "folder", "arm")
@@ -37,7 +39,7 @@ def test_sources_in_the_working_folder_and_its_src_are_found(tmp_path: Path) -> 
     assert set(packages()) == {"robot", "arm"}
 
 
-def test_the_packages_beside_a_file_s_own_are_found(tmp_path: Path) -> None:
+def test_packages_next_to_the_package_of_a_file_are_found(tmp_path: Path) -> None:
     for name in ("robot", "arm"):
         make(tmp_path / "install" / name / "share" / name, name)
     source(tmp_path / "install" / "robot" / "share" / "robot" / "launch" / "x.launch.py")
@@ -45,7 +47,7 @@ def test_the_packages_beside_a_file_s_own_are_found(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("place", ["level1/robot/robot/talker.py", "loose/talker.py"])
-def test_a_checkout_without_src_is_a_workspace(tmp_path: Path, place: str) -> None:
+def test_repository_without_src_is_a_workspace(tmp_path: Path, place: str) -> None:
     checkout = tmp_path / "checkout"
     (checkout / ".git").mkdir(parents=True)
     for folder in ("level1/robot", "top_msgs", "level2/arm_msgs", "level3/deep/far_msgs"):
@@ -55,13 +57,13 @@ def test_a_checkout_without_src_is_a_workspace(tmp_path: Path, place: str) -> No
     assert {str(path) for path in expected} <= set(found)
 
 
-def test_a_file_in_a_checkout_of_something_else_finds_nothing(tmp_path: Path) -> None:
+def test_file_in_an_unrelated_repository_finds_no_packages(tmp_path: Path) -> None:
     (tmp_path / "checkout" / ".git").mkdir(parents=True)
     make(tmp_path / "checkout" / "examples" / "robot", "robot")
     assert python_path(tmp_path / "checkout" / "talker.py") == []
 
 
-def test_executables_are_read_from_setup_py_without_running_it(tmp_path: Path) -> None:
+def test_executables_are_read_from_setup_py_without_executing_it(tmp_path: Path) -> None:
     folder = make(tmp_path / "here" / "robot", "robot")
     scripts = '["talker = robot.talker:main", f"x"]'
     (folder / "setup.py").write_text(
@@ -72,7 +74,7 @@ def test_executables_are_read_from_setup_py_without_running_it(tmp_path: Path) -
     assert found.executables == {"talker": ("robot.talker", "main")}
 
 
-def test_a_package_that_is_not_there_is_named_with_those_that_are(tmp_path: Path) -> None:
+def test_missing_package_error_lists_the_available_packages(tmp_path: Path) -> None:
     make(tmp_path / "here" / "robot", "robot")
     with pytest.raises(PackageNotFoundError) as error:
         get_package_share_directory("robt")

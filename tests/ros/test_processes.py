@@ -2,19 +2,19 @@
 
 import contextvars
 
-from course_lib.ros import virtual_time
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.process import Function, Processes
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.programs.process import Function, Processes
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.time_lock import time_lock
 
 CELL = contextvars.ContextVar("CELL", default="none")
 
 
-def test_what_a_program_displays_belongs_to_the_cell_that_started_it() -> None:
+def test_program_output_belongs_to_the_cell_that_started_the_program() -> None:
     """ipykernel keeps the cell in a context variable; messages of pages change its global fallback."""
     seen: list[str] = []
     virtual_time.install()
-    with use_graph(Graph()), baton.known():
+    with use_graph(Graph()), time_lock.hold():
         token = CELL.set("the cell that launches")
         processes = Processes()
         processes.start(Function("rviz2", lambda: seen.append(CELL.get()), []))

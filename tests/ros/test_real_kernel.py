@@ -49,11 +49,12 @@ def kernel() -> Iterator[tuple[KernelManager, BlockingKernelClient]]:
         manager.shutdown_kernel(now=True)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("line", "error"),
     [("await asyncio.sleep(1000)", "CancelledError"), ("while True: pass", "KeyboardInterrupt")],
 )
-def test_the_interrupt_button_ends_a_cell_that_waits(
+def test_interrupt_button_ends_a_waiting_cell(
     kernel: tuple[KernelManager, BlockingKernelClient], line: str, error: str
 ) -> None:
     manager, client = kernel
@@ -65,7 +66,8 @@ def test_the_interrupt_button_ends_a_cell_that_waits(
     client.execute_interactive("print('alive')", timeout=A_MINUTE)
 
 
-def test_a_thread_that_spins_goes_on_between_cells_until_shutdown(
+@pytest.mark.slow
+def test_spinning_thread_runs_between_cells_until_shutdown(
     kernel: tuple[KernelManager, BlockingKernelClient],
 ) -> None:
     _, client = kernel

@@ -36,7 +36,7 @@ SIZE = len(serialize_message(String(data="0")))
         ({"storage_id": "sqlite3", "storage_preset_profile": "resilient"}, "0123456789"),
     ],
 )
-def test_a_writer_s_options_choose_what_is_written(
+def test_writer_options_select_the_written_messages(
     tmp_path: Path, options: dict[str, Any], digits: str
 ) -> None:
     assert filled(tmp_path / "bag", **options) == digits
@@ -44,7 +44,7 @@ def test_a_writer_s_options_choose_what_is_written(
 
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 @pytest.mark.parametrize("mode", ["FILE", "MESSAGE"])
-def test_a_compressed_bag_is_read_as_it_was_written(tmp_path: Path, storage: str, mode: str) -> None:
+def test_compressed_bag_survives_a_round_trip(tmp_path: Path, storage: str, mode: str) -> None:
     chosen = rosbag2_py.compression_mode_from_string(mode.lower())
     writer = rosbag2_py.SequentialCompressionWriter(rosbag2_py.CompressionOptions("zstd", chosen))
     assert filled(tmp_path / "bag", writer=writer, storage_id=storage) == "0123456789"
@@ -52,12 +52,12 @@ def test_a_compressed_bag_is_read_as_it_was_written(tmp_path: Path, storage: str
     assert (about.compression_format, about.compression_mode) == ("zstd", mode.lower())
 
 
-def test_data_of_the_user_s_own_stand_in_the_metadata(tmp_path: Path) -> None:
+def test_custom_data_are_stored_in_the_metadata(tmp_path: Path) -> None:
     filled(tmp_path / "bag", custom_data={"robot": "ten"})
     assert rosbag2_py.Info().read_metadata(str(tmp_path / "bag"), "mcap").custom_data == {"robot": "ten"}
 
 
-def test_a_bag_that_is_asked_to_be_several_files_says_that_it_is_one(
+def test_bag_splitting_option_prints_a_notice_that_the_bag_is_one_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert filled(tmp_path / "bag", max_bagfile_size=10) == "0123456789"
@@ -72,9 +72,7 @@ def test_a_bag_that_is_asked_to_be_several_files_says_that_it_is_one(
         ({"storage_config_uri": "mcap.yaml"}, "The kit reads no storage_config_uri"),
     ],
 )
-def test_an_option_that_the_kit_does_not_have_is_refused(
-    tmp_path: Path, options: dict[str, Any], text: str
-) -> None:
+def test_unsupported_option_is_rejected(tmp_path: Path, options: dict[str, Any], text: str) -> None:
     with pytest.raises(RuntimeError, match=text):
         filled(tmp_path / "bag", **options)
     assert not (tmp_path / "bag").exists()
@@ -94,6 +92,6 @@ def test_an_option_that_the_kit_does_not_have_is_refused(
         ),
     ],
 )
-def test_what_the_kit_does_not_have_is_refused_with_what_to_do(use: Any, text: str) -> None:
+def test_unsupported_feature_is_rejected_with_an_alternative(use: Any, text: str) -> None:
     with pytest.raises(RuntimeError, match=text):
         use()

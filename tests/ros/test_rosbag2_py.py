@@ -13,7 +13,8 @@ from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.recording import bag_info, read_bag
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.topics import Qos
+from tests.patience import PATIENCE
 
 STRING = "std_msgs/msg/String"
 NO_CONVERSION = rosbag2_py.ConverterOptions("", "")
@@ -119,19 +120,22 @@ def bag(tmp_path: Path) -> Path:
     return tmp_path / "bag"
 
 
-def test_the_tutorials_programs_record_a_bag_and_publish_it_again(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_programs_of_the_tutorial_record_a_bag_and_publish_it_again(tmp_path: Path) -> None:
     said = ""
     for name, text, seconds in (("recorder.py", RECORDER, "3.5"), ("reader.py", READER, "2")):
         (tmp_path / name).write_text(dedent(text))
         words = [sys.executable, "-m", "course_lib", "run", name, "--seconds", seconds]
-        done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=PATIENCE
+        )
         said += done.stdout
     assert said.splitlines() == ["heard hello"] * 3
     assert "Topic: chatter | Type: std_msgs/msg/String | Count: 3 |" in bag_info(tmp_path / "my_bag")
 
 
 @pytest.mark.parametrize("storage", sorted(rosbag2_py.get_registered_writers()))
-def test_a_bag_is_read_as_it_was_written(tmp_path: Path, storage: str) -> None:
+def test_bag_survives_a_round_trip(tmp_path: Path, storage: str) -> None:
     write(tmp_path / "bag", storage)
     reader = reader_of(tmp_path / "bag")
     assert reader.read_next() == ("/a", serialize_message(String(data="0")), 100)
@@ -152,7 +156,7 @@ def test_a_bag_is_read_as_it_was_written(tmp_path: Path, storage: str) -> None:
         (rosbag2_py.StorageFilter(topics=["/nothing"]), ""),
     ],
 )
-def test_a_filter_chooses_the_topics_of_what_is_left(
+def test_filter_selects_the_topics_of_the_remaining_messages(
     bag: Path, chosen: rosbag2_py.StorageFilter, digits: str
 ) -> None:
     reader = reader_of(bag)
@@ -164,7 +168,7 @@ def test_a_filter_chooses_the_topics_of_what_is_left(
     assert rest(reader) == "89"
 
 
-def test_a_bag_is_read_backwards(bag: Path) -> None:
+def test_bag_is_read_in_reverse_order(bag: Path) -> None:
     reader = reader_of(bag)
     assert reader.set_read_order(rosbag2_py.ReadOrder(reverse=True))
     assert rest(reader) == "9876543210"
@@ -172,7 +176,7 @@ def test_a_bag_is_read_backwards(bag: Path) -> None:
     assert rest(reader) == "210"
 
 
-def test_metadata_count_the_messages_and_print_as_bag_info_does(bag: Path) -> None:
+def test_metadata_count_the_messages_and_print_like_bag_info(bag: Path) -> None:
     about = rosbag2_py.Info().read_metadata(str(bag), "mcap")
     assert (about.message_count, about.duration.nanoseconds, about.starting_time.nanoseconds) == (10, 9, 100)
     counts = {one.topic_metadata.name: one.message_count for one in about.topics_with_message_count}
@@ -181,14 +185,14 @@ def test_metadata_count_the_messages_and_print_as_bag_info_does(bag: Path) -> No
     assert about == reader_of(bag).get_metadata()
 
 
-def test_a_bag_is_found_by_its_file_too(bag: Path) -> None:
+def test_bag_can_be_opened_by_its_file(bag: Path) -> None:
     assert rest(reader_of(bag / "bag.mcap")) == "0123456789"
     (bag / "other.mcap").touch()
     with pytest.raises(RuntimeError, match=r"is one of several files\. Open the bag's folder: .*bag"):
         reader_of(bag / "bag.mcap")
 
 
-def test_the_quality_of_service_of_a_topic_is_copied_from_bag_to_bag(bag: Path, tmp_path: Path) -> None:
+def test_topic_qos_is_copied_from_bag_to_bag(bag: Path, tmp_path: Path) -> None:
     latched = topic("/map")
     latched.offered_qos_profiles = [Qos(durability="transient_local")]
     writer = opened(tmp_path / "copy")
@@ -200,7 +204,7 @@ def test_the_quality_of_service_of_a_topic_is_copied_from_bag_to_bag(bag: Path, 
     ]
 
 
-def test_a_writer_that_nobody_holds_any_longer_completes_its_bag(tmp_path: Path) -> None:
+def test_unreferenced_writer_completes_its_bag(tmp_path: Path) -> None:
     writer = opened(tmp_path / "bag")
     writer.create_topic(topic("/a"))
     writer.write("/a", serialize_message(String(data="1")), 5)
@@ -208,7 +212,7 @@ def test_a_writer_that_nobody_holds_any_longer_completes_its_bag(tmp_path: Path)
     assert len(read_bag(tmp_path / "bag").samples) == 1
 
 
-def test_who_reads_a_bag_that_is_still_written_learns_what_completes_it(tmp_path: Path) -> None:
+def test_reading_an_incomplete_bag_raises_an_error_with_the_call_that_completes_it(tmp_path: Path) -> None:
     writer = opened(tmp_path / "bag")
     writer.create_topic(topic("/a"))
     with pytest.raises(CourseError, match=r"it has no metadata\.yaml\. If .* writer\.close\(\) completes it"):
@@ -217,7 +221,7 @@ def test_who_reads_a_bag_that_is_still_written_learns_what_completes_it(tmp_path
     assert "Topic: /a |" in bag_info(tmp_path / "bag")
 
 
-def test_a_folder_that_exists_is_not_replaced(bag: Path) -> None:
+def test_existing_folder_is_not_replaced(bag: Path) -> None:
     with pytest.raises(
         RuntimeError, match=r"Bag directory already exists \(.*\), can't overwrite existing bag"
     ):
@@ -225,7 +229,7 @@ def test_a_folder_that_exists_is_not_replaced(bag: Path) -> None:
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root writes everywhere")
-def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+def test_unwritable_folder_is_reported(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
     with pytest.raises(
         RuntimeError, match=r"Can't write the bag .*: Permission denied\. Choose another folder"
@@ -233,7 +237,7 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         opened(tmp_path / "bag")
 
 
-def test_mistakes_of_a_program_are_named(bag: Path, tmp_path: Path) -> None:
+def test_invalid_calls_are_rejected_with_the_next_step(bag: Path, tmp_path: Path) -> None:
     writer = rosbag2_py.SequentialWriter()
     with pytest.raises(RuntimeError, match=r"Bag is not open\. Call open\(\) before writing\."):
         writer.create_topic(topic("/a"))

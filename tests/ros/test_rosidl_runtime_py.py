@@ -13,7 +13,7 @@ from rosidl_runtime_py.utilities import get_action, get_interface, get_message, 
 from std_srvs.srv import Trigger
 
 
-def test_types_are_found_by_name_with_and_without_their_folder() -> None:
+def test_types_are_found_by_name_with_and_without_their_subfolder() -> None:
     assert get_message("geometry_msgs/msg/Twist") is get_message("geometry_msgs/Twist") is Twist
     assert get_service("std_srvs/srv/Trigger") is get_interface("std_srvs/srv/Trigger") is Trigger
     assert get_action("example_interfaces/Fibonacci").Goal(order=3).order == 3
@@ -29,12 +29,12 @@ def test_types_are_found_by_name_with_and_without_their_folder() -> None:
         ("std_msgs/msg/No", AttributeError),
     ],
 )
-def test_a_wrong_name_is_ros_s_error(name: str, error: type[Exception]) -> None:
+def test_invalid_type_name_raises_the_error_of_ros(name: str, error: type[Exception]) -> None:
     with pytest.raises(error):
         get_message(name)
 
 
-def test_fields_are_set_from_dictionaries_with_nested_messages_and_lists() -> None:
+def test_fields_are_set_from_dicts_with_nested_messages_and_lists() -> None:
     twist, polygon = Twist(), Polygon()
     assert set_message_fields(twist, {"linear": {"x": 1}, "angular": {"z": -0.5}}) == []
     assert (twist.linear.x, twist.angular.z) == (1.0, -0.5)
@@ -44,7 +44,7 @@ def test_fields_are_set_from_dictionaries_with_nested_messages_and_lists() -> No
     assert len(polygon.points) == 1
 
 
-def test_times_are_set_afterwards_only_on_request() -> None:
+def test_time_fields_are_returned_for_later_only_on_request() -> None:
     stamped = PointStamped()
     (setter,) = set_message_fields(stamped, {"header": "auto"}, expand_header_auto=True)
     setter(Time(sec=7))
@@ -57,12 +57,14 @@ def test_times_are_set_afterwards_only_on_request() -> None:
 
 
 @pytest.mark.parametrize(("values", "error"), [({"lin": {}}, AttributeError), ({"linear": 3}, TypeError)])
-def test_what_does_not_fit_is_ros_s_error(values: dict[str, object], error: type[Exception]) -> None:
+def test_invalid_field_values_raise_the_error_of_ros(
+    values: dict[str, object], error: type[Exception]
+) -> None:
     with pytest.raises(error):
         set_message_fields(Twist(), values)
 
 
-def test_a_message_becomes_dictionaries_yaml_and_a_row() -> None:
+def test_message_is_converted_to_a_dict_yaml_and_csv() -> None:
     stamped = PointStamped()
     stamped.header.frame_id = "a long frame"
     stamped.point.x = 1.5

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from course_lib.ros import virtual_time
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.seeding import seeded
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.programs.program import seeded
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.time_lock import time_lock
+from tests.patience import join
 
 
 def reseeded(source: Any, draw: Callable[[], float]) -> float:
@@ -37,16 +38,16 @@ SOURCES: dict[str, Callable[[], Any]] = {
 
 
 @pytest.mark.parametrize("name", SOURCES)
-def test_every_source_of_chance_repeats_and_differs_from_seed_to_seed(name: str) -> None:
+def test_every_random_generator_repeats_per_seed_and_differs_between_seeds(name: str) -> None:
     drawn = []
     for seed in (1, 1, 2):
-        with use_graph(Graph()), seeded(seed), baton.known():
+        with use_graph(Graph()), seeded(seed), time_lock.hold():
             drawn.append([SOURCES[name]() for _ in range(3)])
     assert drawn[0] == drawn[1] != drawn[2]
     assert drawn[0][0] != drawn[0][1]
 
 
-def test_afterwards_all_is_as_before() -> None:
+def test_generator_states_are_restored_afterwards() -> None:
     before, state = os.urandom, random.getstate()
     with seeded(1):
         random.random()
@@ -54,12 +55,12 @@ def test_afterwards_all_is_as_before() -> None:
     assert random.getstate() == state
 
 
-def test_ordinary_threads_keep_real_chance() -> None:
+def test_ordinary_threads_keep_unseeded_generators() -> None:
     virtual_time.install()
     drawn: list[bytes] = []
     for _ in range(2):
         with seeded(1):
             thread = threading.Thread(target=lambda: drawn.append(os.urandom(8)))
             thread.start()
-            thread.join()
+            join(thread)
     assert drawn[0] != drawn[1]

@@ -1,4 +1,4 @@
-"""The share folder of sources whose setup.py or CMakeLists.txt installs files in other places."""
+"""The share folder of sources whose setup.py installs files in other places."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -55,14 +55,9 @@ def in_cmake(line: str) -> dict[str, str]:
         (in_setup("(f'share/{package_name}/meshes', glob(os.path.join('more', '*'))),"),
          {"meshes/b.stl": "more/b.stl", "meshes/a.stl": "meshes/a.stl"}),
         (in_setup("('share/arm/new/deep', ['urdf/arm.urdf']),"), {"new/deep/arm.urdf": "urdf/arm.urdf"}),
-        (in_cmake("install(FILES urdf/arm.urdf DESTINATION share/${PROJECT_NAME})"),
-         {"arm.urdf": "urdf/arm.urdf"}),
-        (in_cmake("install(DIRECTORY urdf/ more\n  DESTINATION share/${PROJECT_NAME}/data)"),
-         {"data/arm.urdf": "urdf/arm.urdf", "data/deep/tool.urdf": "urdf/deep/tool.urdf",
-          "data/more/b.stl": "more/b.stl"}),
     ],
 )  # fmt: skip
-def test_a_file_is_found_where_it_would_be_installed_and_where_it_is(
+def test_share_file_is_found_by_its_install_path_and_its_source_path(
     share: Share, build: dict[str, str], places: dict[str, str]
 ) -> None:
     folder = share(**build)
@@ -84,16 +79,16 @@ def test_a_file_is_found_where_it_would_be_installed_and_where_it_is(
         {"setup.py": "package_name = package_name\nsetup(data_files=[(package_name, [])])"},
         in_setup("('share/arm', glob() + [os.path.join()] + glob('')),"),
         in_cmake("install(DIRECTORY launch urdf DESTINATION share/${PROJECT_NAME})"),
-        in_cmake("# install(FILES urdf/arm.urdf DESTINATION share/${PROJECT_NAME})"),
+        in_cmake("install(DIRECTORY urdf/ DESTINATION share/${PROJECT_NAME}/data)"),
     ],
 )
-def test_sources_that_are_installed_as_they_lie_are_the_share_folder(
+def test_sources_installed_in_place_are_the_share_folder(
     share: Share, build: dict[str, str], tmp_path: Path
 ) -> None:
     assert share(**build) == tmp_path / "arm"
 
 
-def test_a_file_that_changes_later_is_the_changed_one(share: Share, tmp_path: Path) -> None:
+def test_later_changes_of_a_share_file_are_visible(share: Share, tmp_path: Path) -> None:
     folder = share(**in_setup("(os.path.join('share', package_name), glob('urdf/*.urdf')),"))
     (tmp_path / "arm" / "urdf" / "arm.urdf").write_text("changed")
     assert (folder / "arm.urdf").read_text() == "changed"

@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 NODE = """
 from rclpy.node import Node
 from std_msgs.msg import String
@@ -38,12 +40,12 @@ def node_with_executor():
     rclpy.shutdown()
 
 
-def test_its_parameter(node_with_executor):
+def test_parameter_has_its_default_value(node_with_executor):
     node, _ = node_with_executor
     assert node.get_parameter("robot_name").value == "physical_ai_robot"
 
 
-def test_its_messages_while_a_thread_spins(node_with_executor):
+def test_messages_are_published_while_a_thread_spins(node_with_executor):
     node, executor = node_with_executor
     heard = []
     node.create_subscription(String, "chatter", heard.append, 10)
@@ -54,12 +56,13 @@ def test_its_messages_while_a_thread_spins(node_with_executor):
     assert time.time() - begun == pytest.approx(60.1)
 
 
-def test_that_fails(node_with_executor):
+def test_failing_assertion(node_with_executor):
     assert 1 + 1 == 3
 """
 
 
-def test_nodes_in_an_executor_are_tested_on_robot_time(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_nodes_in_an_executor_are_tested_in_robot_time(tmp_path: Path) -> None:
     package = tmp_path / "my_package"
     package.mkdir()
     (package / "my_node.py").write_text(NODE)

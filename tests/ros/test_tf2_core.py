@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from course_lib.arrays import Vector
-from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_transform import (
+from course_lib.ros.tf2 import (
+    BufferCore,
     ConnectivityException,
     ExtrapolationException,
     InvalidArgumentException,
@@ -39,25 +39,25 @@ def chain() -> BufferCore:
     return buffer
 
 
-def test_a_chain_is_composed_upwards() -> None:
+def test_transforms_are_composed_up_the_tree() -> None:
     found = chain().lookup("map", "base")
     assert found.translation == pytest.approx((1.0, 2.0, 0.5))
     assert found.rotation == pytest.approx(turn(pi / 2))
     assert (found.parent, found.child, found.stamp_ns) == ("map", "base", 0)
 
 
-def test_down_the_tree_is_the_inverse_of_up() -> None:
+def test_transform_down_the_tree_is_the_inverse_of_the_transform_up() -> None:
     buffer = chain()
     up, down = buffer.lookup("map", "base").matrix(), buffer.lookup("base", "map").matrix()
     np.testing.assert_allclose(up @ down, np.eye(4), atol=1e-12)
 
 
-def test_two_branches_meet_at_their_common_parent() -> None:
+def test_branches_are_joined_at_their_common_parent() -> None:
     found = chain().lookup("beacon", "base")
     assert found.translation == pytest.approx((1.0, 2.0, -2.5))
 
 
-def test_between_two_stamps_position_and_rotation_are_interpolated() -> None:
+def test_position_and_rotation_are_interpolated_between_stamps() -> None:
     buffer = BufferCore()
     buffer.set_transform(step("map", "base", 1 * S, (0.0, 0.0, 0.0), turn(0.0)))
     buffer.set_transform(step("map", "base", 2 * S, (4.0, 0.0, 0.0), turn(1.0)))
@@ -66,7 +66,7 @@ def test_between_two_stamps_position_and_rotation_are_interpolated() -> None:
     assert found.rotation == pytest.approx(turn(0.25))
 
 
-def test_rotation_takes_the_shorter_arc_whatever_the_sign_of_the_quaternion() -> None:
+def test_rotation_takes_the_shorter_arc_regardless_of_the_quaternion_sign() -> None:
     buffer = BufferCore()
     x, y, z, w = turn(1.0)
     buffer.set_transform(step("map", "base", 1 * S, rotation=turn(0.0)))
@@ -74,7 +74,7 @@ def test_rotation_takes_the_shorter_arc_whatever_the_sign_of_the_quaternion() ->
     assert buffer.lookup("map", "base", 3 * S // 2).rotation == pytest.approx(turn(0.5))
 
 
-def test_time_zero_means_the_latest_time_that_all_of_the_chain_knows() -> None:
+def test_time_zero_is_the_latest_common_time_of_the_chain() -> None:
     buffer = BufferCore()
     for stamp in (1, 2, 3):
         buffer.set_transform(step("map", "odom", stamp * S, (float(stamp), 0.0, 0.0)))
@@ -84,19 +84,19 @@ def test_time_zero_means_the_latest_time_that_all_of_the_chain_knows() -> None:
     assert (found.stamp_ns, found.translation[0]) == (2 * S, 2.0)
 
 
-def test_static_transforms_do_not_hold_back_the_latest_common_time() -> None:
+def test_static_transforms_do_not_limit_the_latest_common_time() -> None:
     buffer = chain()
     buffer.set_transform(step("base", "wheel", 5 * S))
     assert buffer.lookup("beacon", "wheel").stamp_ns == 5 * S
 
 
-def test_a_frame_in_itself_is_the_identity_even_if_nobody_knows_it() -> None:
+def test_transform_of_a_frame_to_itself_is_the_identity_even_for_an_unknown_frame() -> None:
     buffer = BufferCore()
     assert buffer.lookup("nowhere", "nowhere", 7 * S).stamp_ns == 7 * S
     assert buffer.can_transform("nowhere", "nowhere") is None
 
 
-def test_slashes_are_stripped_on_input_and_refused_in_questions() -> None:
+def test_leading_slashes_are_stripped_from_transforms_and_rejected_in_lookups() -> None:
     buffer = BufferCore()
     buffer.set_transform(step("/map", "/base", 1 * S))
     assert buffer.frames() == ["base", "map"]
@@ -111,7 +111,7 @@ def test_slashes_are_stripped_on_input_and_refused_in_questions() -> None:
 
 
 @pytest.mark.parametrize(("target", "source"), [("foo", "map"), ("map", "foo")])
-def test_an_unknown_frame_is_named(target: str, source: str) -> None:
+def test_unknown_frame_is_reported(target: str, source: str) -> None:
     argument = "target_frame" if target == "foo" else "source_frame"
     with pytest.raises(LookupException) as caught:
         chain().lookup(target, source)
@@ -122,7 +122,7 @@ def test_an_unknown_frame_is_named(target: str, source: str) -> None:
 
 
 @pytest.mark.parametrize("time_ns", [0, 1 * S])
-def test_two_trees_have_no_connection(time_ns: int) -> None:
+def test_lookup_between_disconnected_trees_is_a_connectivity_error(time_ns: int) -> None:
     buffer = chain()
     buffer.set_transform(step("world", "camera"), is_static=True)
     with pytest.raises(ConnectivityException) as caught:
@@ -149,7 +149,9 @@ EXTRAPOLATIONS = {
 
 @pytest.mark.parametrize("direction", EXTRAPOLATIONS)
 @pytest.mark.parametrize(("target", "source"), [("map", "base"), ("base", "map")])
-def test_nothing_is_extrapolated(direction: str, target: str, source: str) -> None:
+def test_lookup_outside_the_buffered_interval_is_an_extrapolation_error(
+    direction: str, target: str, source: str
+) -> None:
     time_ns, text = EXTRAPOLATIONS[direction]
     buffer = BufferCore()
     buffer.set_transform(step("map", "base", 1 * S))
@@ -160,7 +162,7 @@ def test_nothing_is_extrapolated(direction: str, target: str, source: str) -> No
     assert str(caught.value) == text + suffix
 
 
-def test_one_sample_answers_for_its_own_time_only() -> None:
+def test_single_transform_is_valid_at_its_own_stamp_only() -> None:
     buffer = BufferCore()
     buffer.set_transform(step("map", "base", 1 * S))
     assert buffer.lookup("map", "base", 1 * S).stamp_ns == 1 * S
@@ -171,7 +173,7 @@ def test_one_sample_answers_for_its_own_time_only() -> None:
     )
 
 
-def test_ten_seconds_are_remembered() -> None:
+def test_transforms_are_kept_for_ten_seconds() -> None:
     buffer = BufferCore()
     for stamp in range(1, 22):
         assert buffer.set_transform(step("map", "base", stamp * S)) == ()
@@ -195,14 +197,14 @@ REJECTED = {
 
 
 @pytest.mark.parametrize("name", REJECTED)
-def test_bad_input_is_ignored_with_the_name_of_the_rule(name: str) -> None:
+def test_invalid_transform_is_ignored_with_the_violated_rule(name: str) -> None:
     buffer = BufferCore()
     complaints = buffer.set_transform(REJECTED[name])
     assert [complaint.partition(":")[0] for complaint in complaints] == [name]
     assert buffer.frames() == []
 
 
-def test_a_rejected_quaternion_is_quoted() -> None:
+def test_rejected_quaternion_is_included_in_the_message() -> None:
     (complaint,) = BufferCore().set_transform(REJECTED["TF_DENORMALIZED_QUATERNION"])
     assert complaint == (
         'TF_DENORMALIZED_QUATERNION: Ignoring transform for child_frame_id "base" from authority '
@@ -211,7 +213,7 @@ def test_a_rejected_quaternion_is_quoted() -> None:
     )
 
 
-def test_a_loop_is_an_error_and_not_a_hang() -> None:
+def test_loop_in_the_tree_is_an_error() -> None:
     buffer = BufferCore()
     for parent, child in (("a", "b"), ("b", "c"), ("c", "a"), ("x", "y")):
         buffer.set_transform(step(parent, child, 1 * S))
@@ -221,7 +223,7 @@ def test_a_loop_is_an_error_and_not_a_hang() -> None:
         buffer.lookup("x", "a")
 
 
-def test_a_static_transform_replaces_dynamic_ones_and_the_other_way_round() -> None:
+def test_static_and_dynamic_transforms_replace_each_other() -> None:
     buffer = BufferCore()
     buffer.set_transform(step("map", "base", 1 * S, (1.0, 0.0, 0.0)))
     buffer.set_transform(step("map", "base", 0, (2.0, 0.0, 0.0)), is_static=True)
@@ -230,14 +232,14 @@ def test_a_static_transform_replaces_dynamic_ones_and_the_other_way_round() -> N
     assert buffer.lookup("map", "base", 3 * S).translation[0] == 3.0
 
 
-def test_of_two_transforms_with_one_stamp_the_later_one_is_the_latest() -> None:
+def test_later_of_two_transforms_with_equal_stamps_is_the_latest() -> None:
     buffer = BufferCore()
     for x in (1.0, 2.0, 2.0):
         buffer.set_transform(step("map", "base", 1 * S, (x, 0.0, 0.0)))
     assert buffer.lookup("map", "base").translation[0] == 2.0
 
 
-def test_clear_keeps_what_is_static_and_the_names() -> None:
+def test_clear_keeps_static_transforms_and_frame_names() -> None:
     buffer = chain()
     buffer.set_transform(step("base", "wheel", 1 * S))
     buffer.clear()
@@ -252,7 +254,7 @@ places = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
 
 
 @given(angles, places, angles, places)
-def test_lookups_obey_the_laws_of_transforms(a: float, p: Vector, b: float, q: Vector) -> None:
+def test_lookups_satisfy_the_group_laws_of_transforms(a: float, p: Vector, b: float, q: Vector) -> None:
     buffer = BufferCore()
     buffer.set_transform(step("map", "left", at=p, rotation=turn(a)), is_static=True)
     buffer.set_transform(step("map", "right", at=q, rotation=turn(b)), is_static=True)

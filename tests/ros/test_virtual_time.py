@@ -9,10 +9,9 @@ from multiprocessing.pool import Pool, ThreadPool
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.ros import virtual_time, wall
-from course_lib.ros.baton import DeadlockError, baton
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
+from course_lib.ros.time import virtual_time, wall
+from course_lib.ros.time.time_lock import DeadlockError, time_lock
 
 SECOND = 10**9  # [ns]
 
@@ -20,17 +19,17 @@ SECOND = 10**9  # [ns]
 @pytest.fixture
 def graph() -> Iterator[Graph]:
     virtual_time.install()
-    with use_graph(Graph(end_ns=START_NS + 100 * SECOND)) as graph, baton.known():
+    with use_graph(Graph(end_ns=START_NS + 100 * SECOND)) as graph, time_lock.hold():
         yield graph
         graph.end_ns = graph.now_ns
-        baton.let_others_finish()
+        time_lock.finish_other_threads()
 
 
 def seconds(graph: Graph) -> float:
     return (graph.now_ns - START_NS) / SECOND
 
 
-def test_sleep_moves_robot_time_and_not_the_walls(graph: Graph) -> None:
+def test_sleep_advances_robot_time_and_not_wall_time(graph: Graph) -> None:
     start = wall.monotonic()
     time.sleep(50)
     assert seconds(graph) == 50
@@ -38,7 +37,7 @@ def test_sleep_moves_robot_time_and_not_the_walls(graph: Graph) -> None:
     assert wall.monotonic() - start < 50
 
 
-def test_threads_that_jupyter_started_keep_the_wall_clock() -> None:
+def test_threads_started_by_jupyter_use_the_wall_clock() -> None:
     virtual_time.install()
     assert time.time() > START_NS / SECOND + 1_000_000
     start = wall.monotonic()
@@ -46,7 +45,7 @@ def test_threads_that_jupyter_started_keep_the_wall_clock() -> None:
     assert wall.monotonic() - start >= 0.02
 
 
-def test_threads_take_turns_in_one_order(graph: Graph) -> None:
+def test_threads_run_in_a_deterministic_order(graph: Graph) -> None:
     seen: list[tuple[float, str]] = []
 
     def tick(name: str, period: float) -> None:
@@ -74,7 +73,7 @@ def test_event_queue_and_condition_time_out_in_robot_time(graph: Graph) -> None:
     assert seconds(graph) == 12
 
 
-def test_a_queue_carries_items_between_threads(graph: Graph) -> None:
+def test_queue_passes_items_between_threads(graph: Graph) -> None:
     items: queue.Queue[int] = queue.Queue()
 
     def produce() -> None:
@@ -87,7 +86,7 @@ def test_a_queue_carries_items_between_threads(graph: Graph) -> None:
     assert seconds(graph) == 3
 
 
-def test_a_mutex_hands_the_baton_to_its_holder(graph: Graph) -> None:
+def test_mutex_passes_the_time_lock_to_its_holder(graph: Graph) -> None:
     lock, order = threading.Lock(), []
 
     def hold() -> None:
@@ -104,19 +103,19 @@ def test_a_mutex_hands_the_baton_to_its_holder(graph: Graph) -> None:
     assert order == ["holder", "main"]
 
 
-def test_a_thread_pool_works_in_robot_time(graph: Graph) -> None:
+def test_thread_pool_runs_in_robot_time(graph: Graph) -> None:
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         list(pool.map(time.sleep, [3, 1, 2]))
     assert seconds(graph) == 3
 
 
 @pytest.mark.parametrize("pool", [Pool, ThreadPool, concurrent.futures.ProcessPoolExecutor])
-def test_a_pool_that_would_hang_is_refused_at_once(graph: Graph, pool: Callable[[], object]) -> None:
+def test_pool_that_would_deadlock_is_rejected_immediately(graph: Graph, pool: Callable[[], object]) -> None:
     with pytest.raises(CourseError, match=r"Use concurrent\.futures\.ThreadPoolExecutor"):
         pool()
 
 
-def test_asyncio_sleeps_in_robot_time(graph: Graph) -> None:
+def test_asyncio_sleep_advances_robot_time(graph: Graph) -> None:
     async def both() -> tuple[str, str]:
         async def say(word: str, delay: float) -> str:
             await asyncio.sleep(delay)
@@ -130,14 +129,14 @@ def test_asyncio_sleeps_in_robot_time(graph: Graph) -> None:
     assert wall.monotonic() - start < 20
 
 
-def test_a_loop_that_only_polls_the_clock_ends(graph: Graph) -> None:
+def test_loop_that_only_polls_the_clock_ends(graph: Graph) -> None:
     start = time.time()
     while time.time() - start < 1:
         pass
     assert seconds(graph) == pytest.approx(1, abs=0.01)
 
 
-def test_a_deadlock_is_named_in_the_main_thread(graph: Graph) -> None:
+def test_deadlock_error_is_raised_in_the_main_thread(graph: Graph) -> None:
     mine = threading.Lock()
     mine.acquire()
     thread = threading.Thread(target=mine.acquire, name="other", daemon=True)
@@ -147,7 +146,7 @@ def test_a_deadlock_is_named_in_the_main_thread(graph: Graph) -> None:
     mine.release()
 
 
-def test_at_the_end_every_wait_returns_and_endless_loops_are_ended(graph: Graph) -> None:
+def test_waits_return_and_endless_loops_end_at_the_end_of_a_run(graph: Graph) -> None:
     graph.end_ns = START_NS + 2 * SECOND
     time.sleep(1000)
     assert graph.ended
@@ -160,7 +159,7 @@ def test_at_the_end_every_wait_returns_and_endless_loops_are_ended(graph: Graph)
 
     thread = threading.Thread(target=forever)
     thread.start()
-    baton.let_others_finish()
+    time_lock.finish_other_threads()
     thread.join()
     assert not thread.is_alive()
     with pytest.raises(KeyboardInterrupt):

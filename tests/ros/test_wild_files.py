@@ -5,14 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmarks.wild_files import files_of, judged_error, judgement
+from tests.benchmarks.wild_files import files_of, judged_error, judgement, started
 from tests.benchmarks.wild_programs import Row, table
 from tests.displays.test_layout import LAYOUT
 
 LAUNCH, LAYOUTS = table("launch"), table("layout")
 
 
-def test_at_least_85_in_100_launch_files_are_described_or_refused_by_the_name_of_what_is_missing() -> None:
+def test_at_least_85_percent_of_launch_files_load_or_report_missing_packages() -> None:
     assert len(LAUNCH) >= 250
     assert len({row.repository for row in LAUNCH}) >= 60
     honest = [row for row in LAUNCH if row.result == "described" or (row.result == "needs" and row.reason)]
@@ -20,7 +20,7 @@ def test_at_least_85_in_100_launch_files_are_described_or_refused_by_the_name_of
     assert [row for row in LAUNCH if row.result == "fails" and not (row.theirs and row.reason)] == []
 
 
-def test_all_layouts_keep_what_is_in_them() -> None:
+def test_all_public_layouts_survive_a_round_trip() -> None:
     assert len(LAYOUTS) >= 60
     assert {row.result for row in LAYOUTS} == {"kept"}
 
@@ -59,13 +59,14 @@ def generate_launch_description():
         ("os._exit(3)", ("fails", "its process died")),
     ],
 )
-def test_a_launch_file_is_described_to_its_end_in_a_process_of_its_own(
+def test_launch_file_is_described_completely_in_a_separate_process(
     judged: Callable[[str, str], tuple[str, str]], action: str, expected: tuple[str, str]
 ) -> None:
     assert judged("a.launch.py", PYTHON.format(action)) == expected
 
 
-def test_what_is_wrong_in_an_xml_file_and_in_a_layout_is_the_reason(
+@pytest.mark.slow
+def test_error_in_an_xml_launch_file_or_layout_is_its_reported_reason(
     judged: Callable[[str, str], tuple[str, str]],
 ) -> None:
     include = '<launch><include file="$(find-pkg-share nav2_bringup)/x.launch.py"/></launch>'
@@ -74,6 +75,27 @@ def test_what_is_wrong_in_an_xml_file_and_in_a_layout_is_the_reason(
     assert judged("a.rviz", "a: [")[0] == "fails"
 
 
-def test_a_reason_has_no_path_of_this_machine() -> None:
+def test_reason_contains_no_local_path() -> None:
     assert judged_error(ValueError("/clones/a+b/x.py: no"), Path("/clones/a+b")) == (
         "fails", "ValueError: x.py: no")  # fmt: skip
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize(
+    ("action", "result"),
+    [
+        ("Node(package='demo_nodes_py', executable='talker')", "starts"),
+        (
+            "Node(package='demo_nodes_py', executable='talker'), Node(package='joy', executable='joy_node')",
+            "starts in part",
+        ),
+        ("Node(package='joy', executable='joy_node')", "needs"),
+        ("DeclareLaunchArgument('robot_ip')", "needs"),
+        ("1 / 0", "fails"),
+    ],
+)
+def test_launch_results_distinguish_full_partial_and_failed_starts(
+    action: str, result: str, tmp_path: Path
+) -> None:
+    (tmp_path / "a.launch.py").write_text(PYTHON.format(action))
+    assert started(tmp_path, Row("a/b", "1", "a.launch.py"))[0] == result

@@ -9,8 +9,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from course_lib.arrays import Floats
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, Sample, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, Sample, use_graph
 from course_lib.ros.messages import deserialize
 from course_lib.sensors.world import placed
 

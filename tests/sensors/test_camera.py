@@ -9,8 +9,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from course_lib.errors import CourseError
 from course_lib.sensors import camera
 from course_lib.sensors.camera import CameraNode, Pinhole
-from course_lib.sensors.shapes import box
-from course_lib.sensors.world import Thing, World, placed
+from course_lib.sensors.world import Thing, World, box, placed
 from tests.sensors.scenes import TRANSFORM_OPTICAL_TO_WORLD, published
 
 SMALL = Pinhole(40, 30, 40.0)
@@ -30,7 +29,7 @@ def pixels(image: Any) -> Any:
     return np.frombuffer(image.data, np.uint8).reshape(image.height, image.width, 3)
 
 
-def test_left_is_left_and_up_is_up() -> None:
+def test_objects_to_the_left_and_above_appear_left_and_up_in_the_image() -> None:
     image = seen(Image)
     assert (image.encoding, image.step, len(image.data)) == ("rgb8", 120, 3600)
     red, green = ((pixels(image)[..., a] > 50) & (pixels(image)[..., b] == 0) for a, b in ((0, 1), (1, 0)))
@@ -39,7 +38,7 @@ def test_left_is_left_and_up_is_up() -> None:
     assert red_v.max() < 15 < green_v.min()
 
 
-def test_what_faces_the_camera_is_bright_and_the_sky_is_even() -> None:
+def test_surfaces_facing_the_camera_are_bright_and_the_sky_is_uniform() -> None:
     picture = pixels(seen(Image))
     v, u = np.rint(SMALL.matrix[:2] @ (-1 / 4.5, -0.8 / 4.5, 1))[::-1].astype(int)
     assert picture[v, u, 0] > 200
@@ -47,33 +46,31 @@ def test_what_faces_the_camera_is_bright_and_the_sky_is_even() -> None:
 
 
 @pytest.mark.parametrize(("kind", "error"), [("png", 0), ("jpeg", 40)])
-def test_compressed_pictures_show_the_same(kind: Literal["png", "jpeg"], error: float) -> None:
+def test_compressed_images_agree_with_raw_images(kind: Literal["png", "jpeg"], error: float) -> None:
     message = seen(CompressedImage, compressed=kind)
     assert message.format == f"rgb8; {kind} compressed bgr8"
     unpacked = np.asarray(Pictures.open(io.BytesIO(bytes(message.data))), int)
     assert np.abs(unpacked - pixels(seen(Image))).mean() <= error
 
 
-def test_without_compression_there_is_none() -> None:
+def test_no_compressed_images_are_published_without_compression() -> None:
     with pytest.raises(IndexError):
         seen(CompressedImage, compressed=None)
 
 
-def test_camera_info_has_the_picture_s_stamp_and_frame() -> None:
+def test_camera_info_has_the_stamp_and_frame_of_the_image() -> None:
     assert seen(CameraInfo).header == seen(Image).header
     assert seen(CameraInfo).header.frame_id == "camera_optical_frame"
 
 
-def test_noise_changes_colours_and_dropouts_are_black() -> None:
+def test_noise_changes_colors_and_dropouts_are_black() -> None:
     clean, noisy = pixels(seen(Image)), pixels(seen(Image, noise=5.0))
     assert 2 < np.abs(clean.astype(int) - noisy).mean() < 8
     assert (pixels(seen(Image, dropout=1.0)) == 0).all()
 
 
 @pytest.mark.parametrize("rows", [1, 7, 32])
-def test_a_picture_that_is_shaded_in_parts_has_the_same_light(
-    rows: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_image_shaded_in_parts_has_the_same_lighting(rows: int, monkeypatch: pytest.MonkeyPatch) -> None:
     rays, distance = Pinhole(9, 65, 40.0).rays, np.random.default_rng(0).uniform(1.0, 3.0, 9 * 65)
     distance[::11] = np.inf
     monkeypatch.setattr(camera, "_ROWS", 65)
@@ -82,6 +79,6 @@ def test_a_picture_that_is_shaded_in_parts_has_the_same_light(
     assert (camera.shade(rays, distance, 9) == whole).all()
 
 
-def test_an_unknown_compression_is_named() -> None:
+def test_unknown_compression_is_reported() -> None:
     with pytest.raises(CourseError, match="compressed is 'gif'; give 'png', 'jpeg' or None"):
         seen(Image, compressed="gif")

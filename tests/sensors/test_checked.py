@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.sensors.checked import (
+from course_lib.sensors.world import (
     check_array,
     check_count,
     check_limits,
@@ -24,40 +24,40 @@ def changed(row: int, column: int, value: float) -> Any:
 @pytest.mark.parametrize(
     ("matrix", "text"),
     [
-        (changed(0, 3, np.nan), "pose holds nan; give finite numbers"),
-        (changed(0, 0, 2), r"upper left 3x3 of pose is \[\[2.0, .*no rotation"),
+        (changed(0, 3, np.nan), "pose contains nan; give finite numbers"),
+        (changed(0, 0, 2), r"upper left 3x3 of pose is \[\[2.0, .*not a rotation"),
         (changed(0, 0, -1), "right-handed"),
         (changed(3, 0, 1), r"last row of pose is \[1.0, 0.0, 0.0, 1.0\]; it must be \[0, 0, 0, 1\]"),
         (np.eye(3), r"pose has shape \(3, 3\); give numbers of shape \(4, 4\)"),
         ("here", "pose is 'here'; give numbers"),
     ],
 )
-def test_what_is_no_transform_is_told_why(matrix: Any, text: str) -> None:
+def test_invalid_transform_error_has_the_reason(matrix: Any, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         check_transform("pose", matrix)
 
 
-def test_lists_are_forgiven_and_results_cannot_be_changed_by_accident() -> None:
+def test_lists_are_accepted_and_results_are_read_only() -> None:
     matrix = check_transform("pose", np.eye(4).tolist())
     with pytest.raises(ValueError, match="read-only"):
         matrix[0, 0] = 2
     assert check_array("points", [(1, 2)], (-1, 2)).dtype == np.float64
 
 
-def test_a_function_that_gives_a_bad_pose_is_named_with_the_time() -> None:
+def test_invalid_pose_from_a_function_is_reported_with_the_time() -> None:
     pose = pose_function("pose of lidar", lambda seconds: changed(0, 3, np.nan if seconds > 1 else 0))
     pose(0.5)
-    with pytest.raises(CourseError, match=r"pose of lidar at 1\.5 s holds nan"):
+    with pytest.raises(CourseError, match=r"pose of lidar at 1\.5 s contains nan"):
         pose(1.5)
 
 
 @pytest.mark.parametrize("count", [0, -3, 2.5, "many", True, None])
-def test_counts_are_whole_numbers_from_one(count: Any) -> None:
+def test_counts_are_positive_integers(count: Any) -> None:
     with pytest.raises(CourseError, match=f"beams is {count!r}; give a whole number, 1 or more"):
         check_count("beams", count)
 
 
-def test_numbers_outside_their_limits_are_named() -> None:
+def test_out_of_range_numbers_are_reported() -> None:
     with pytest.raises(CourseError, match="dropout is 2; give a number >= 0 and <= 1"):
         check_number("dropout", 2, low=0, high=1)
     with pytest.raises(CourseError, match=r"range_max \[m\] is 1; give a number > 3"):
@@ -73,6 +73,6 @@ def test_numbers_outside_their_limits_are_named() -> None:
         ([[1, np.nan], [0, 0], [0, 0]], r"A ray is \[nan, 0.0, 0.0\]"),
     ],
 )
-def test_rays_that_are_none_are_named(rays: Any, text: str) -> None:
+def test_invalid_rays_are_reported(rays: Any, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         check_rays(rays)

@@ -5,8 +5,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.sensors.detector import Detection, Detector
-from course_lib.sensors.shapes import box, cylinder, sphere
-from course_lib.sensors.world import Thing, World, circle, placed
+from course_lib.sensors.world import Thing, World, box, circle, cylinder, placed, sphere
 from tests.sensors.scenes import AT_ORIGIN
 
 
@@ -18,7 +17,7 @@ def found(*things: Thing, at: float = 0.0, **settings: Any) -> list[Detection]:
     return Detector(World(things), AT_ORIGIN, **settings).detect(at)
 
 
-def test_a_detection_is_the_labelled_thing() -> None:
+def test_detection_has_the_label_of_the_object() -> None:
     car = Thing(box(4.5, 2, 1.6), circle((8, 0, 0), 1, 2 * np.pi), label="Car")
     (detection,) = found(Thing(sphere(1), placed(0, 9, 0)), car)
     assert (detection.label, detection.size.tolist()) == ("Car", [4.5, 2, 1.6])
@@ -26,7 +25,7 @@ def test_a_detection_is_the_labelled_thing() -> None:
     np.testing.assert_allclose(detection.velocity, (0, 1, 0), atol=1e-6)
 
 
-def test_a_pose_is_asked_for_once_for_all_that_is_looked_at() -> None:
+def test_pose_is_evaluated_once_per_detection() -> None:
     times: list[float] = []
 
     def pose(seconds: float) -> Any:
@@ -52,20 +51,20 @@ def test_confidence_falls_with_occlusion() -> None:
     assert found(person(6), wall) == []
 
 
-def test_a_field_of_view_leaves_out_what_is_beside_it() -> None:
+def test_objects_outside_the_field_of_view_are_not_detected() -> None:
     things = person(5), person(0, 5), person(-5)
     assert len(found(*things)) == 3
     (ahead,) = found(*things, field_of_view=np.pi / 2)
     assert ahead.transform_box_to_world[0, 3] == 5
 
 
-def test_tracks_stay_while_followed_and_are_new_after_a_gap() -> None:
+def test_tracks_are_kept_while_followed_and_renewed_after_a_gap() -> None:
     world = World([person(3), person(5, 3)])
     detector = Detector(world, AT_ORIGIN, keep=2.0)
     assert [[d.track for d in detector.detect(t)] for t in (0.0, 1.0, 2.5, 6.0)] == [[1, 2]] * 3 + [[3, 4]]
 
 
-def test_misses_and_false_alarms_are_as_many_as_asked_for() -> None:
+def test_misses_and_false_alarms_have_the_requested_rates() -> None:
     detector = Detector(World([person(3)]), AT_ORIGIN, miss_rate=0.3, false_alarms=0.5, keep=1e9)
     detections = [detector.detect(0.1 * number) for number in range(1000)]
     real = sum(d.track == detections_of_person(detections) for each in detections for d in each)
@@ -80,7 +79,7 @@ def detections_of_person(detections: list[list[Detection]]) -> int:
     return next(d.track for each in detections for d in each if d.transform_box_to_world[0, 3] == 3)
 
 
-def test_the_same_seed_gives_the_same_detections() -> None:
+def test_equal_seeds_give_equal_detections() -> None:
     def run(seed: int) -> list[Any]:
         detector = Detector(
             World([person(3), person(5, 3)]), AT_ORIGIN, noise=0.1, miss_rate=0.2, false_alarms=1, seed=seed
@@ -101,6 +100,6 @@ def test_the_same_seed_gives_the_same_detections() -> None:
         ({"field_of_view": 0}, r"field_of_view \[rad\] is 0"),
     ],
 )
-def test_settings_that_make_no_sense_are_named(settings: Any, text: str) -> None:
+def test_invalid_settings_are_reported(settings: Any, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         found(**settings)

@@ -9,8 +9,7 @@ from vision_msgs.msg import Detection3DArray
 from course_lib.arrays import Floats
 from course_lib.errors import CourseError
 from course_lib.sensors.detector import Detector, DetectorNode, quaternion
-from course_lib.sensors.shapes import box
-from course_lib.sensors.world import Thing, World, circle, placed
+from course_lib.sensors.world import Thing, World, box, circle, placed
 from tests.sensors.scenes import AT_ORIGIN, published
 
 WORLD = World([
@@ -26,13 +25,13 @@ def detections(seconds: float = 0.5, **settings: Any) -> list[Any]:
     return [detection for array in arrays for detection in array.detections]
 
 
-def test_a_detection_has_its_label_its_confidence_and_its_track() -> None:
+def test_detection_has_its_label_confidence_and_track() -> None:
     said = [(d.results[0].hypothesis.class_id, d.id) for d in detections()]
     assert said == [("Person", "1"), ("Car", "2")]
     assert detections()[0].results[0].hypothesis.score == pytest.approx(0.75, abs=0.01)
 
 
-def test_boxes_have_place_size_and_turn_in_the_worlds_frame() -> None:
+def test_boxes_have_position_size_and_orientation_in_the_world_frame() -> None:
     detection = detections(frame_id="world")[0]
     assert (detection.bbox.center.position.x, detection.bbox.center.position.z) == (10, 0.9)
     assert detection.bbox.center.orientation.z == pytest.approx(np.sqrt(0.5))
@@ -40,7 +39,7 @@ def test_boxes_have_place_size_and_turn_in_the_worlds_frame() -> None:
     assert detection.header.frame_id == "world"
 
 
-def test_a_rate_that_is_none_is_named() -> None:
+def test_invalid_rate_is_reported() -> None:
     with pytest.raises(CourseError, match=r"rate \[Hz\] is 0; give a number > 0"):
         detections(rate=0)
 
@@ -52,13 +51,13 @@ def rotation_of(x: float, y: float, z: float, w: float) -> Floats:
 
 
 @given(st.integers(0, 2**32))
-def test_quaternions_give_their_rotation_back(seed: int) -> None:
+def test_quaternions_convert_back_to_their_rotation(seed: int) -> None:
     xyzw = np.random.default_rng(seed).standard_normal(4)
     rotation = rotation_of(*(xyzw / np.linalg.norm(xyzw)))
     np.testing.assert_allclose(rotation_of(*quaternion(rotation)), rotation, atol=1e-9)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_half_turns_have_quaternions_too(axis: int) -> None:
+def test_half_turns_are_converted_to_quaternions(axis: int) -> None:
     rotation = 2 * np.outer(np.eye(3)[axis], np.eye(3)[axis]) - np.eye(3)
     assert np.abs(quaternion(rotation)).tolist() == np.eye(4)[axis].tolist()

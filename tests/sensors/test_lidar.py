@@ -4,15 +4,14 @@ from sensor_msgs.msg import LaserScan, PointCloud2
 
 from course_lib.errors import CourseError
 from course_lib.sensors.lidar import LaserScanNode, PointCloudNode
-from course_lib.sensors.shapes import box, plane
-from course_lib.sensors.world import Thing, World, placed
+from course_lib.sensors.world import Thing, World, box, placed, plane
 from tests.sensors.scenes import AT_ORIGIN, published
 
 WALL = World([Thing(box(1, 200, 10), placed(2.5, 0, 0), (1.0, 0.5, 0.0))])
 POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
 
 
-def test_a_scan_of_a_wall_is_what_trigonometry_says() -> None:
+def test_scan_of_a_wall_agrees_with_trigonometry() -> None:
     (scan,) = published(lambda: LaserScanNode(WALL, AT_ORIGIN, range_max=10.0), LaserScan)
     assert len(scan.ranges) == 720
     angles = scan.angle_min + scan.angle_increment * np.arange(720)
@@ -22,20 +21,20 @@ def test_a_scan_of_a_wall_is_what_trigonometry_says() -> None:
     assert (scan.range_max, scan.scan_time) == (10, pytest.approx(0.1))
 
 
-def test_too_near_is_minus_inf_as_rep_117_says() -> None:
+def test_too_near_range_is_minus_inf_as_in_rep_117() -> None:
     node = lambda: LaserScanNode(WALL, AT_ORIGIN, beams=1, angle_min=0, angle_max=1, range_min=3.0)  # noqa: E731  # one use
     (scan,) = published(node, LaserScan)
     assert list(scan.ranges) == [-np.inf]
 
 
-def test_angles_run_counter_clockwise_from_x() -> None:
+def test_angles_run_counterclockwise_from_x() -> None:
     left = World([Thing(box(1, 1, 1), placed(0, 3, 0))])
     node = lambda: LaserScanNode(left, AT_ORIGIN, beams=3, angle_min=-np.pi / 2, angle_max=np.pi / 2)  # noqa: E731  # one use
     (scan,) = published(node, LaserScan)
     assert list(scan.ranges) == pytest.approx([np.inf, np.inf, 2.5])
 
 
-def test_a_cloud_lies_on_what_was_met_and_has_its_colour() -> None:
+def test_cloud_points_lie_on_surfaces_and_have_their_color() -> None:
     world = World([*WALL.things, Thing(plane(), placed(0, 0, -1), (0.0, 0.0, 1.0))])
     (cloud,) = published(lambda: PointCloudNode(world, AT_ORIGIN), PointCloud2)
     assert [(field.name, field.offset, field.datatype) for field in cloud.fields] == [
@@ -50,12 +49,12 @@ def test_a_cloud_lies_on_what_was_met_and_has_its_colour() -> None:
     assert set(points["rgb"][~wall]) == {0x0000FF}
 
 
-def test_a_cloud_of_nothing_is_empty() -> None:
+def test_cloud_without_hits_is_empty() -> None:
     (cloud,) = published(lambda: PointCloudNode(World([]), AT_ORIGIN), PointCloud2)
     assert (cloud.width, len(cloud.data), cloud.is_dense) == (0, 0, True)
 
 
-def test_limits_that_are_none_are_named() -> None:
+def test_invalid_limits_are_reported() -> None:
     with pytest.raises(CourseError, match=r"range_max \[m\] is 1; give a number > 5"):
         published(lambda: LaserScanNode(WALL, AT_ORIGIN, range_min=5, range_max=1), LaserScan)
     with pytest.raises(CourseError, match="rings is 0; give a whole number"):

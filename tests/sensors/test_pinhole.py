@@ -11,7 +11,7 @@ from course_lib.sensors.camera import Pinhole
 
 
 @given(st.integers(1, 40), st.integers(1, 30), st.floats(1, 1000))
-def test_rays_project_back_to_their_pixels(width: int, height: int, focal: float) -> None:
+def test_rays_are_projected_back_to_their_pixels(width: int, height: int, focal: float) -> None:
     camera = Pinhole(width, height, focal)
     info = camera.info(Header())
     projected = np.array(info.p).reshape(3, 4)[:, :3] @ camera.rays
@@ -20,7 +20,7 @@ def test_rays_project_back_to_their_pixels(width: int, height: int, focal: float
     np.testing.assert_allclose(np.linalg.norm(camera.rays, axis=0), 1)
 
 
-def test_camera_info_agrees_with_itself() -> None:
+def test_camera_info_is_self_consistent() -> None:
     info = Pinhole(320, 240, 277.0).info(Header(frame_id="eye"))
     assert (info.width, info.height, info.header.frame_id) == (320, 240, "eye")
     assert np.array(info.p).reshape(3, 4)[:, :3].tolist() == np.array(info.k).reshape(3, 3).tolist()
@@ -38,6 +38,6 @@ def test_camera_info_agrees_with_itself() -> None:
         ({"height": -2}, r"height \[px\] is -2"),
     ],
 )
-def test_cameras_that_cannot_be_are_named(settings: Any, text: str) -> None:
+def test_invalid_cameras_are_reported(settings: Any, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         Pinhole(**settings)

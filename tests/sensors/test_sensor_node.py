@@ -6,8 +6,7 @@ from sensor_msgs.msg import LaserScan
 
 from course_lib.errors import CourseError
 from course_lib.sensors.lidar import LaserScanNode
-from course_lib.sensors.shapes import sphere
-from course_lib.sensors.world import Thing, World, placed
+from course_lib.sensors.world import Thing, World, placed, sphere
 from tests.sensors.scenes import AT_ORIGIN, published
 
 AROUND = World([Thing(sphere(5), AT_ORIGIN)])
@@ -17,14 +16,14 @@ def scans(seconds: float = 0.5, **settings: Any) -> list[Any]:
     return published(lambda: LaserScanNode(AROUND, AT_ORIGIN, **settings), LaserScan, seconds)
 
 
-def test_it_measures_at_its_rate_with_stamps_and_frame() -> None:
+def test_sensor_publishes_at_its_rate_with_stamp_and_frame() -> None:
     found = scans(1.0, rate=20.0, frame_id="front_laser")
     assert len(found) == 20
     assert found[0].header.frame_id == "front_laser"
     assert (found[0].header.stamp.sec, found[0].header.stamp.nanosec) == (1_700_000_000, 50_000_000)
 
 
-def test_the_same_seed_gives_the_same_data_and_another_seed_or_sensor_does_not() -> None:
+def test_equal_seeds_give_equal_data_and_other_seeds_or_sensors_differ() -> None:
     first, again = scans(noise=0.02, dropout=0.1, seed=3), scans(noise=0.02, dropout=0.1, seed=3)
     assert [np.array(s.ranges).tobytes() for s in first] == [np.array(s.ranges).tobytes() for s in again]
     for other in (
@@ -35,14 +34,14 @@ def test_the_same_seed_gives_the_same_data_and_another_seed_or_sensor_does_not()
     assert list(first[1].ranges) != list(first[0].ranges)
 
 
-def test_noise_and_dropouts_are_as_strong_as_asked_for() -> None:
+def test_noise_and_dropouts_have_the_requested_strength() -> None:
     ranges = np.concatenate([scan.ranges for scan in scans(1.0, beams=2000, noise=0.05, dropout=0.2)])
     assert np.isnan(ranges).mean() == pytest.approx(0.2, abs=0.02)
     assert np.nanmean(ranges) == pytest.approx(5, abs=0.005)
     assert np.nanstd(ranges) == pytest.approx(0.05, rel=0.05)
 
 
-def test_a_sensor_that_moves_sees_from_where_it_is() -> None:
+def test_moving_sensor_measures_from_its_current_pose() -> None:
     node = lambda: LaserScanNode(AROUND, lambda t: placed(t, 0, 0), beams=2, angle_min=0, angle_max=3.0)  # noqa: E731  # as in a lesson
     assert [scan.ranges[0] for scan in published(node, LaserScan, 0.3)] == pytest.approx([4.9, 4.8, 4.7])
 
@@ -57,11 +56,11 @@ def test_a_sensor_that_moves_sees_from_where_it_is() -> None:
         ({"beams": 0}, "beams is 0; give a whole number"),
     ],
 )
-def test_settings_that_make_no_sense_are_named(settings: Any, text: str) -> None:
+def test_invalid_settings_are_reported(settings: Any, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         scans(**settings)
 
 
-def test_a_bad_pose_is_named() -> None:
+def test_invalid_sensor_pose_is_reported() -> None:
     with pytest.raises(CourseError, match=r"pose of lidar has shape \(3,\)"):
         published(lambda: LaserScanNode(AROUND, (1, 2, 3)), LaserScan)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from course_lib.arrays import Floats
 from course_lib.errors import CourseError
-from course_lib.sensors.shapes import Shape, box, cylinder, plane, sphere
+from course_lib.sensors.world import Shape, box, cylinder, plane, sphere
 from tests.sensors.scenes import random_rays
 
 lengths = st.floats(0.05, 5)
@@ -44,12 +44,12 @@ def one(shape: Shape, origin: Any, ray: Any) -> float:
         (plane(), (0, 0, 2), X, np.inf),
     ],
 )
-def test_rays_meet_shapes_where_geometry_says(shape: Shape, origin: Any, ray: Any, expected: float) -> None:
+def test_ray_hits_agree_with_geometry(shape: Shape, origin: Any, ray: Any, expected: float) -> None:
     assert one(shape, origin, ray) == pytest.approx(expected, abs=1e-9)
 
 
 @given(lengths, lengths, lengths, seeds)
-def test_what_a_ray_meets_lies_on_the_surface(x: float, y: float, z: float, seed: int) -> None:
+def test_ray_hits_lie_on_the_surface(x: float, y: float, z: float, seed: int) -> None:
     chance = np.random.default_rng(seed)
     origin, rays = chance.uniform(-6, 6, 3), random_rays(chance, 200)
     radii: dict[str, tuple[Shape, Any]] = {
@@ -73,7 +73,7 @@ def assert_no_surface_before(level: Any, origin: Floats, rays: Floats, length: F
 
 
 @given(seeds)
-def test_shapes_lie_within_their_size_and_reach(seed: int) -> None:
+def test_shapes_lie_within_their_size_and_bounding_radius(seed: int) -> None:
     chance = np.random.default_rng(seed)
     for shape in (box(1, 2, 3), sphere(0.7), cylinder(0.4, 2)):
         rays = random_rays(chance, 100)
@@ -91,6 +91,6 @@ def test_shapes_lie_within_their_size_and_reach(seed: int) -> None:
         (lambda: sphere("big"), "radius .* is 'big'"),  # type: ignore[arg-type]  # a wrong value
     ],
 )
-def test_sizes_that_are_none_are_named(make: Any, text: str) -> None:
+def test_invalid_sizes_are_reported(make: Any, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         make()

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from course_lib.arrays import Floats
 from course_lib.errors import CourseError
-from course_lib.sensors.shapes import box, cylinder, plane, sphere
-from course_lib.sensors.world import Thing, World, circle, placed
+from course_lib.sensors.world import Thing, World, box, circle, cylinder, placed, plane, sphere
 from tests.sensors.scenes import AT_ORIGIN, random_rays
 
 X = np.array([[1.0], [0], [0]])
@@ -25,7 +24,7 @@ def random_transform(chance: np.random.Generator) -> Floats:
 
 @settings(max_examples=50)
 @given(st.integers(0, 2**32), st.sampled_from([np.inf, 3.0]))
-def test_leaving_out_rays_far_from_things_changes_nothing(seed: int, far: float) -> None:
+def test_culling_rays_far_from_objects_does_not_change_the_result(seed: int, far: float) -> None:
     chance = np.random.default_rng(seed)
     things = [Thing(shape, random_transform(chance)) for shape in SHAPES]
     sensor, rays = random_transform(chance), random_rays(chance, 200)
@@ -43,25 +42,25 @@ def in_its_frame(thing: Thing, transform_sensor_to_world: Floats, rays: Floats) 
     return thing.shape.distances(to_thing[:3, 3], to_thing[:3, :3] @ rays)
 
 
-def test_the_nearer_thing_hides_the_farther() -> None:
+def test_nearer_object_occludes_the_farther() -> None:
     world = World([Thing(box(1, 1, 1), placed(5, 0, 0)), Thing(sphere(0.5), placed(3, 0, 0))])
     hits = world.cast(AT_ORIGIN, X, 0.0)
     assert (hits.distance[0], hits.thing[0]) == (pytest.approx(2.5), 1)
 
 
-def test_things_move_with_robot_time() -> None:
+def test_objects_move_with_robot_time() -> None:
     world = World([Thing(sphere(0.5), circle((5, 0, 0), 1, 8))])
     seen = [world.cast(AT_ORIGIN, X, seconds).distance[0] for seconds in (0, 4, 2)]
     assert seen == pytest.approx([5.5, 3.5, np.inf])
 
 
-def test_velocity_is_that_of_the_motion() -> None:
+def test_object_velocity_is_the_derivative_of_its_motion() -> None:
     thing = Thing(sphere(0.5), circle((5, 0, 0), 2, 2 * np.pi))
     np.testing.assert_allclose(thing.velocity_at(0.0), (0, 2, 0), atol=1e-6)
     assert Thing(sphere(1), AT_ORIGIN).velocity_at(3.0).tolist() == [0, 0, 0]
 
 
-def test_an_empty_world_is_sky() -> None:
+def test_empty_world_is_sky() -> None:
     world = World([])
     hits = world.cast(AT_ORIGIN, X, 0.0)
     assert hits.distance.tolist() == [np.inf]
@@ -71,13 +70,13 @@ def test_an_empty_world_is_sky() -> None:
 @pytest.mark.parametrize(
     ("make", "text"),
     [
-        (lambda: Thing("blob", AT_ORIGIN), r"shape is 'blob', which is none; give box\(x, y, z\), sphere"),  # type: ignore[arg-type]
-        (lambda: Thing(sphere(1), np.full((4, 4), np.nan), label="Car"), "pose of Car holds nan"),
+        (lambda: Thing("blob", AT_ORIGIN), r"shape is 'blob', which is not a shape; give box"),  # type: ignore[arg-type]
+        (lambda: Thing(sphere(1), np.full((4, 4), np.nan), label="Car"), "pose of Car contains nan"),
         (lambda: Thing(sphere(1), AT_ORIGIN, (255, 0, 0)), r"color is \[255, 0, 0\]; .* from 0 to 1"),
-        (lambda: Thing(plane(), AT_ORIGIN, label="Floor"), "labelled 'Floor'; planes are endless"),
+        (lambda: Thing(plane(), AT_ORIGIN, label="Floor"), "labelled 'Floor'; planes are infinite"),
         (lambda: World([sphere(1)]), r"Number 0 of the world is Shape.*; give Thing\(shape, pose\)"),  # type: ignore[list-item]
     ],
 )
-def test_what_cannot_be_in_a_world_is_named(make: Any, text: str) -> None:
+def test_invalid_objects_of_a_world_are_reported(make: Any, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         make()

@@ -5,11 +5,12 @@ from collections.abc import Callable, Iterator
 import pytest
 import rclpy
 from geometry_msgs.msg import PointStamped
+from rclpy.context import Context
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_lib.ros.driving import running_nodes
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time.driving import running_nodes
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
 
@@ -42,6 +43,14 @@ def talker(graph: Graph) -> Node:
     node.create_timer(0.1, talk)
     running_nodes().append(node)
     return node
+
+
+@pytest.fixture
+def other(talker: Node) -> Node:
+    """A node with a context of its own: within one context a topic has one type, as in Fast DDS."""
+    context = Context()
+    context.init(args=[])
+    return Node("other", context=context)
 
 
 @pytest.fixture

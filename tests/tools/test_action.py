@@ -1,5 +1,7 @@
 """`ros2 action …`, line by line as ros2cli writes it."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable
 
@@ -25,7 +27,7 @@ async def count(goal: ServerGoalHandle) -> Fibonacci.Result:
     return Fibonacci.Result(sequence=numbers)
 
 
-def test_list_type_and_info(run: Run, talker: Node) -> None:
+def test_action_list_type_and_info_agree_with_ros2cli(run: Run, talker: Node) -> None:
     ActionServer(talker, Fibonacci, "fibonacci", count)
     ActionClient(talker, Fibonacci, "fibonacci")
     assert run("action list") == "/fibonacci\n"
@@ -59,26 +61,26 @@ def test_send_goal_shows_feedback_and_the_result(run: Run, talker: Node) -> None
     assert "Feedback" not in run(f"action send_goal /fibonacci {TYPE} {{order: 3}}")
 
 
-def test_a_rejected_goal_ends_with_that(run: Run, talker: Node) -> None:
+def test_rejected_goal_ends_the_command_with_a_notice(run: Run, talker: Node) -> None:
     ActionServer(talker, Fibonacci, "fibonacci", count, goal_callback=lambda goal: GoalResponse.REJECT)
     assert run(f"action send_goal /fibonacci {TYPE}").endswith("order: 0\n\nGoal was rejected.\n")
 
 
-def test_a_goal_that_is_left_is_cancelled(run: Run, talker: Node) -> None:
+def test_interrupted_goal_is_canceled(run: Run, talker: Node) -> None:
     async def wait(goal: ServerGoalHandle) -> Fibonacci.Result:
-        await Future[None]()
+        await Future()
         return Fibonacci.Result()
 
     ActionServer(talker, Fibonacci, "fibonacci", wait, cancel_callback=lambda goal: CancelResponse.ACCEPT)
-    with pytest.raises(CourseError, match="The action does not answer"):
+    with pytest.raises(CourseError, match="The action does not respond"):
         run(f"action send_goal /fibonacci {TYPE}")
     assert run.written.endswith("Canceling goal...\nGoal canceled.\n")  # type: ignore[attr-defined]
 
 
-def test_what_cannot_be_sent_is_named(run: Run, talker: Node) -> None:
+def test_invalid_goal_arguments_are_reported(run: Run, talker: Node) -> None:
     ActionServer(talker, Fibonacci, "fibonacci", count)
     with pytest.raises(
-        CourseError, match=r"^Nobody serves the action '/fibonaci'\. Did you mean /fibonacci\?$"
+        CourseError, match=r"^No node serves the action '/fibonaci'\. Did you mean /fibonacci\?$"
     ):
         run(f"action send_goal /fibonaci {TYPE}")
     with pytest.raises(CourseError, match="Failed to populate field: 'Fibonacci_Goal' object"):
@@ -87,3 +89,6 @@ def test_what_cannot_be_sent_is_named(run: Run, talker: Node) -> None:
         CourseError, match=r"^The passed action type is invalid: .*/Fib\. Did you mean .*/Fibonacci\?"
     ):
         run("action send_goal /fibonacci example_interfaces/Fib")
+    # A type of the same name in another package is closer than a similar name.
+    with pytest.raises(CourseError, match=r"invalid: test_msgs/action/Fibonacci\. Did you mean example_i"):
+        run("action send_goal /fibonacci test_msgs/action/Fibonacci")

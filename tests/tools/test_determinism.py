@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from course_lib.recording import read_bag
+from tests.patience import PATIENCE
 
 PROGRAMS = Path(__file__).parents[1] / "programs"
-RUNS = 20
 SCRIPT = """
 import sys
 from pathlib import Path
@@ -23,22 +23,28 @@ for program in map(Path, sys.argv[2:]):
 """
 
 
-@pytest.mark.slow
-def test_twenty_runs_of_each_program_give_one_digest_and_equal_bytes(tmp_path: Path) -> None:
+@pytest.mark.parametrize("runs", [3, pytest.param(20, marks=pytest.mark.slow)])
+def test_repeated_runs_of_each_program_give_one_digest_and_equal_bytes(tmp_path: Path, runs: int) -> None:
     programs = sorted(PROGRAMS.glob("*.py"))
 
     def run(number: int) -> dict[str, tuple[str, str]]:
         folder = tmp_path / str(number)
         folder.mkdir()
         command = [sys.executable, "-c", SCRIPT, str(folder), *map(str, programs)]
-        subprocess.run(command, env=os.environ | {"PYTHONHASHSEED": "0"}, check=True, capture_output=True)
+        subprocess.run(
+            command,
+            env=os.environ | {"PYTHONHASHSEED": "0"},
+            check=True,
+            capture_output=True,
+            timeout=PATIENCE,
+        )
         return {p.stem: _facts(folder / p.stem) for p in programs}
 
     with ThreadPoolExecutor(2) as pool:
-        runs = list(pool.map(run, range(RUNS)))
-    assert len(runs[0]) == len(programs) > 6
-    for program, facts in runs[0].items():
-        assert {other[program] for other in runs} == {facts}, program
+        first, *others = pool.map(run, range(runs))
+    assert len(first) == len(programs) > 6
+    for program, facts in first.items():
+        assert {other[program] for other in others} == {facts}, program
 
 
 def _facts(bag: Path) -> tuple[str, str]:

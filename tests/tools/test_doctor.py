@@ -7,8 +7,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
-from course_lib.ros.graph import Graph
-from course_lib.ros.qos import Qos, incompatible
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.topics import Qos, find_incompatible_policy
 from course_lib.tools.doctor import problem
 
 Run = Callable[[str], str]
@@ -23,12 +23,12 @@ POLICIES = st.builds(
 )
 
 
-def test_nothing_wrong_is_five_checks_passed(run: Run, graph: Graph) -> None:
+def test_healthy_graph_passes_five_checks(run: Run, graph: Graph) -> None:
     assert run("doctor") == "\nAll 5 checks passed\n\n"
     assert run("wtf -ep") == "\nAll 4 checks passed\n\n"
 
 
-def test_lonely_ends_are_warnings(run: Run, talker: Node) -> None:
+def test_unconnected_endpoints_cause_warnings(run: Run, talker: Node) -> None:
     talker.create_subscription(String, "/deaf", print, 1)
     talker.create_subscription(String, "/chatter", print, 1)
     assert run("doctor") == (
@@ -39,7 +39,7 @@ def test_lonely_ends_are_warnings(run: Run, talker: Node) -> None:
     assert run("doctor -iw").endswith("\n1/5 check(s) failed\n\nFailed modules: topic\n")
 
 
-def test_qos_that_keeps_ends_apart_is_an_error(run: Run, talker: Node) -> None:
+def test_incompatible_qos_is_an_error(run: Run, talker: Node) -> None:
     best_effort = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
     talker.create_publisher(String, "t", best_effort)
     talker.create_subscription(String, "t", print, 10)
@@ -56,7 +56,7 @@ def test_qos_that_keeps_ends_apart_is_an_error(run: Run, talker: Node) -> None:
     )
 
 
-def test_the_report_has_ros2doctor_s_sections(run: Run, talker: Node) -> None:
+def test_report_has_the_sections_of_ros2doctor(run: Run, talker: Node) -> None:
     text = run("doctor --report")
     assert [line.strip() for line in text.splitlines() if line.startswith("   ")] == [
         "PLATFORM INFORMATION",
@@ -73,9 +73,9 @@ def test_the_report_has_ros2doctor_s_sections(run: Run, talker: Node) -> None:
 
 
 @given(POLICIES, POLICIES)
-def test_a_problem_is_told_exactly_where_nothing_flows(offered: Qos, requested: Qos) -> None:
+def test_problem_is_reported_for_topics_without_matching_endpoints(offered: Qos, requested: Qos) -> None:
     told = problem(offered, requested)
-    assert bool(told) == (incompatible(offered, requested) is not None), (offered, requested)
+    assert bool(told) == (find_incompatible_policy(offered, requested) is not None), (offered, requested)
     assert (told[:7], told[-1:]) == (("ERROR: ", ";") if told else ("", ""))
 
 
@@ -90,10 +90,10 @@ def test_a_problem_is_told_exactly_where_nothing_flows(offered: Qos, requested: 
         (Qos(lease_ns=2), Qos(lease_ns=1), "Subscription liveliness lease duration is less than publisher"),
     ],
 )  # fmt: skip
-def test_problems_have_rmw_s_words(offered: Qos, requested: Qos, text: str) -> None:
+def test_problems_have_the_text_of_rmw(offered: Qos, requested: Qos, text: str) -> None:
     assert problem(offered, requested) == f"ERROR: {text};"
 
 
 @pytest.mark.parametrize("word", ["doctor", "wtf"])
-def test_help_is_argparse_s(run: Run, word: str) -> None:
+def test_help_has_the_format_of_argparse(run: Run, word: str) -> None:
     assert run(f"{word} -h").startswith(f"usage: ros2 {word} [-h] [-r] [-rf] [-ep] [-iw]")

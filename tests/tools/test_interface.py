@@ -5,7 +5,7 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
 from course_lib.ros.messages.definitions import type_names, typestore
-from course_lib.tools.interface import interfaces
+from course_lib.tools.entities import interfaces
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import RecordingSource
 
@@ -16,7 +16,7 @@ def output(line: str) -> str:
     return "".join(written)
 
 
-def test_show_nests_with_tabs() -> None:
+def test_show_indents_nested_types_with_tabs() -> None:
     assert output("show geometry_msgs/msg/PoseStamped") == (
         "std_msgs/Header header\n\tbuiltin_interfaces/Time stamp\n\t\tint32 sec\n\t\tuint32 nanosec\n"
         "\tstring frame_id\nPose pose\n\tPoint position\n\t\tfloat64 x\n\t\tfloat64 y\n\t\tfloat64 z\n"
@@ -24,7 +24,7 @@ def test_show_nests_with_tabs() -> None:
     )
 
 
-def test_show_has_constants_and_arrays() -> None:
+def test_show_includes_constants_and_arrays() -> None:
     text = output("show diagnostic_msgs/msg/DiagnosticStatus")
     assert text.startswith("byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\n")
     assert text.endswith("KeyValue[] values\n\tstring key\n\tstring value\n")
@@ -32,12 +32,14 @@ def test_show_has_constants_and_arrays() -> None:
     assert "float64[36] covariance\n" in output("show geometry_msgs/msg/PoseWithCovariance")
 
 
-def test_show_of_a_service_has_both_parts() -> None:
+def test_show_of_a_service_prints_request_and_response() -> None:
     assert output("show std_srvs/srv/SetBool --no-comments") == (
         "bool data\n---\nbool success\nstring message\n"
     )
 
 
+@pytest.mark.slow
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", ["msg", "srv", "action"])
 def test_every_type_can_be_shown_and_has_a_prototype(kind: str) -> None:
     for name in interfaces(kind):
@@ -46,14 +48,12 @@ def test_every_type_can_be_shown_and_has_a_prototype(kind: str) -> None:
         assert output(f"proto {name}").startswith('"')
 
 
-def test_comments_are_those_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = tmp_path / "example_interfaces" / "srv" / "AddTwoInts.srv"
-    file.parent.mkdir(parents=True)
-    file.write_text("# Adds.\n\nint64 a  # one\nint64 b\n---\nint64 sum\nstd_msgs/Header header # when\n")
-    monkeypatch.setattr("course_lib.tools.interface.FOLDERS", [tmp_path])
+def test_show_includes_the_comments_of_the_interface_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "# Adds.\n\nint64 a  # one\nint64 b\n---\nint64 sum\nstd_msgs/Header header # when\n"
     name = "example_interfaces/srv/AddTwoInts"
+    monkeypatch.setattr("course_lib.tools.entities.kit_files", lambda: {f"{name}.srv": text})
     shown = output(f"show {name}").splitlines()
-    assert [line for line in shown if not line.startswith("\t")] == file.read_text().splitlines()
+    assert [line for line in shown if not line.startswith("\t")] == text.splitlines()
     assert output(f"show {name} --no-comments").splitlines()[:5] == [
         "int64 a", "int64 b", "---", "int64 sum", "std_msgs/Header header",
     ]  # fmt: skip
@@ -70,7 +70,7 @@ def test_list_package_and_packages_agree() -> None:
     assert set(interfaces("msg")) <= set(type_names())
 
 
-def test_proto_is_yaml_in_quotes() -> None:
+def test_proto_is_quoted_yaml() -> None:
     assert output("proto std_srvs/srv/SetBool") == '"data: false\n"\n'
     assert output("proto std_msgs/msg/String --no-quotes") == "data: ''\n\n"
 
@@ -86,14 +86,12 @@ def test_proto_is_yaml_in_quotes() -> None:
         ("proto nav_msgs/srv/GetPath", r"^Could not find the interface 'nav_msgs/srv/GetPath'\. Did you"),
     ],
 )  # fmt: skip
-def test_an_unknown_type_is_answered_with_the_nearest(line: str, text: str) -> None:
+def test_unknown_type_error_suggests_the_closest(line: str, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         output(line)
 
 
-def test_a_package_of_one_s_own_is_shown_with_its_comments(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_custom_package_is_shown_with_its_comments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "own_shown_msgs/srv"
     folder.mkdir(parents=True)
     (folder / "Drive.srv").write_text("float64 speed  # [m/s]\n---\nbool done\n")

@@ -6,21 +6,20 @@ import rclpy
 
 from course_lib.displays.viewer import Viewer
 from course_lib.errors import CourseError
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.live import live_runs
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time.driving import live_runs, spin_for
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
 from tests.ros.launch.conftest import launch_file as launch_file
 from tests.ros.launch.conftest import robot as robot
 
-Run = Callable[..., None]
+Run = Callable[..., Path]
 
 
 @pytest.fixture
 def graph(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Graph]:
     """A notebook's graph, in a folder with the package my_robot."""
-    from course_lib.ros import virtual_time
+    from course_lib.ros.time import virtual_time
 
     virtual_time.install()
     monkeypatch.setenv("COURSE_PACE", "fast")
@@ -48,7 +47,7 @@ def names(graph: Graph) -> list[str]:
         ("hi.launch.xml", "<launch><log message='hi'/></launch>"),
     ],
 )
-def test_a_package_s_launch_files_in_xml_and_yaml_are_found(
+def test_xml_and_yaml_launch_files_of_a_package_are_found(
     graph: Graph, robot: Path, name: str, text: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (robot / "launch" / name).write_text(text)
@@ -56,7 +55,8 @@ def test_a_package_s_launch_files_in_xml_and_yaml_are_found(
     assert "[INFO] [launch.user]: hi\n" in capsys.readouterr().out
 
 
-def test_the_kit_s_own_packages_have_their_launch_files(graph: Graph, launch_file: Run) -> None:
+@pytest.mark.slow
+def test_kit_packages_have_their_launch_files(graph: Graph, launch_file: Run) -> None:
     run(graph, "launch turtlesim multisim.launch.py")
     assert names(graph).count("turtlesim") == 2
     share = "PathJoinSubstitution([FindPackageShare('turtlesim'), 'launch', 'multisim.launch.py'])"
@@ -68,7 +68,7 @@ def test_the_kit_s_own_packages_have_their_launch_files(graph: Graph, launch_fil
         run(graph, "run turtlesim turtle")
 
 
-def test_a_launch_goes_on_between_calls_and_stops_when_told(graph: Graph, launch_file: Run) -> None:
+def test_launch_continues_between_cells_until_stopped(graph: Graph, launch_file: Run) -> None:
     launch_file("Node(**TALKER, name='a')", "Node(**TALKER, name='b')")
     run(graph, "launch my_robot robot.launch.py")
     heard: list[str] = []
@@ -83,7 +83,7 @@ def test_a_launch_goes_on_between_calls_and_stops_when_told(graph: Graph, launch
     assert live_runs(graph) == ()
 
 
-def test_a_view_that_nobody_watches_shows_in_the_end_what_has_come(
+def test_invisible_view_finally_shows_the_received_messages(
     graph: Graph, launch_file: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen: list[str] = []
@@ -117,7 +117,7 @@ def test_a_view_that_nobody_watches_shows_in_the_end_what_has_come(
         ("name='view', ros_arguments=['-p', 'rviz2:use_sim_time:=true']", False),
     ],
 )
-def test_rviz_of_a_launch_file_takes_its_parameter_for_the_time(
+def test_rviz_in_a_launch_file_uses_its_use_sim_time_parameter(
     graph: Graph, launch_file: Run, monkeypatch: pytest.MonkeyPatch, options: str, follows: bool
 ) -> None:
     seen: list[bool] = []
@@ -132,7 +132,7 @@ def test_rviz_of_a_launch_file_takes_its_parameter_for_the_time(
     assert seen == [follows]
 
 
-def test_the_same_launch_again_takes_the_place_of_the_first(graph: Graph, launch_file: Run) -> None:
+def test_repeated_launch_replaces_the_first(graph: Graph, launch_file: Run) -> None:
     launch_file("Node(**TALKER)")
     for _ in range(2):
         run(graph, "launch my_robot robot.launch.py")
@@ -140,12 +140,12 @@ def test_the_same_launch_again_takes_the_place_of_the_first(graph: Graph, launch
     assert len(live_runs(graph)) == 1
 
 
-def test_run_starts_one_executable_with_its_words(graph: Graph, robot: Path) -> None:
+def test_run_starts_one_executable_with_its_arguments(graph: Graph, robot: Path) -> None:
     run(graph, "run my_robot talker --ros-args -r __node:=other")
     assert "other" in names(graph)
 
 
-def test_a_launch_that_ends_by_itself_is_no_run(graph: Graph, launch_file: Run) -> None:
+def test_finished_launch_is_not_listed_as_running(graph: Graph, launch_file: Run) -> None:
     launch_file("Node(package='my_robot', executable='fail')")
     run(graph, "launch my_robot robot.launch.py")
     assert live_runs(graph) == ()
@@ -160,13 +160,26 @@ def test_a_launch_that_ends_by_itself_is_no_run(graph: Graph, launch_file: Run) 
         ("run my_robot talkr", "Did you mean talker"),
     ],
 )
-def test_what_is_not_there_is_named(graph: Graph, launch_file: Run, line: str, said: str) -> None:
+def test_unknown_package_launch_file_or_executable_is_reported(
+    graph: Graph, launch_file: Run, line: str, said: str
+) -> None:
     launch_file("Node(**TALKER)")
     with pytest.raises(CourseError, match=said):
         run(graph, line)
 
 
-def test_arguments_are_shown_without_starting_anything(
+def test_launch_file_of_a_package_can_have_any_name(
+    graph: Graph, launch_file: Run, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = launch_file("DeclareLaunchArgument('word', default_value='hi')", "Node(**TALKER)")
+    file.rename(file.with_name("bringup.py"))
+    with pytest.raises(CourseError, match=r"There is: bringup\.py\."):
+        run(graph, "launch my_robot robot.launch.py")
+    run(graph, "launch my_robot bringup.py --show-args")
+    assert "'word'" in capsys.readouterr().out
+
+
+def test_launch_arguments_are_shown_without_starting_processes(
     graph: Graph, launch_file: Run, capsys: pytest.CaptureFixture[str]
 ) -> None:
     launch_file("DeclareLaunchArgument('word', default_value='hi')", "Node(**TALKER)")

@@ -6,8 +6,8 @@ from rclpy.lifecycle import LifecycleNode, State, TransitionCallbackReturn
 from rclpy.node import Node
 
 from course_lib.errors import CourseError
-from course_lib.ros.driving import running_nodes
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.driving import running_nodes
 
 Run = Callable[[str], str]
 
@@ -34,27 +34,27 @@ def test_only_lifecycle_nodes_are_listed(run: Run) -> None:
 
 
 @pytest.mark.usefixtures("camera")
-def test_the_state_is_shown_of_one_node_or_of_all(run: Run) -> None:
+def test_state_of_one_or_all_nodes_is_shown(run: Run) -> None:
     assert run("lifecycle get /front/camera") == "unconfigured [1]\n"
     running_nodes().append(LifecycleNode("arm"))
     assert run("lifecycle get") == "/arm: unconfigured [1]\n/front/camera: unconfigured [1]\n"
 
 
 @pytest.mark.usefixtures("camera")
-def test_a_state_is_set_by_label_or_number(run: Run) -> None:
+def test_state_is_set_by_transition_label_or_id(run: Run) -> None:
     assert run("lifecycle set /front/camera configure") == "Transitioning successful\n"
     assert run("lifecycle set front/camera 3") == "Transitioning successful\n"
     assert run("lifecycle get front/camera") == "active [3]\n"
 
 
-def test_a_transition_that_the_node_refuses_has_failed(run: Run, camera: Camera) -> None:
+def test_transition_rejected_by_the_node_is_a_failure(run: Run, camera: Camera) -> None:
     camera.trigger_configure()
     assert run("lifecycle set /front/camera cleanup") == "Transitioning failed\n"
     assert run("lifecycle get /front/camera") == "inactive [2]\n"
 
 
 @pytest.mark.usefixtures("camera")
-def test_the_transitions_of_the_state_or_all_are_listed(run: Run) -> None:
+def test_transitions_from_the_current_state_or_all_are_listed(run: Run) -> None:
     assert run("lifecycle list /front/camera") == (
         "- configure [1]\n\tStart: unconfigured\n\tGoal: configuring\n"
         "- shutdown [5]\n\tStart: unconfigured\n\tGoal: shuttingdown\n"
@@ -74,7 +74,7 @@ def test_the_transitions_of_the_state_or_all_are_listed(run: Run) -> None:
     ],
 )  # fmt: skip
 @pytest.mark.usefixtures("camera")
-def test_what_is_not_there_is_named(run: Run, line: str, text: str) -> None:
+def test_unknown_lifecycle_node_or_transition_is_reported(run: Run, line: str, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         run(line)
     assert rclpy.ok()

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from IPython.core.interactiveshell import InteractiveShell
 
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
 from course_lib.tools.notebook import register
+from tests.patience import PATIENCE
 
 
 @pytest.fixture(scope="module")
@@ -18,8 +18,8 @@ def shell() -> InteractiveShell:
     return shell
 
 
-def test_the_magic_is_imported_before_the_standin_is_in_place() -> None:
-    subprocess.run([sys.executable, "-c", "import course_lib.tools.notebook"], check=True)
+def test_magic_is_imported_before_the_standin_is_installed() -> None:
+    subprocess.run([sys.executable, "-c", "import course_lib.tools.notebook"], check=True, timeout=PATIENCE)
 
 
 def run(shell: InteractiveShell, line: str) -> bool:
@@ -27,7 +27,7 @@ def run(shell: InteractiveShell, line: str) -> bool:
     return bool(shell.run_cell(line).success)  # type: ignore[no-untyped-call]  # IPython does not annotate it
 
 
-def test_the_magic_lists_this_notebook_s_topics(
+def test_magic_lists_the_topics_of_the_notebook(
     shell: InteractiveShell, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with use_graph(Graph()):
@@ -46,7 +46,7 @@ def test_the_magic_lists_this_notebook_s_topics(
         ("%%bash\necho ros2 is here", ""),
     ],
 )
-def test_a_cell_of_shell_script_that_calls_ros2_learns_what_to_write(
+def test_shell_script_cell_with_ros2_prints_the_magic_to_use(
     shell: InteractiveShell, capfd: pytest.CaptureFixture[str], cell: str, said: str
 ) -> None:
     run(shell, cell)
@@ -54,8 +54,15 @@ def test_a_cell_of_shell_script_that_calls_ros2_learns_what_to_write(
     assert (said in shown.err) if said else ("In a cell" not in shown.err and "ros2 is here" in shown.out)
 
 
+def test_shell_script_cell_runs_its_commands(
+    shell: InteractiveShell, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(shell, "%%bash\necho started")
+    assert capfd.readouterr().out == "started\n"
+
+
 @pytest.mark.parametrize("line", ["%ros2 topic echo /nope --once", '%ros2 topic echo "/a'])
-def test_an_error_is_a_line_without_a_traceback(
+def test_error_is_one_line_without_a_traceback(
     shell: InteractiveShell, capsys: pytest.CaptureFixture[str], line: str
 ) -> None:
     with use_graph(Graph()):
@@ -76,7 +83,7 @@ def test_timeout_ends_a_command_as_the_stop_button_does(
     assert shown.endswith("Stopped after 2.5 s of robot time.\nand on\n")
 
 
-def test_timeout_alone_ends_an_endless_command_where_nobody_can_press_stop(
+def test_timeout_ends_an_endless_command_without_a_page(
     shell: InteractiveShell, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "fast")
@@ -87,7 +94,7 @@ def test_timeout_alone_ends_an_endless_command_where_nobody_can_press_stop(
 
 
 @pytest.mark.parametrize("line", ["", "ros2 topic hz /a", "5 rqt", "1.2.3 ros2 topic list", "5 ros2"])
-def test_timeout_says_how_it_is_written(
+def test_timeout_usage_is_printed(
     shell: InteractiveShell, capsys: pytest.CaptureFixture[str], line: str
 ) -> None:
     assert not run(shell, f"%timeout {line}")
@@ -103,7 +110,7 @@ def test_timeout_says_how_it_is_written(
         ("!timeout 5 ros2 topic list", "%timeout 5 ros2 topic list"),
     ],
 )
-def test_a_shell_s_ros2_is_this_notebook_s_and_says_how_it_is_written(
+def test_shell_ros2_runs_in_the_notebook_and_prints_the_magic(
     shell: InteractiveShell, capfd: pytest.CaptureFixture[str], line: str, written: str
 ) -> None:
     with use_graph(Graph(notebook=True)):
@@ -113,7 +120,7 @@ def test_a_shell_s_ros2_is_this_notebook_s_and_says_how_it_is_written(
     assert "/rosout\n" in shown.out
 
 
-def test_what_a_shell_s_ros2_writes_can_be_kept(
+def test_output_of_shell_ros2_can_be_assigned(
     shell: InteractiveShell, capfd: pytest.CaptureFixture[str]
 ) -> None:
     with use_graph(Graph()):
@@ -123,8 +130,30 @@ def test_what_a_shell_s_ros2_writes_can_be_kept(
 
 
 @pytest.mark.parametrize("line", ["!echo ros2 topic list", "!echo hello; true", "x = !echo ros2bag"])
-def test_other_commands_go_to_the_shell(
+def test_other_commands_are_passed_to_the_shell(
     shell: InteractiveShell, capfd: pytest.CaptureFixture[str], line: str
 ) -> None:
     assert run(shell, line)
     assert "In a notebook" not in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("cell", "call"),
+    [
+        ("!rviz2", "viewer = Viewer(); viewer"),
+        ("!rviz2 -d layout.rviz", "viewer = Viewer.from_rviz('layout.rviz'); viewer"),
+        ("%rviz2 -d layout.rviz", "viewer = Viewer.from_rviz('layout.rviz'); viewer"),
+        ("!rqt_graph", "In a notebook write %rqt graph"),
+        ("!source install/setup.bash && rviz2", "viewer = Viewer(); viewer"),
+        ("!. ../install/local_setup.bash; ros2 node list", "In a notebook write %ros2 node list"),
+        ("!source /opt/ros/jazzy/setup.bash && source a/setup.sh && ros2 node list", "write %ros2 node list"),
+    ],
+)
+def test_window_command_prints_the_notebook_alternative(
+    shell: InteractiveShell, capfd: pytest.CaptureFixture[str], cell: str, call: str
+) -> None:
+    with use_graph(Graph()):
+        run(shell, cell)
+    shown = capfd.readouterr()
+    assert call in shown.err
+    assert "command not found" not in shown.err

@@ -13,7 +13,7 @@ from visualization_msgs.msg import Marker
 from course_lib.errors import CourseError
 from course_lib.ros.messages import RosMessage
 from course_lib.ros.messages.conversions import Style, to_yaml
-from course_lib.tools.message_yaml import fill
+from course_lib.tools.verb import fill
 
 
 def filled(kind: type[RosMessage], text: str) -> Any:
@@ -22,7 +22,7 @@ def filled(kind: type[RosMessage], text: str) -> Any:
     return message
 
 
-def test_values_become_what_the_fields_hold() -> None:
+def test_values_are_converted_to_field_types() -> None:
     assert filled(Twist, "{linear: {x: 1}}").linear.x == 1.0
     assert filled(Twist, "linear:\n  x: 2.5").linear.x == 2.5
     assert filled(String, "data: 5").data == "5"
@@ -33,7 +33,7 @@ def test_values_become_what_the_fields_hold() -> None:
     assert filled(DiagnosticStatus, "level: 2").level == DiagnosticStatus.ERROR
 
 
-def test_messages_in_messages_keep_their_defaults() -> None:
+def test_nested_messages_keep_their_defaults() -> None:
     marker = filled(Marker, "{points: [{x: 1}, {y: 2}], pose: {position: {z: 3}}}")
     assert [(point.x, point.y) for point in marker.points] == [(1, 0), (0, 2)]
     assert marker.pose.orientation.w == 1.0
@@ -41,7 +41,7 @@ def test_messages_in_messages_keep_their_defaults() -> None:
     assert array.status[0].values[0].value == "v"
 
 
-def test_now_and_auto_wait_for_the_time() -> None:
+def test_now_and_auto_are_replaced_at_publishing_time() -> None:
     tf = TFMessage()
     times = fill(tf, "transforms: [{header: {stamp: now}}, {header: auto}]")
     stamp = Header().stamp
@@ -51,8 +51,9 @@ def test_now_and_auto_wait_for_the_time() -> None:
     assert [one.header.stamp.sec for one in tf.transforms] == [7, 7]
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(allow_nan=False)), st.text(), st.floats(allow_nan=False))
-def test_what_echo_prints_fills_an_equal_message(data: list[float], label: str, x: float) -> None:
+def test_echo_output_is_accepted_by_pub(data: list[float], label: str, x: float) -> None:
     for message in (Float64MultiArray(data=data), JointState(name=[label]), Marker(text=label)):
         if "\x85" not in label and label.isprintable():  # YAML keeps these only as escapes
             assert filled(type(message), to_yaml(message, Style(truncate=None))) == message
@@ -75,7 +76,7 @@ def test_what_echo_prints_fills_an_equal_message(data: list[float], label: str, 
         (Marker, "{points: 3}", "Failed to populate field: 'int' object is not iterable"),
     ],
 )
-def test_what_does_not_fit_is_told_in_ros_s_words(kind: type[RosMessage], text: str, says: str) -> None:
+def test_invalid_values_have_the_error_text_of_ros(kind: type[RosMessage], text: str, says: str) -> None:
     with pytest.raises(CourseError) as raised:
         fill(kind(), text)
     assert says in str(raised.value)

@@ -47,26 +47,26 @@ def test_yaml_is_in_block_style_with_the_fields_in_order() -> None:
         ("w " * 60, f"data: '{'w ' * 60}'\n"),
     ],
 )
-def test_strings_are_quoted_and_cut_as_pyyaml_and_ros_do(text: str, line: str) -> None:
+def test_strings_are_quoted_and_truncated_as_in_pyyaml_and_ros(text: str, line: str) -> None:
     assert to_yaml(String(data=text), Style()) == line
 
 
-def test_long_sequences_end_in_dots() -> None:
+def test_long_sequences_are_truncated_with_dots() -> None:
     scan = LaserScan(ranges=[0.5] * 200)
     assert to_yaml(scan, Style()).count("- 0.5\n") == 128
     assert "- 0.5\n- '...'\nintensities: []\n" in to_yaml(scan, Style())
     assert to_yaml(scan, Style(truncate=None)).count("- 0.5\n") == 200
 
 
-def test_bytes_are_characters() -> None:
+def test_bytes_are_printed_as_characters() -> None:
     assert to_yaml(DiagnosticStatus(level=b"\x02", name="a"), Style()).startswith('level: "\\x02"\nname: a\n')
 
 
-def test_flow_style_is_one_line() -> None:
+def test_flow_style_is_printed_on_one_line() -> None:
     assert to_yaml(Time(sec=1), Style(flow=True)) == "{sec: 1, nanosec: 0}\n"
 
 
-def test_notes_stand_for_arrays_and_strings() -> None:
+def test_placeholders_replace_arrays_and_strings_on_request() -> None:
     text = to_yaml(Marker(ns="abc", points=[Point()]), Style(no_arrays=True, no_strings=True))
     assert "ns: '<string length: <3>>'\n" in text
     assert "points: '<sequence type: geometry_msgs/msg/Point, length: 1>'\n" in text
@@ -88,10 +88,10 @@ CSV: list[tuple[RosMessage, Style, str]] = [
 
 
 @pytest.mark.parametrize(("message", "style", "row"), CSV)
-def test_csv_is_a_row_of_the_values(message: RosMessage, style: Style, row: str) -> None:
+def test_csv_is_one_line_of_field_values(message: RosMessage, style: Style, row: str) -> None:
     assert to_csv(message, style).startswith(row)
 
 
-def test_csv_takes_any_sequence() -> None:
+def test_csv_accepts_any_sequence() -> None:
     values: list[Any] = [array("i", [1, 2]), (1, 2), [1, 2]]
     assert {to_csv(value, Style()) for value in values} == {"1,2"}

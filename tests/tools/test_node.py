@@ -6,15 +6,15 @@ from std_srvs.srv import Trigger
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.graph import Graph
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import RecordingSource
 
 Run = Callable[[str], str]
 
 
-def test_list_names_nodes_and_warns_of_twins(run: Run, graph: Graph, talker: Node) -> None:
+def test_list_prints_nodes_and_warns_about_duplicate_names(run: Run, graph: Graph, talker: Node) -> None:
     other = Node("arm", namespace="robot")
     hidden = Node("_hidden")
     assert run("node list") == "/robot/arm\n/talker\n"
@@ -32,7 +32,7 @@ def test_list_names_nodes_and_warns_of_twins(run: Run, graph: Graph, talker: Nod
     del other, hidden
 
 
-def test_info_has_ros2cli_s_sections(run: Run, graph: Graph) -> None:
+def test_info_has_the_sections_of_ros2cli(run: Run, graph: Graph) -> None:
     node = graph.add_node("talker", "/")
     string = "std_msgs/msg/String"
     graph.add_publisher(node, "/chatter", string, Qos())
@@ -48,7 +48,7 @@ def test_info_has_ros2cli_s_sections(run: Run, graph: Graph) -> None:
     assert "    /_secret: std_msgs/msg/String\n    /chatter" in run("node info /talker --include-hidden")
 
 
-def test_info_tells_servers_from_clients(run: Run, talker: Node) -> None:
+def test_info_distinguishes_servers_and_clients(run: Run, talker: Node) -> None:
     talker.create_service(Trigger, "reset", lambda _, response: response)
     asker = Node("asker", start_parameter_services=False, enable_rosout=False)
     asker.create_client(Trigger, "reset")
@@ -62,12 +62,12 @@ def test_info_tells_servers_from_clients(run: Run, talker: Node) -> None:
     assert clients.startswith("    /reset: std_srvs/srv/Trigger\n")
 
 
-def test_an_unknown_node_is_answered_with_the_nearest(run: Run, talker: Node) -> None:
+def test_unknown_node_error_suggests_the_closest(run: Run, talker: Node) -> None:
     with pytest.raises(CourseError, match=r"^Unable to find node 'talker'\. Did you mean /talker\?$"):
         run("node info talker")
 
 
-def test_a_recording_has_the_node_that_would_play_it() -> None:
+def test_node_list_of_a_recording_has_the_player_node() -> None:
     written: list[str] = []
     ros2(["node", "list"], RecordingSource(Recording(())), written.append)
     assert written == ["/rosbag2_player\n"]

@@ -26,14 +26,12 @@ STRING = "topic pub /x std_msgs/msg/String"
         ("run tf2_ros tf2_echo a b x", "argument echo_rate: Value must be positive$"),
     ],
 )
-def test_numbers_and_names_that_are_none_are_refused_in_one_line(
-    run: Run, talker: Node, line: str, said: str
-) -> None:
+def test_invalid_option_values_are_rejected_in_one_line(run: Run, talker: Node, line: str, said: str) -> None:
     with pytest.raises(CourseError, match=said):
         run(line)
 
 
-def test_0_times_is_for_ever(run: Run, talker: Node) -> None:
+def test_count_of_0_repeats_endlessly(run: Run, talker: Node) -> None:
     written = run(f"{STRING} -w 0 -t 0")
     assert written.count("publishing #") == 6
     assert "ros2 topic pub stopped after 5 s of robot time" in written

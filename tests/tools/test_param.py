@@ -8,9 +8,9 @@ from rclpy.node import Node
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros import virtual_time
-from course_lib.ros.driving import running_nodes
-from course_lib.ros.graph import Graph, current_graph, use_graph
+from course_lib.ros.graph.graph import Graph, current_graph, use_graph
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.driving import running_nodes
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource, RecordingSource
 
@@ -33,26 +33,26 @@ def told(*words: str) -> str:
     return "".join(lines)
 
 
-def test_a_nodes_parameters_are_listed(node: Node) -> None:
+def test_parameters_of_a_node_are_listed(node: Node) -> None:
     names = "  names\n  speed\n  start_type_description_service\n  use_sim_time\n"
     assert told("list", "/talker") == names
     assert told("list") == f"/talker:\n{names}"
 
 
-def test_a_value_is_shown_with_its_type(node: Node) -> None:
+def test_value_is_printed_with_its_type(node: Node) -> None:
     assert told("get", "/talker", "speed") == "Integer value is: 1\n"
     assert told("get", "talker", "use_sim_time") == "Boolean value is: False\n"
     assert told("get", "/talker", "names") == "String values are: ['a', 'b']\n"
 
 
-def test_a_value_is_set_or_refused_with_the_reason(node: Node) -> None:
+def test_value_is_set_or_rejected_with_the_reason(node: Node) -> None:
     assert told("set", "/talker", "speed", "5") == "Set parameter successful\n"
     assert node.get_parameter("speed").value == 5
     wrong = "Wrong parameter type, expected 'Type.INTEGER' got 'Type.STRING'"
     assert told("set", "/talker", "speed", "fast") == f"Setting parameter failed: {wrong}\n"
 
 
-def test_what_is_not_there_is_named(node: Node) -> None:
+def test_missing_nodes_and_parameters_are_reported(node: Node) -> None:
     with pytest.raises(CourseError, match=r"Node not found: /x\. There are: /talker\."):
         told("list", "/x")
     with pytest.raises(CourseError, match=r"^Parameter not set: spee\. Did you mean speed\?$"):
@@ -60,13 +60,13 @@ def test_what_is_not_there_is_named(node: Node) -> None:
     with pytest.raises(CourseError, match="Parameter not set"):
         told("get", "/talker", "x")
     running_nodes().clear()
-    with pytest.raises(CourseError, match="/talker does not answer"):
+    with pytest.raises(CourseError, match="/talker does not respond"):
         told("get", "/talker", "speed")
-    with pytest.raises(CourseError, match="Parameters belong to nodes that run"):
+    with pytest.raises(CourseError, match="Parameters need a running node"):
         ros2(["param", "list"], RecordingSource(Recording(())), print)
 
 
-def test_lists_can_be_narrowed_and_show_types(node: Node) -> None:
+def test_list_can_be_filtered_and_show_types(node: Node) -> None:
     node.declare_parameter("arm.speed", 1.5)
     assert told("list", "/talker", "--param-prefixes", "arm") == "  arm.speed\n"
     shown = told("list", "/talker", "--filter", "n|s.*d$", "--param-type")
@@ -74,7 +74,7 @@ def test_lists_can_be_narrowed_and_show_types(node: Node) -> None:
     assert told("get", "/talker", "names", "--hide-type") == "['a', 'b']\n"
 
 
-def test_describe_shows_what_a_descriptor_says(node: Node) -> None:
+def test_describe_shows_the_descriptor(node: Node) -> None:
     limits = IntegerRange(from_value=0, to_value=10, step=2)
     about = ParameterDescriptor(
         description="how many", read_only=True, integer_range=[limits], additional_constraints="even"
@@ -88,7 +88,7 @@ def test_describe_shows_what_a_descriptor_says(node: Node) -> None:
     )
 
 
-def test_what_is_dumped_can_be_loaded(node: Node, tmp_path: Path) -> None:
+def test_dumped_parameters_can_be_loaded(node: Node, tmp_path: Path) -> None:
     node.declare_parameter("arm.speed", 1.5)
     dumped = told("dump", "/talker")
     assert dumped == (
@@ -117,3 +117,8 @@ def test_only_dynamic_parameters_can_be_deleted(node: Node) -> None:
     assert told("delete", "/talker", "free") == "Deleted parameter successfully\n"
     assert not node.has_parameter("free")
     assert told("delete", "/talker", "speed").startswith("Deleting parameter failed: ")
+
+
+def test_missing_parameter_file_is_rejected_by_its_name(node: Node) -> None:
+    with pytest.raises(CourseError, match=r"nothing\.yaml cannot be read: No such file or directory"):
+        told("load", node.get_name(), "nothing.yaml")

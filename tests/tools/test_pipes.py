@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.tools.pipes import run_piped, split
+from course_lib.tools.notebook import run_piped, split
 from course_lib.tools.verb import Write
 
 TOPICS = "/camera/image\n/chatter\n/perception/boxes\n/rosout\n"
@@ -46,7 +46,7 @@ def output(line: str) -> str:
         ("topic type /chatter | ros2 interface show - | wc -w", "2\n"),
     ],
 )
-def test_the_machine_s_tools_see_what_ros2_prints(line: str, text: str) -> None:
+def test_output_is_piped_to_shell_commands(line: str, text: str) -> None:
     assert [row.strip() for row in output(line).splitlines()] == text.splitlines()
 
 
@@ -54,16 +54,18 @@ def test_the_machine_s_tools_see_what_ros2_prints(line: str, text: str) -> None:
     ("line", "sign"),
     [("topic list && echo hi", "&&"), ("topic list; echo hi", ";"), ("topic echo /a > b.txt &", "&")],
 )
-def test_a_shells_signs_are_named_and_write_no_file(
+def test_unsupported_shell_syntax_is_reported_and_writes_no_file(
     line: str, sign: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(CourseError, match=f"^A line is one command, without {sign}: write each in a line"):
+    with pytest.raises(CourseError, match=f"^A line holds one command, without {sign}. Write each command"):
         output(line)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_arrow_writes_a_file_and_two_add_to_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_output_redirection_writes_or_appends_to_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert output("topic list > a.txt") == ""
     assert output("topic type /chatter >> a.txt") == ""
@@ -71,7 +73,7 @@ def test_an_arrow_writes_a_file_and_two_add_to_it(tmp_path: Path, monkeypatch: p
 
 
 @needs_tools
-def test_a_tool_that_has_enough_ends_an_endless_one() -> None:
+def test_shell_tool_that_exits_early_ends_an_endless_command() -> None:
     def ros2(words: Sequence[str], write: Write) -> None:
         while True:
             write("again\n" * 1000)
@@ -82,7 +84,7 @@ def test_a_tool_that_has_enough_ends_an_endless_one() -> None:
 
 
 @needs_tools
-def test_an_error_of_the_command_is_the_error_and_no_tool_is_left_behind() -> None:
+def test_command_error_is_reported_and_no_shell_tool_is_left_running() -> None:
     def ros2(words: Sequence[str], write: Write) -> None:
         raise CourseError("Unknown topic '/x'")
 
@@ -91,7 +93,7 @@ def test_an_error_of_the_command_is_the_error_and_no_tool_is_left_behind() -> No
 
 
 @needs_tools
-def test_where_no_program_may_be_started_the_text_comes_unfiltered(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_output_is_unfiltered_where_subprocesses_are_forbidden(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise PermissionError(1, "Operation not permitted")
 
@@ -101,7 +103,7 @@ def test_where_no_program_may_be_started_the_text_comes_unfiltered(monkeypatch: 
     )
 
 
-def test_in_a_root_without_programs_the_text_comes_unfiltered(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_output_is_unfiltered_without_shell_programs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
     assert output("topic list | wc -l").startswith("No program may be started here")
 
@@ -113,21 +115,21 @@ def test_in_a_root_without_programs_the_text_comes_unfiltered(monkeypatch: pytes
             "topic list | nosuchtool -x",
             r"^There is no program nosuchtool on this machine: leave out ",
         ),
-        ("topic list |", r"^Something is missing beside \|: ros2 topic list \|$"),
-        ("| wc", "Something is missing"),
+        ("topic list |", r"^A command or a file is missing next to \|: ros2 topic list \|$"),
+        ("| wc", "A command or a file is missing"),
         (
             "topic list > a b",
-            r"^Write one file, at the end: ros2 topic list > topics\.txt, not: ",
+            r"^Redirect to one file, at the end: ros2 topic list > topics\.txt, not: ",
         ),
-        ("topic list > a | wc", r"^Write one file, at the end: "),
+        ("topic list > a | wc", r"^Redirect to one file, at the end: "),
     ],
 )
-def test_lines_that_mean_nothing_are_told(line: str, text: str) -> None:
+def test_invalid_pipelines_are_reported(line: str, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         output(line)
 
 
-def test_quotes_and_braces_are_left_alone() -> None:
+def test_quotes_and_braces_are_unchanged() -> None:
     commands, target = split("""topic pub /a std_msgs/msg/String '{data: "a|b > c"}' | grep \\| """)
     assert commands == [["topic", "pub", "/a", "std_msgs/msg/String", '{data: "a|b > c"}'], ["grep", "|"]]
     assert target is None

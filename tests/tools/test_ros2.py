@@ -2,9 +2,9 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.graph import Graph, Sample
+from course_lib.ros.graph.graph import Graph, Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class, serialize
-from course_lib.ros.qos import Qos
 from course_lib.tools.ros2 import VERBS, ros2
 from course_lib.tools.sources import GraphSource, RecordingSource, Source
 
@@ -32,7 +32,7 @@ def recorded(*topics: str, type_name: str = STRING, qos: Qos | None = None) -> R
 
 
 @pytest.mark.parametrize("line", ["", "-h", "topic", "topic --help"])
-def test_without_a_verb_the_commands_and_verbs_are_listed_as_ros2cli_does(line: str) -> None:
+def test_commands_and_verbs_are_listed_without_a_verb_as_in_ros2cli(line: str) -> None:
     path = line.replace("-h", "").replace("-elp", "").split()[:1] if "topic" in line else []
     prog = " ".join(["ros2", *path])
     text = output(line, recorded())
@@ -57,12 +57,14 @@ def test_every_verb_has_help(verb: object) -> None:
         ("topic lst", r"^ros2 topic: error: argument Call `ros2 topic <command> -h` for more detailed usage."
          r": invalid choice: 'lst' \(choose from 'bw', .*\)\. Did you mean list\?$"),
         ("topc list", r"^ros2: error: .*invalid choice: 'topc' .*Did you mean topic\?$"),
+        ("daemon status", r"^ros2: error: .*invalid choice: 'daemon' .*\. No daemon is needed here$"),
+        ("component list", r"^ros2: error: .*`ros2 node list` lists them"),
         ("--version", r"^ros2: error: unrecognized arguments: --version$"),
         ("topic --version", r"^ros2 topic: error: unrecognized arguments: --version$"),
         ("xyz", r"invalid choice: 'xyz' \(choose from .*\)$"),
     ],
 )  # fmt: skip
-def test_an_unknown_verb_is_answered_as_ros2cli_does_with_the_nearest_one(line: str, text: str) -> None:
+def test_unknown_verb_is_rejected_as_in_ros2cli_with_the_closest(line: str, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         output(line, recorded())
 
@@ -72,6 +74,7 @@ def test_an_unknown_verb_is_answered_as_ros2cli_does_with_the_nearest_one(line: 
     [
         ("topic echo", "the following arguments are required: topic_name"),
         ("topic echo /a --ounce", "unrecognized arguments: --ounce. Did you mean --once"),
+        ("topic echo /a --seconds 2", "course come first: course ros2 --seconds 2 topic echo …"),
         ("topic echo /a --truncate-length x", "value must be non-negative integer"),
         ("topic echo /a --truncate-length -5", "value must be non-negative integer"),
         ("topic echo /a --qos-depth x", "invalid int value: 'x'"),
@@ -79,7 +82,7 @@ def test_an_unknown_verb_is_answered_as_ros2cli_does_with_the_nearest_one(line: 
         ("topic echo /a --spin-time nan", "'nan' is not a time in seconds"),
     ],
 )
-def test_a_wrong_argument_is_one_line_after_the_usage(line: str, text: str) -> None:
+def test_invalid_argument_is_reported_in_one_line_after_the_usage(line: str, text: str) -> None:
     written: list[str] = []
     with pytest.raises(CourseError, match=f"^ros2 topic echo: error: .*{text}") as raised:
         ros2(line.split(), recorded("/a"), written.append)
@@ -87,7 +90,7 @@ def test_a_wrong_argument_is_one_line_after_the_usage(line: str, text: str) -> N
     assert written[0].startswith("usage: ros2 topic echo [-h]")
 
 
-def test_list_names_the_topics_of_a_graph_and_those_of_every_node() -> None:
+def test_topic_list_includes_the_topics_of_every_node() -> None:
     graph = Graph()
     node = graph.add_node("talker", "/")
     graph.add_publisher(node, "/chatter", STRING, Qos())
@@ -108,17 +111,17 @@ def test_list_names_the_topics_of_a_graph_and_those_of_every_node() -> None:
     )
 
 
-def test_list_names_the_topics_of_a_recording() -> None:
+def test_topic_list_of_a_recording_lists_its_topics() -> None:
     assert output("topic list", recorded("/b", "/a")) == "/a\n/b\n"
 
 
-def test_echo_prints_what_was_recorded() -> None:
+def test_echo_prints_recorded_messages() -> None:
     assert output("topic echo /a", recorded("/a", "/b", "/a")) == "data: ''\n---\n" * 2
     assert output("topic echo a --once", recorded("/a", "/b", "/a")) == "data: ''\n---\n"
     assert output("topic echo a --timeout 1.5", recorded("/a", "/b", "/a")) == "data: ''\n---\n"
 
 
-def test_echo_prints_one_field_as_python_does() -> None:
+def test_echo_prints_one_field_as_in_python() -> None:
     poses = recorded("/pose", type_name="geometry_msgs/msg/PoseStamped")
     assert output("topic echo /pose --field pose.orientation.w", poses) == "1.0\n---\n"
     assert (
@@ -127,7 +130,7 @@ def test_echo_prints_one_field_as_python_does() -> None:
     assert output("topic echo /pose --csv --field pose.position", poses) == "0.0,0.0,0.0\n"
 
 
-def test_echo_names_the_fields_that_there_are() -> None:
+def test_echo_of_an_unknown_field_lists_the_fields() -> None:
     with pytest.raises(
         CourseError,
         match=r"^Invalid field 'data.x': 'str' object has no attribute 'x'$",
@@ -137,7 +140,7 @@ def test_echo_names_the_fields_that_there_are() -> None:
         output("topic echo /a --field dat", recorded("/a"))
 
 
-def test_echo_of_an_unknown_topic_has_ros_words_and_names_the_topics() -> None:
+def test_echo_of_an_unknown_topic_has_the_ros_error_and_lists_topics() -> None:
     written: list[str] = []
     text = (
         r"^Could not determine the type for the passed topic\. "
@@ -148,6 +151,6 @@ def test_echo_of_an_unknown_topic_has_ros_words_and_names_the_topics() -> None:
     assert written == ["WARNING: topic [/chater] does not appear to be published yet\n"]
 
 
-def test_echo_of_an_unknown_type_names_close_ones() -> None:
+def test_echo_of_an_unknown_type_suggests_close_names() -> None:
     with pytest.raises(CourseError, match="Did you mean std_msgs/msg/String"):
         output("topic echo /a std_msgs/msg/Strin", recorded("/a"))

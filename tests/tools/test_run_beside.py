@@ -39,28 +39,33 @@ def program(tmp_path: Path) -> Path:
         ("param get /late speed", "Integer value is: 2\n"),
         ("topic echo /chatter --once", "data: hi\n---\n"),
         ("topic echo /chatter --csv --timeout 0.25", "hi\nhi\n"),
-        ("topic pub --once /ear std_msgs/msg/String data:\xa0hi", None),
         ("interface proto std_msgs/msg/String --no-quotes", "data: ''\n\n"),
     ],
 )
-def test_the_tool_sees_nodes_that_run(
-    program: Path, capsys: pytest.CaptureFixture[str], line: str, text: str | None
+def test_tool_sees_running_nodes(
+    program: Path, capsys: pytest.CaptureFixture[str], line: str, text: str
 ) -> None:
-    words = [word.replace("\xa0", " ") for word in line.split(" ")]
+    assert ros2_over(line.split(" "), files=[program], bag=None, seconds=3.0) == 0
+    assert capsys.readouterr() == (text, "")
+
+
+def test_output_of_a_program_beside_a_tool_is_written_to_stderr(
+    program: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["topic", "pub", "--once", "/ear", "std_msgs/msg/String", "data: hi"]
     assert ros2_over(words, files=[program], bag=None, seconds=3.0) == 0
-    shown = capsys.readouterr().out
-    assert shown == text if text is not None else shown.endswith("String(data='hi')\n\nheard hi\n")
+    shown = capsys.readouterr()
+    assert shown.out.endswith("String(data='hi')\n\n")
+    assert shown.err == "heard hi\n"
 
 
-def test_an_endless_tool_ends_with_the_run(program: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_endless_tool_ends_with_the_run(program: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ros2_over(["topic", "hz", "/chatter"], files=[program], bag=None, seconds=2.0)
     rate = "average rate: 10.000\n\tmin: 0.100s max: 0.100s std dev: 0.00000s window: 11\n"
     assert capsys.readouterr().out == rate
 
 
-def test_what_the_tool_finds_wrong_is_told_after_the_run(
-    program: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_error_of_the_tool_is_raised_after_the_run(program: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(CourseError, match=r"^Could not determine the type .*Did you mean /chatter\?"):
         ros2_over(["topic", "echo", "/chater"], files=[program], bag=None, seconds=3.0)
     assert "does not appear to be published yet" in capsys.readouterr().out

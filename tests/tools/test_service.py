@@ -8,7 +8,7 @@ from rclpy.node import Node
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import RecordingSource
 
@@ -27,7 +27,7 @@ def adder(talker: Node) -> Node:
     return talker
 
 
-def test_list_names_services_with_their_types(run: Run, adder: Node) -> None:
+def test_list_prints_services_with_their_types(run: Run, adder: Node) -> None:
     lines = run("service list").splitlines()
     assert lines[0] == "/add_two_ints"
     assert "/talker/list_parameters" in lines
@@ -35,14 +35,14 @@ def test_list_names_services_with_their_types(run: Run, adder: Node) -> None:
     assert run("service list -c") == f"{len(lines)}\n"
 
 
-def test_type_and_find_lead_from_one_to_the_other(run: Run, adder: Node) -> None:
+def test_type_and_find_are_inverse_commands(run: Run, adder: Node) -> None:
     assert run("service type /add_two_ints") == f"{TYPE}\n"
     assert run("service type /nothing") == ""
     assert run(f"service find {TYPE}") == "/add_two_ints\n"
     assert run(f"service find {TYPE} -c") == "1\n"
 
 
-def test_info_counts_who_asks_and_who_answers(run: Run, adder: Node) -> None:
+def test_info_counts_clients_and_servers(run: Run, adder: Node) -> None:
     adder.create_client(AddTwoInts, "add_two_ints")
     assert run("service info /add_two_ints") == f"Type: {TYPE}\nClients count: 1\nServices count: 1\n"
     with pytest.raises(CourseError, match=r"^Unknown service '/add_two_int'\. Did you mean /add_two_ints\?$"):
@@ -56,13 +56,13 @@ def test_call_shows_the_request_and_the_response(run: Run, adder: Node) -> None:
     )
 
 
-def test_call_again_and_again_keeps_its_rate(run: Run, adder: Node, graph: Graph) -> None:
+def test_repeated_calls_keep_their_rate(run: Run, adder: Node, graph: Graph) -> None:
     graph.end_ns = graph.now_ns + 1_900_000_000
     assert run(f"service call -r 2 /add_two_ints {TYPE}").count("response:") == 4
 
 
-def test_call_names_what_cannot_be_asked(run: Run, adder: Node) -> None:
-    with pytest.raises(CourseError, match=r"^Nobody offers the service '/ad_two_ints'\. Did you mean /add"):
+def test_invalid_service_calls_are_reported(run: Run, adder: Node) -> None:
+    with pytest.raises(CourseError, match=r"^No node serves the service '/ad_two_ints'\. Did you mean /add"):
         run(f"service call /ad_two_ints {TYPE}")
     assert run.written == "waiting for service to become available...\n"  # type: ignore[attr-defined]
     with pytest.raises(CourseError, match="Failed to populate field: 'AddTwoInts_Request' object has no"):
@@ -75,5 +75,5 @@ def test_call_names_what_cannot_be_asked(run: Run, adder: Node) -> None:
         CourseError, match=r"^/add_two_ints has the type .*AddTwoInts, not std_srvs/srv/Empty\.$"
     ):
         run("service call /add_two_ints std_srvs/srv/Empty")
-    with pytest.raises(CourseError, match="A recording gives no answers"):
+    with pytest.raises(CourseError, match="A recording cannot respond"):
         ros2(["service", "call", "/add_two_ints", TYPE], RecordingSource(Recording(())), print)

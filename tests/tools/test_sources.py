@@ -7,9 +7,9 @@ from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, record
-from course_lib.ros.graph import DELAY_NS, Graph, Sample
+from course_lib.ros.graph.graph import DELAY_NS, Graph, Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
-from course_lib.ros.qos import Qos
 from course_lib.tools.sources import GraphSource, Listening, RecordingSource, TimedSample, is_hidden
 
 STRING = "std_msgs/msg/String"
@@ -17,7 +17,7 @@ TOPICS = {("/chatter", STRING): Qos(), ("/other", STRING): Qos()}
 
 
 @given(st.lists(st.tuples(st.integers(0, 3 * 10**9), st.sampled_from(sorted(TOPICS)))), st.integers(1, 20))
-def test_a_recording_s_messages_and_ticks_come_in_order(
+def test_messages_and_ticks_of_a_recording_are_in_order(
     sent: list[tuple[int, tuple[str, str]]], tenths: int
 ) -> None:
     cdr = serialize(String())
@@ -32,7 +32,7 @@ def test_a_recording_s_messages_and_ticks_come_in_order(
     assert ticks == list(range(start_ns, end_ns + 1, tenths * 10**8))
 
 
-def test_live_and_recorded_streams_differ_by_the_way_alone(talker: Node, graph: Graph) -> None:
+def test_live_and_recorded_streams_differ_only_by_the_transport_delay(talker: Node, graph: Graph) -> None:
     with record(graph) as recorder:
         live = list(GraphSource(graph).stream(TOPICS, Listening(seconds=1.0)))
     recorded = list(RecordingSource(recorder.recording()).stream(TOPICS, Listening()))
@@ -41,7 +41,7 @@ def test_live_and_recorded_streams_differ_by_the_way_alone(talker: Node, graph: 
     assert {now_ns - one.stamp_ns for now_ns, one in live if one} == {DELAY_NS}
 
 
-def test_patience_ends_a_stream_that_fell_silent(talker: Node, graph: Graph) -> None:
+def test_timeout_ends_a_silent_stream(talker: Node, graph: Graph) -> None:
     start_ns = graph.now_ns
     stream = GraphSource(graph).stream(TOPICS, Listening(patience=0.5))
     for number, _ in enumerate(stream):
@@ -51,18 +51,18 @@ def test_patience_ends_a_stream_that_fell_silent(talker: Node, graph: Graph) -> 
     assert graph.now_ns == start_ns + 300_000_000 + DELAY_NS + 500_000_000
 
 
-def test_ticks_come_with_the_time_they_are_for(talker: Node, graph: Graph) -> None:
+def test_ticks_contain_their_time(talker: Node, graph: Graph) -> None:
     start_ns = graph.now_ns
     heard = GraphSource(graph).stream({("/chatter", STRING): Qos()}, Listening(seconds=2.0, every=0.5))
     ticks = [(now_ns - start_ns) / 1e9 for now_ns, one in heard if one is None]
     assert ticks == [0.0, 0.5, 1.0, 1.5, 2.0]
 
 
-def test_waiting_without_rclpy_says_how_to_start(graph: Graph) -> None:
+def test_waiting_before_rclpy_init_is_an_error(graph: Graph) -> None:
     assert not rclpy.ok()
-    with pytest.raises(CourseError, match="rclpy is not started"):
+    with pytest.raises(CourseError, match="rclpy is not initialized"):
         GraphSource(graph).wait(lambda: True, 1.0)
 
 
-def test_names_with_an_underscore_in_front_are_hidden() -> None:
+def test_names_with_a_leading_underscore_are_hidden() -> None:
     assert [is_hidden(name) for name in ("/a/_b/c", "/_a", "/a_b", "_ros2cli")] == [True, True, False, True]

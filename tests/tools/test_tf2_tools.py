@@ -14,13 +14,13 @@ from tf2_ros import TransformBroadcaster
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.driving import running_nodes, spin_for
-from course_lib.ros.graph import Graph, Sample, use_graph
+from course_lib.ros.graph.graph import Graph, Sample, use_graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
-from course_lib.ros.qos import Qos
+from course_lib.ros.time.driving import running_nodes, spin_for
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource, RecordingSource, Source
-from course_lib.tools.view_frames import dot, picture
+from course_lib.tools.tf2 import dot, picture
 
 START = 1_700_000_000 * 10**9  # [ns]
 TF = "tf2_msgs/msg/TFMessage"
@@ -71,7 +71,7 @@ def broadcaster(graph: Graph) -> Node:
     return node
 
 
-def test_echo_waits_then_prints_every_second_as_geometry2_does() -> None:
+def test_echo_waits_and_then_prints_every_second_as_in_geometry2() -> None:
     text = output("tf2_ros tf2_echo world tool", moving(2))
     waiting, found = text.split("\n", 1)
     assert waiting == (
@@ -93,17 +93,17 @@ def test_echo_waits_then_prints_every_second_as_geometry2_does() -> None:
     )
 
 
-def test_echo_of_a_static_transform_is_at_time_0() -> None:
+def test_echo_of_a_static_transform_has_time_0() -> None:
     assert "\nAt time 0.0\n" in output("tf2_ros tf2_echo base tool", moving())
 
 
-def test_echo_takes_a_rate() -> None:
+def test_echo_accepts_a_rate() -> None:
     assert output("tf2_ros tf2_echo world base 5", moving(2)).count("At time") == 11  # both ends
     with pytest.raises(CourseError, match="argument echo_rate: Value must be positive"):
         output("tf2_ros tf2_echo world base 0", moving())
 
 
-def test_echo_on_nodes_drives_those_that_run_live(graph: Graph, broadcaster: Node) -> None:
+def test_tf2_echo_drives_live_nodes(graph: Graph, broadcaster: Node) -> None:
     lines = output("tf2_ros tf2_echo world base", GraphSource(graph)).splitlines()
     assert "Waiting for transform world ->  base" in lines[0]
     assert [line for line in lines if line.startswith("At time")] == [
@@ -112,9 +112,7 @@ def test_echo_on_nodes_drives_those_that_run_live(graph: Graph, broadcaster: Nod
     ]
 
 
-def test_a_frame_that_nobody_sends_is_waited_for_and_named_every_second(
-    graph: Graph, broadcaster: Node
-) -> None:
+def test_tf2_echo_reports_a_missing_frame_every_second(graph: Graph, broadcaster: Node) -> None:
     lines = output("tf2_ros tf2_echo world nowhere 10", GraphSource(graph)).splitlines()
     assert len(lines) == 6
     assert all('"nowhere" passed to canTransform argument source_frame' in line for line in lines[1:])
@@ -133,7 +131,7 @@ def test_monitor_prints_the_delays_of_all_frames() -> None:
     )
 
 
-def test_monitor_of_two_frames_names_their_chain() -> None:
+def test_monitor_of_two_frames_prints_their_chain() -> None:
     text = output("tf2_ros tf2_monitor world tool", moving(15))
     assert "Gathering data on world -> tool for 10 seconds...\n" in text
     assert "RESULTS: for world to tool\nChain is: world -> base -> tool\nNet delay     avg = " in text
@@ -141,14 +139,14 @@ def test_monitor_of_two_frames_names_their_chain() -> None:
         output("tf2_ros tf2_monitor world", moving())
 
 
-def test_monitor_hears_the_delivery_delay_of_live_nodes(graph: Graph, broadcaster: Node) -> None:
+def test_monitor_measures_the_delivery_delay_of_live_nodes(graph: Graph, broadcaster: Node) -> None:
     text = output("tf2_ros tf2_monitor", GraphSource(graph))
     assert (
         "Frame: base, published by <no authority available>, Average Delay: 0.001, Max Delay: 0.001" in text
     )
 
 
-def test_a_static_transform_is_published_with_the_text_of_ros(graph: Graph) -> None:
+def test_static_transform_is_published_with_the_text_of_ros(graph: Graph) -> None:
     flags = "--x 1 --z -0.5 --yaw 1.5707963 --frame-id base --child-frame-id arm"
     text = output(f"tf2_ros static_transform_publisher {flags}", GraphSource(graph))
     assert text.startswith("[INFO] [1700000000.000000000] [static_transform_publisher_")
@@ -164,7 +162,7 @@ def test_a_static_transform_is_published_with_the_text_of_ros(graph: Graph) -> N
 @pytest.mark.parametrize(
     "words", ["1 0 -0.5 1.5707963 0 0 base arm", "1 0 -.5 0 0 0.707107 0.707107 base arm"]
 )
-def test_old_style_arguments_are_taken_with_a_warning(graph: Graph, words: str) -> None:
+def test_old_style_arguments_are_accepted_with_a_warning(graph: Graph, words: str) -> None:
     text = output(f"tf2_ros static_transform_publisher {words}", GraphSource(graph))
     warning = "Old-style arguments are deprecated; see --help for new-style arguments"
     assert text.startswith(f"[WARN] [1700000000.000000000] []: {warning}\n[INFO]")
@@ -183,17 +181,17 @@ def test_old_style_arguments_are_taken_with_a_warning(graph: Graph, words: str) 
         ("--frame-id a --child-frame-id b --x far", "argument --x: invalid float value: 'far'"),
     ],
 )
-def test_what_contradicts_itself_is_refused(graph: Graph, words: str, text: str) -> None:
+def test_contradictory_options_are_rejected(graph: Graph, words: str, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         output(f"tf2_ros static_transform_publisher {words}", GraphSource(graph))
 
 
-def test_nothing_is_published_into_a_recording() -> None:
-    with pytest.raises(CourseError, match="A recording cannot be published to"):
+def test_transforms_cannot_be_published_into_a_recording() -> None:
+    with pytest.raises(CourseError, match="A recording cannot receive messages"):
         output("tf2_ros static_transform_publisher --frame-id a --child-frame-id b", moving())
 
 
-def test_view_frames_writes_dot_and_a_pdf(tmp_path: Path) -> None:
+def test_view_frames_writes_a_dot_file_and_a_pdf(tmp_path: Path) -> None:
     text = output(f"tf2_tools view_frames -o {tmp_path}/frames", moving(2))
     assert "[view_frames]: Listening to tf data for 5.0 seconds...\n" in text
     assert f"[view_frames]: Exporting graph in {tmp_path}/frames.pdf file...\n" in text
@@ -211,7 +209,7 @@ def test_view_frames_writes_dot_and_a_pdf(tmp_path: Path) -> None:
     assert (tmp_path / "frames.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_no_data_is_said_in_the_graph() -> None:
+def test_view_frames_without_data_reports_missing_transforms() -> None:
     assert dot({}, START) == 'digraph G { "No tf data received" }'
     assert b"No tf data received" in picture({}, START, "svg")
 
@@ -222,7 +220,7 @@ def about(parent: str) -> dict[str, object]:
     ) | {"parent": parent}
 
 
-def test_the_picture_shows_every_frame_and_is_the_same_each_time() -> None:
+def test_image_shows_every_frame_and_is_deterministic() -> None:
     frames = {"odom": about("map"), "base": about("odom"), "beacon": about("map"), "arm": about("other")}
     drawn = picture(frames, START, "svg")
     for name in ("map", "odom", "base", "beacon", "other", "arm", "Broadcaster: 1.0"):
@@ -230,13 +228,13 @@ def test_the_picture_shows_every_frame_and_is_the_same_each_time() -> None:
     assert picture(frames, START, "svg") == drawn
 
 
-def test_a_loop_of_frames_is_drawn_and_not_followed_for_ever() -> None:
+def test_frame_loop_is_drawn_without_an_endless_traversal() -> None:
     frames = {"a": about("b"), "b": about("a")}
     assert b">a<" in picture(frames, START, "svg")
     assert '"b" -> "a"' in dot(frames, START)
 
 
-def test_in_a_notebook_the_picture_is_displayed(
+def test_image_is_displayed_in_a_notebook(
     graph: Graph, broadcaster: Node, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shown: list[object] = []

@@ -42,7 +42,7 @@ def run(tmp_path: Path, in_process: Callable[..., Typed]) -> Run:
     return run
 
 
-def test_an_error_of_a_message_s_constructor_shows_the_student_s_line_and_not_the_generated_one(
+def test_error_in_a_message_constructor_shows_the_student_line_and_not_generated_code(
     run: Run,
 ) -> None:
     shown = run("%load_ext course_lib\nfrom std_msgs.msg import String\n---\nString(dta='hello')")
@@ -51,7 +51,7 @@ def test_an_error_of_a_message_s_constructor_shows_the_student_s_line_and_not_th
     assert "in __init__" not in shown
 
 
-def test_a_callbacks_error_shows_the_students_lines_and_not_the_kits(run: Run) -> None:
+def test_callback_error_shows_student_lines_and_not_kit_lines(run: Run) -> None:
     shown = run(CELLS)
     assert "NotImplementedError: nothing is published yet" in shown
     assert 'raise NotImplementedError("nothing is published yet")' in shown
@@ -59,7 +59,7 @@ def test_a_callbacks_error_shows_the_students_lines_and_not_the_kits(run: Run) -
     assert "executors.py" not in shown
 
 
-def test_an_error_in_the_answer_to_an_error_shows_both_without_the_kit(run: Run) -> None:
+def test_chained_exceptions_are_shown_without_kit_lines(run: Run) -> None:
     answer = (
         "import rclpy\nrclpy.init()\nnode = rclpy.create_node('stub')\n"
         "def tick():\n    raise KeyError('first')\nnode.create_timer(1.0, tick)\n"
@@ -71,14 +71,15 @@ def test_an_error_in_the_answer_to_an_error_shows_both_without_the_kit(run: Run)
     assert "executor" not in shown
 
 
-def test_a_wrong_field_shows_ross_text_below_the_students_line(run: Run) -> None:
+def test_invalid_field_shows_the_text_of_ros_below_the_student_line(run: Run) -> None:
     shown = run(CELLS.partition("---")[0] + "---\nFloat64().data = 1")
     assert "Float64().data = 1" in shown
     assert "\nAssertionError: The 'data' field must be of type 'float'\nhint: write the number with" in shown
     assert "messages" not in shown
 
 
-def test_an_endless_recursion_is_folded_wherever_it_is_shown(run: Run, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_endless_recursion_is_abbreviated_in_every_traceback(run: Run, tmp_path: Path) -> None:
     endless = "def a(n):\n    return b(n + 1)\ndef b(n):\n    return a(n)\na(0)\n"
     program = tmp_path / "program.py"
     program.write_text(endless)
@@ -92,18 +93,18 @@ def test_an_endless_recursion_is_folded_wherever_it_is_shown(run: Run, tmp_path:
         assert "hint: a function calls itself" in shown
 
 
-def test_a_property_of_a_display_that_is_set_as_an_attribute_gets_a_hint(run: Run) -> None:
+def test_display_property_set_as_an_attribute_gets_a_hint(run: Run) -> None:
     cells = (
         CELLS.partition("---")[0] + "from course_lib import Viewer\n---\nViewer().add('TF').enabled = False"
     )
-    assert 'hint: write display["Enabled"] = False.' in run(cells)
+    assert 'hint: write `display["Enabled"] = False`.' in run(cells)
 
 
-def test_a_syntax_error_keeps_its_caret(run: Run) -> None:
+def test_syntax_error_keeps_its_caret(run: Run) -> None:
     assert "^" in run(CELLS.partition("---")[0] + "---\ndef f(:")
 
 
-def test_what_the_kit_says_and_an_interrupt_need_no_traceback(run: Run) -> None:
+def test_course_errors_and_interrupts_have_no_traceback(run: Run) -> None:
     start = CELLS.partition("---")[0] + "from course_lib import spin_for\n---\n"
     assert run(start + "spin_for('2')").startswith("CourseError: spin_for('2', …): give the")
     stopped = "KeyboardInterrupt: the cell was stopped in cell In[1], line 1: raise KeyboardInterrupt.\n"

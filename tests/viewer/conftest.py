@@ -1,6 +1,6 @@
 import pytest
 
-from course_lib.viewer import stream
+from course_lib.viewer import page_link
 from tests.viewer.page_wire import Wire
 
 
@@ -12,4 +12,4 @@ def wire() -> Wire:
 @pytest.fixture
 def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     """Batches are sent by `flush` alone."""
-    monkeypatch.setattr(stream.Stream, "_send_batches", lambda self: None)
+    monkeypatch.setattr(page_link.PageLink, "_send_batches", lambda self: None)

@@ -2,36 +2,39 @@
 
 import inspect
 from collections.abc import Mapping
-from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
-from course_lib.displays.panel import controls, protocol, time_panel
-from course_lib.displays.view_controller import Hands
-from course_lib.viewer import assets
-from course_lib.viewer.page_link import Click
-from course_lib.viewer.wire import camel
+from msgspec import NODEFAULT
+from msgspec.structs import fields
 
-PATH = Path(assets.__file__).parent / "js" / "protocol.d.ts"
+from course_lib.displays.panel import desk, protocol
+from course_lib.displays.views import Hands
+from course_lib.viewer import html
+from course_lib.viewer.encoding import Message
+from course_lib.viewer.page_link import Click
+
+PATH = Path(html.__file__).parent / "js" / "protocol.d.ts"
 _PLAIN = {str: "string", float: "number", int: "number", bool: "boolean", Any: "any", NoneType: "null"}
-_HEAD = "// Generated from Python's dataclasses: python -m tests.viewer.declarations\n"
+_HEAD = "// Generated from Python's messages: python -m tests.viewer.declarations\n"
 
 
 def declarations() -> str:
     """Return the declarations of all messages, and of the union of the orders."""
-    written = [Click, Hands, *_own(controls), *_own(protocol), *_own(time_panel)]
-    orders = "".join(f"\n  | ({{ act: {name!r} }} & {name})" for name in protocol.ORDERS).replace("'", '"')
+    written = [Click, Hands, *_own(protocol), *_own(desk)]
+    names = [kind.__name__ for kind in get_args(protocol.AnyOrder)]
+    orders = "".join(f'\n  | ({{ act: "{name}" }} & {name})' for name in names)
     return "\n".join([_HEAD, *map(_interface, written), f"export type Order ={orders};\n"])
 
 
 def _own(module: Any) -> list[type]:
-    """Return the dataclasses that a module defines, in its order."""
+    """Return the messages that a module defines, in its order."""
     return [kind for kind in vars(module).values() if isinstance(kind, type) and _is_own(kind, module)]
 
 
 def _is_own(kind: type, module: Any) -> bool:
-    return is_dataclass(kind) and kind.__module__ == module.__name__
+    return issubclass(kind, Message) and kind.__module__ == module.__name__ and kind is not protocol.Order
 
 
 def _interface(kind: type) -> str:
@@ -41,10 +44,10 @@ def _interface(kind: type) -> str:
         f"export interface {kind.__name__} {{",
     ]
     for field in fields(kind):
-        wanted, has_default = hints[field.name], field.default is not MISSING
+        wanted, has_default = hints[field.name], field.default is not NODEFAULT
         if has_default and isinstance(wanted, UnionType):  # left out in place of null
             wanted = get_args(wanted)[0]
-        lines.append(f"  {camel(field.name)}{'?' * has_default}: {_type(wanted)};")
+        lines.append(f"  {field.encode_name}{'?' * has_default}: {_type(wanted)};")
     return "\n".join([*lines, "}", ""])
 
 

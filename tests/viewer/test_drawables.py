@@ -14,35 +14,35 @@ def test_lists_become_read_only_arrays() -> None:
         lines.points[0, 0] = 1
 
 
-def test_empty_lists_are_drawn_as_nothing() -> None:
+def test_empty_lists_are_not_drawn() -> None:
     assert Points([], [], (0.1, 0.1)).points.shape == (0, 3)
     assert Solids("box", [], RED).placements.shape == (0, 4, 4)
 
 
-def test_a_soup_of_triangles_gets_its_faces() -> None:
+def test_triangle_soup_gets_its_faces() -> None:
     assert Mesh(np.zeros((6, 3)), None, RED).faces.tolist() == [[0, 1, 2], [3, 4, 5]]
 
 
-def test_colours_must_be_one_or_as_many_as_points() -> None:
+def test_number_of_colors_must_be_one_or_the_number_of_points() -> None:
     with pytest.raises(CourseError, match=r"colors has shape \(3, 4\), expected \(2, 4\) or \(4\)"):
         Lines([[0, 0, 0], [1, 0, 0]], [RED] * 3)
 
 
-def test_colours_stay_within_bounds_and_what_is_no_number_is_black() -> None:
+def test_colors_are_clipped_and_nan_is_black() -> None:
     colors = Lines([[0, 0, 0], [1, 0, 0]], [(2, -1, np.nan, 1), RED]).colors
     assert colors.tolist() == [[1, 0, 0, 1], [1, 0, 0, 1]]
 
 
-def test_a_face_of_a_missing_vertex_is_refused() -> None:
-    with pytest.raises(CourseError, match="names vertex 3, the last one is 2"):
+def test_face_with_a_missing_vertex_is_rejected() -> None:
+    with pytest.raises(CourseError, match="vertex index 3, but the last vertex is 2"):
         Mesh(np.zeros((3, 3)), [[0, 1, 3]], RED)
 
 
-def test_an_odd_point_of_pairs_is_refused() -> None:
+def test_odd_number_of_line_segment_points_is_rejected() -> None:
     with pytest.raises(CourseError, match="even number of points, there are 3"):
         Lines(np.zeros((3, 3)), RED, strip=False)
 
 
-def test_an_unknown_shape_is_refused_with_the_known_ones() -> None:
+def test_unknown_shape_is_rejected_with_the_known_ones() -> None:
     with pytest.raises(CourseError, match=r"'cube'.*box, sphere, cylinder, cone"):
         Solids("cube", [np.eye(4)], RED)  # type: ignore[arg-type]  # the mistake under test

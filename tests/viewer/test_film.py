@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from course_lib.viewer.drawables import Solids
-from course_lib.viewer.film import Film
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.scene_recording import SceneRecording
 from tests.viewer.test_stream import BLUE_BOX, RED_BOX, decoded, moved
 
 
@@ -23,14 +23,14 @@ def clock() -> Clock:
     return Clock()
 
 
-def packed(film: Film) -> Any:
+def packed(film: SceneRecording) -> Any:
     return decoded(film.packed())
 
 
-def test_a_film_begins_with_the_whole_scene_and_goes_on_with_what_changed_and_when(clock: Clock) -> None:
+def test_film_starts_with_the_whole_scene_and_continues_with_timed_changes(clock: Clock) -> None:
     scene = Scene()
     scene.set_object("a", RED_BOX)
-    film = Film(scene, clock)
+    film = SceneRecording(scene, clock)
     for x in (1.0, 2.0):
         clock.now += 0.5
         scene.set_transform("a", moved(x))
@@ -43,9 +43,9 @@ def test_a_film_begins_with_the_whole_scene_and_goes_on_with_what_changed_and_wh
     assert [batch.get("paths") for batch in data["batches"][1:]] == [["a"], None]
 
 
-def test_what_happens_at_one_time_is_one_frame_with_the_last_values(clock: Clock) -> None:
+def test_simultaneous_changes_form_one_frame_with_the_last_values(clock: Clock) -> None:
     scene = Scene()
-    film = Film(scene, clock)
+    film = SceneRecording(scene, clock)
     clock.now += 1.0
     scene.set_object("a", RED_BOX)
     scene.delete("a")
@@ -56,9 +56,9 @@ def test_what_happens_at_one_time_is_one_frame_with_the_last_values(clock: Clock
     assert frame["commands"][1]["object"]["colors"].tolist() == [0, 0, 255, 255]
 
 
-def test_values_are_those_of_their_time_not_of_now(clock: Clock) -> None:
+def test_recorded_values_are_captured_at_their_time(clock: Clock) -> None:
     scene = Scene()
-    film = Film(scene, clock)
+    film = SceneRecording(scene, clock)
     for color in ((255, 0, 0), (0, 255, 0)):
         clock.now += 1.0
         scene.background = color
@@ -66,16 +66,18 @@ def test_values_are_those_of_their_time_not_of_now(clock: Clock) -> None:
     assert colors == [[255, 0, 0], [0, 255, 0]]
 
 
-def test_a_film_of_nothing_is_the_scene(clock: Clock) -> None:
+def test_film_without_changes_is_the_scene(clock: Clock) -> None:
     scene = Scene()
-    film = Film(scene, clock)
+    film = SceneRecording(scene, clock)
     assert "batches" not in packed(film)
 
 
 @pytest.mark.parametrize("limits", [{"seconds": 3.0}, {"megabytes": 0.003}])
-def test_what_is_too_old_is_in_the_first_picture(clock: Clock, limits: dict[str, float]) -> None:
+def test_changes_older_than_the_limit_are_merged_into_the_first_frame(
+    clock: Clock, limits: dict[str, float]
+) -> None:
     scene = Scene()
-    film = Film(scene, clock, **limits)
+    film = SceneRecording(scene, clock, **limits)
     for number in range(12):
         clock.now += 1.0
         scene.set_object(f"box{number}", RED_BOX)
@@ -84,24 +86,24 @@ def test_what_is_too_old_is_in_the_first_picture(clock: Clock, limits: dict[str,
     later = [c["path"] for batch in data["batches"][1:] for c in batch["commands"]]
     assert len(later) < 6
     assert first + later == [f"box{number}" for number in range(12)]
-    assert film.forgotten
-    assert data["note"].startswith(f"It plays the last {film.duration:.0f} s;")
+    assert film.is_truncated
+    assert data["note"].startswith(f"Only the last {film.duration:.0f} s are included")
 
 
-def test_large_arrays_count(clock: Clock) -> None:
+def test_large_arrays_count_toward_the_limit(clock: Clock) -> None:
     scene = Scene()
-    film = Film(scene, clock, megabytes=1.0)
+    film = SceneRecording(scene, clock, megabytes=1.0)
     large = Solids("box", np.tile(np.eye(4), (4000, 1, 1)), (1, 0, 0, 1))  # 320 kB
     for number in range(5):
         clock.now += 1.0
         scene.set_object(str(number), large)
-    assert film.forgotten
+    assert film.is_truncated
     assert len(packed(film)["batches"]) == 4
 
 
-def test_a_film_starts_anew_when_time_runs_backwards(clock: Clock) -> None:
+def test_film_restarts_after_a_backward_time_jump(clock: Clock) -> None:
     scene = Scene()
-    film = Film(scene, clock)
+    film = SceneRecording(scene, clock)
     clock.now += 5.0
     scene.set_object("a", RED_BOX)
     clock.now = 50.0
@@ -112,19 +114,19 @@ def test_a_film_starts_anew_when_time_runs_backwards(clock: Clock) -> None:
     assert [c.get("path") for c in data["batches"][0]["commands"]][-1] == "a"
 
 
-def test_a_stopped_film_goes_no_further(clock: Clock) -> None:
+def test_stopped_film_records_no_further_changes(clock: Clock) -> None:
     scene = Scene()
-    film = Film(scene, clock)
+    film = SceneRecording(scene, clock)
     film.stop()
     clock.now += 1.0
     scene.set_object("a", RED_BOX)
     assert "batches" not in packed(film)
 
 
-def test_only_the_last_seconds_may_be_wanted_and_begin_with_the_scene_as_it_was(clock: Clock) -> None:
+def test_film_of_the_last_seconds_begins_with_the_scene_at_its_start(clock: Clock) -> None:
     scene = Scene()
     scene.set_object("a", RED_BOX)
-    film = Film(scene, clock)
+    film = SceneRecording(scene, clock)
     for x in (1.0, 2.0, 3.0):
         clock.now += 1.0
         scene.set_transform("a", moved(x))
@@ -136,10 +138,10 @@ def test_only_the_last_seconds_may_be_wanted_and_begin_with_the_scene_as_it_was(
     assert "batches" not in decoded(film.packed(1.5))
 
 
-def test_a_film_may_be_wanted_until_a_time_and_in_fewer_frames(clock: Clock) -> None:
+def test_film_can_be_limited_to_an_end_time_and_fewer_frames(clock: Clock) -> None:
     scene = Scene()
     scene.set_object("a", RED_BOX)
-    film = Film(scene, clock)
+    film = SceneRecording(scene, clock)
     for x in range(1, 9):
         clock.now += 0.25
         scene.set_transform("a", moved(float(x)))

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Inset, Solids
+from course_lib.viewer.drawables import Camera, Inset, Solids
 from course_lib.viewer.picture import find_browser, screenshot
+from course_lib.viewer.renderer import placed_insets
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.zbuffer import placed_insets
 
 Renderer: TypeAlias = Literal["chromium", "numpy"]
 
@@ -45,7 +44,7 @@ def red_box() -> Scene:
 
 
 @pytest.mark.parametrize("count", [1, 2, 7])
-def test_pictures_are_in_the_view_and_do_not_cover_each_other(count: int) -> None:
+def test_insets_are_inside_the_view_and_do_not_overlap(count: int) -> None:
     scene = Scene()
     for number in range(count):
         scene.set_object(f"picture/{number}", Inset(plain(BLUE, rows=2 + number)))
@@ -58,7 +57,7 @@ def test_pictures_are_in_the_view_and_do_not_cover_each_other(count: int) -> Non
         assert top + height <= below
 
 
-def test_a_picture_that_is_hidden_leaves_its_place() -> None:
+def test_hidden_inset_frees_its_space() -> None:
     scene = Scene()
     scene.set_object("first", Inset(plain(RED)))
     scene.set_object("second", Inset(plain(BLUE)))
@@ -66,8 +65,9 @@ def test_a_picture_that_is_hidden_leaves_its_place() -> None:
     assert at_middle(scene) == [BLUE]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("renderer", ["numpy", "chromium"])
-def test_a_camera_sees_the_scene_over_its_picture(renderer: Renderer) -> None:
+def test_camera_inset_shows_the_scene_over_its_image(renderer: Renderer) -> None:
     if renderer == "chromium" and find_browser() is None:
         pytest.skip("no Chromium or Chrome here")
     scene = red_box()
@@ -78,13 +78,13 @@ def test_a_camera_sees_the_scene_over_its_picture(renderer: Renderer) -> None:
     assert at_middle(scene, renderer) == [RED, BLUE, scene.background, BLUE]
 
 
-def test_what_is_farther_than_a_camera_draws_is_left_out() -> None:
+def test_object_beyond_the_far_distance_of_the_camera_is_not_drawn() -> None:
     scene = red_box()
     scene.set_object("a", Inset(plain(BLUE), camera=Camera(eye=(4.0, 0.0, 0.0), far=2.0)))
     assert at_middle(scene) == [BLUE]
 
 
-def test_the_shift_moves_what_the_camera_looks_at_by_heights_of_the_picture() -> None:
+def test_camera_shift_moves_the_target_by_fractions_of_the_image_height() -> None:
     scene = red_box()
     scene.set_object("a", Inset(plain(BLUE), camera=Camera(eye=(9.0, 0.0, 0.0), shift=(0.25, -0.25))))
     ((_, (left, top, width, height)),) = placed_insets(scene, SIZE)
@@ -94,7 +94,8 @@ def test_the_shift_moves_what_the_camera_looks_at_by_heights_of_the_picture() ->
     assert rows.mean() == pytest.approx(height / 2 - height / 4, abs=1)
 
 
-def test_both_renderers_agree_on_pictures() -> None:
+@pytest.mark.slow
+def test_both_renderers_agree_on_insets() -> None:
     if find_browser() is None:
         pytest.skip("no Chromium or Chrome here")
     scene = red_box()

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.viewer.mesh_files import MeshFileError, load_mesh, parse_mesh
+from course_lib.viewer.drawables import MeshFileError, load_mesh, parse_mesh
 
 CORNERS = [[0, 0, 0], [1, 0, 0], [0, 2, 0]]
 ASCII_STL = """solid t
@@ -52,7 +52,7 @@ def binary_stl(corners: Any) -> bytes:
 
 
 @pytest.mark.parametrize("data", [ASCII_STL.encode(), binary_stl(CORNERS)], ids=["ascii", "binary"])
-def test_stl_files_of_both_kinds_are_read(data: bytes) -> None:
+def test_binary_and_ascii_stl_files_are_read(data: bytes) -> None:
     mesh = parse_mesh(data, "stl")
     assert sorted(mesh.vertices[mesh.faces[0]].tolist()) == sorted(CORNERS)
 
@@ -62,7 +62,7 @@ def test_obj_polygons_become_triangles() -> None:
     assert mesh.faces.tolist() == [[0, 1, 2], [2, 3, 0], [0, 1, 2]]
 
 
-def test_dae_nodes_place_scale_and_colour_what_is_below_them() -> None:
+def test_dae_nodes_transform_and_color_their_children() -> None:
     mesh = parse_mesh(DAE.encode(), "dae")
     assert len(mesh.faces) == 2
     assert mesh.vertices.min(axis=0) == pytest.approx([0, 0, 1], abs=1e-6)
@@ -70,13 +70,13 @@ def test_dae_nodes_place_scale_and_colour_what_is_below_them() -> None:
     assert mesh.colors[0] == pytest.approx([1, 0.5, 0, 1], abs=0.01)
 
 
-def test_what_a_broken_material_paints_is_read_without_it() -> None:
+def test_mesh_with_a_broken_material_is_read_without_it() -> None:
     mesh = parse_mesh(DAE.replace('target="#orange"', 'target="#nobody"').encode(), "dae")
     assert len(mesh.faces) == 2
     assert mesh.colors[0].tolist() != pytest.approx([1, 0.5, 0, 1], abs=0.01)
 
 
-def test_the_normals_of_a_dae_file_are_its_own_turned_with_its_nodes() -> None:
+def test_normals_of_a_dae_file_are_read_and_rotated_with_its_nodes() -> None:
     source = (
         DAE[DAE.index(' <source id="p">') : DAE.index(" <vertices")]
         .replace('"p"', '"n"')
@@ -93,7 +93,7 @@ def test_the_normals_of_a_dae_file_are_its_own_turned_with_its_nodes() -> None:
     np.testing.assert_allclose(normals, [expected / np.linalg.norm(expected)] * len(normals), atol=1e-6)
 
 
-def test_a_texture_counts_where_it_touches_vertices(tmp_path: Path) -> None:
+def test_texture_is_sampled_at_the_vertices(tmp_path: Path) -> None:
     picture = Image.new("RGB", (8, 8), (255, 0, 0))
     picture.paste((0, 0, 255), (4, 0, 8, 8))
     picture.save(tmp_path / "half.png")
@@ -105,25 +105,28 @@ def test_a_texture_counts_where_it_touches_vertices(tmp_path: Path) -> None:
     assert by_x == {0.0: [1, 0, 0, 1], 1.0: [0, 0, 1, 1]}
 
 
-def test_a_colour_that_is_asked_for_replaces_the_files_own() -> None:
+def test_requested_color_replaces_the_color_in_the_file() -> None:
     assert parse_mesh(DAE.encode(), "dae", (0, 0, 1, 0.5)).colors.tolist() == [0, 0, 1, 0.5]
 
 
 @pytest.mark.parametrize("file_format", ["dae", "stl", "obj"])
-def test_a_broken_file_is_refused_in_words(file_format: str) -> None:
-    with pytest.raises(MeshFileError, match=f"not a {file_format.upper()} file that can be read"):
+def test_broken_file_is_rejected_with_an_error_message(file_format: str) -> None:
+    with pytest.raises(MeshFileError, match=f"not a readable {file_format.upper()} file"):
         parse_mesh(b"v 1 2\n<not any of these", file_format)
 
 
-def test_missing_files_and_unknown_formats_are_refused_by_name(tmp_path: Path) -> None:
+def test_missing_files_and_unknown_formats_are_rejected_with_their_name(tmp_path: Path) -> None:
     with pytest.raises(MeshFileError, match=r"gone\.stl"):
         load_mesh(tmp_path / "gone.stl")
     (tmp_path / "mesh.blend").write_bytes(b"")
-    with pytest.raises(MeshFileError, match="'blend' is not a known format of meshes; take dae, stl, obj"):
+    with pytest.raises(
+        MeshFileError, match="'blend' is not a supported mesh format; use one of dae, stl, obj"
+    ):
         load_mesh(tmp_path / "mesh.blend")
 
 
-def test_a_robots_meshes_are_where_another_reader_puts_them() -> None:
+@pytest.mark.slow
+def test_robot_meshes_agree_with_another_reader() -> None:
     coal = pytest.importorskip("coal")
     pinocchio = pytest.importorskip("pinocchio")
     robots = Path(pinocchio.__file__).parents[4] / "share" / "example-robot-data" / "robots"

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from course_lib.viewer import stream
+from course_lib.viewer import page_link
 from course_lib.viewer.drawables import Solids
 from course_lib.viewer.page_link import Click
 from tests.viewer.page_wire import Wire
 
 RED_BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
-IN_FLIGHT = stream._QUESTIONS * stream._BATCHES  # that a page may leave unanswered
+IN_FLIGHT = page_link._MAX_PENDING_ACKS * page_link._ACK_BATCHES  # that a page may leave unanswered
 
 
 def until(condition: Callable[[], bool]) -> None:
@@ -24,18 +24,18 @@ def until(condition: Callable[[], bool]) -> None:
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_a_page_that_does_not_answer_gets_no_more_than_it_may_leave_unanswered(wire: Wire) -> None:
+def test_page_receives_no_more_than_the_limit_of_unacknowledged_batches(wire: Wire) -> None:
     wire.hear("ready")
     wire.change(100)
     assert wire.kinds() == ["batch"] * IN_FLIGHT
-    assert len(wire.link._stream._moved) == 1
+    assert len(wire.link._moved_paths) == 1
     wire.hear("ack")
     wire.change()
     assert len(wire.sent) == IN_FLIGHT + 1
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_the_slowest_page_sets_the_pace(wire: Wire) -> None:
+def test_slowest_page_determines_the_rate(wire: Wire) -> None:
     wire.hear("ready", "a")
     wire.hear("ready", "b")
     wire.change(100)
@@ -48,17 +48,17 @@ def test_the_slowest_page_sets_the_pace(wire: Wire) -> None:
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_large_batches_are_answered_one_by_one(wire: Wire) -> None:
+def test_large_batches_are_acknowledged_one_by_one(wire: Wire) -> None:
     wire.hear("ready")
     many = Solids("box", np.tile(np.eye(4), (8000, 1, 1)), (1, 0, 0, 1))
     for _ in range(10):
         wire.scene.set_object("boxes", many)
         wire.link.flush()
-    assert [content["ask"] for content in wire.sent] == [True] * stream._QUESTIONS
+    assert [content["ask"] for content in wire.sent] == [True] * page_link._MAX_PENDING_ACKS
 
 
-def test_a_page_that_stays_silent_is_taken_for_gone(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
+def test_unresponsive_page_is_considered_closed(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page_link, "MAX_SILENCE", 0.1)
     counts: list[int] = []
     wire.link.on_views = counts.append
     wire.hear("ready")
@@ -78,7 +78,7 @@ def test_a_page_that_stays_silent_is_taken_for_gone(wire: Wire, monkeypatch: pyt
     assert wire.kinds() == ["reset"]
 
 
-def test_a_page_that_went_without_a_word_is_found_out_though_the_scene_rests(
+def test_closed_page_is_detected_by_missing_acknowledgements(
     wire: Wire, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A closed page, taken for open, would get the time for ever, and its kernel would never be idle."""
@@ -89,7 +89,7 @@ def test_a_page_that_went_without_a_word_is_found_out_though_the_scene_rests(
         if "ask" in wire.sent[-1]:
             wire.hear("ack")
     assert wire.link.ready
-    monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
+    monkeypatch.setattr(page_link, "MAX_SILENCE", 0.1)
 
     def is_gone() -> bool:
         wire.link.post({"type": "time"})
@@ -99,7 +99,7 @@ def test_a_page_that_went_without_a_word_is_found_out_though_the_scene_rests(
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_a_running_cell_that_hears_nobody_is_not_held_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_running_cell_is_not_blocked_by_missing_acknowledgements(monkeypatch: pytest.MonkeyPatch) -> None:
     async def cell() -> None:
         wire = Wire()
         wire.hear("ready")
@@ -127,7 +127,7 @@ def test_views_are_counted_over_all_pages(wire: Wire) -> None:
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_only_the_page_that_lost_a_batch_gets_the_scene_again(wire: Wire) -> None:
+def test_only_the_page_that_lost_a_batch_receives_the_complete_scene_again(wire: Wire) -> None:
     wire.hear("ready", "a")
     wire.hear("ready", "b")
     wire.hear("resync", "b")
@@ -135,7 +135,7 @@ def test_only_the_page_that_lost_a_batch_gets_the_scene_again(wire: Wire) -> Non
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), ValueError("half way")])
-def test_what_is_cut_off_is_sent_anew_and_said(wire: Wire, error: BaseException) -> None:
+def test_interrupted_scene_update_is_sent_again_with_a_notice(wire: Wire, error: BaseException) -> None:
     wire.hear("ready")
     wire.fails = error
     wire.scene.set_object("box", RED_BOX)
@@ -147,9 +147,7 @@ def test_what_is_cut_off_is_sent_anew_and_said(wire: Wire, error: BaseException)
     assert wire.kinds()[-1] == "batch"
 
 
-def test_a_connection_that_fails_stops_the_sending_and_nothing_else(
-    wire: Wire, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_failing_connection_stops_only_the_sending(wire: Wire, capsys: pytest.CaptureFixture[str]) -> None:
     wire.hear("ready")
     wire.fails = ConnectionError("closed")
     wire.scene.set_object("box", RED_BOX)
@@ -158,7 +156,7 @@ def test_a_connection_that_fails_stops_the_sending_and_nothing_else(
     def is_said() -> bool:
         nonlocal said
         said += capsys.readouterr().err
-        return "does not follow its scene any more: ConnectionError('closed')" in said
+        return "is no longer connected to its scene: ConnectionError('closed')" in said
 
     until(is_said)
     wire.change(3)
@@ -179,18 +177,18 @@ def test_a_connection_that_fails_stops_the_sending_and_nothing_else(
         {"type": "click", "origin": 3},
     ],
 )
-def test_what_a_page_must_not_say_is_named_in_its_views(wire: Wire, content: dict[str, Any]) -> None:
+def test_invalid_page_message_is_reported_in_the_views(wire: Wire, content: dict[str, Any]) -> None:
     wire.link.receive({"page": "a", **content})
     assert wire.kinds()[-1] == "status"
-    assert "was passed over" in wire.sent[-1]["text"]
+    assert "was ignored" in wire.sent[-1]["text"]
 
 
-def test_an_unknown_kind_of_message_is_passed_over(wire: Wire) -> None:
+def test_unknown_message_kind_is_ignored(wire: Wire) -> None:
     wire.hear("format_disk")
     assert wire.sent == []
 
 
-def test_other_kinds_of_messages_go_to_who_listens(wire: Wire) -> None:
+def test_other_message_types_are_passed_to_their_listeners(wire: Wire) -> None:
     heard: list[dict[str, Any]] = []
     wire.link.listen("edit", heard.append)
     wire.hear("edit", number=0, row=3)
@@ -199,7 +197,7 @@ def test_other_kinds_of_messages_go_to_who_listens(wire: Wire) -> None:
     assert wire.kinds() == ["rows"]
 
 
-def test_a_click_is_called_back_in_the_thread_of_the_cells() -> None:
+def test_click_callback_runs_in_the_thread_of_the_cells() -> None:
     async def cell() -> list[tuple[Click, bool]]:
         wire, clicks = Wire(), []
         wire.link.on_click.append(

@@ -2,9 +2,11 @@ import stat
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from IPython.core.formatters import DisplayFormatter
 
 from course_lib.errors import CourseError
 from course_lib.viewer import picture
@@ -33,42 +35,51 @@ def browser_that(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[s
     return make
 
 
-def test_without_a_browser_numpy_draws_and_says_why(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_browser_numpy_draws_and_a_notice_gives_the_reason(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(picture, "find_browser", lambda: None)
     drawn = screenshot(scene)
     assert (drawn.renderer, drawn.png[:4]) == ("numpy", PNG)
     assert "No Chromium or Chrome was found" in drawn.note
-    with pytest.raises(CourseError, match="Take renderer='numpy'"):
+    with pytest.raises(CourseError, match="Use renderer='numpy'"):
         screenshot(scene, renderer="chromium")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the fake browser is a script with a first line")
-def test_a_browser_that_hangs_is_ended_and_numpy_draws(
+def test_hanging_browser_is_ended_and_numpy_draws(
     scene: Scene, browser_that: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     browser_that("import time; time.sleep(60)")
     monkeypatch.setattr(picture, "_TIMEOUT", 0.3)
     drawn = screenshot(scene)
     assert drawn.renderer == "numpy"
-    assert "did not draw within 0.3 s" in drawn.note
+    assert "did not finish within 0.3 s" in drawn.note
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the fake browser is a script with a first line")
-def test_a_browser_without_webgl_is_told_by_its_empty_page(
+def test_browser_without_webgl_is_detected_by_its_empty_page(
     scene: Scene, browser_that: Callable[[str], None]
 ) -> None:
     browser_that("print('<html></html>')")
     drawn = screenshot(scene)
     assert drawn.renderer == "numpy"
-    assert "without a picture" in drawn.note
+    assert "returned no image" in drawn.note
 
 
-def test_a_browser_that_cannot_be_started_is_an_os_error(tmp_path: Path) -> None:
+def test_browser_that_cannot_be_started_is_an_os_error(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="nothing"):
         dump_dom(str(tmp_path / "nothing"), "", 1.0)
 
 
-def test_a_picture_is_written_where_asked(scene: Scene, tmp_path: Path) -> None:
+def test_image_is_written_to_the_requested_path(scene: Scene, tmp_path: Path) -> None:
     drawn = screenshot(scene, tmp_path / "scene.png", size=(64, 48), renderer="numpy")
     assert (tmp_path / "scene.png").read_bytes() == drawn.png
     assert drawn.note == ""
+
+
+def test_printed_image_shows_its_size_and_renderer_and_not_its_bytes(scene: Scene) -> None:
+    drawn = screenshot(scene, size=(64, 48), renderer="numpy")
+    assert str(drawn) == "<Picture of 64 x 48 pixels, drawn by numpy>"
+    shown: Any = DisplayFormatter()
+    assert shown.format(drawn)[0] == {"text/plain": str(drawn), "image/png": drawn.png}

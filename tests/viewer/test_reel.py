@@ -4,18 +4,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from course_lib.viewer import reel
+from course_lib.viewer import scene_recording
 from course_lib.viewer.drawables import Inset, Points, Solids, Text
-from course_lib.viewer.film import Film
-from course_lib.viewer.reel import Reel
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.scene_recording import FrameStore, SceneRecording
 from tests.viewer.test_stream import RED_BOX, decoded, moved
 
 PICTURE = np.zeros((120, 160, 3), np.uint8)
 
 
-def filled(frames: int, reel: Reel | None = None) -> Reel:
-    made = reel or Reel()
+def filled(frames: int, reel: FrameStore | None = None) -> FrameStore:
+    made = reel or FrameStore()
     for number in range(frames):
         picture = PICTURE.copy()
         picture[:, number % 160] = 255
@@ -26,7 +25,7 @@ def filled(frames: int, reel: Reel | None = None) -> Reel:
     return made
 
 
-def values(made: Reel) -> list[Any]:
+def values(made: FrameStore) -> list[Any]:
     return [
         (
             f.time,
@@ -37,14 +36,14 @@ def values(made: Reel) -> list[Any]:
     ]
 
 
-def test_frames_come_back_from_their_rolls_as_they_were(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_packed_frames_are_restored_unchanged(monkeypatch: pytest.MonkeyPatch) -> None:
     made = values(filled(300))
-    monkeypatch.setattr(reel, "_LARGE", -1)  # nothing is packed
+    monkeypatch.setattr(scene_recording, "_LARGE", -1)  # nothing is packed
     np.testing.assert_equal(made, values(filled(300)))
     assert len(made) == 300
 
 
-def test_pictures_take_a_tenth_of_their_bytes() -> None:
+def test_packed_frames_have_a_tenth_of_their_bytes() -> None:
     tracemalloc.start()
     made = filled(1000)
     size = tracemalloc.get_traced_memory()[0]
@@ -54,48 +53,48 @@ def test_pictures_take_a_tenth_of_their_bytes() -> None:
 
 
 def test_large_values_are_not_packed() -> None:
-    made, cloud = Reel(), Points(np.zeros((100_000, 3)), (1, 0, 0, 1), (0.1, 0.1))
+    made, cloud = FrameStore(), Points(np.zeros((100_000, 3)), (1, 0, 0, 1), (0.1, 0.1))
     for number in range(20):
         made.begin(float(number))
         made.add("object", "cloud", cloud)
     assert all(frame.changes["object", "cloud"] is cloud for frame in made.frames())
 
 
-def test_a_value_of_a_class_that_was_defined_again_does_not_stop_the_film() -> None:
+def test_value_of_a_redefined_class_does_not_stop_the_film() -> None:
     class Sign(Text):
         pass
 
-    made, sign = Reel(), Sign("a", 1.0)
+    made, sign = FrameStore(), Sign("a", 1.0)
     for number in range(200):
         made.begin(float(number))
         made.add("object", "sign", sign)
     assert [frame.changes["object", "sign"] for frame in made.frames()] == [sign] * 200
 
 
-def test_what_is_forgotten_comes_oldest_first_and_leaves_no_bytes() -> None:
+def test_oldest_frames_are_dropped_first_and_free_their_bytes() -> None:
     made = filled(200)
-    times = [made.forget().time for _ in range(199)]
+    times = [made.drop_oldest().time for _ in range(199)]
     assert times == list(range(199))
     assert (len(made), made.start) == (1, 199.0)
-    made.forget()
+    made.drop_oldest()
     assert (len(made), made.newest) == (0, None)
     assert made.size == pytest.approx(0.0, abs=1e-3)
 
 
-def test_frames_may_be_forgotten_while_others_read_them() -> None:
+def test_frames_can_be_dropped_while_others_read_them() -> None:
     made = filled(200)
     reading = made.frames()
     first = next(reading)
     for _ in range(150):
-        made.forget()
+        made.drop_oldest()
     assert [first.time, *(frame.time for frame in reading)] == list(range(200))
 
 
-def test_a_long_film_plays_what_a_short_one_plays(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_packed_film_plays_the_same_as_an_unpacked_film(monkeypatch: pytest.MonkeyPatch) -> None:
     def played() -> Any:
         now, scene = [0.0], Scene()
         scene.set_object("a", RED_BOX)
-        film = Film(scene, lambda: now[0])
+        film = SceneRecording(scene, lambda: now[0])
         for number in range(200):
             now[0] += 0.1
             scene.set_transform("a", moved(float(number)))
@@ -103,6 +102,6 @@ def test_a_long_film_plays_what_a_short_one_plays(monkeypatch: pytest.MonkeyPatc
         return film.packed(), film.packed(3.0)
 
     packed = played()
-    monkeypatch.setattr(reel, "_LARGE", -1)
+    monkeypatch.setattr(scene_recording, "_LARGE", -1)
     assert packed == played()
     assert len(decoded(packed[0])["batches"]) == 201

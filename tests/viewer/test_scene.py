@@ -22,14 +22,14 @@ def test_last_value_of_a_path_wins() -> None:
     assert scene.objects() == {"a/b": other}
 
 
-def test_slashes_that_name_nothing_are_dropped() -> None:
+def test_redundant_slashes_are_dropped() -> None:
     scene = Scene()
     scene.set_object("/meshcat//box/", BOX)
     assert list(scene.objects()) == ["meshcat/box"]
     assert scene.visible("/meshcat/box")
 
 
-def test_delete_takes_the_subtree_and_leaves_neighbours_of_like_names() -> None:
+def test_delete_removes_the_subtree_and_keeps_siblings_with_a_common_prefix() -> None:
     scene = Scene()
     for path in ("a", "a/b/c", "ab"):
         scene.set_object(path, BOX)
@@ -47,7 +47,7 @@ def test_deleting_the_root_empties_the_scene() -> None:
     assert scene.objects() == {}
 
 
-def test_world_transform_joins_all_parents() -> None:
+def test_world_transform_is_the_product_of_all_parents() -> None:
     scene = Scene()
     scene.set_object("a/b", BOX)
     scene.set_transform("a", moved(1.0))
@@ -56,7 +56,7 @@ def test_world_transform_joins_all_parents() -> None:
     assert scene.transform("a/b")[0, 3] == 2.0
 
 
-def test_a_hidden_parent_hides_its_children() -> None:
+def test_hidden_parent_hides_its_children() -> None:
     scene = Scene()
     scene.set_object("a/b", BOX)
     scene.set_visible("a", False)
@@ -65,7 +65,7 @@ def test_a_hidden_parent_hides_its_children() -> None:
     assert scene.visible("a/b")
 
 
-def test_a_transform_is_copied_so_that_later_changes_of_the_array_do_not_move_the_node() -> None:
+def test_transform_is_copied_so_that_later_array_changes_do_not_move_the_node() -> None:
     scene = Scene()
     matrix = moved(1.0)
     scene.set_transform("a", matrix)
@@ -73,19 +73,19 @@ def test_a_transform_is_copied_so_that_later_changes_of_the_array_do_not_move_th
     assert scene.transform("a")[0, 3] == 1.0
 
 
-def test_a_wrong_shape_is_refused_with_both_shapes() -> None:
+def test_wrong_shape_is_rejected_with_both_shapes() -> None:
     with pytest.raises(CourseError, match=r"transform of 'a' has shape \(3, 3\), expected \(4, 4\)"):
         Scene().set_transform("a", np.eye(3))
 
 
-def test_an_unknown_path_is_refused_with_the_near_ones() -> None:
+def test_unknown_path_is_rejected_with_close_paths() -> None:
     scene = Scene()
     scene.set_object("displays/grid", BOX)
-    with pytest.raises(CourseError, match="there is displays/grid"):
+    with pytest.raises(CourseError, match="similar nodes: displays/grid"):
         scene.transform("displays/gird")
 
 
-def test_listeners_hear_every_change_until_they_stop() -> None:
+def test_scene_listeners_receive_every_change_until_stopped() -> None:
     scene = Scene()
     heard: list[tuple[str, str]] = []
     stop = scene.listen(lambda what, path: heard.append((what, path)))

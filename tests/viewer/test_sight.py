@@ -4,15 +4,13 @@ import time
 
 import pytest
 
-from course_lib.viewer import stream
+from course_lib.viewer import page_link
 from tests.viewer.page_wire import Wire
 
 
 @pytest.mark.usefixtures("by_hand")
 @pytest.mark.parametrize("sight", ["hide", "away"])
-def test_a_page_that_nobody_sees_gets_nothing_and_when_it_is_seen_again_the_whole_scene(
-    sight: str, wire: Wire
-) -> None:
+def test_hidden_page_receives_the_whole_scene_when_it_is_visible_again(sight: str, wire: Wire) -> None:
     wire.hear("ready")
     wire.hear(sight)
     wire.change(100)
@@ -24,7 +22,7 @@ def test_a_page_that_nobody_sees_gets_nothing_and_when_it_is_seen_again_the_whol
     assert (wire.kinds(), wire.link.watched) == (["reset", "batch"], True)
 
 
-def test_a_page_behind_others_is_not_ready_and_one_whose_views_are_out_of_sight_is(wire: Wire) -> None:
+def test_background_page_is_ready_only_with_offscreen_views(wire: Wire) -> None:
     answers = {}
     for sight in ("ready", "away", "hide"):
         wire.hear(sight)
@@ -37,7 +35,7 @@ def test_a_page_behind_others_is_not_ready_and_one_whose_views_are_out_of_sight_
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_a_scene_is_sent_as_long_as_one_page_of_two_sees_it(wire: Wire) -> None:
+def test_scene_is_sent_while_one_of_two_pages_is_visible(wire: Wire) -> None:
     for page in ("a", "b"):
         wire.hear("ready", page)
     wire.hear("away", "a")
@@ -49,11 +47,11 @@ def test_a_scene_is_sent_as_long_as_one_page_of_two_sees_it(wire: Wire) -> None:
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_a_page_out_of_sight_catches_up_when_it_shall_draw_a_picture(wire: Wire) -> None:
+def test_hidden_page_is_updated_before_it_draws_an_image(wire: Wire) -> None:
     wire.hear("ready")
     wire.hear("away")
     wire.change()
-    wire.link.catch_up()
+    wire.link.send_all()
     assert wire.kinds() == ["reset"]
     wire.change()
     wire.hear("ready", number=wire.sent[0]["number"])
@@ -61,7 +59,7 @@ def test_a_page_out_of_sight_catches_up_when_it_shall_draw_a_picture(wire: Wire)
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_a_hidden_page_whose_scene_stands_still_gets_nothing_when_it_is_seen_again(wire: Wire) -> None:
+def test_hidden_page_of_an_unchanged_scene_receives_no_update_when_visible_again(wire: Wire) -> None:
     wire.hear("ready")
     wire.change()
     wire.hear("hide")
@@ -70,8 +68,8 @@ def test_a_hidden_page_whose_scene_stands_still_gets_nothing_when_it_is_seen_aga
     assert wire.kinds() == ["batch", "batch"]
 
 
-def test_a_hidden_page_that_sleeps_is_not_taken_for_gone(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stream, "LONGEST_SILENCE", 0.1)
+def test_sleeping_hidden_page_is_not_considered_closed(wire: Wire, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page_link, "MAX_SILENCE", 0.1)
     counts: list[int] = []
     wire.link.on_views = counts.append
     wire.hear("ready", "a")
@@ -82,7 +80,7 @@ def test_a_hidden_page_that_sleeps_is_not_taken_for_gone(wire: Wire, monkeypatch
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_nobody_waits_for_a_hidden_page(wire: Wire) -> None:
+def test_hidden_page_does_not_block_other_pages(wire: Wire) -> None:
     wire.hear("ready", "a")
     wire.hear("hide", "a")
     wire.hear("ready", "b")

@@ -6,11 +6,11 @@ import msgpack
 import numpy as np
 import pytest
 
-from course_lib.ros import virtual_time
-from course_lib.ros.baton import baton
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.time_lock import time_lock
 from course_lib.viewer.drawables import Solids, Text
+from course_lib.viewer.page_link import INTERVAL, PageLink
 from course_lib.viewer.scene import Scene
-from course_lib.viewer.stream import INTERVAL, Stream
 
 A_MINUTE = 60.0  # [s]
 RED_BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
@@ -35,7 +35,7 @@ class Page:
         self.batches: list[Any] = []
         self.numbers: list[int] = []
         self.said: list[dict[str, Any]] = []
-        self.stream = Stream(scene, self.take)
+        self.stream = PageLink(scene, self.take)
         if connected:
             self.stream.connect(self.stream.snapshot()[0])
 
@@ -50,10 +50,10 @@ class Page:
 @pytest.fixture
 def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     """Batches are sent by `flush` alone."""
-    monkeypatch.setattr(Stream, "_send_batches", lambda self: None)
+    monkeypatch.setattr(PageLink, "_send_batches", lambda self: None)
 
 
-def test_nothing_is_done_while_nobody_follows() -> None:
+def test_scene_without_pages_starts_no_thread_and_sends_nothing() -> None:
     scene = Scene()
     page = Page(scene, connected=False)
     before = set(threading.enumerate())  # some of other tests may end meanwhile
@@ -64,7 +64,7 @@ def test_nothing_is_done_while_nobody_follows() -> None:
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_a_batch_holds_the_last_value_of_everything() -> None:
+def test_batch_contains_the_last_values() -> None:
     scene = Scene()
     page = Page(scene)
     scene.set_object("a", RED_BOX)
@@ -79,7 +79,7 @@ def test_a_batch_holds_the_last_value_of_everything() -> None:
     assert batch["matrices"].tolist() == [1, 0, 0, 0, 1, 0, 0, 0, 1, 99, 0, 0]
 
 
-def test_batches_are_sent_by_themselves_and_at_most_40_times_a_second() -> None:
+def test_batches_are_sent_automatically_and_at_most_40_times_a_second() -> None:
     scene = Scene()
     page = Page(scene)
     begun = time.monotonic()
@@ -91,11 +91,11 @@ def test_batches_are_sent_by_themselves_and_at_most_40_times_a_second() -> None:
     assert page.numbers == list(range(1, len(page.numbers) + 1))
 
 
-def test_a_change_made_in_robot_time_is_sent_while_robot_time_stands_still() -> None:
+def test_change_is_sent_while_robot_time_is_paused() -> None:
     virtual_time.install()
     scene = Scene()
     page = Page(scene)
-    with baton.known():
+    with time_lock.hold():
         scene.set_object("a", RED_BOX)
     end = time.monotonic() + A_MINUTE
     while not page.batches:
@@ -106,7 +106,7 @@ def test_a_change_made_in_robot_time_is_sent_while_robot_time_stands_still() -> 
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_paths_are_sent_again_only_if_others_move() -> None:
+def test_transform_path_list_is_sent_again_only_if_it_changes() -> None:
     scene = Scene()
     page = Page(scene)
     for paths in ("ab", "ab", "a"):
@@ -117,7 +117,7 @@ def test_paths_are_sent_again_only_if_others_move() -> None:
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_an_object_put_after_a_delete_stays() -> None:
+def test_object_added_after_a_delete_is_kept() -> None:
     scene = Scene()
     page = Page(scene)
     scene.set_object("a", RED_BOX)
@@ -128,7 +128,7 @@ def test_an_object_put_after_a_delete_stays() -> None:
 
 
 @pytest.mark.usefixtures("by_hand")
-def test_a_transform_that_is_not_a_number_leaves_the_others_alone() -> None:
+def test_non_finite_transform_does_not_affect_others() -> None:
     scene = Scene()
     page = Page(scene)
     scene.set_transform("bad", np.full((4, 4), np.nan))
@@ -139,7 +139,7 @@ def test_a_transform_that_is_not_a_number_leaves_the_others_alone() -> None:
     assert "'bad' is not finite" in status["text"]
 
 
-def test_a_page_learns_whether_its_snapshot_is_still_right() -> None:
+def test_page_is_informed_whether_its_snapshot_is_current() -> None:
     scene = Scene()
     page = Page(scene, connected=False)
     old, _ = page.stream.snapshot()
@@ -154,7 +154,7 @@ def test_a_page_learns_whether_its_snapshot_is_still_right() -> None:
     ]
 
 
-def test_a_snapshot_holds_all_that_was_set() -> None:
+def test_snapshot_contains_the_complete_scene() -> None:
     scene = Scene()
     scene.set_object("a/text", Text("hi", 0.5))
     scene.set_transform("a", moved(2.0))
@@ -170,7 +170,7 @@ def test_a_snapshot_holds_all_that_was_set() -> None:
     assert snapshot["paths"] == ["a"]
 
 
-def test_a_closed_stream_sends_nothing_more() -> None:
+def test_closed_stream_sends_nothing() -> None:
     scene = Scene()
     page = Page(scene)
     scene.set_object("a", RED_BOX)

@@ -12,7 +12,7 @@ def at(x: float, y: float, z: float) -> np.ndarray:
     return matrix
 
 
-def test_each_kind_is_named_counted_and_placed_in_the_scene() -> None:
+def test_each_kind_of_drawable_is_listed_with_its_count_and_position() -> None:
     scene = Scene()
     scene.set_transform("robot", at(1, 0, 0))
     corners = [(0, 0, 0), (2, 0, 0), (0, 4, 0)]
@@ -30,18 +30,18 @@ def test_each_kind_is_named_counted_and_placed_in_the_scene() -> None:
         "robot/path: 2 lines at (2, 2, 0)",
         "robot/cloud: 3 points at (2, 2, 0)",
         "robot/map: 6 x 4 cells at (2.5, 1, 0)",
-        "robot/name: the words 'Ada' at (1, 0, 0)",
+        "robot/name: the text 'Ada' at (1, 0, 0)",
     ]
 
 
-def test_what_is_hidden_is_not_told() -> None:
+def test_hidden_objects_are_omitted_from_the_summary() -> None:
     scene = Scene()
     scene.set_object("box", Solids("box", [np.eye(4)], WHITE))
     scene.set_visible("box", False)
     assert summary(scene) == []
 
 
-def test_of_many_objects_the_first_are_told() -> None:
+def test_summary_of_many_objects_lists_the_first_and_counts_the_others() -> None:
     scene = Scene()
     for index in range(LIMIT + 3):
         scene.set_object(f"box {index}", Solids("box", [np.eye(4)], WHITE))
@@ -49,7 +49,7 @@ def test_of_many_objects_the_first_are_told() -> None:
     assert len(summary(scene)) == LIMIT + 1
 
 
-def test_an_empty_cloud_is_nowhere() -> None:
+def test_empty_cloud_has_no_position() -> None:
     scene = Scene()
     scene.set_object("cloud", Points(np.zeros((0, 3)), WHITE, (0.1, 0.1)))
     assert summary(scene) == ["cloud: 0 points at nowhere"]

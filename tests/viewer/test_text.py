@@ -1,37 +1,37 @@
 import numpy as np
 import pytest
 
-from course_lib.viewer.text import rasterized
+from course_lib.viewer.renderer import rasterize
 
 
 def ink(text: str) -> np.ndarray:
-    return rasterized(text).mask > 128
+    return rasterize(text).mask > 128
 
 
-def test_a_capital_letter_is_as_high_as_said() -> None:
+def test_capital_letter_has_the_requested_height() -> None:
     rows = np.flatnonzero(ink("H").any(axis=1))
-    assert len(rows) == pytest.approx(rasterized("H").pixels_per_height, abs=1)
+    assert len(rows) == pytest.approx(rasterize("H").pixels_per_height, abs=1)
 
 
 @pytest.mark.parametrize("text", ["ÄÖÜ", "Привет", "αβγ", "→ ✓ ≤", "½ µ °"])
-def test_letters_of_many_languages_are_not_empty_boxes(text: str) -> None:
+def test_letters_of_many_languages_have_glyphs(text: str) -> None:
     missing = ink("\uffff")
     for sign in text.replace(" ", ""):
         assert ink(sign).any()
         assert ink(sign).shape != missing.shape or (ink(sign) != missing).any()
 
 
-def test_lines_are_below_each_other() -> None:
+def test_lines_are_drawn_below_each_other() -> None:
     two, one = ink("H\nH"), ink("H")
     assert two.any(axis=1).sum() == 2 * one.any(axis=1).sum()
 
 
 @pytest.mark.parametrize("text", ["x" * 100_000, "x\n" * 100_000, ("x" * 70 + "\n") * 70])
-def test_a_text_of_any_length_fits_a_graphics_card(text: str) -> None:
-    glyphs = rasterized(text)
+def test_text_of_any_length_fits_the_texture_limit(text: str) -> None:
+    glyphs = rasterize(text)
     assert max(glyphs.mask.shape) <= 4096
     assert glyphs.pixels_per_height > 0
 
 
-def test_no_text_is_drawn_as_nothing() -> None:
+def test_empty_text_is_not_drawn() -> None:
     assert not ink("").any()

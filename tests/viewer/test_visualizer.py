@@ -40,8 +40,9 @@ def empty() -> tuple[Any, Scene]:
     return visualizer, scene
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["ur10", "talos"])
-def test_pinocchio_draws_a_robot_where_its_joints_put_it(name: str) -> None:
+def test_pinocchio_draws_a_robot_at_its_joint_positions(name: str) -> None:
     visualizer, scene = shown(name)
     configuration = pinocchio.randomConfiguration(
         visualizer.model, np.full(visualizer.model.nq, -1.0), np.full(visualizer.model.nq, 1.0)
@@ -61,7 +62,7 @@ def test_pinocchio_draws_a_robot_where_its_joints_put_it(name: str) -> None:
         assert isinstance(scene.objects()[path], Mesh | Solids)
 
 
-def test_pinocchios_camera_calls_move_the_camera() -> None:
+def test_pinocchio_camera_calls_move_the_camera() -> None:
     visualizer, scene = empty()
     visualizer.setCameraPosition([1.0, 2.0, 3.0])
     visualizer.setCameraTarget([0.0, 0.5, 1.0])
@@ -77,7 +78,7 @@ def test_pinocchios_camera_calls_move_the_camera() -> None:
     assert np.tan(scene.camera.vertical_fov / 2) == pytest.approx(before)
 
 
-def test_a_camera_without_control_is_where_its_pose_puts_it() -> None:
+def test_camera_without_control_has_the_given_pose() -> None:
     visualizer, scene = empty()
     visualizer.disableCameraControl()
     pose = pinocchio.SE3(pinocchio.utils.rotate("z", np.pi / 2), np.array([1.0, 2.0, 3.0])).homogeneous
@@ -89,7 +90,8 @@ def test_a_camera_without_control_is_where_its_pose_puts_it() -> None:
     assert scene.camera.eye == pytest.approx((3.0, 0.0, 1.0))
 
 
-def test_a_captured_image_has_the_size_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.slow
+def test_captured_image_has_the_requested_size(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.viewer.picture.find_browser", lambda: None)
     visualizer, scene = shown("ur10")
     visualizer.setCameraPosition([1.5, 1.5, 1.0])
@@ -100,7 +102,7 @@ def test_a_captured_image_has_the_size_asked_for(monkeypatch: pytest.MonkeyPatch
     assert visualizer.captureImage().shape[:2] == (600, 800)
 
 
-def test_a_part_of_the_tree_is_a_visualizer_too() -> None:
+def test_subtree_is_a_visualizer() -> None:
     scene = Scene()
     vis = Visualizer(scene)
     vis["a"]["b"].set_object(g.Box([1, 1, 1]))
@@ -114,7 +116,7 @@ def test_a_part_of_the_tree_is_a_visualizer_too() -> None:
     assert np.array_equal(scene.world_transform("meshcat/a/b"), np.eye(4))
 
 
-def test_position_quaternion_and_scale_change_nothing_but_themselves() -> None:
+def test_position_quaternion_and_scale_are_independent() -> None:
     scene = Scene()
     vis = Visualizer(scene)
     turn = pinocchio.utils.rotate("z", np.pi / 2)
@@ -127,7 +129,7 @@ def test_position_quaternion_and_scale_change_nothing_but_themselves() -> None:
     assert scene.transform("meshcat/a") == pytest.approx(expected)
 
 
-def test_cameras_of_three_js_are_taken() -> None:
+def test_three_js_cameras_are_accepted() -> None:
     scene = Scene()
     node = Visualizer(scene)["/Cameras/default/rotated"]
     node.set_object(g.OrthographicCamera(left=-1, right=1, top=2, bottom=-2, near=-10, far=10, zoom=2))
@@ -138,7 +140,7 @@ def test_cameras_of_three_js_are_taken() -> None:
     assert "orthographic_scale=None" in repr(scene.camera)
 
 
-def test_a_cell_gets_a_view_instead_of_a_frame_onto_a_server() -> None:
+def test_cell_shows_a_view_instead_of_a_server_iframe() -> None:
     scene = Scene()
     cell = Visualizer(scene).jupyter_cell(height=300)
     assert isinstance(cell, SceneWidget)

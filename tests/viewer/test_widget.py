@@ -30,21 +30,21 @@ def scene() -> Scene:
     return scene
 
 
-def test_a_cell_gets_a_view_a_picture_and_words(scene: Scene) -> None:
+def test_cell_output_contains_a_view_an_image_and_text(scene: Scene) -> None:
     data, _ = SceneWidget(scene, label="The red box")._repr_mimebundle_()
     assert data["text/plain"] == "The red box: 1 objects"
     assert "application/vnd.jupyter.widget-view+json" in data
     assert base64.b64decode(data["image/png"]).startswith(b"\x89PNG")
 
 
-def test_a_scene_too_large_to_draw_at_once_has_no_picture(
+def test_scene_too_large_for_immediate_drawing_has_no_image(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(widget_module, "_PICTURE_LIMIT", 11)
     assert "image/png" not in SceneWidget(scene)._repr_mimebundle_()[0]
 
 
-def test_the_state_holds_the_scene_as_it_is_when_asked(scene: Scene) -> None:
+def test_state_contains_the_scene_at_the_time_of_the_request(scene: Scene) -> None:
     widget = SceneWidget(scene)
     before = widget.get_state()
     scene.set_object("other", RED_BOX)
@@ -58,7 +58,7 @@ def test_all_widgets_share_one_copy_of_the_code(scene: Scene) -> None:
     assert SceneWidget(scene).code == SceneWidget(Scene()).code
 
 
-def test_no_page_no_messages(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_widget_without_a_page_sends_no_messages(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     widget = SceneWidget(scene)
     monkeypatch.setattr(widget, "send", lambda *_: pytest.fail("sent to nobody"))
     scene.set_object("other", RED_BOX)
@@ -66,7 +66,7 @@ def test_no_page_no_messages(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> N
     assert not widget.link.ready
 
 
-def test_under_a_jupyter_server_changes_are_sent_before_the_page_has_answered(
+def test_changes_are_sent_before_the_page_answers_under_a_jupyter_server(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("JPY_SESSION_NAME", "lesson.ipynb")
@@ -78,13 +78,13 @@ def test_under_a_jupyter_server_changes_are_sent_before_the_page_has_answered(
     assert sent == [{"type": "batch", "number": 1, "ask": False}]
 
 
-def test_what_a_page_must_not_say_is_passed_over(scene: Scene) -> None:
+def test_invalid_page_message_is_ignored(scene: Scene) -> None:
     widget = SceneWidget(scene)
     for content in ({}, {"type": "format_disk"}, {"type": "ready", "number": "first"}):
         widget.link.receive(content)
 
 
-def test_a_program_that_shows_a_scene_ends_by_itself_and_says_nothing() -> None:
+def test_program_with_a_scene_exits_without_output() -> None:
     program = (
         "import numpy as np\n"
         "from course_lib.viewer.drawables import Solids\n"
@@ -101,7 +101,7 @@ def test_a_program_that_shows_a_scene_ends_by_itself_and_says_nothing() -> None:
 
 
 @pytest.mark.slow
-def test_a_notebook_run_without_a_page_is_saved_with_the_scene_as_it_is_at_its_end(tmp_path: Path) -> None:
+def test_notebook_run_without_a_page_is_saved_with_its_final_scene(tmp_path: Path) -> None:
     cells = [
         "import numpy as np\n"
         "from course_lib.viewer.drawables import Solids\n"

@@ -11,9 +11,8 @@ from meshcat.animation import Animation
 from PIL import Image
 
 from course_lib.errors import CourseError
-from course_lib.viewer import zbuffer
-from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Drawable, Mesh, MeshcatObject, Points, Solids
+from course_lib.viewer import renderer
+from course_lib.viewer.drawables import Camera, Drawable, Mesh, MeshcatObject, Points, Solids
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.visualizer import Window
 
@@ -23,7 +22,7 @@ TRANSFORM_UP_TO_Y = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 
 
 def drawn(scene: Scene) -> np.ndarray:
     scene.camera = Camera(eye=(3, 2, 2))
-    return np.asarray(Image.open(BytesIO(zbuffer.draw(scene, (80, 60))))).astype(int)
+    return np.asarray(Image.open(BytesIO(renderer.draw(scene, (80, 60))))).astype(int)
 
 
 @pytest.fixture
@@ -48,7 +47,9 @@ OURS: list[tuple[Any, Drawable]] = [
 
 
 @pytest.mark.parametrize(("theirs", "ours"), OURS, ids=["box", "ball", "cylinder", "triangles"])
-def test_meshcat_geometry_is_drawn_like_ours(scene: Scene, vis: Any, theirs: Any, ours: Drawable) -> None:
+def test_meshcat_geometry_is_drawn_like_viewer_geometry(
+    scene: Scene, vis: Any, theirs: Any, ours: Drawable
+) -> None:
     vis["thing"].set_object(theirs, g.MeshLambertMaterial(color=ORANGE))
     expected = Scene()
     expected.set_object("thing", ours)
@@ -56,7 +57,7 @@ def test_meshcat_geometry_is_drawn_like_ours(scene: Scene, vis: Any, theirs: Any
     assert len(np.unique(drawn(scene))) > 2
 
 
-def test_meshcat_points_have_their_colours(scene: Scene, vis: Any) -> None:
+def test_meshcat_points_have_their_colors(scene: Scene, vis: Any) -> None:
     vis["cloud"].set_object(g.PointCloud(CORNERS.T, np.eye(3, dtype=np.float32), size=0.3))
     expected = Scene()
     colors = np.column_stack([np.eye(3), np.ones(3)])
@@ -64,7 +65,7 @@ def test_meshcat_points_have_their_colours(scene: Scene, vis: Any) -> None:
     assert np.array_equal(drawn(scene), drawn(expected))
 
 
-def test_transforms_visibility_and_deletion_act_on_the_scene(scene: Scene, vis: Any) -> None:
+def test_transforms_visibility_and_deletion_change_the_scene(scene: Scene, vis: Any) -> None:
     matrix = np.eye(4)
     matrix[:3, 3] = 1, 2, 3  # [m]
     vis["a"]["b"].set_object(g.Box([1, 1, 1]))
@@ -76,7 +77,7 @@ def test_transforms_visibility_and_deletion_act_on_the_scene(scene: Scene, vis: 
     assert scene.objects() == {}
 
 
-def test_a_colour_goes_to_all_below_a_path(scene: Scene, vis: Any) -> None:
+def test_color_property_is_applied_to_all_descendants_of_a_path(scene: Scene, vis: Any) -> None:
     vis["a"]["b"].set_object(g.Box([1, 1, 1]), g.MeshLambertMaterial(color=ORANGE))
     vis["a"].set_property("color", [0, 0, 1, 1])
     vis["a"]["b"].set_property("position", [0, 0, 0.5])
@@ -88,7 +89,7 @@ def test_a_colour_goes_to_all_below_a_path(scene: Scene, vis: Any) -> None:
     assert np.array_equal(drawn(scene), drawn(expected))
 
 
-def test_the_camera_and_background_are_the_scenes(scene: Scene, vis: Any) -> None:
+def test_camera_and_background_are_those_of_the_scene(scene: Scene, vis: Any) -> None:
     vis["/Cameras/default/rotated/<object>"].set_property("position", [1.0, 2.0, -3.0])
     target = np.eye(4)
     target[:3, 3] = 0, 0, 1  # [m]
@@ -99,12 +100,12 @@ def test_the_camera_and_background_are_the_scenes(scene: Scene, vis: Any) -> Non
     assert scene.background == (255, 128, 0)
 
 
-def test_meshcats_own_grid_and_lights_are_not_there_to_be_changed(scene: Scene, vis: Any) -> None:
+def test_grid_and_lights_of_meshcat_cannot_be_changed(scene: Scene, vis: Any) -> None:
     vis["/Grid"].set_property("visible", False)
     assert [node.path for node in scene.nodes()] == [""]
 
 
-def test_animations_are_kept_for_the_page(scene: Scene, vis: Any) -> None:
+def test_animations_are_stored_for_the_page(scene: Scene, vis: Any) -> None:
     animation = Animation(default_framerate=30)
     with animation.at_frame(vis["box"], 10) as frame:
         frame.set_transform(np.eye(4))
@@ -113,16 +114,17 @@ def test_animations_are_kept_for_the_page(scene: Scene, vis: Any) -> None:
     assert scene.animation["animations"][0]["path"] == "/meshcat/box"
 
 
-def test_a_command_that_cannot_be_carried_out_is_named(vis: Any) -> None:
-    with pytest.raises(CourseError, match="'set_control' is not known here"):
+def test_unsupported_command_is_reported(vis: Any) -> None:
+    with pytest.raises(CourseError, match="'set_control' is not supported"):
         vis.window.send(SimpleNamespace(lower=lambda: {"type": "set_control", "path": ""}))
 
 
-def test_a_picture_is_drawn_without_a_page(vis: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_image_is_drawn_without_a_page(vis: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.viewer.picture.find_browser", lambda: None)
     assert vis.get_image().size == (800, 600)
 
 
+@pytest.mark.slow
 def test_pinocchio_draws_a_robot_and_moves_it() -> None:
     pinocchio = pytest.importorskip("pinocchio")
     from example_robot_data import load

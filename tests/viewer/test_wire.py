@@ -1,32 +1,41 @@
-from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pytest
 
-from course_lib.viewer.wire import MessageError, from_json, to_json
+from course_lib.viewer.encoding import Message, MessageError, from_json, to_json
 
 
-@dataclass(frozen=True)
-class Inner:
+class Inner(Message, frozen=True):
     first_name: str
     age: int = 0
 
 
-@dataclass(frozen=True)
-class Outer:
+class Family(Message, frozen=True):
+    a: tuple[Inner, ...]
+    anything: Any = None
+
+
+class Outer(Message, frozen=True):
     place: tuple[float, float]
     is_open: bool = False
     weight: float | None = None
     anything: Any = None
 
 
-def test_fields_that_have_their_defaults_are_left_out() -> None:
-    assert to_json({"a": (Inner("x"), Inner("y", 3))}) == {
-        "a": [{"firstName": "x"}, {"firstName": "y", "age": 3}]
+def test_fields_with_default_values_are_omitted() -> None:
+    people = to_json(Family((Inner("x"), Inner("y", 3))))["a"]
+    assert list(people) == [{"firstName": "x"}, {"firstName": "y", "age": 3}]
+
+
+def test_numpy_numbers_are_sent_as_plain_numbers() -> None:
+    assert to_json(Family((), {"n": np.float32(0.5), "all": np.arange(2)}))["anything"] == {
+        "n": 0.5,
+        "all": [0, 1],
     }
 
 
-def test_a_message_becomes_its_dataclass_and_the_envelope_is_no_part_of_it() -> None:
+def test_message_is_parsed_to_its_dataclass_without_the_envelope() -> None:
     content = {"type": "t", "page": "p", "number": 1, "place": [1, 2.5], "isOpen": True, "weight": None}
     assert from_json(Outer, content) == Outer((1, 2.5), is_open=True)
 
@@ -34,16 +43,17 @@ def test_a_message_becomes_its_dataclass_and_the_envelope_is_no_part_of_it() -> 
 @pytest.mark.parametrize(
     ("content", "text"),
     [
-        ({}, "Outer from the page lacks 'place'"),
-        ({"place": [1, 2], "size": 3}, "has 'size', expected only place, isOpen, weight, anything"),
-        ({"place": [1]}, r"'place' of Outer from the page is '\[1\]', expected tuple\[float, float\]"),
-        ({"place": [1, "2"]}, "'place' of Outer"),
-        ({"place": [1, float("nan")]}, "'place' of Outer"),
-        ({"place": None}, "'place' of Outer from the page is 'None'"),
-        ({"place": [1, 2], "isOpen": 1}, "'isOpen' of Outer from the page is '1', expected bool"),
-        ({"place": [1, 2], "weight": True}, "'weight' of Outer from the page is 'True', expected float"),
+        ({}, "missing required field `place`"),
+        ({"place": [1, 2], "size": 3}, "unknown field `size`"),
+        ({"place": [1]}, r"Expected `array` of length 2, got 1 - at `\$\.place`"),
+        ({"place": [1, "2"]}, r"Expected `float`, got `str` - at `\$\.place\[1\]`"),
+        ({"place": [1, float("nan")]}, "expected numbers that are finite"),
+        ({"place": [1, 2], "weight": float("inf")}, "expected numbers that are finite"),
+        ({"place": None}, r"Expected `array`, got `null` - at `\$\.place`"),
+        ({"place": [1, 2], "isOpen": 1}, r"Expected `bool`, got `int` - at `\$\.isOpen`"),
+        ({"place": [1, 2], "weight": True}, r"Expected `float \| null`, got `bool` - at `\$\.weight`"),
     ],
 )
-def test_malformed_messages_are_refused_with_what_was_expected(content: dict[str, Any], text: str) -> None:
+def test_malformed_message_is_rejected_with_the_expected_type(content: dict[str, Any], text: str) -> None:
     with pytest.raises(MessageError, match=text):
         from_json(Outer, content)

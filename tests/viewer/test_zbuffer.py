@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.viewer import zbuffer
-from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Drawable, Lines, Mesh, Points, Sheet, Solids, Text
+from course_lib.viewer import renderer
+from course_lib.viewer.drawables import Camera, Drawable, Lines, Mesh, Points, Sheet, Solids, Text
 from course_lib.viewer.scene import Scene
 
 SIZE = (200, 160)
@@ -29,7 +28,7 @@ def from_above(*drawables: Drawable) -> Scene:
 
 
 def drawn(scene: Scene) -> np.ndarray:
-    return np.asarray(Image.open(BytesIO(zbuffer.draw(scene, SIZE)))).astype(int)
+    return np.asarray(Image.open(BytesIO(renderer.draw(scene, SIZE)))).astype(int)
 
 
 def middle(scene: Scene) -> list[int]:
@@ -41,11 +40,11 @@ def box(color: tuple[float, ...], z: float = 0.0, size: float = 2.0) -> Solids:
     return Solids("box", [scaled(size, z)], color)
 
 
-def test_a_face_that_looks_at_the_camera_has_its_own_colour() -> None:
+def test_face_toward_the_camera_has_its_unshaded_color() -> None:
     assert middle(from_above(box((1, 0.5, 0, 1)))) == [255, 128, 0]
 
 
-def test_a_slanted_face_is_darker_and_keeps_its_hue() -> None:
+def test_slanted_face_is_darker_with_the_same_hue() -> None:
     slanted = Mesh([[-2, -2, -2], [2, -2, 2], [2, 2, 2], [-2, 2, -2]], [[0, 1, 2], [0, 2, 3]], (1, 0.5, 0, 1))
     red, green, blue = middle(from_above(slanted))
     assert red == pytest.approx(255 * np.sqrt(0.5), abs=1)
@@ -54,29 +53,29 @@ def test_a_slanted_face_is_darker_and_keeps_its_hue() -> None:
 
 
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
-def test_the_nearer_thing_is_seen_whatever_came_first(order: tuple[int, int]) -> None:
+def test_nearer_object_is_drawn_in_front_regardless_of_order(order: tuple[int, int]) -> None:
     boxes = [box((1, 0, 0, 1), z=2), box((0, 1, 0, 1), z=-2)]
     assert middle(from_above(*(boxes[i] for i in order))) == [255, 0, 0]
 
 
-def test_half_transparent_things_mix_with_what_is_behind_them() -> None:
+def test_semi_transparent_objects_are_blended_with_the_background() -> None:
     assert middle(from_above(box((1, 0, 0, 0.5), z=2), box((0, 0, 1, 1)))) == [128, 0, 128]
     layers = (box((1, 0, 0, 0.5), z=2), box((0, 1, 0, 0.5), z=-2))
     assert middle(from_above(*layers)) == middle(from_above(*reversed(layers))) == [128, 64, 0]
 
 
-def test_alpha_zero_is_not_seen() -> None:
+def test_objects_with_alpha_zero_are_invisible() -> None:
     assert middle(from_above(box((1, 0, 0, 0)))) == [0, 0, 0]
 
 
-def test_hidden_and_deleted_things_are_not_drawn() -> None:
+def test_hidden_and_deleted_objects_are_not_drawn() -> None:
     scene = from_above(box((1, 0, 0, 1)), box((0, 1, 0, 1)))
     scene.set_visible("0", False)
     scene.delete("1")
     assert not drawn(scene).any()
 
 
-def test_lines_are_as_wide_as_asked_and_one_pixel_if_not() -> None:
+def test_lines_have_the_requested_width_or_one_pixel() -> None:
     wide = drawn(from_above(Lines([[-3, 0, 0], [3, 0, 0]], (1, 1, 1, 1), width=0.5)))[..., 0]
     assert wide[:, 100].sum() / 255 == pytest.approx(10, abs=1)
     assert wide[80].sum() / 255 == pytest.approx(120, abs=1)
@@ -84,27 +83,27 @@ def test_lines_are_as_wide_as_asked_and_one_pixel_if_not() -> None:
     assert thin[:, 100].sum() / 255 == pytest.approx(1, abs=0.5)
 
 
-def test_a_line_that_begins_behind_the_eye_is_still_seen() -> None:
+def test_line_starting_behind_the_camera_is_drawn() -> None:
     scene = from_above(Lines([[0, -1, 100], [0, 0, -100]], (1, 1, 1, 1), width=0.2))
     scene.camera = Camera(eye=(0, 0, 10), target=(0, 0, 0), up=(0, 1, 0))
     assert drawn(scene).any()
 
 
-def test_points_are_squares_in_metres_or_pixels() -> None:
+def test_points_are_squares_with_sizes_in_meters_or_pixels() -> None:
     metres = drawn(from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (1.0, 0.5))))[..., 0] > 0
     assert metres.sum() == 20 * 10
     pixels = drawn(from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (4, 4), pixels=True)))[..., 0] > 0
     assert pixels.sum() == 16
 
 
-def test_capital_letters_have_the_height_asked_for_and_stand_in_the_middle() -> None:
+def test_capital_letters_have_the_requested_height_and_are_centered() -> None:
     rows, columns = np.nonzero(drawn(from_above(Text("H", 2.0)))[..., 0] > 128)
     assert np.ptp(rows) + 1 == pytest.approx(40, abs=1)
     assert (rows.min() + rows.max()) / 2 == pytest.approx(79.5, abs=1)
     assert (columns.min() + columns.max()) / 2 == pytest.approx(99.5, abs=2)
 
 
-def test_text_at_the_edge_of_the_picture_leaves_no_trace_but_does_no_harm() -> None:
+def test_text_at_or_beyond_the_image_edge_raises_no_exception() -> None:
     scene = from_above(Text("far away", 0.5, (1, 1, 1, 1)), Text("in the corner", 0.5, (1, 1, 1, 1)))
     for path, place in {"0": 100.0, "1": 5.0}.items():
         transform_text_to_scene = np.eye(4)
@@ -113,21 +112,21 @@ def test_text_at_the_edge_of_the_picture_leaves_no_trace_but_does_no_harm() -> N
     assert drawn(scene).shape == (SIZE[1], SIZE[0], 3)
 
 
-def test_colours_of_vertices_run_into_each_other() -> None:
+def test_vertex_colors_are_interpolated() -> None:
     corners = [[-4, -3, 0], [4, -3, 0], [0, 3, 0]]
     mesh = Mesh(corners, None, [(1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1)], lit=False)
     picture = drawn(from_above(mesh))
     assert picture[80, 100] == pytest.approx([64, 64, 128], abs=3)
 
 
-def test_an_empty_scene_is_all_background() -> None:
+def test_empty_scene_is_only_background() -> None:
     scene = from_above(Points([], [], (1, 1)), Lines([], []), Solids("box", [], []))
     scene.background = (1, 2, 3)
     assert (drawn(scene) == [1, 2, 3]).all()
 
 
 @pytest.mark.filterwarnings("error")
-def test_what_is_nowhere_is_not_drawn() -> None:
+def test_objects_with_non_finite_positions_are_not_drawn() -> None:
     nowhere = np.array([[np.nan, 0, 0], [1, np.inf, 0], [0, 1, 0]])
     scene = from_above(
         Lines(nowhere, (1, 1, 1, 1), width=0.1),
@@ -138,24 +137,24 @@ def test_what_is_nowhere_is_not_drawn() -> None:
     assert not drawn(scene).any()
 
 
-def test_a_flattened_solid_is_drawn_from_its_flat_side() -> None:
+def test_flattened_solid_is_drawn_from_its_flat_side() -> None:
     flat = np.diag([2.0, 2.0, 0.0, 1.0])
     assert middle(from_above(Solids("box", [flat], (1, 0, 0, 1)))) == [255, 0, 0]
 
 
-def test_flat_spots_keep_their_upper_side_along_the_nodes_y() -> None:
+def test_flat_list_elements_keep_their_upper_side_along_the_node_y_axis() -> None:
     scene = from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (4.0, 1.0)))
     scene.set_transform("0", [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])  # a quarter turn
     rows, columns = np.nonzero(drawn(scene).max(axis=2))
     assert np.ptp(rows) > 3 * np.ptp(columns)
 
 
-def test_the_sides_of_boxes_of_a_list_have_rvizs_shades() -> None:
+def test_sides_of_listed_boxes_are_shaded_as_in_rviz() -> None:
     cube = Points([[0, 0, 0]], (1, 1, 1, 1), (2.0, 2.0, 2.0), spot="box")
     assert middle(from_above(cube)) == [round(0.9 * 255)] * 3
 
 
-def test_an_oblong_sphere_of_a_list_is_an_ellipse_with_a_darker_rim() -> None:
+def test_oblong_listed_sphere_is_an_ellipse_with_a_darker_rim() -> None:
     picture = drawn(from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (4.0, 2.0, 1.0), spot="sphere")))[..., 0]
     rows, columns = np.nonzero(picture)
     assert (np.ptp(columns), np.ptp(rows)) == pytest.approx((79, 39), abs=2)
@@ -163,7 +162,7 @@ def test_an_oblong_sphere_of_a_list_is_an_ellipse_with_a_darker_rim() -> None:
 
 
 @pytest.mark.parametrize(("tilt", "height"), [(0.0, 40), (np.pi / 3, 20), (np.pi, 40)])
-def test_tiles_lie_in_the_plane_of_their_node_and_have_two_sides(tilt: float, height: int) -> None:
+def test_tiles_lie_in_the_plane_of_their_node_and_are_two_sided(tilt: float, height: int) -> None:
     scene = from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (2.0, 2.0), spot="tile"))
     turn = np.eye(4)
     turn[1:3, 1:3] = [[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]]
@@ -173,7 +172,7 @@ def test_tiles_lie_in_the_plane_of_their_node_and_have_two_sides(tilt: float, he
     assert covered.any(axis=1).sum() == pytest.approx(height, abs=1)
 
 
-def test_points_in_pixels_are_round_if_they_are_discs() -> None:
+def test_points_in_pixels_are_round_if_drawn_as_discs() -> None:
     scene = from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (40.0, 40.0), pixels=True, spot="disc"))
     area = (drawn(scene)[..., 0] > 128).sum()
     assert area == pytest.approx(4 * np.sin(np.pi / 4) * 20**2, rel=0.02)  # eight corners stand for a circle
@@ -189,21 +188,21 @@ def on_sheet(scene: Scene) -> list[list[int]]:
     return [drawn(scene)[y + dy, x + dx].tolist() for dy in (-away, away) for dx in (-away, away)]
 
 
-def test_a_sheet_shows_its_rows_along_y_with_sharp_cells() -> None:
+def test_sheet_shows_its_rows_along_y_with_sharp_cells() -> None:
     scene = from_above(Sheet(CELLS, PALETTE, 2.0))
     scene.set_transform("0", [[1, 0, 0, -2], [0, 1, 0, -2], [0, 0, 1, 0], [0, 0, 0, 1]])
     assert on_sheet(scene) == [[0, 0, 255], [0, 0, 0], [255, 0, 0], [0, 255, 0]]
 
 
 @pytest.mark.parametrize(("behind", "seen"), [(False, [255, 0, 0]), (True, [0, 0, 255])])
-def test_a_sheet_behind_everything_hides_nothing(behind: bool, seen: list[int]) -> None:
+def test_sheet_behind_all_objects_hides_none_of_them(behind: bool, seen: list[int]) -> None:
     scene = from_above(box((0, 0, 1, 1)), Sheet([[0]], PALETTE, 2.0, behind=behind))
     scene.set_transform("1", [[1, 0, 0, -1], [0, 1, 0, -1], [0, 0, 1, 3], [0, 0, 0, 1]])
     assert middle(scene) == seen
 
 
 @pytest.mark.parametrize("alpha", [1.0, 0.5])
-def test_what_lies_on_a_sheet_is_seen(alpha: int) -> None:
+def test_line_on_a_sheet_is_visible(alpha: int) -> None:
     sheet = Sheet([[0] * 4], [(1, 0, 0, alpha)] * 256, 2.0)
     line = Lines([(0, 1, 0), (8, 1, 0)], (0, 0, 1, 1), width=0.5)
     scene = from_above(sheet, line)
@@ -211,6 +210,6 @@ def test_what_lies_on_a_sheet_is_seen(alpha: int) -> None:
     assert on_sheet(scene)[1] == [0, 0, 255]
 
 
-def test_spots_grow_with_their_z() -> None:
+def test_list_elements_are_scaled_in_z() -> None:
     spots = Points([(0, 0, 1), (0, 0, 3)], (1, 1, 1, 1), (1.0, 1.0), grow=True)
     assert (drawn(from_above(spots))[..., 0] > 0).sum() == pytest.approx(60**2, rel=0.05)  # 3 m wide

@@ -1,4 +1,4 @@
-"""The viewer's place in a cell: the scene with RViz's panels around it."""
+"""A viewer in notebook cells: the scene with RViz's panels around it."""
 
 import asyncio
 import base64
@@ -6,41 +6,43 @@ import weakref
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from course_lib.displays.panel.desk import Desk
-from course_lib.displays.panel.time_panel import LiveTime, TimePanel
+from course_lib.displays.panel.desk import Desk, LiveTime, TimePanel
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusTable
 from course_lib.errors import CourseError
-from course_lib.ros import pace, wall
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph
-from course_lib.viewer.film import Film
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time import pace, wall
+from course_lib.ros.time.time_lock import time_lock
 from course_lib.viewer.page_link import Click, PageLink
+from course_lib.viewer.scene_recording import SceneRecording
 
 if TYPE_CHECKING:
     from course_lib.displays.panel.resting_view import RestingView
     from course_lib.viewer.page_server import PageServer
     from course_lib.viewer.widget import SceneWidget
-_ANSWER = 3.0  # [s] of the wall clock that a page has to draw a picture
+# The time for a page to render an image [s], by the wall clock.
+_ANSWER = 3.0
 
 
 class ViewerCell:
-    """The place of a viewer in any number of cells; its page is made for the first one."""
+    """A viewer in any number of cells. The widget is created for the first one."""
 
     def __init__(self, session: RvizSession, graph: Graph) -> None:
         self._session = session
         self._graph = graph
         self._view: SceneWidget | None = None
         self._server: PageServer | None = None
-        self._ends: list[Callable[[], None]] = []  # of what was made for pages
+        # Functions that close the widgets and servers created for pages.
+        self._ends: list[Callable[[], None]] = []
         session.time.is_hidden = self._is_hidden
-        self.on_click: list[Callable[[Click], None]] = []  # called with each click into the view
+        # Called with each click into the view.
+        self.on_click: list[Callable[[Click], None]] = []
 
     async def next_click(self) -> Click:
         """Wait for a click into the view; see `Viewer.pick`."""
-        if not self._is_there():
+        if not self._is_displayed():
             raise CourseError(
-                "No page shows this viewer, so nobody can click into it. Write viewer on the last line of a "
+                "No page shows this viewer, so no click can occur. Write viewer on the last line of a "
                 "cell in JupyterLab, and call pick() in a cell below."
             )
         clicked: asyncio.Future[Click] = asyncio.get_running_loop().create_future()
@@ -50,57 +52,68 @@ class ViewerCell:
         finally:
             self.on_click.remove(clicked.set_result)
 
-    def shown(self, viewer: object, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return what a cell displays; pages that run no scripts get a picture and the table.
+    def mime_bundle(self, viewer: object, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the cell's output; pages without scripts get an image and the status table.
 
-        The viewer, whose panel this is, lives as long as a page shows it.
+        The viewer that owns this panel lives as long as a page shows it.
         """
-        data, metadata = self._widget(viewer)._repr_mimebundle_(**kwargs)
+        from course_lib.viewer.widget import side_panel
+
+        widget = self._widget(viewer)
+        side_panel.take(widget)
+        data, metadata = widget._repr_mimebundle_(**kwargs)
         words = f"{data['text/plain']}\n{StatusTable(self._session.rows())}"
         return data | {"text/plain": words}, metadata
 
     def dock(self, viewer: object) -> None:
-        """Show the viewer in a cell, from where JupyterLab moves it into a panel beside the notebook."""
-        from IPython.display import display  # here: slow, and programs outside notebooks do without
+        """Show the viewer in a cell, from which JupyterLab moves it to a side panel, as all later views."""
+        # Imported here because they are slow to load and not needed outside notebooks.
+        from IPython.display import display
 
-        self._widget(viewer).beside = True
+        from course_lib.viewer.widget import side_panel
+
+        side_panel.is_wanted = True
+        side_panel.take(self._widget(viewer))
         display(viewer)  # type: ignore[no-untyped-call]
 
-    def at_rest(self, film: Film, seconds: float) -> "RestingView":
-        """Return a view that plays the last part of a film; it ends with the last page that shows it."""
-        from course_lib.displays.panel.resting_view import RestingView  # here: anywidget is slow to load
+    def at_rest(self, recording: SceneRecording, seconds: float, *, plays: bool = False) -> "RestingView":
+        """Return a view that can play, or `plays`, the last part of a recording, until no page shows it."""
+        # Imported here because anywidget is slow to load.
+        from course_lib.displays.panel.resting_view import RestingView
 
-        view = RestingView(self._session, film, seconds)
+        view = RestingView(self._session, recording, seconds, plays=plays)
         view.on_views = lambda count: None if count else _end(view)
         return view
 
     def close(self) -> None:
         """Remove the viewer from all cells."""
-        pace.pages.discard(self._is_there)
-        pace.views.discard(self._is_there)
+        pace.pages.discard(self._is_displayed)
+        pace.views.discard(self._is_displayed)
         for end in self._ends:
             end()
         self._ends.clear()
         self._view = self._server = None
 
-    def opened(self, port: int, token: str | None) -> str:
-        """Return the address of a page outside notebooks, served by this process from now on."""
+    def open_page(self, port: int, token: str | None) -> str:
+        """Return the URL of a page outside notebooks, served by this process."""
         if self._server is None:
-            from course_lib.viewer.page_server import PageServer  # here: tornado is slow to load
+            # Imported here because tornado is slow to load.
+            from course_lib.viewer.page_server import PageServer
 
-            server = PageServer(self._session.context.scene, "RViz view", port, token, turn=baton.known)
-            with baton.unknown():  # a thread of the program's own would live by robot time
+            server = PageServer(self._session.context.scene, "RViz view", port, token, turn=time_lock.hold)
+            # A thread of the program would follow robot time.
+            with time_lock.as_ordinary_thread():
                 server.start()
             self._server = server
-            self._furnish(server.link, server.close)
+            self._add_panels(server.link, server.close)
         return self._server.url
 
     def picture(self, size: tuple[int, int]) -> bytes | None:
-        """Request a PNG of a size in [px] from an open page; None if no page is open, or none answers."""
+        """Request a PNG with a size in [px] from an open page, or return None if no page answers."""
         answers: list[dict[str, Any]] = []
         for link in (link for link in self._links() if link.ready):
-            link.at_once["picture"] = answers.append
-            link.catch_up()
+            link.immediate["picture"] = answers.append
+            link.send_all()
             link.post({"type": "capture", "width": size[0], "height": size[1]})
             deadline = wall.monotonic() + _ANSWER
             while not answers and wall.monotonic() < deadline:
@@ -109,26 +122,27 @@ class ViewerCell:
                 return base64.b64decode(str(answers[0].get("png", "")).partition(",")[2])
         return None
 
-    def _furnish(self, link: PageLink, close: Callable[[], None]) -> None:
-        """Put RViz's panels around the view of a page."""
+    def _add_panels(self, link: PageLink, close: Callable[[], None]) -> None:
+        """Add RViz's panels to the view of a page."""
         desk = Desk(self._session, link, self._graph)
         time_panel = TimePanel(self._session, link, LiveTime(self._graph, self._session.time))
         link.on_click.append(self._click)
         self._ends += [desk.close, time_panel.close, close]
 
     def _widget(self, viewer: object) -> "SceneWidget":
-        if self._view is None or self._view.comm is None:  # the page may have closed it
-            self._view = self._made(viewer)
+        # The page may have closed it.
+        if self._view is None or self._view.comm is None:
+            self._view = self._create_widget(viewer)
         self._view.keeps = viewer
         return self._view
 
-    def _made(self, viewer: object) -> "SceneWidget":
+    def _create_widget(self, viewer: object) -> "SceneWidget":
         from course_lib.viewer.widget import SceneWidget
 
-        pace.pages.add(self._is_there)
-        pace.views.add(self._is_there)
+        pace.pages.add(self._is_displayed)
+        pace.views.add(self._is_displayed)
         view = SceneWidget(self._session.context.scene, label="RViz view")
-        self._furnish(view.link, view.close)
+        self._add_panels(view.link, view.close)
         known = weakref.ref(viewer)
 
         def on_views(count: int) -> None:
@@ -145,15 +159,15 @@ class ViewerCell:
             callback(click)
 
     def _links(self) -> list[PageLink]:
-        """List the connections to pages."""
+        """Return the connections to pages."""
         return [shown.link for shown in (self._view, self._server) if shown is not None]
 
     def _is_hidden(self) -> bool:
-        """Return whether all pages that show the scene are behind others."""
+        """Return whether the tabs of all pages that show the scene are hidden."""
         links = self._links()
         return any(link.hidden for link in links) and not any(link.ready for link in links)
 
-    def _is_there(self) -> bool:
+    def _is_displayed(self) -> bool:
         """Return whether a page shows the scene."""
         return self._view is not None and self._view.link.ready
 
@@ -164,7 +178,7 @@ def _end(view: "RestingView") -> None:
 
 
 def _forget(result: object) -> None:
-    """Remove a cell's result from IPython's history, which would hold it for ever: Out, _, __, _7 ..."""
+    """Remove a cell's result from IPython's history (Out, _, __, _7, ...), which would keep it alive."""
     from IPython.core.getipython import get_ipython
 
     shell = get_ipython()
@@ -176,11 +190,12 @@ def _forget(result: object) -> None:
             if isinstance(name, int) or name.strip("_").isdigit():
                 del holder[name]
             elif not name.strip("_"):
-                holder[name] = ""  # as if nothing had been shown yet
+                # IPython's initial value.
+                holder[name] = ""
 
 
 def end_all(stops: Iterable[Callable[[], None]], cell: ViewerCell) -> None:
-    """End a viewer: what it listens to, and its place in cells."""
+    """Close a viewer: its subscriptions and its cells."""
     for stop in stops:
         stop()
     cell.close()

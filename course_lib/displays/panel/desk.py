@@ -1,47 +1,441 @@
-"""RViz's panels around a view, for one page: the state that the page is sent, and the orders it sends."""
+"""RViz's panels around a view: the state that a page receives, its rows, its orders, and the Time panel."""
 
-from collections.abc import Mapping
-from dataclasses import fields
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from math import isfinite
+from pathlib import Path
 from typing import Any
 
-from course_lib.displays.display import GROUP
-from course_lib.displays.panel.controls import UseControl
-from course_lib.displays.panel.orders import OrderDesk, handles, layout_names, order_of
+import msgspec
+from msgspec.structs import replace
+
+from course_lib.displays.display import GROUP, Display, Group
+from course_lib.displays.frames import NS, ViewTime
+from course_lib.displays.interactive import InteractiveMarkersDisplay
+from course_lib.displays.layout import read_layout, yaml_text
 from course_lib.displays.panel.protocol import (
     AddableTopic,
     AddableType,
+    AddDisplay,
+    AnyOrder,
+    ChangeView,
+    ChooseEntry,
+    ContextMenu,
+    DuplicateDisplay,
+    Editor,
+    EditorKind,
+    HomeView,
     Layouts,
+    LevelMark,
+    LoadLayout,
+    LookAgain,
     Notice,
     OpenPanels,
+    Order,
     PanelNews,
     PanelRow,
     PanelState,
+    PublishGesture,
+    RemoveRow,
+    RemoveView,
+    RenameRow,
+    RenameView,
+    SaveLayout,
+    SaveView,
+    SelectObject,
+    SetValue,
     StatusLine,
     ToolButton,
+    TurnView,
+    UseControl,
+    UseView,
     ViewChoice,
 )
-from course_lib.displays.panel.rows import display_rows, mark_of, tool_rows, view_rows, worst_of
-from course_lib.displays.panel.tools import settings_of
+from course_lib.displays.panel.tools import publish, settings_of
+from course_lib.displays.properties import (
+    Convert,
+    Limited,
+    Property,
+    PropertyHolder,
+    booleans,
+    color,
+    flag,
+    frame,
+    read_only,
+    vector,
+)
 from course_lib.displays.registry import REGISTRY, short_name
 from course_lib.displays.session import RvizSession
-from course_lib.displays.statuses import StatusRow
-from course_lib.displays.views import VIEWS
-from course_lib.errors import CourseError, counted
-from course_lib.ros import wall
-from course_lib.ros.graph import Graph
-from course_lib.viewer.page_link import PageLink
-from course_lib.viewer.stream import running_loop
-from course_lib.viewer.wire import to_json
+from course_lib.displays.statuses import LEVELS, NOTES, Level, StatusRow, contained, describe
+from course_lib.displays.views import VIEWS, ViewController, view_of
+from course_lib.displays.writer import member_config, save_rviz, view_config
+from course_lib.errors import CourseError, format_count
+from course_lib.recording import Recording
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.messages.cdr import to_plain
+from course_lib.ros.time import pace, wall
+from course_lib.viewer.drawables import Camera
+from course_lib.viewer.encoding import Message, MessageError, from_json, to_json
+from course_lib.viewer.page_link import PageLink, running_loop
 
-PERIOD = 0.5  # [s] of the wall clock between two changes of what the page shows
+_EDITORS: tuple[tuple[Convert, EditorKind], ...] = (
+    (flag, "bool"),
+    (color, "color"),
+    (vector, "vector"),
+    (frame, "frame"),
+    (read_only, "none"),
+    (booleans, "none"),
+)
+Edit = Callable[[Any], Any]
+_WORST_FIRST: tuple[Level, ...] = ("error", "warn", "hint", "ok")
+
+
+@dataclass(frozen=True)
+class RowEntry:
+    """A row that the page draws, and the effect of editing it."""
+
+    row: PanelRow
+    edit: Edit | None = None
+    # The tree's member, which can be renamed, removed, ...
+    member: Display | Group | None = None
+
+
+class Rows(dict[str, RowEntry]):
+    """Rows by their key, parents first."""
+
+    def put(
+        self, key: str, parent: str, label: str, edit: Edit | None = None, member: Any = None, **shown: Any
+    ) -> None:
+        """Add a row."""
+        self[key] = RowEntry(PanelRow(key, parent, label, **shown), edit, member)
+
+    def put_properties(self, holder: PropertyHolder, parent: str) -> None:
+        """Add the editable properties of an object, without its check box."""
+        for prop in holder.properties:
+            if prop.label == "Enabled":
+                continue
+            above = parent
+            for name in prop.path[:-1]:
+                key = f"{above}#{name}"
+                if key not in self:
+                    self.put(key, above, name)
+                above = key
+            self._put_property(holder, prop, above)
+
+    def put_statuses(self, key: str, parent: str, label: str, rows: list[StatusRow]) -> None:
+        """Add statuses below a row that shows the worst level."""
+        worst = worst_of(row.level for row in rows)
+        self.put(key, parent, f"{label}: {LEVELS[worst][1].capitalize()}", mark=mark_of(worst))
+        for index, row in enumerate(rows):
+            mark, title = mark_of(row.level), NOTES.get(row.name, "")
+            self.put(f"{key}!{index}", key, row.name, text=row.text, mark=mark, title=title)
+
+    def _put_property(self, holder: PropertyHolder, prop: Property, parent: str) -> None:
+        def edit(value: Any) -> None:
+            holder[prop.label] = value
+
+        key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
+        editor = _editor(prop, holder)
+        shown = "" if prop.convert is booleans else value if editor.kind != "none" else str(value)
+        self.put(key, parent, prop.path[-1], edit, editor=editor, value=shown)
+        if prop.convert is booleans:
+            for name, on in value.items():
+                tick = partial(self._set_check_box, holder, prop.label, name)
+                self.put(f"{key}#{name}", key, name or "(no name)", tick, editor=Editor("bool"), value=on)
+
+    @staticmethod
+    def _set_check_box(holder: PropertyHolder, label: str, name: str, ticked: Any) -> None:
+        """Set one entry of a map of check boxes."""
+        holder[label] = {**holder[label], name: ticked}
+
+
+def display_rows(session: RvizSession) -> Rows:
+    """Return the rows of the Displays panel."""
+    rows = Rows()
+    rows.put("options", "", "Global Options", open=True)
+    rows.put_properties(session.options, "options")
+    rows.put_statuses("status", "", "Global Status", session.global_rows())
+    for member, parent in _members(session.tree, ""):
+        _put_member(rows, session, member, parent)
+    return rows
+
+
+def view_rows(session: RvizSession) -> Rows:
+    """Return the rows of the Views panel."""
+    rows = Rows()
+    rows.put_properties(session.view, "view")
+    return rows
+
+
+def tool_rows(session: RvizSession) -> Rows:
+    """Return the rows of the Tool Properties panel."""
+    rows = Rows()
+    for tool in (tool for tool in session.tools if tool.properties):
+        rows.put(f"tool {tool}", "", tool.label)
+        rows.put_properties(tool, f"tool {tool}")
+    return rows
+
+
+def worst_of(levels: Iterable[Level]) -> Level:
+    """Return the most severe level; hints rank after RViz's warnings."""
+    return min(levels, key=_WORST_FIRST.index, default="ok")
+
+
+def _members(group: Group, parent: str) -> Iterator[tuple[Display | Group, str]]:
+    for member in group.members:
+        yield member, parent
+        if isinstance(member, Group):
+            yield from _members(member, _key(member))
+
+
+def _put_member(rows: Rows, session: RvizSession, member: Display | Group, parent: str) -> None:
+    key = _key(member)
+    if isinstance(member, Group):
+
+        def tick(on: Any) -> None:
+            member.ticked = flag(on)
+            session.tree.update_visibility()
+            session.refresh()
+
+        rows.put(key, parent, member.name, tick, member, checked=member.ticked)
+        return
+
+    def enable(on: Any) -> None:
+        member["Enabled"] = on
+
+    statuses = session.rows_of(member)
+    level = worst_of(row.level for row in statuses)
+    shown = {"title": member.class_name, "checked": bool(member["Enabled"])}
+    rows.put(key, parent, member.name, enable, member, mark=mark_of(level) if statuses else None, **shown)
+    if statuses:
+        rows.put_statuses(f"{key}!", key, "Status", statuses)
+    rows.put_properties(member, key)
+
+
+def _key(member: Display | Group) -> str:
+    return f"group {id(member)}" if isinstance(member, Group) else member.path
+
+
+def mark_of(level: Level) -> LevelMark:
+    """Return icon and word of a level."""
+    icon, word, _ = LEVELS[level]
+    return LevelMark(level, icon, word)
+
+
+def _editor(prop: Property, holder: PropertyHolder) -> Editor:
+    """Return the control that edits a property, with its limits."""
+    if isinstance(prop.convert, Limited):
+        low, high = (limit if isfinite(limit) else None for limit in (prop.convert.low, prop.convert.high))
+        return Editor(prop.convert.editor, low, high, tuple(prop.convert.options))
+    type_name = getattr(holder, "type_name", None)
+    if prop.path[-1].endswith("Topic") and type_name:
+        return Editor("topic", type=type_name)
+    return Editor(next((kind for convert, kind in _EDITORS if convert is prop.convert), "text"))
+
+
+# Maximum length of a list or string of a selected message that is shown completely.
+_LONGEST = 16
+# Folders with layouts: the notebook's folder, and the folder for files of lessons.
+_FOLDERS = ("", "my_files")
+
+
+class OrderDesk:
+    """Executes the orders of a page.
+
+    `rows` are the page's rows, `notice` is the response to the last order.
+
+    Args:
+        session: The session to change; tools publish through its node.
+    """
+
+    def __init__(self, session: RvizSession) -> None:
+        self.rows: Mapping[str, RowEntry] = {}
+        self.notice = Notice()
+        self.selection = ""
+        self.menu = ContextMenu()
+        self.file = "view.rviz"
+        self._session = session
+        self._acts: dict[type[Order], Callable[[Any], None]] = {
+            LookAgain: lambda order: None,
+            SetValue: self._set,
+            AddDisplay: self._add,
+            DuplicateDisplay: self._duplicate,
+            RenameRow: self._rename,
+            RemoveRow: lambda order: session.remove(self._member(order.row)),
+            SaveLayout: self._save,
+            LoadLayout: self._load,
+            ChangeView: self._change_view,
+            HomeView: lambda order: session.view.return_home(),
+            SaveView: self._save_view,
+            UseView: self._use_view,
+            RenameView: lambda order: setattr(self._saved_view(order.index), "name", order.name),
+            RemoveView: lambda order: session.saved_views.remove(self._saved_view(order.index)),
+            TurnView: self._turn,
+            SelectObject: self._select,
+            PublishGesture: self._publish,
+            UseControl: self._use,
+            ChooseEntry: self._choose,
+        }
+
+    def carry_out(self, order: Order) -> None:
+        """Execute an order.
+
+        Raises:
+            CourseError: The order is impossible; the message is for the page.
+        """
+        self._acts[type(order)](order)
+
+    def _entry(self, row: str) -> RowEntry:
+        if row not in self.rows:
+            raise CourseError(f"{row!r} no longer exists.")
+        return self.rows[row]
+
+    def _member(self, row: str) -> Display | Group:
+        member = self._entry(row).member
+        if member is None:
+            raise CourseError("Select a display in the tree first.")
+        return member
+
+    def _set(self, order: SetValue) -> None:
+        edit = self._entry(order.row).edit
+        if edit is None:
+            raise CourseError(f"{order.row!r} cannot be edited.")
+        edit(order.value)
+
+    def _add(self, order: AddDisplay) -> None:
+        chosen = self.rows.get(order.row)
+        group = chosen.member if chosen and isinstance(chosen.member, Group) else None
+        if order.display == GROUP:
+            self._session.add_group("Group", group)
+            return
+        if order.display not in REGISTRY:
+            raise CourseError(f"There is no display {order.display!r}.")
+        label = getattr(REGISTRY[order.display], "topic_label", "Topic")
+        config = {label: {"Value": order.topic}} if order.topic else {}
+        self._session.add(order.display, short_name(order.display), config, group=group)
+
+    def _duplicate(self, order: DuplicateDisplay) -> None:
+        member = self._member(order.row)
+        if isinstance(member, Group):
+            raise CourseError("Groups cannot be duplicated; duplicate the displays in it.")
+        config = member_config(member)
+        holder = self._session.tree.find_group_of(member)
+        self._session.add(str(config["Class"]), member.name, config, group=holder)
+
+    def _rename(self, order: RenameRow) -> None:
+        member = self._member(order.row)
+        member.name = order.name.strip() or member.name
+
+    def _save(self, order: SaveLayout) -> None:
+        path = self._path(order.name)
+        save_rviz(self._session, path)
+        self.notice = Notice("ok", f"Saved {self.file}.")
+
+    def _load(self, order: LoadLayout) -> None:
+        path = self._path(order.name)
+        self._session.apply(read_layout(path))
+        self.notice = Notice("ok", f"Opened {self.file}.")
+
+    def _path(self, wanted: str) -> Path:
+        """Return the path of a layout in one of the folders of layouts."""
+        name = wanted.strip()
+        folder, _, last = name.rpartition("/")
+        if not last or last != Path(last).name or folder not in _FOLDERS:
+            raise CourseError(f"{wanted!r} is not a file name; use one like view.rviz.")
+        self.file = name if name.endswith(".rviz") else f"{name}.rviz"
+        return Path.cwd() / self.file
+
+    def _saved_view(self, index: int) -> ViewController:
+        if not 0 <= index < len(self._session.saved_views):
+            raise CourseError("This saved view no longer exists.")
+        return self._session.saved_views[index]
+
+    def _change_view(self, order: ChangeView) -> None:
+        if order.view not in VIEWS:
+            raise CourseError(f"There is no view {order.view!r}; the views are {', '.join(VIEWS)}.")
+        view = VIEWS[order.view]()
+        view.mimic(self._session.view, self._session.context.frames)
+        self._session.view = view
+
+    def _save_view(self, order: SaveView) -> None:
+        view = view_of(view_config(self._session.view))[0]
+        view.name = order.name
+        self._session.saved_views.append(view)
+
+    def _use_view(self, order: UseView) -> None:
+        config = view_config(self._saved_view(order.index))
+        self._session.view = view_of({**config, "Name": "Current View"})[0]
+
+    def _turn(self, order: TurnView) -> None:
+        scale = order.scale or None
+        self._session.on_view_turned(Camera(order.eye, order.target, order.up, orthographic_scale=scale))
+
+    def _select(self, order: SelectObject) -> None:
+        self.selection = describe_selection(self._session, order.path, order.index)
+
+    def _publish(self, order: PublishGesture) -> None:
+        node = self._session.context.node
+        if node is None:
+            raise CourseError("This page shows a recording, in which nothing can be published.")
+        self.notice = Notice("ok", publish(node, self._session.tools, self._session.fixed_frame, order))
+
+    def _use(self, order: UseControl) -> None:
+        for display in handles(self._session):
+            entries = display.use(order)
+            if order.event != "move":
+                tool = next(tool for tool in self._session.tools if tool.gesture == "interact")
+                hides_others = order.event == "down" and tool["Hide Inactive Objects"]
+                display.show_only(order.path if hides_others else None)
+            if entries:
+                self.menu = ContextMenu(self.menu.number + 1, order.path, entries)
+
+    def _choose(self, order: ChooseEntry) -> None:
+        for display in handles(self._session):
+            if display.message_at(order.path) is not None:
+                self.notice = Notice("ok", display.choose(order.path, order.entry))
+
+
+def handles(session: RvizSession) -> list[InteractiveMarkersDisplay]:
+    """Return the displays with draggable markers; a recording has none."""
+    live = session.displays if session.context.node is not None else ()
+    return [display for display in live if isinstance(display, InteractiveMarkersDisplay)]
+
+
+def describe_selection(session: RvizSession, path: str | None, index: int | None) -> str:
+    """Describe the object at a path of the scene; empty if there is none.
+
+    Args:
+        session: The session whose displays have drawn it.
+        path: The path of its node; None for the background.
+        index: The index of its instance, point or triangle.
+    """
+    if path is None:
+        return ""
+    for display in session.displays:
+        if not display.get("Selectable", True):
+            continue
+        message = display.message_at(path)
+        if message is not None:
+            frame = getattr(getattr(message, "header", None), "frame_id", "")
+            part = "" if index is None else f", part {index}"
+            fields = yaml_text(to_plain(message, truncate=_LONGEST))
+            return f"{display.name}{part}, in frame {frame!r}\n{fields}"
+        if f"{path}/".startswith(f"{display.path}/"):
+            return f"{display.name} ({display.class_name})"
+    return path
+
+
+# The time between two updates of the page [s], by the wall clock.
+PERIOD = 0.5
 
 
 class Desk:
-    """The panels of a page, kept equal to a session; its orders are carried out.
+    """The panels of a page, synchronized with a session.
 
     Args:
-        session: What is shown.
-        link: To the page.
+        session: The session to show.
+        link: The connection to the page.
         graph: The running graph, whose topics can be added.
     """
 
@@ -50,10 +444,12 @@ class Desk:
         self._orders = OrderDesk(session)
         self._sent: PanelState | None = None
         self._sent_rows: dict[str, PanelRow] = {}
-        self._posted = 0.0  # [s] of the last post
+        # Wall-clock time of the last message [s].
+        self._posted = 0.0
         self._waiting = False
-        self._loop = running_loop()  # that of the cells, if this is a kernel
-        link.listen("desk", self._take)
+        # The event loop of the cells, if this is a kernel.
+        self._loop = running_loop()
+        link.listen("desk", self._on_order)
         link.listen("ready", self._wake)
         session.after_frame.append(self.refresh)
 
@@ -62,30 +458,32 @@ class Desk:
         if self.refresh in self._session.after_frame:
             self._session.after_frame.remove(self.refresh)
 
-    def _take(self, content: Mapping[str, Any]) -> None:
-        """Carry out an order of the page; errors are shown there."""
+    def _on_order(self, content: Mapping[str, Any]) -> None:
+        """Execute an order of the page; an error is shown there."""
         self._orders.notice = Notice()
-        order = None
+        order: Order | None = None
         try:
-            order = order_of(content)
+            order = from_json(AnyOrder, content)
             if isinstance(order, OpenPanels):
                 self._sent, self._sent_rows = None, {}
             else:
                 self._orders.carry_out(order)
-        except CourseError as error:
-            self._orders.notice = Notice("error", str(error))
+        except Exception as error:
+            # The page shows all errors, including errors of the kit.
+            self._orders.notice = Notice("error", describe(error))
         if isinstance(order, UseControl) and order.event == "move":
-            self.refresh()  # many of them come
+            # These orders are frequent, so updates are throttled.
+            self.refresh()
         else:
             self.post()
 
     def _wake(self, _: Mapping[str, Any]) -> None:
-        """Post to a page that was hidden; one that has just been loaded sends an order first."""
+        """Send changes to a page that was hidden; a page that has just been loaded sends an order first."""
         if self._sent is not None:
             self.post()
 
     def refresh(self) -> None:
-        """Post changes, now or a little later; called after every frame, by any thread."""
+        """Send changes now or a little later; called after every frame, by any thread."""
         if not self._link.watched:
             return
         if wall.monotonic() - self._posted >= PERIOD:
@@ -95,29 +493,37 @@ class Desk:
             self._loop.call_soon_threadsafe(self._loop.call_later, PERIOD, self.post)
 
     def post(self) -> None:
-        """Send the page the fields of the state and the rows that have changed."""
-        self._waiting, self._posted = False, wall.monotonic()
-        state, rows = self.whole()
-        names = (field.name for field in fields(PanelState))
-        now = {name: getattr(state, name) for name in names}
-        changed = {name: value for name, value in now.items() if value != getattr(self._sent, name, None)}
-        changed_rows = {key: row for key, row in rows.items() if row != self._sent_rows.get(key)}
-        news = PanelNews(changed, changed_rows, tuple(self._sent_rows.keys() - rows.keys()))
-        self._sent, self._sent_rows = state, rows
-        if changed or changed_rows or news.gone:
-            self._link.post({"type": "desk", **to_json(news)})
+        """Send the fields of the state and the rows that have changed."""
+        with contained(self._session.statuses, "Panels"):
+            self._waiting, self._posted = False, wall.monotonic()
+            state, rows = self.full_state()
+            now = msgspec.structs.asdict(state)
+            changed = {name: value for name, value in now.items() if value != getattr(self._sent, name, None)}
+            changed_rows = {key: row for key, row in rows.items() if row != self._sent_rows.get(key)}
+            news = PanelNews(changed, changed_rows, tuple(self._sent_rows.keys() - rows.keys()))
+            self._sent, self._sent_rows = state, rows
+            if changed or changed_rows or news.gone:
+                self._link.post({"type": "desk", **to_json(news)})
 
-    def whole(self) -> tuple[PanelState, dict[str, PanelRow]]:
-        """Return all that the panels show now: the state and its rows."""
-        state = self._state()
-        return state, {key: entry.row for key, entry in self._orders.rows.items()}
-
-    def _state(self) -> PanelState:
+    def full_state(self) -> tuple[PanelState, dict[str, PanelRow]]:
+        """Return the complete state of the panels, and its rows."""
         session, orders = self._session, self._orders
         tree, view, tools = display_rows(session), view_rows(session), tool_rows(session)
         orders.rows = tree | view | tools
         saved = tuple(saved.name for saved in session.saved_views)
-        return PanelState(
+        here = Path.cwd()
+        files = (path for folder in _FOLDERS for path in sorted((here / folder).glob("*.rviz")))
+        layouts = tuple(path.relative_to(here).as_posix() for path in files)
+        # The status line has the first of the worst statuses; if all are ok, the number of
+        # displays.
+        statuses = session.rows()
+        level = worst_of(row.level for row in statuses)
+        worst = [row for row in statuses if row.level == level]
+        status = format_count(len(session.displays), "display")
+        if worst and level != "ok":
+            more = f" (and {len(worst) - 1} more)" if len(worst) > 1 else ""
+            status = f"{worst[0].display}: {worst[0].text}{more}"
+        state = PanelState(
             tree=tuple(tree),
             view=tuple(view),
             tools=tuple(tools),
@@ -125,7 +531,7 @@ class Desk:
             settings=settings_of(session.tools),
             hands=session.view.hands(),
             views=ViewChoice(repr(session.view), tuple(VIEWS), saved),
-            status=_status_line(session.rows(), len(session.displays)),
+            status=StatusLine(mark_of(level), status),
             notice=orders.notice,
             selection=orders.selection,
             types=tuple(AddableType(name, short_name(name)) for name in (*sorted(REGISTRY), GROUP)),
@@ -133,12 +539,13 @@ class Desk:
             handles=tuple(display.handles for display in handles(session)),
             menu=orders.menu,
             frames=tuple(sorted({session.fixed_frame, *session.context.frames.buffer.frames()})),
-            layouts=Layouts(orders.file, layout_names()),
+            layouts=Layouts(orders.file, layouts),
             summary=session.summary(),
         )
+        return state, {key: entry.row for key, entry in self._orders.rows.items()}
 
     def _topics(self) -> tuple[AddableTopic, ...]:
-        """Return the topics with messages or publishers, with each class of display for them."""
+        """Return the topics with messages or publishers, with each display class for them."""
         known = dict(self._session.types)
         if self._graph:
             known |= {end.topic: end.type_name for end in self._graph.endpoints() if end.kind == "pub"}
@@ -152,12 +559,178 @@ class Desk:
         return tuple(sorted(addable))
 
 
-def _status_line(rows: list[StatusRow], displays: int) -> StatusLine:
-    """Return the first of the worst statuses; if all is well, the number of displays."""
-    level = worst_of(row.level for row in rows)
-    worst = [row for row in rows if row.level == level]
-    text = counted(displays, "display")
-    if worst and level != "ok":
-        more = f" (and {len(worst) - 1} more)" if len(worst) > 1 else ""
-        text = f"{worst[0].display}: {worst[0].text}{more}"
-    return StatusLine(mark_of(level), text)
+# The time between two updates [s], by the wall clock.
+TIME_PERIOD = 0.1
+RATES = (0.01, 100.0)
+# Robot time of a step.
+_STEP_NS = NS // 10
+
+
+class TimeState(Message, frozen=True):
+    """The state of a time bar, [s]; wall time only for a live graph, the range only for a recording."""
+
+    elapsed: float
+    paused: bool
+    rate: float
+    # ROS time.
+    now: float | None = None
+    range: tuple[float, float] | None = None
+    wall: float | None = None
+    wall_elapsed: float | None = None
+    loop: bool = False
+    note: str = ""
+
+
+class TimeChange(Message, frozen=True):
+    """An order of a time bar; without any field it requests the time."""
+
+    now: float | None = None  # [s] since the start
+    # The number of frames to step.
+    step: int | None = None
+    rate: float | None = None
+    loop: bool | None = None
+    paused: bool | None = None
+
+
+class LiveTime:
+    """The robot time of the running graph, which can be paused, stepped, slowed or accelerated."""
+
+    def __init__(self, graph: Graph, view_time: ViewTime) -> None:
+        self._graph = graph
+        self._view_time = view_time
+        self._speed = pace.speed_of(graph)
+        # The source of ROS time, and its first time, [ns].
+        self._start: tuple[bool, int] | None = None
+        self._wall = wall.monotonic()
+
+    def time(self) -> TimeState:
+        """Return ROS time and wall time."""
+        now_ns = self._view_time.ros_ns(self._graph.now_ns)
+        wall_now, wall_elapsed = wall.time_ns() / NS, wall.monotonic() - self._wall
+        return TimeState(
+            (now_ns - self._started_ns(now_ns)) / NS,
+            self._speed.paused,
+            self._speed.rate,
+            now_ns / NS,
+            wall=wall_now,
+            wall_elapsed=wall_elapsed,
+        )
+
+    def _started_ns(self, now_ns: int) -> int:
+        """Return the time at which ROS time started or was last reset."""
+        source = self._view_time.use_sim_time
+        if self._start is None or self._start[0] != source or not 0 < self._start[1] <= now_ns:
+            self._start = source, now_ns
+        return self._start[1]
+
+    def act(self, change: TimeChange) -> None:
+        """Step, pause or change the rate, or raise a MessageError if a robot controls the time."""
+        if self._graph.keeps_wall_time and change != TimeChange():
+            raise MessageError("The time of a robot cannot be paused, accelerated or slowed down.")
+        if change.step == 1:
+            self._speed.paused = True
+            self._speed.step_ns += _STEP_NS
+        if change.rate is not None and RATES[0] <= change.rate <= RATES[1]:
+            self._speed.rate = change.rate
+        if change.paused is not None:
+            self._speed.paused = change.paused
+
+
+class Playback:
+    """Plays a recording to a session up to any time; to go back, it restarts from the beginning."""
+
+    def __init__(self, session: RvizSession, recording: Recording) -> None:
+        self.session = session
+        self.start_ns, self.end_ns = recording.start_ns, recording.end_ns
+        self.now_ns = self.start_ns
+        self.paused = False
+        self.rate = 1.0
+        self.loop = False
+        self._samples = recording.samples
+        # The first sample that was not delivered yet.
+        self._next = 0
+
+    def go_to(self, now_ns: int) -> None:
+        """Show the state at a robot time, [ns]."""
+        if now_ns < self.now_ns:
+            # The session detects the jump back in time.
+            self._next = 0
+        while self._next < len(self._samples) and self._samples[self._next].stamp_ns <= now_ns:
+            self._next += 1
+            self.session.receive(self._samples[self._next - 1])
+        self.now_ns = now_ns
+        self.session.update(now_ns)
+
+    def advance(self, seconds: float) -> None:
+        """Play for a duration of wall time, [s]."""
+        if self.paused:
+            return
+        now_ns = self.now_ns + round(seconds * self.rate * NS)
+        if now_ns < self.end_ns:
+            self.go_to(now_ns)
+        elif self.loop and self.end_ns > self.start_ns:
+            self.go_to(self.start_ns + (now_ns - self.start_ns) % (self.end_ns - self.start_ns))
+        else:
+            self.go_to(self.end_ns)
+            self.paused = True
+
+    def act(self, change: TimeChange) -> None:
+        """Seek, step, pause or change the rate."""
+        if change.now is not None:
+            self._seek(self.start_ns + round(change.now * NS))
+        if change.step is not None:
+            self.paused = True
+            self._seek(self.now_ns + change.step * NS // self.session.time.frame_rate)
+        if change.rate is not None and 0 < change.rate <= RATES[1]:
+            self.rate = change.rate
+        self.loop = self.loop if change.loop is None else change.loop
+        self.paused = self.paused if change.paused is None else change.paused
+        if change.paused is False and self.now_ns >= self.end_ns:
+            self.go_to(self.start_ns)
+
+    def time(self) -> TimeState:
+        """Return the time in the recording."""
+        elapsed, end = ((ns - self.start_ns) / NS for ns in (self.now_ns, self.end_ns))
+        return TimeState(elapsed, self.paused, self.rate, self.now_ns / NS, range=(0.0, end), loop=self.loop)
+
+    def _seek(self, now_ns: int) -> None:
+        self.go_to(min(max(now_ns, self.start_ns), self.end_ns))
+
+
+class TimePanel:
+    """The time bars of pages, synchronized with a source of time that executes their orders."""
+
+    def __init__(self, session: RvizSession, link: PageLink, source: LiveTime | Playback) -> None:
+        self._session = session
+        self._link = link
+        self._source = source
+        # Wall-clock time of the last message [s].
+        self._posted = 0.0
+        self._shown: TimeState | None = None
+        link.listen("time", self._act)
+        session.after_frame.append(self.refresh)
+
+    def close(self) -> None:
+        """Stop following the session."""
+        self._session.after_frame.remove(self.refresh)
+
+    def refresh(self) -> None:
+        """Send the time if it has changed and the last message is older than PERIOD."""
+        is_due = self._link.watched and wall.monotonic() - self._posted >= TIME_PERIOD
+        if is_due and self._source.time() != self._shown:
+            self._post()
+
+    def _act(self, content: dict[str, Any]) -> None:
+        note = ""
+        try:
+            self._source.act(from_json(TimeChange, content))
+        except Exception as error:
+            # The page shows all errors, including errors of the kit.
+            note = describe(error)
+        self._post(note)
+        # The effect is shown with the next frame.
+        self._posted = 0.0
+
+    def _post(self, note: str = "") -> None:
+        self._posted, self._shown = wall.monotonic(), self._source.time()
+        self._link.post({"type": "time", **to_json(replace(self._shown, note=note))})

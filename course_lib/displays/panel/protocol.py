@@ -1,16 +1,68 @@
-"""All that the panels and their page send each other: a state and its changes, and orders.
+"""All messages between the panels and their page: a state and its changes, and orders.
 
-``viewer/js/protocol.d.ts`` is generated from these classes: ``python -m tests.viewer.declarations``.
+``viewer/js/protocol.d.ts`` is generated from these classes: ``python -m
+tests.viewer.declarations``.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated, Any, Literal, TypeAlias, get_args
+from typing import Annotated, Any, Literal, TypeAlias
 
 from course_lib.arrays import Vector
-from course_lib.displays.panel.controls import ChooseEntry, ContextMenu, UseControl
 from course_lib.displays.statuses import Level
-from course_lib.displays.view_controller import Hands
+from course_lib.displays.views import Hands
+from course_lib.viewer.encoding import Message
+
+
+class MenuItem(Message, frozen=True):
+    """An entry of a context menu. An entry with a submenu cannot be chosen."""
+
+    id: int
+    text: str
+    opens: bool = False
+
+
+class ContextMenu(Message, frozen=True):
+    """The latest context menu of an interactive marker; each menu has a new number."""
+
+    number: int = 0
+    path: str = ""
+    entries: tuple[MenuItem, ...] = ()
+
+
+class Order(Message, frozen=True, tag_field="act", tag=True):
+    """Base class of the orders of a page. The field `act` holds the name of the class."""
+
+
+class UseControl(Order, frozen=True):
+    """The pointer acts on an interactive marker; points and rays are in the fixed frame [m]."""
+
+    # Scene path of the pressed control.
+    path: str
+    # "down", "move", "up" or "cancel".
+    event: str
+    # Pressed button: 0 left, 2 right.
+    button: int
+    origin: Vector
+    direction: Vector
+    eye: Vector
+    target: Vector
+    up: Vector
+    # Pixels per metre, 0 with perspective.
+    scale: float
+    # Size of a pixel at a distance of 1 m, or anywhere without perspective.
+    pixel: float
+    shift: bool
+    ctrl: bool
+    # Point below the pointer.
+    point: Vector | None = None
+
+
+class ChooseEntry(Order, frozen=True):
+    """Choose an entry of an interactive marker's menu."""
+
+    path: str
+    entry: int
+
 
 EditorKind: TypeAlias = Literal[
     "bool", "color", "enum", "frame", "integer", "none", "number", "text", "topic", "vector"
@@ -18,44 +70,45 @@ EditorKind: TypeAlias = Literal[
 Gesture: TypeAlias = Literal["interact", "camera", "select", "focus", "measure", "pose", "point"]
 
 
-@dataclass(frozen=True)
-class Editor:
+class Editor(Message, frozen=True):
     """The control of a row, and its limits."""
 
     kind: EditorKind
     low: float | None = None
     high: float | None = None
-    options: tuple[str, ...] = ()  # of an enum
-    type: str = ""  # of the messages on a topic
+    # Options of an enum.
+    options: tuple[str, ...] = ()
+    # Message type of a topic.
+    type: str = ""
 
 
-@dataclass(frozen=True)
-class LevelMark:
-    """A status level: for programs, as an icon, and in a word."""
+class LevelMark(Message, frozen=True):
+    """A status level as an identifier, an icon and a word."""
 
     level: Level
     icon: str
     word: str
 
 
-@dataclass(frozen=True)
-class PanelRow:
+class PanelRow(Message, frozen=True):
     """One row of a tree."""
 
     key: str
-    parent: str  # its key, or "" at the top
+    # Key of the parent row, or "".
+    parent: str
     label: str
     text: str = ""
     value: Any = None
-    checked: bool | None = None  # of the box that shows or hides a display
-    open: bool = False  # at first
+    # State of the check box of a display.
+    checked: bool | None = None
+    # Whether it is expanded initially.
+    open: bool = False
     title: str = ""
     mark: LevelMark | None = None
     editor: Editor | None = None
 
 
-@dataclass(frozen=True)
-class ToolButton:
+class ToolButton(Message, frozen=True):
     """One button of the tool bar."""
 
     label: str
@@ -63,49 +116,45 @@ class ToolButton:
     gesture: Gesture
 
 
-@dataclass(frozen=True)
-class ToolSettings:
-    """The properties of tools that the page itself follows."""
+class ToolSettings(Message, frozen=True):
+    """The properties of tools that the page itself uses."""
 
-    single: bool  # of Publish Point
-    color: str  # of Measure
+    # Whether Publish Point publishes a single point.
+    single: bool
+    # Color of the Measure line.
+    color: str
 
 
-@dataclass(frozen=True)
-class ViewChoice:
-    """The type of the view, the types there are, and the names of the saved views."""
+class ViewChoice(Message, frozen=True):
+    """The type of the view, all types, and the names of the saved views."""
 
     type: str
     types: tuple[str, ...]
     saved: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class StatusLine:
+class StatusLine(Message, frozen=True):
     """The worst status, in one line."""
 
     mark: LevelMark
     text: str
 
 
-@dataclass(frozen=True)
-class Notice:
-    """The answer to the last order; without a text there is nothing to say."""
+class Notice(Message, frozen=True):
+    """The response to the last order; the text is empty if there is none."""
 
     level: Literal["", "ok", "error"] = ""
     text: str = ""
 
 
-@dataclass(frozen=True)
-class AddableType:
+class AddableType(Message, frozen=True):
     """A class of display."""
 
     name: str
     short: str
 
 
-@dataclass(frozen=True, order=True)
-class AddableTopic:
+class AddableTopic(Message, frozen=True, order=True):
     """A topic, and a class of display for it."""
 
     topic: str
@@ -113,17 +162,15 @@ class AddableTopic:
     display: str
 
 
-@dataclass(frozen=True)
-class Layouts:
+class Layouts(Message, frozen=True):
     """The .rviz files in the notebook's folder, and the one that was used last."""
 
     last: str
     files: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class PanelState:
-    """All that the panels show; `tree`, `view` and `tools` hold the keys of their rows, parents first."""
+class PanelState(Message, frozen=True):
+    """The whole state of the panels; `tree`, `view` and `tools` are the keys of their rows, parents first."""
 
     tree: tuple[str, ...]
     view: tuple[str, ...]
@@ -137,146 +184,130 @@ class PanelState:
     selection: str
     types: tuple[AddableType, ...]
     topics: tuple[AddableTopic, ...]
-    handles: tuple[str, ...]  # nodes below which interactive markers are, that can be dragged
+    # Scene nodes of draggable interactive markers.
+    handles: tuple[str, ...]
     menu: ContextMenu
     frames: tuple[str, ...]
     layouts: Layouts
     summary: str
 
 
-@dataclass(frozen=True)
-class PanelNews:
-    """The fields of the state and the rows that have changed, and the keys of rows that are gone."""
+class PanelNews(Message, frozen=True):
+    """The fields of the state and the rows that have changed, and the keys of removed rows."""
 
     changed: Annotated[Mapping[str, Any], "Partial<PanelState>"]
     rows: Mapping[str, PanelRow]
     gone: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class OpenPanels:
-    """A page has come that knows nothing yet."""
+class OpenPanels(Order, frozen=True):
+    """A new page requests the whole state."""
 
 
-@dataclass(frozen=True)
-class LookAgain:
-    """Somebody wants to see what is new."""
+class LookAgain(Order, frozen=True):
+    """Request an update."""
 
 
-@dataclass(frozen=True)
-class SetValue:
+class SetValue(Order, frozen=True):
     """Edit a row, or tick its box."""
 
     row: str
     value: Any
 
 
-@dataclass(frozen=True)
-class AddDisplay:
-    """Add a display, to the group that is chosen."""
+class AddDisplay(Order, frozen=True):
+    """Add a display to the selected group."""
 
-    display: str  # its class
+    # Class name of the display.
+    display: str
     topic: str = ""
     row: str = ""
 
 
-@dataclass(frozen=True)
-class DuplicateDisplay:
+class DuplicateDisplay(Order, frozen=True):
     """Add a copy of a display."""
 
     row: str
 
 
-@dataclass(frozen=True)
-class RenameRow:
-    """Change the name of a display or a group."""
+class RenameRow(Order, frozen=True):
+    """Change the name of a display or group."""
 
     row: str
     name: str
 
 
-@dataclass(frozen=True)
-class RemoveRow:
-    """Remove a display or a group."""
+class RemoveRow(Order, frozen=True):
+    """Remove a display or group."""
 
     row: str
 
 
-@dataclass(frozen=True)
-class SaveLayout:
+class SaveLayout(Order, frozen=True):
     """Write an .rviz file into the notebook's folder."""
 
     name: str
 
 
-@dataclass(frozen=True)
-class LoadLayout:
-    """Open an .rviz file of the notebook's folder."""
+class LoadLayout(Order, frozen=True):
+    """Open an .rviz file in the notebook's folder."""
 
     name: str
 
 
-@dataclass(frozen=True)
-class ChangeView:
+class ChangeView(Order, frozen=True):
     """Change the type of view."""
 
     view: str
 
 
-@dataclass(frozen=True)
-class HomeView:
-    """Look from where a new view does."""
+class HomeView(Order, frozen=True):
+    """Return to the defaults of the view."""
 
 
-@dataclass(frozen=True)
-class SaveView:
-    """Save the view as it is now."""
+class SaveView(Order, frozen=True):
+    """Save the current view."""
 
     name: str
 
 
-@dataclass(frozen=True)
-class UseView:
-    """Look as a saved view does."""
+class UseView(Order, frozen=True):
+    """Switch to a saved view."""
 
     index: int
 
 
-@dataclass(frozen=True)
-class RenameView:
+class RenameView(Order, frozen=True):
     """Change the name of a saved view."""
 
     index: int
     name: str
 
 
-@dataclass(frozen=True)
-class RemoveView:
+class RemoveView(Order, frozen=True):
     """Remove a saved view."""
 
     index: int
 
 
-@dataclass(frozen=True)
-class TurnView:
-    """The view was turned by hand; points in the fixed frame, [m]."""
+class TurnView(Order, frozen=True):
+    """The view was turned by hand; points are in the fixed frame [m]."""
 
     eye: Vector
     target: Vector
     up: Vector
-    scale: float  # pixels per metre, 0 with perspective
+    # Pixels per metre, 0 with perspective.
+    scale: float
 
 
-@dataclass(frozen=True)
-class SelectObject:
-    """An object was clicked, or the background."""
+class SelectObject(Order, frozen=True):
+    """An object or the background was clicked."""
 
     path: str | None = None
     index: int | None = None
 
 
-@dataclass(frozen=True)
-class PublishGesture:
+class PublishGesture(Order, frozen=True):
     """A tool was used at a point in the fixed frame, [m], with an angle about z, [rad]."""
 
     tool: str
@@ -284,9 +315,8 @@ class PublishGesture:
     angle: float = 0.0
 
 
-Order: TypeAlias = (
+AnyOrder: TypeAlias = (
     OpenPanels | LookAgain | SetValue | AddDisplay | DuplicateDisplay | RenameRow | RemoveRow
     | SaveLayout | LoadLayout | ChangeView | HomeView | SaveView | UseView | RenameView | RemoveView
     | TurnView | SelectObject | PublishGesture | UseControl | ChooseEntry
 )  # fmt: skip
-ORDERS: Mapping[str, type[Order]] = {kind.__name__: kind for kind in get_args(Order)}  # by their "act"

@@ -1,42 +1,54 @@
-"""A view at rest: what a viewer has shown, to be played again in the page."""
+"""A frozen view: the current state of a viewer, and a recording that the page can play."""
 
 import json
 import weakref
-from dataclasses import fields, replace
 from typing import Any
 
+import msgspec
+from msgspec.structs import replace
+
 from course_lib.displays.panel.desk import Desk
-from course_lib.displays.panel.protocol import Gesture, Notice, PanelNews, PanelRow
+from course_lib.displays.panel.protocol import Gesture, Notice, PanelNews
 from course_lib.displays.session import RvizSession
 from course_lib.displays.statuses import StatusTable
-from course_lib.viewer.film import Film, copied
+from course_lib.viewer.encoding import to_json
 from course_lib.viewer.page_link import PageLink
 from course_lib.viewer.scene import Scene
+from course_lib.viewer.scene_recording import SceneRecording, copy_of
 from course_lib.viewer.widget import SceneWidget
-from course_lib.viewer.wire import to_json
 
-_OF_THE_PAGE: tuple[Gesture, ...] = ("interact", "camera", "focus", "measure")  # need no Python
+# Tools that need no Python.
+_OF_THE_PAGE: tuple[Gesture, ...] = ("interact", "camera", "focus", "measure")
+RECORDED = "Recorded. Press play to watch it again."
+REPLAY = "Recorded. It plays again and again; press pause to look closely."
 
 
 class RestingView(SceneWidget):
-    """The picture and the panels of a viewer as they are now, and a film; nothing changes them any more.
+    """The scene and the panels of a viewer in their current state, with a recording.
 
     Args:
-        session: Of the viewer.
-        film: What it has shown.
-        seconds: How much of the film is kept, [s].
+        session: The viewer's session.
+        film: The recording of its scene.
+        seconds: The length of the recording to keep [s].
+        plays: Whether the page plays it again and again, from the start on.
     """
 
-    def __init__(self, session: RvizSession, film: Film, seconds: float) -> None:
+    def __init__(
+        self, session: RvizSession, film: SceneRecording, seconds: float, *, plays: bool = False
+    ) -> None:
         self._words = str(StatusTable(session.rows()))
-        panels = json.dumps(_panels(session))
+        panels = json.dumps(_panels(session, REPLAY if plays else RECORDED))
         self._source, self._span = weakref.ref(film), (seconds, film.time)
         super().__init__(
-            copied(film.scene), label="RViz view at rest", film=film.packed(seconds), panels=panels
+            copy_of(film.scene),
+            label="RViz replay" if plays else "RViz view at rest",
+            film=film.packed(seconds),
+            plays=plays,
+            panels=panels,
         )
 
     def packed(self, interval: float) -> bytes:
-        """Write its film with pictures that are at least so many [s] apart, as long as its viewer lives."""
+        """Return the recording with frames at least `interval` [s] apart, while its viewer exists."""
         film = self._source()
         return film.packed(*self._span, interval) if film else self.film
 
@@ -45,21 +57,15 @@ class RestingView(SceneWidget):
         return data | {"text/plain": f"{data['text/plain']}\n{self._words}"}, metadata
 
 
-def _panels(session: RvizSession) -> Any:
-    """Return the only news of the panels: rows to read, and tools that need no Python."""
+def _panels(session: RvizSession, notice: str) -> Any:
+    """Return the only message to the panels: read-only rows, and tools that need no Python."""
     desk = Desk(session, PageLink(Scene(), lambda content, buffers: None))
-    state, rows = desk.whole()
+    state, rows = desk.full_state()
     desk.close()
     tools = tuple(tool for tool in state.toolbar if tool.gesture in _OF_THE_PAGE)
-    state = replace(
-        state, toolbar=tools, handles=(), notice=Notice("", "At rest: press play to see it again.")
-    )
-    changed = {field.name: getattr(state, field.name) for field in fields(state)}
-    return to_json(PanelNews(changed, {key: _readable(row) for key, row in rows.items()}, ()))
-
-
-def _readable(row: PanelRow) -> PanelRow:
-    """Return a row whose value is a text."""
-    text = row.text if row.editor is None or row.value is None else str(row.value)
-    is_off = row.checked is False
-    return replace(row, text="off" if is_off else text, value=None, checked=None, editor=None)
+    state = replace(state, toolbar=tools, handles=(), notice=Notice("", notice))
+    for key, row in rows.items():
+        text = row.text if row.editor is None or row.value is None else str(row.value)
+        is_off = row.checked is False
+        rows[key] = replace(row, text="off" if is_off else text, value=None, checked=None, editor=None)
+    return to_json(PanelNews(msgspec.structs.asdict(state), rows, ()))

@@ -1,20 +1,21 @@
-"""RViz's tools: what the tool bar has, and what those that publish say (rviz_default_plugins/tools)."""
+"""RViz's tools: the buttons of the tool bar, and the messages that some of them publish."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import atan2, cos, sin
 from typing import Any
 
 from course_lib.arrays import Vector
+from course_lib.displays.display import RvizNode, qos_of, qos_properties
 from course_lib.displays.frames import NS
 from course_lib.displays.layout import text_at
-from course_lib.displays.node import RvizNode
 from course_lib.displays.panel.protocol import Gesture, PublishGesture, ToolSettings
 from course_lib.displays.properties import Property, PropertyHolder, color, flag, number
-from course_lib.displays.topic_display import qos_of, with_qos
 from course_lib.errors import CourseError
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class
 
-Message = Any  # of the generated classes, which are known by name only
+# An instance of a generated class.
+Message = Any
 
 
 class Tool(PropertyHolder):
@@ -22,10 +23,10 @@ class Tool(PropertyHolder):
 
     Args:
         short: RViz's class, without its package.
-        label: Of the button.
-        key: That chooses it.
-        gesture: What the page does with the mouse.
-        properties: Those that a tool of this class has.
+        label: The label of the button.
+        key: The key that selects it.
+        gesture: The page's reaction to the mouse.
+        properties: The properties of this tool.
     """
 
     def __init__(self, short: str, label: str, key: str, gesture: Gesture, *properties: Property) -> None:
@@ -37,49 +38,70 @@ class Tool(PropertyHolder):
     def __repr__(self) -> str:
         return self.label
 
-    def changed(self, label: str) -> None:
-        """Need nothing: properties are read when the tool is used."""
+    def on_changed(self, label: str) -> None:
+        """Do nothing, because properties are read when the tool is used."""
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
-        """Set properties from a layout, and keep it."""
+        """Set properties from a layout, and store it."""
         self.config = config
         return super().load(config)
 
 
 class PublishPoint(Tool):
-    """A tool that publishes the point that is clicked."""
+    """A tool that publishes the clicked point."""
 
     type_name = "geometry_msgs/msg/PointStamped"
-    properties = (*with_qos("/clicked_point"), Property("Single click", True, flag))
+    # Node through which it publishes, once advertised.
+    node: RvizNode | None = None
+    # Topic, type and QoS.
+    advertised: tuple[str, str, Qos] | None = None
+    properties = (*qos_properties("/clicked_point"), Property("Single click", True, flag))
 
     def message(self, frame: str, stamp_ns: int, point: Vector, yaw: float) -> Message:
-        """Return the message for a point, [m], and a direction, [rad], at a robot time in [ns]."""
+        """Return the message for a point [m] and a direction [rad] at a robot time [ns]."""
         stamped: Message = message_class(self.type_name)()
         stamped.header.frame_id = frame
         stamped.header.stamp.sec, stamped.header.stamp.nanosec = divmod(stamp_ns, NS)
         self._fill(stamped, point, yaw)
         return stamped
 
-    def said(self, topic: str, message: Message) -> str:
+    def confirmation(self, topic: str, message: Message) -> str:
         """Describe a published message."""
         p = message.point
         return f"Published ({p.x:.2f}, {p.y:.2f}, {p.z:.2f}) in {message.header.frame_id} on {topic}."
 
+    def on_changed(self, label: str) -> None:
+        """Advertise the current topic, replacing the former one."""
+        if self.node is not None and self.advertised is not None:
+            self.node.withdraw(*self.advertised)
+        self.advertise()
+
+    def advertise(self) -> None:
+        """Create the publisher with the quality of service in the properties, like RViz's tool."""
+        if self.node is not None:
+            self.advertised = self.topic, self.type_name, qos_of(self)
+            self.node.publisher(*self.advertised)
+
+    @property
+    def topic(self) -> str:
+        """The fully resolved name of its topic."""
+        return "/" + str(self["Topic"]).removeprefix("/")
+
     def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:
-        """Write the point, [m], and the direction about z, [rad]."""
+        """Set the point [m] and the direction about z [rad]."""
         stamped.point.x, stamped.point.y, stamped.point.z = map(float, point)
 
 
 class SetGoal(PublishPoint):
-    """A tool that publishes the pose that is dragged on the ground."""
+    """A tool that publishes the pose dragged on the ground."""
 
     does = "Setting goal pose"
 
     type_name = "geometry_msgs/msg/PoseStamped"
-    properties = with_qos("goal_pose")
+    properties = qos_properties("goal_pose")
 
-    def said(self, topic: str, message: Message) -> str:
-        """Describe a published message as RViz's log does."""
+    def confirmation(self, topic: str, message: Message) -> str:
+        """Describe a published message with the text of RViz's log."""
         pose = getattr(message.pose, "pose", message.pose)
         p, q = pose.position, pose.orientation
         return (
@@ -88,24 +110,24 @@ class SetGoal(PublishPoint):
         )
 
     def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:
-        _place(stamped.pose, point, yaw)
+        _set_pose(stamped.pose, point, yaw)
 
 
 class SetInitialPose(SetGoal):
-    """A tool that publishes the pose that is dragged on the ground, with a covariance."""
+    """A tool that publishes the pose dragged on the ground, with a covariance."""
 
     does = "Setting estimate pose"
 
     type_name = "geometry_msgs/msg/PoseWithCovarianceStamped"
     properties = (
-        *with_qos("initialpose"),
+        *qos_properties("initialpose"),
         Property("Covariance x", 0.25, number(0.0)),  # [m^2]
         Property("Covariance y", 0.25, number(0.0)),  # [m^2]
-        Property("Covariance yaw", 0.06853891909122467, number(0.0)),  # [rad^2]; (pi / 12)^2 in four bytes
+        Property("Covariance yaw", 0.06853891909122467, number(0.0)),  # [rad^2]; (pi / 12)^2 as float32
     )
 
     def _fill(self, stamped: Message, point: Vector, yaw: float) -> None:
-        _place(stamped.pose.pose, point, yaw)
+        _set_pose(stamped.pose.pose, point, yaw)
         for index, axis in ((0, "x"), (7, "y"), (35, "yaw")):
             stamped.pose.covariance[index] = self[f"Covariance {axis}"]
 
@@ -127,23 +149,33 @@ def all_tools() -> tuple[Tool, ...]:
 def load_tools(tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Set the tools' properties from a layout, and yield the problems with it."""
     known = {tool.class_name: tool for tool in tools}
-    for config in reversed(configs):  # so that the first one of a class counts
+    # In reverse order, so that the first tool of a class has precedence.
+    for config in reversed(configs):
         wanted = text_at(config, "Class")
         if wanted in known:
             yield from known[wanted].load(config)
         else:
-            yield f"There is no tool {wanted!r} here; the layout keeps its settings."
+            yield f"There is no tool {wanted!r}; the layout keeps its settings."
+
+
+def advertise_tools(node: RvizNode, tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> None:
+    """Advertise the topics of the tools in a layout, as RViz does when it loads one."""
+    wanted = {text_at(config, "Class") for config in configs}
+    for tool in tools:
+        if isinstance(tool, PublishPoint) and tool.class_name in wanted:
+            tool.node = node
+            tool.advertise()
 
 
 def settings_of(tools: Sequence[Tool]) -> ToolSettings:
-    """Return the properties of tools that the page itself follows."""
+    """Return the properties of tools that the page itself uses."""
     single = next(tool.get("Single click", None) for tool in tools if tool.gesture == "point")
     line = next(tool.get("Line color", None) for tool in tools if tool.gesture == "measure")
     return ToolSettings(single, "rgb({}, {}, {})".format(*line))
 
 
 def publish(node: RvizNode, tools: Iterable[Tool], fixed_frame: str, order: PublishGesture) -> str:
-    """Publish for a gesture in the fixed frame, stamped now, and return the message in words.
+    """Publish a message for a gesture in the fixed frame, stamped now, and return its description.
 
     Raises:
         CourseError: If there is no such tool.
@@ -153,12 +185,11 @@ def publish(node: RvizNode, tools: Iterable[Tool], fixed_frame: str, order: Publ
         raise CourseError(f"There is no tool {order.tool!r} that publishes, but {', '.join(known)}.")
     tool = known[order.tool]
     message = tool.message(fixed_frame, node.now_ns, order.point, order.angle)
-    topic = "/" + tool["Topic"].removeprefix("/")
-    node.publish(topic, tool.type_name, qos_of(tool), message)
-    return tool.said(topic, message)
+    node.publish(tool.topic, tool.type_name, qos_of(tool), message)
+    return tool.confirmation(tool.topic, message)
 
 
-def _place(pose: Message, point: Vector, yaw: float) -> None:
-    """Write a pose on the ground; z of the point is 0 there."""
+def _set_pose(pose: Message, point: Vector, yaw: float) -> None:
+    """Set a pose on the ground; z of the point is 0."""
     pose.position.x, pose.position.y = float(point[0]), float(point[1])
     pose.orientation.z, pose.orientation.w = sin(yaw / 2), cos(yaw / 2)

@@ -1,4 +1,4 @@
-"""Filters of the kernel: which files can be opened (Landlock) and which calls are refused (seccomp)."""
+"""Kernel filters of the jail: accessible files (Landlock) and rejected system calls (seccomp)."""
 
 import ctypes
 import errno
@@ -6,20 +6,79 @@ import os
 import platform
 import struct
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Literal
 
-from course_lib.grading.jail.system_calls import NO_NEW_PRIVILEGES, function, prctl, syscall
+from course_lib.errors import CourseError
 
-CREATE, ADD_RULE, RESTRICT = 444, 445, 446  # numbers of the system calls
+NO_NEW_PRIVILEGES, DUMPABLE, CHILD_SUBREAPER, KEEP_CAPABILITIES = 38, 4, 36, 8  # prctl operations
+CAPABILITIES_3 = 0x20080522  # version of the capability structures
+
+
+@cache
+def _libc() -> Any:
+    library = ctypes.CDLL(None, use_errno=True)
+    library.syscall.restype = ctypes.c_long
+    return library
+
+
+def call_function(name: str, *arguments: Any) -> int:
+    """Call a function of the C library.
+
+    Raises:
+        OSError: It failed, or does not exist on this system.
+    """
+    called = getattr(_libc(), name, None)
+    if called is None:
+        raise OSError(f"{name}: not on this system")
+    result = int(called(*arguments))
+    if result < 0:
+        number = ctypes.get_errno()
+        raise OSError(number, f"{name}: {os.strerror(number)}")
+    return result
+
+
+def syscall(number: int, *arguments: Any) -> int:
+    """Make a system call whose number is the same on all machines, or raise an OSError."""
+    return call_function("syscall", ctypes.c_long(number), *arguments)
+
+
+def prctl(operation: int, *arguments: int) -> None:
+    """Change an attribute of this process, or raise an OSError."""
+    call_function("prctl", operation, *map(ctypes.c_ulong, (*arguments, 0, 0, 0, 0)[:4]))
+
+
+def drop_capabilities() -> None:
+    """Drop all capabilities of root or of a namespace's root, or raise an OSError."""
+    _set_capabilities((ctypes.c_uint32 * 6)())
+
+
+def use_capabilities() -> None:
+    """Make all permitted capabilities effective after a change of user, or raise an OSError."""
+    sets = (ctypes.c_uint32 * 6)()  # effective, permitted, inheritable; twice, for low and high numbers
+    call_function("capget", ctypes.byref((ctypes.c_uint32 * 2)(CAPABILITIES_3, 0)), ctypes.byref(sets))
+    sets[0], sets[3] = sets[1], sets[4]
+    _set_capabilities(sets)
+
+
+def _set_capabilities(sets: Any) -> None:
+    call_function("capset", ctypes.byref((ctypes.c_uint32 * 2)(CAPABILITIES_3, 0)), ctypes.byref(sets))
+
+
+CREATE, ADD_RULE, RESTRICT = 444, 445, 446  # system call numbers
 VERSION, PATH_BENEATH = 1, 1
 EXECUTE, WRITE_FILE, READ_FILE, READ_DIR, TRUNCATE = 1 << 0, 1 << 1, 1 << 2, 1 << 3, 1 << 14
 OF_FILES = EXECUTE | WRITE_FILE | READ_FILE | TRUNCATE
-FILE_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15}  # how many there are, by version; 16 from the fifth on
+# number of file access rights by Landlock version; 16 from version 5 on
+FILE_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15}
 TCP_RIGHTS, SCOPES = 0b11, 0b11  # TCP bind and connect; abstract sockets and signals
-TCP_FROM, SIGNALS_FROM = 4, 6  # versions
+TCP_FROM, SIGNALS_FROM = 4, 6  # first Landlock versions that support these
 SET_SECCOMP, MODE_FILTER = 22, 2
-MACHINES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}  # column below, audit number
-NEWER = 450  # calls that came later are as good as missing
-X32 = 0x40000000  # the same calls under other numbers
+# column in the tables below, audit architecture
+MACHINES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}
+NEWER = 450  # system calls from this number on are treated as unknown
+X32 = 0x40000000  # x32 variants of the same calls
 REFUSED = {
     "execve": (59, 221), "execveat": (322, 281),
     "kill": (62, 129), "tkill": (200, 130), "tgkill": (234, 131), "pidfd_send_signal": (424, 424),
@@ -51,26 +110,35 @@ REFUSED = {
     "setgroups": (116, 159), "capset": (126, 91),
     "ioperm": (173, None), "iopl": (172, None), "modify_ldt": (154, None),
 }  # fmt: skip
-NETWORK = {"socket": (41, 198)}  # a pair of sockets is no network, and asyncio needs one
-PRETENDED = {  # does nothing, and says that it worked: who copies a file calls these, Landlock lets them pass
+# Socket pairs are allowed: they have no network access, and asyncio needs one.
+NETWORK = {"socket": (41, 198)}
+# Calls that succeed without effect. Programs that copy files make them, and Landlock cannot forbid
+# them.
+PRETENDED = {
     "chmod": (90, None), "fchmod": (91, 52), "fchmodat": (268, 53),
     "chown": (92, None), "fchown": (93, 55), "lchown": (94, None), "fchownat": (260, 54),
     "utime": (132, None), "utimes": (235, None), "futimesat": (261, None), "utimensat": (280, 88),
     "setxattr": (188, 5), "lsetxattr": (189, 6), "fsetxattr": (190, 7),
+    # Flushing waits for all disks of the machine, and the files are temporary anyway.
+    "sync": (162, 81), "syncfs": (306, 267), "fsync": (74, 82), "fdatasync": (75, 83),
+    "sync_file_range": (277, 84), "msync": (26, 227),
     "removexattr": (197, 14), "lremovexattr": (198, 15), "fremovexattr": (199, 16),
 }  # fmt: skip
 LOAD, IF_EQUAL, IF_AT_LEAST, IF_ANY_BIT, RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
 CLONE, CLONE3 = (56, 220), (435, 435)
-BY_ARGUMENT = (  # refused if one of the tests of that argument, counted from 0, is met
+# Calls that are rejected if a test of an argument, counted from 0, is true.
+BY_ARGUMENT = (
     (CLONE, 0, IF_ANY_BIT, (0x7E020080,)),  # new namespaces
-    # Which process: 0 is the caller. prlimit64, sched_setaffinity, _setscheduler, _setparam, _setattr
+    # A process id other than 0 (the caller): prlimit64, sched_setaffinity, _setscheduler,
+    # _setparam, _setattr.
     *((call, 0, IF_AT_LEAST, (1,)) for call in ((302, 261), (203, 122), (144, 119), (142, 118), (314, 274))),
-    ((72, 25), 1, IF_EQUAL, (8, 10, 15)),  # fcntl: F_SETOWN, _SETSIG, _SETOWN_EX have the kernel send signals
-    ((16, 29), 1, IF_EQUAL, (0x8901, 0x8902, 0x5412)),  # ioctl: the same, and TIOCSTI types into a terminal
-    ((53, 199), 1, IF_ANY_BIT, (2,)),  # socketpair: datagrams can be sent to any other socket
+    ((72, 25), 1, IF_EQUAL, (8, 10, 15)),  # fcntl: F_SETOWN, _SETSIG, _SETOWN_EX make the kernel send signals
+    # ioctl: likewise, and TIOCSTI injects input into a terminal
+    ((16, 29), 1, IF_EQUAL, (0x8901, 0x8902, 0x5412)),
+    ((53, 199), 1, IF_ANY_BIT, (2,)),  # socketpair: datagrams can be sent to any socket
 )
 ALLOW, KILL, ERROR = 0x7FFF0000, 0x80000000, 0x00050000
-NUMBER, MACHINE, ARGUMENTS = 0, 4, 16  # offsets in what the filter looks at; arguments have 8 bytes each
+NUMBER, MACHINE, ARGUMENTS = 0, 4, 16  # offsets in the data of a filter; arguments have 8 bytes each
 
 
 class _Ruleset(ctypes.Structure):
@@ -83,8 +151,8 @@ class _PathBeneath(ctypes.Structure):
     _fields_ = (("allowed", ctypes.c_uint64), ("parent", ctypes.c_int32))
 
 
-def version() -> int:
-    """Return the version of the kernel's Landlock; 0 if it has none."""
+def landlock_version() -> int:
+    """Return the Landlock version of the kernel, or 0 if it has none."""
     try:
         return syscall(CREATE, None, ctypes.c_size_t(0), VERSION)
     except OSError:
@@ -92,20 +160,21 @@ def version() -> int:
 
 
 def restrict_files(read: Sequence[str], write: Sequence[str], listed: Sequence[str] = ()) -> None:
-    """Restrict this process and its children, for good, to opening these files; missing ones are skipped.
+    """Irrevocably restrict this process and its children to these files; missing paths are skipped.
 
     Args:
-        read: Files, and folders with all that is in them.
-        write: The same, for any use but to execute.
-        listed: Folders of which only the names of what is in them can be read.
+        read: Readable files, and folders with everything in them.
+        write: Files and folders with all rights except execution.
+        listed: Folders whose entries can be listed, but not read.
 
     Raises:
-        OSError: The kernel has no Landlock, or refuses.
+        OSError: The kernel has no Landlock, or the call fails.
     """
-    has = version()
+    has = landlock_version()
     every = (1 << FILE_RIGHTS.get(has, 16)) - 1
     rules = _Ruleset(every, TCP_RIGHTS if has >= TCP_FROM else 0, SCOPES if has >= SIGNALS_FROM else 0)
-    size = ctypes.c_size_t(24 if has >= SIGNALS_FROM else 16 if has >= TCP_FROM else 8)  # [B], as it grew
+    # [B] size of the structure, by version
+    size = ctypes.c_size_t(24 if has >= SIGNALS_FROM else 16 if has >= TCP_FROM else 8)
     ruleset = syscall(CREATE, ctypes.byref(rules), size, 0)
     granted = ((read, EXECUTE | READ_FILE | READ_DIR), (write, every & ~EXECUTE), (listed, READ_DIR))
     for paths, rights in granted:
@@ -128,26 +197,21 @@ class _FilterProgram(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("code", ctypes.c_void_p))
 
 
-def is_known() -> bool:
-    """Return whether the tables hold the numbers of this machine's calls."""
-    return platform.machine() in MACHINES
-
-
-def refuse_calls() -> None:
-    """Load the filter, for good, into this process and its children.
+def filter_calls() -> None:
+    """Irrevocably load the seccomp filter into this process and its children.
 
     Raises:
-        OSError: The kernel refuses.
+        OSError: The kernel rejects the filter.
     """
-    code = program(*MACHINES[platform.machine()])
+    code = filter_program(*MACHINES[platform.machine()])
     buffer = ctypes.create_string_buffer(code, len(code))
     loaded = _FilterProgram(len(code) // 8, ctypes.addressof(buffer))
     prctl(NO_NEW_PRIVILEGES, 1)
-    function("prctl", SET_SECCOMP, MODE_FILTER, ctypes.byref(loaded), 0, 0)
+    call_function("prctl", SET_SECCOMP, MODE_FILTER, ctypes.byref(loaded), 0, 0)
 
 
-def program(column: int, machine: int) -> bytes:
-    """Return the filter's code: pairs of a test and its action."""
+def filter_program(column: int, machine: int) -> bytes:
+    """Return the BPF code of the filter: pairs of a test and its action."""
 
     def numbers(table: Mapping[str, tuple[int, int | None]]) -> list[int]:
         return [number for row in table.values() if (number := row[column]) is not None]
@@ -155,7 +219,7 @@ def program(column: int, machine: int) -> bytes:
     steps = [
         _step(LOAD, MACHINE), _step(IF_EQUAL, machine, 1, 0), _step(RETURN, KILL),
         _step(LOAD, NUMBER), *_if(IF_AT_LEAST, X32, KILL), *_if(IF_AT_LEAST, NEWER, ERROR | errno.ENOSYS),
-        # Threads start by clone then, whose flags can be looked at:
+        # Without clone3, threads are started by clone, whose flags a filter can read.
         *_if(IF_EQUAL, CLONE3[column], ERROR | errno.ENOSYS),
     ]  # fmt: skip
     for table, error in ((REFUSED, errno.EPERM), (NETWORK, errno.ENETDOWN), (PRETENDED, 0)):
@@ -174,3 +238,58 @@ def _step(code: int, value: int, if_true: int = 0, if_false: int = 0) -> bytes:
 
 def _if(test: int, value: int, action: int) -> list[bytes]:
     return [_step(test, value, 0, 1), _step(RETURN, action)]
+
+
+Need = Literal["full", "partial", "any"]  # the required isolation
+LAYERS = ("bubblewrap", "namespaces", "Landlock", "seccomp", "limits", "process limit")
+
+
+@dataclass(frozen=True)
+class Isolation:
+    """The layers of the jail that work on this machine."""
+
+    layers: tuple[str, ...] = ()
+
+    @property
+    def is_full(self) -> bool:
+        """True if no layer is missing; bubblewrap only duplicates others."""
+        return set(LAYERS) - {"bubblewrap"} <= set(self.layers)
+
+    @property
+    def is_protective(self) -> bool:
+        """True if the user's files and the network are inaccessible."""
+        closes_files = self.hides_names or "Landlock" in self.layers
+        cuts_off = self.hides_names or "seccomp" in self.layers
+        return closes_files and cuts_off and "limits" in self.layers
+
+    @property
+    def hides_names(self) -> bool:
+        """True if even the names of files are hidden."""
+        return bool({"bubblewrap", "namespaces"} & set(self.layers))
+
+    def __str__(self) -> str:
+        """Return a description for results, reports and the terminal."""
+        missing = [layer for layer in LAYERS[1:] if layer not in self.layers]
+        have = ", ".join(self.layers)
+        if self.is_full:
+            return f"full sandbox ({have})"
+        kind = "partial sandbox" if self.is_protective else "no sandbox"
+        seen = "" if self.hides_names or not self.is_protective else "; file names are not hidden"
+        return f"{kind} ({f'has {have}; ' if have else ''}lacks {', '.join(missing)}{seen})"
+
+    def require(self, need: Need) -> None:
+        """Raise an error if the isolation is weaker than required.
+
+        Raises:
+            CourseError: The message has the missing layers and a command to type.
+        """
+        if need == "full" and not self.is_full:
+            raise CourseError(
+                f"--require-sandbox: this machine has only: {self}. "
+                "Grade on another Linux machine, or omit --require-sandbox."
+            )
+        if need == "partial" and not self.is_protective:
+            raise CourseError(
+                f"submissions would run with your rights, {self}: they could read and change your files. "
+                "Grade on Linux or WSL2; if you trust all of them, add --i-trust-these-submissions"
+            )

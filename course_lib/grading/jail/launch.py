@@ -1,6 +1,11 @@
-"""The grader's end of the template: starts it with as many layers around it as work here."""
+"""The grader's end of the template: start it inside as many isolation layers as work here.
+
+A place is the environment in which submissions run: a root with readable files, a user, and a
+scratch folder. Readable are the interpreter, the declared distributions and the kit.
+"""
 
 import atexit
+import glob
 import json
 import os
 import shutil
@@ -9,23 +14,386 @@ import socket
 import subprocess
 import sys
 import tempfile
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import asdict
-from typing import Any
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib.metadata import Distribution, PackageNotFoundError, distribution
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Literal
 
+import course_lib
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.foreign import read_json
-from course_lib.grading.jail.isolation import Isolation
-from course_lib.grading.jail.place import HOMES, INSIDE
-from course_lib.grading.jail.readable import KIT, Readable, readable
+from course_lib.grading.jail import layers
+from course_lib.grading.jail.filters import (
+    KEEP_CAPABILITIES,
+    Isolation,
+    drop_capabilities,
+    prctl,
+    use_capabilities,
+)
 from course_lib.grading.run.outcome import Usage
+from course_lib.third_party import read_json
 
-START_SECONDS = 60.0  # [s] for the template's imports on a busy machine
-STOP_SECONDS = 60.0  # [s] for the end of a submission and its processes, which may be thousands
-SIGNALLED = 128  # bubblewrap's status for a process that a signal ended, plus the signal's number
-PIPE_HOLDS = 2**20  # [B] of a submission's output
+DISTRIBUTION = "course-lib"
+CACHE = "__pycache__"
+KIT = os.path.dirname(os.path.realpath(course_lib.__file__))
+HANDED_OUT = os.path.join(KIT, "_course")  # lessons, exercises and their checks in an installed wheel
+PACKAGE_FOLDERS = ("site-packages", "dist-packages")  # only declared distributions in these are readable
+# Files that programs need on every machine: shared libraries, fonts, time zones.
+SYSTEM = (
+    "/etc/ld.so.cache", "/etc/alternatives", "/etc/localtime", "/etc/fonts",
+    "/usr/share/fonts", "/usr/local/share/fonts", "/usr/share/fontconfig", "/usr/share/zoneinfo",
+    "/usr/lib/locale", "/lib64", "/usr/lib64", "/lib/*-linux-*", "/usr/lib/*-linux-*",
+    "/lib/*.so*", "/usr/lib/*.so*", "/usr/local/lib/*.so*",
+)  # fmt: skip
+
+
+def distribution_files() -> Iterator[str]:
+    """Yield the top-level files and folders of each declared distribution, without its scripts.
+
+    Raises:
+        CourseError: The kit itself is not installed.
+    """
+    for found in _declared_distributions():
+        folder = Path(str(found.locate_file("")))
+        names = _record_entries(found)
+        # The distribution has no RECORD, or was installed with -e.
+        if not names - {_metadata_folder(found)} - {name for name in names if name.endswith(".pth")}:
+            names |= set((found.read_text("top_level.txt") or "").split())
+            yield from _locate(found.metadata["Name"].replace("-", "_"))
+        for name in names:
+            yield str(folder / name)
+            # top_level.txt lists modules without their suffix.
+            yield str(folder / f"{name}.py")
+
+
+def _declared_distributions() -> Iterator[Distribution]:
+    """Yield the kit's distribution and its recursive requirements; missing ones are skipped."""
+    from packaging.requirements import Requirement
+
+    seen, waiting = set[tuple[str, frozenset[str]]](), [Requirement(DISTRIBUTION)]
+    while waiting:
+        need = waiting.pop()
+        key = (need.name.lower(), frozenset(need.extras))
+        if key in seen:
+            continue
+        seen.add(key)
+        try:
+            found = distribution(need.name)
+        except PackageNotFoundError as error:
+            if need.name == DISTRIBUTION:
+                problem = (
+                    f"{DISTRIBUTION} is not installed for {sys.executable}. In its checkout: pip install -e ."
+                )
+                raise CourseError(problem) from error
+            continue
+        yield found
+        extras = need.extras or {""}
+        waiting += [
+            more for more in map(Requirement, _requirements(found))
+            if more.marker is None or any(more.marker.evaluate({"extra": extra}) for extra in extras)
+        ]  # fmt: skip
+
+
+def _requirements(found: Distribution) -> Sequence[str]:
+    """Return a distribution's requirements, without slowly parsing its long description."""
+    head, _, _ = (found.read_text("METADATA") or "").partition("\n\n")
+    if not head:
+        return found.requires or ()
+    key = "Requires-Dist:"
+    return [line.removeprefix(key).strip() for line in head.splitlines() if line.startswith(key)]
+
+
+def _record_entries(found: Distribution) -> set[str]:
+    """Return the top-level names in a RECORD file, and the full paths in a shared `__pycache__`."""
+    names = {_metadata_folder(found)}
+    for line in (found.read_text("RECORD") or "").splitlines():
+        path = line.strip('"').split(",", 1)[0]
+        first = path.split("/", 1)[0]
+        if first not in ("", "..") and not path.startswith("/"):
+            names.add(path if first == CACHE else first)
+    return names
+
+
+def _metadata_folder(found: Distribution) -> str:
+    # importlib.metadata has no public attribute for it.
+    return Path(str(getattr(found, "_path", ""))).name
+
+
+def _locate(name: str) -> Iterator[str]:
+    """Yield the paths from which a module or package is imported."""
+    spec = find_spec(name)
+    if spec is not None:
+        yield from spec.submodule_search_locations or ()
+        yield from [spec.origin] if spec.origin and not spec.submodule_search_locations else []
+
+
+@dataclass(frozen=True)
+class Readable:
+    """Files and folders that a submission may read. None of them contains a refused path.
+
+    Args:
+        paths: Real paths of files, and of folders with everything in them.
+        links: Symbolic links on the way to them, with their targets.
+        listed: Folders that may be listed, as the import system does.
+        conflict: A path of the course inside a folder that is needed, or "".
+    """
+
+    paths: tuple[str, ...]
+    links: tuple[tuple[str, str], ...] = ()
+    listed: tuple[str, ...] = ()
+    conflict: str = ""
+
+
+@cache
+def readable(refused: tuple[str, ...] = ()) -> Readable:
+    """Return the files that submissions may read on this machine.
+
+    Args:
+        refused: Paths of the course that must stay hidden, even inside needed folders.
+
+    Raises:
+        CourseError: A needed path is itself refused.
+    """
+    folders, needed = _needed_files()
+    return select_readable(needed, folders, refused)
+
+
+@cache
+def _needed_files() -> tuple[list[str], list[str]]:
+    """Return the module search path, and all needed files and folders, including refused ones."""
+    found = [*site.getsitepackages(), site.getusersitepackages(), *sys.path]
+    named = [path for path in found if os.path.basename(path) in ("lib-dynload", *PACKAGE_FOLDERS)]
+    folders = list(filter(os.path.isdir, dict.fromkeys([os.path.dirname(os.__file__), *named])))
+    return folders, [*_system_files(), *_interpreter_files(), *folders, *distribution_files(), KIT]
+
+
+def select_readable(needed: Iterable[str], folders: Collection[str], refused: Collection[str]) -> Readable:
+    """Return the readable subset of the needed files and folders.
+
+    Args:
+        needed: Files and folders that are needed completely, except for refused paths.
+        folders: The module search path. Of folders with packages, only needed packages are
+            readable.
+        refused: Paths of the course.
+
+    Raises:
+        CourseError: A needed path is itself refused.
+    """
+    wanted = [path for path in dict.fromkeys(needed) if os.path.exists(path)]
+    course = [path for path in map(os.path.realpath, refused) if not _contains(HANDED_OUT, path)]
+    shared = _package_folders(folders)
+    handed_out = [HANDED_OUT] * os.path.exists(HANDED_OUT)
+    paths, conflict = set[str](), ""
+    for path in map(os.path.realpath, wanted):
+        if path in course:
+            raise CourseError(f"submissions must not read {path}, but Python needs it to run them: move it")
+        conflict = next((one for one in course if _contains(path, one) and path not in shared), conflict)
+        is_package = any(_contains(folder, path) and folder != path for folder in shared)
+        paths.update(_exclude(path, [*course, *handed_out, *([] if is_package else shared)]))
+    looked_in = map(os.path.realpath, [*folders, KIT])
+    listed = [path for path in looked_in if not any(_contains(path, one) for one in course)]
+    links = dict(link for path in wanted for link in symlinks_on(path))
+    # These are the links, not their targets.
+    links |= {path: os.readlink(path) for path in paths if os.path.islink(path)}
+    return Readable(tuple(_outermost(paths - links.keys())), tuple(links.items()), tuple(listed), conflict)
+
+
+def symlinks_on(path: str) -> Iterator[tuple[str, str]]:
+    """Yield the symbolic links on the way to an existing path, with their targets."""
+    done, rest = "/", path.split("/")
+    while rest:
+        name = rest.pop(0)
+        done = os.path.normpath(os.path.join(done, name))
+        if os.path.islink(done):
+            target = os.readlink(done)
+            yield done, target
+            done, rest = os.path.dirname(done), [*target.split("/"), *rest]
+            done = "/" if target.startswith("/") else done
+
+
+def _system_files() -> Iterator[str]:
+    for pattern in SYSTEM:
+        yield from glob.iglob(pattern)
+    # Only Linux has this file.
+    with suppress(OSError):
+        mapped = Path("/proc/self/maps").read_text(errors="surrogateescape").splitlines()
+        yield from (line[line.index("/") :] for line in mapped if "/" in line and ".so" in line)
+
+
+def _interpreter_files() -> Iterator[str]:
+    yield sys.executable
+    yield os.path.join(sys.prefix, "pyvenv.cfg")
+    for prefix in {sys.prefix, sys.base_prefix, sys.base_exec_prefix}:
+        yield from glob.iglob(os.path.join(glob.escape(prefix), "lib", "*.so*"))
+
+
+def _package_folders(folders: Collection[str]) -> list[str]:
+    """Return folders with packages that the kit may not need, including folders of other interpreters."""
+    inside = [os.path.join(folder, name) for folder in folders for name in PACKAGE_FOLDERS]
+    others = glob.glob("/usr/lib*/python*/*-packages")
+    named = [path for path in folders if os.path.basename(path) in PACKAGE_FOLDERS]
+    return [os.path.realpath(path) for path in (*named, *inside, *others)]
+
+
+def _contains(folder: str, path: str) -> bool:
+    return path == folder or path.startswith(folder.rstrip("/") + "/")
+
+
+def _exclude(path: str, refused: Collection[str]) -> list[str]:
+    """Return the path or, if it contains refused paths, the remaining entries around them."""
+    if path in refused:
+        return []
+    if not any(_contains(path, one) for one in refused):
+        return [path]
+    return [kept for name in os.listdir(path) for kept in _exclude(os.path.join(path, name), refused)]
+
+
+def _outermost(paths: Iterable[str]) -> Iterator[str]:
+    last = ""
+    for path in sorted(paths, key=lambda path: path.split("/")):
+        if not (last and _contains(last, path)):
+            last = path
+            yield path
+
+
+Root = Literal["own", "bubblewrap", "host"]
+User = Literal["another", "real", "same"]
+INSIDE = "/submission/home"  # the scratch folder in a separate root
+HOMES = ("HOME", "TMPDIR", "IPYTHONDIR", "MPLCONFIGDIR")
+DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
+# The range of systemd's temporary service users, which own no files.
+FIRST_USER, USERS = 61184, 4336
+
+
+@dataclass(frozen=True)
+class Place:
+    """The root, the user and the folders of submissions.
+
+    Args:
+        root: A new root, bubblewrap's root, or the machine's root.
+        user: A user without files ("another"); the same user with another real user id ("real"); or
+            the same user.
+        number: The user id, if it is another user.
+        scratch: The folder that submissions may write to.
+        read: Files and folders that submissions may read.
+        listed: Folders that submissions may list.
+    """
+
+    root: Root
+    user: User
+    number: int
+    scratch: str
+    read: tuple[str, ...]
+    listed: tuple[str, ...] = ()
+
+    @property
+    def owner(self) -> int:
+        """The owner of files that submissions write."""
+        return self.number if self.user == "another" else os.geteuid()
+
+
+def settle(
+    roots: Collection[Root], users: Sequence[User], scratch: str, read: Sequence[str], listed: Sequence[str],
+    links: Sequence[tuple[str, str]],
+) -> Place:  # fmt: skip
+    """Move this process to the first place that works. Each is tried in a fork.
+
+    Args:
+        roots: Acceptable roots, the best first.
+        users: Acceptable users, the best first.
+        scratch: An empty folder, which is removed if the root has its own.
+        read: Files and folders that submissions may read.
+        listed: Folders that submissions may list.
+        links: Symbolic links that a new root needs.
+
+    Raises:
+        OSError: No place works.
+    """
+    number = FIRST_USER + os.getpid() % USERS
+    for root in roots:
+        for user in users:
+            has_own = root == "own"
+            # In a root of its own, everything that it contains is readable.
+            tops = sorted({"/" + path.split("/")[1] for path in read})
+            folder, kept = (INSIDE, tops) if has_own else (scratch, read)
+            place = Place(root, user, number, folder, tuple(kept), tuple(listed))
+            if works(lambda place=place: _try(place, read, links)):  # type: ignore[misc]
+                if has_own:
+                    os.rmdir(scratch)
+                _move(place, read, links)
+                os.environ.update(dict.fromkeys(HOMES, place.scratch))
+                return place
+    raise OSError("no place for submissions")
+
+
+def works(layer: Callable[[], object]) -> bool:
+    """Return whether a call succeeds in a fork; a fork that is killed is repeated.
+
+    The call may fork itself.
+    """
+    return (_try_in_fork(layer) or _try_in_fork(layer)) == b"y"
+
+
+def _try_in_fork(layer: Callable[[], object]) -> bytes:
+    """Return b"y" if a call succeeds in a fork of this process, b"n" if it fails, b"" if it is killed."""
+    reader, writer = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        with suppress(BaseException):
+            layer()
+            os.write(writer, b"y")
+            os._exit(0)
+        os.write(writer, b"n")
+        os._exit(0)
+    os.close(writer)
+    # A fork of the fork may have written it.
+    answer = os.read(reader, 1)
+    os.close(reader)
+    os.waitpid(pid, 0)
+    return answer
+
+
+def _move(place: Place, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
+    if place.root == "host":
+        os.chown(place.scratch, place.owner, -1)
+    if place.user != "same":
+        _change_user(place)
+    if place.root == "own":
+        shown = [*read, *filter(os.path.exists, DEVICES)]
+        layers.enter_root(shown, place.listed, links, place.scratch)
+
+
+def _try(place: Place, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
+    _move(place, read, links)
+    if place.user != "same":
+        drop_capabilities()
+        unreadable = [path for path in read if not os.access(path, os.R_OK, effective_ids=True)]
+        if unreadable:
+            raise OSError(f"another user can't read {unreadable[0]}")
+
+
+def _change_user(place: Place) -> None:
+    """Change the user, but keep the capabilities that building the root requires."""
+    user = place.number
+    # The owner of new files is unchanged, but the kernel counts processes of the real user.
+    if place.user == "real":
+        os.setresuid(user, -1, -1)
+        return
+    prctl(KEEP_CAPABILITIES, 1)
+    os.setgroups([])
+    os.setresgid(user, user, user)
+    os.setresuid(user, user, user)
+    use_capabilities()
+
+
+START_SECONDS = 60.0  # [s] timeout of the template's imports on a busy machine
+STOP_SECONDS = 60.0  # [s] timeout of killing a submission and its processes, which may be thousands
+SIGNALLED = 128  # bubblewrap's exit status for a process killed by a signal, minus the signal number
+PIPE_HOLDS = 2**20  # [B] pipe size for a submission's output
 BUBBLEWRAP = (
     "--die-with-parent --new-session --unshare-pid --unshare-net --unshare-ipc --unshare-uts "
     "--proc /proc --dev /dev --perms 0755 --tmpfs /submission"
@@ -35,34 +403,34 @@ THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THR
 
 
 class WorkerError(CourseError):
-    """A worker does not even start: the kit's or the machine's fault, never the student's."""
+    """Raised if no worker starts, because of the kit or the machine, never the student."""
 
 
 class KilledStartError(WorkerError):
-    """A worker was killed while it started, which says nothing of what works here: try again."""
+    """Raised if a worker was killed during its start, so that starting again may succeed."""
 
 
 class TemplateProcess:
-    """A template, started with the most layers with which it comes up.
+    """A template process, started inside the most isolation layers with which it works.
 
     Args:
-        off: Layers that are not to be used, for tests of what is left.
-        refused: Paths of the course that no submission may read.
+        off: Layers to disable, for tests of the remaining ones.
+        refused: Paths of the course that submissions must not be able to read.
 
     Raises:
-        WorkerError: It does not start at all.
-        KilledStartError: It was killed meanwhile.
-        CourseError: A refused path can't be kept from submissions on this machine.
+        WorkerError: The template does not start.
+        KilledStartError: It was killed during its start.
+        CourseError: A refused path can't be hidden from submissions on this machine.
     """
 
     def __init__(self, off: Collection[str] = (), refused: tuple[str, ...] = ()) -> None:
         if not hasattr(os, "fork"):
-            raise WorkerError("grading needs Linux, macOS or WSL2: this system can't fork a process")
+            raise WorkerError("grading needs Linux, macOS or WSL2, because this system can't fork processes")
         files = readable(refused)
-        said = ""
+        output = ""
         for bubblewrap, roots in _attempts(off):
             scratch = INSIDE if bubblewrap else tempfile.mkdtemp(prefix="course_worker_")
-            place = {**_place(files, off), "roots": roots, "scratch": scratch}
+            place = {**_place_arguments(files, off), "roots": roots, "scratch": scratch}
             self._control, theirs = socket.socketpair()
             with theirs:
                 self._process = _start(theirs, place, bubblewrap, files, off)
@@ -71,38 +439,39 @@ class TemplateProcess:
             if answer:
                 self.isolation = Isolation(tuple(read_json(answer)))
                 break
-            said = self._process.communicate()[0].decode("utf-8", "replace")
+            output = self._process.communicate()[0].decode("utf-8", "replace")
             self._control.close()
             if not bubblewrap:
                 shutil.rmtree(scratch, ignore_errors=True)
             if not 0 <= self._process.returncode < SIGNALLED:
-                why = f"a worker was killed while it started: {said.strip()[-500:]}"
+                why = f"a worker was killed while it started: {output.strip()[-500:]}"
                 raise KilledStartError(why.rstrip(": "))
         else:
-            raise WorkerError(f"a worker can't be started: {said.strip()[-500:]}")
-        if files.torn and self.isolation.protects and not self.isolation.hides:
+            raise WorkerError(f"a worker can't be started: {output.strip()[-500:]}")
+        if files.conflict and self.isolation.is_protective and not self.isolation.hides_names:
             self.close()
             raise CourseError(
-                f"{files.torn} lies in a folder that Python needs in the jail, and what works here is: "
-                f"{self.isolation}. Move it to another folder, or grade where there are namespaces"
+                f"{files.conflict} is in a folder that Python needs in the jail, and this machine has only: "
+                f"{self.isolation}. Move it to another folder, or grade on a machine with namespaces"
             )
 
     def start(self, limits: Limits, imports: Collection[str]) -> tuple[socket.socket, int]:
-        """Start a submission, on the processors of the calling thread.
+        """Start a submission on the processors of the calling thread.
 
         Args:
-            limits: What it may use.
-            imports: Modules of ours that it will import, so that it finds them imported.
+            limits: The resource limits.
+            imports: Modules that the cells will import, to be imported in advance.
 
         Returns:
-            This side's ends of its channel and of the pipe for its output.
+            The grader's ends of the channel and of the output pipe.
         """
         ours, theirs = socket.socketpair()
         reader, writer = os.pipe()
         if sys.platform == "linux":
             import fcntl
 
-            with suppress(OSError):  # only slower without
+            # A small pipe is only slower.
+            with suppress(OSError):
                 fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, PIPE_HOLDS)
         with theirs:
             wanted = {"limits": asdict(limits), "imports": list(imports), "processors": processors()}
@@ -112,21 +481,22 @@ class TemplateProcess:
 
     @property
     def pid(self) -> int:
-        """The number of the process below which submissions run."""
+        """The id of the process whose descendants are the submissions."""
         return self._process.pid
 
     @property
     def is_sound(self) -> bool:
-        """True unless somebody killed the template."""
+        """True unless the template was killed."""
         return self._process.poll() in (None, 0)
 
     def stop(self) -> Usage:
-        """End the submission with all that it has started; returns what it used."""
+        """Kill the submission with all its processes, and return its usage."""
         try:
             self._control.settimeout(STOP_SECONDS)
             self._control.send(b"stop")
             return Usage(**read_json(self._control.recv(200)))
-        except (OSError, ValueError):  # nothing, or half an answer: it was killed
+        except (OSError, ValueError):
+            # No answer or half an answer means that the template was killed.
             self.close()
             return Usage()
 
@@ -145,7 +515,7 @@ class TemplateProcess:
 
 
 def processors() -> list[int]:
-    """Return the numbers of the processors that the calling thread may run on; none if that is unknown."""
+    """Return the processors that the calling thread may run on, or [] if they are unknown."""
     return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
 
@@ -153,9 +523,10 @@ _shared: dict[Readable, TemplateProcess] = {}
 
 
 def shared_template(refused: tuple[str, ...] = ()) -> TemplateProcess:
-    """Return the template of this process that hides these paths, started when it is first asked for.
+    """Return this process's template that hides these paths; it is started on first use.
 
-    Courses that lie outside of all that Python needs share one: their submissions may read the same.
+    Courses that lie outside everything that Python needs share a template, because their
+    submissions may read the same files.
     """
     files = readable(refused)
     if files not in _shared:
@@ -165,7 +536,7 @@ def shared_template(refused: tuple[str, ...] = ()) -> TemplateProcess:
 
 
 def _attempts(off: Collection[str]) -> list[tuple[str, list[str]]]:
-    """Return ways to start, the most closed first: bubblewrap's path or none, and the roots that will do."""
+    """Return (path of bubblewrap or "", acceptable roots) for each start attempt, the most isolated first."""
     bubblewrap = shutil.which("bwrap") or "" if "bubblewrap" not in off else ""
     own = ["own"] if "namespaces" not in off else []
     if not bubblewrap:
@@ -173,8 +544,8 @@ def _attempts(off: Collection[str]) -> list[tuple[str, list[str]]]:
     return [*([("", own)] if own else []), (bubblewrap, ["bubblewrap"]), ("", ["host"])]
 
 
-def _place(files: Readable, off: Collection[str]) -> dict[str, Any]:
-    """Return what `settle` needs to know, but for what differs between attempts."""
+def _place_arguments(files: Readable, off: Collection[str]) -> dict[str, Any]:
+    """Return the arguments of `settle`, except those that differ between attempts."""
     changes = os.geteuid() == 0 and "process limit" not in off
     users = ["another", "real", "same"] if changes else ["same"]
     return {"users": users, "read": files.paths, "listed": files.listed, "links": files.links}
@@ -188,8 +559,9 @@ def _start(
         "LANG": "C.UTF-8",
         "MPLBACKEND": "Agg",
         "PYTHONHASHSEED": "0",
-        "PYTHONPATH": os.path.dirname(KIT),  # this kit, whichever is installed
-        "PYTHONUSERBASE": site.getuserbase(),  # the kit may be installed there, and HOME is not the user's
+        "PYTHONPATH": os.path.dirname(KIT),  # this checkout of the kit, not an installed one
+        # The kit may be installed there, and HOME is not the user's home in the jail.
+        "PYTHONUSERBASE": site.getuserbase(),
     }
     settings = {"control": control.fileno(), "off": list(off), "place": place}
     command = [sys.executable, "-P", "-m", "course_lib.grading.jail.template", json.dumps(settings)]

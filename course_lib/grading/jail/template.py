@@ -1,59 +1,150 @@
-"""The process of which every submission is a fork: all imports are done, and nothing in it is worth reading.
+"""The process that submissions are forked from: all imports are done, and it contains no secrets.
 
-`launch` starts it, with a clean environment. It runs no student's code itself, and ends with the grader.
+Importing the kit takes seconds, forking milliseconds. `launch` starts the template with a clean
+environment. It never runs student code itself, and ends with the grader.
 """
 
 import gc
 import importlib
 import json
 import os
+import platform
 import resource
 import shutil
 import signal
 import socket
 import sys
-from collections.abc import Collection
+import tempfile
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
 from select import select
 
 from course_lib.course.course_file import Limits
-from course_lib.foreign import read_json
-from course_lib.grading.jail.layers import enter, working_layers
-from course_lib.grading.jail.limits import EVERY, stop_writing
-from course_lib.grading.jail.place import Place, settle
-from course_lib.grading.jail.system_calls import CHILD_SUBREAPER, DUMPABLE, prctl
+from course_lib.grading.jail.filters import (
+    CHILD_SUBREAPER,
+    DUMPABLE,
+    NO_NEW_PRIVILEGES,
+    drop_capabilities,
+    filter_calls,
+    prctl,
+    restrict_files,
+)
+from course_lib.grading.jail.launch import DEVICES, HOMES, Place, settle, works
+from course_lib.grading.jail.layers import EVERY, apply_limits, enter_namespaces, mount_files, stop_writing
 from course_lib.grading.run.outcome import Usage, wait_any_child
 from course_lib.grading.run.worker import Worker, warm_up
-from course_lib.ros.channel import Channel
+from course_lib.ros.graph.remote import Channel
+from course_lib.third_party import read_json
+
+
+def working_layers(place: Place, off: Collection[str]) -> list[str]:
+    """Return the isolation layers that work here, except those in `off`.
+
+    Each is tried in a forked process.
+    """
+    layers = ["bubblewrap"] if place.root == "bubblewrap" else []
+    tries: dict[str, Callable[[], None]] = {
+        "namespaces": lambda: _enter_namespaces(place, Limits()),
+        "Landlock": lambda: _restrict_files(place, place.scratch),
+        "seccomp": filter_calls,
+        "limits": lambda: apply_limits(Limits(), counts_from_zero=False),
+    }
+    # Namespaces alone do not hide the machine's files.
+    if place.root == "host":
+        del tries["namespaces"]
+    layers += [name for name, layer in tries.items() if name not in off and works(layer)]
+    is_bounded = "limits" in layers and "process limit" not in off and platform.system() == "Linux"
+    # The kernel does not limit the number of root's processes.
+    if is_bounded and works(lambda: _require_process_limit(place, layers)):
+        layers.append("process limit")
+    return layers
+
+
+def enter_jail(place: Place, layers: Collection[str], given: Limits) -> None:
+    """Enter the jail irrevocably. With namespaces, only a fork of this process returns from here.
+
+    Raises:
+        OSError: A layer that worked before fails.
+    """
+    folder = place.scratch
+    if "namespaces" in layers:
+        _enter_namespaces(place, given)
+    else:
+        folder = tempfile.mkdtemp(dir=place.scratch)
+    os.chdir(folder)
+    os.environ.update(dict.fromkeys(HOMES, folder))
+    if "limits" in layers:
+        counts_from_zero = "namespaces" in layers or place.user != "same"
+        apply_limits(given, counts_from_zero=counts_from_zero)
+    if platform.system() == "Linux":
+        # An additional protection if the system supports it.
+        with suppress(OSError):
+            drop_capabilities()
+            prctl(DUMPABLE, 0)
+            prctl(NO_NEW_PRIVILEGES, 1)
+    if "Landlock" in layers:
+        _restrict_files(place, folder)
+    if "seccomp" in layers:
+        filter_calls()
+
+
+def _enter_namespaces(place: Place, given: Limits) -> None:
+    enter_namespaces()
+    first = os.fork()
+    if first:
+        os._exit(0)
+    mount_files(place.scratch, given.scratch_megabytes)
+
+
+def _restrict_files(place: Place, folder: str) -> None:
+    restrict_files([*place.read, *DEVICES], [folder, os.devnull], place.listed)
+
+
+def _require_process_limit(place: Place, layers: Collection[str]) -> None:
+    """Raise OSError unless a limit on processes is effective."""
+    enter_jail(place, {"namespaces"} & set(layers), Limits())
+    resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
+    try:
+        child = os.fork()
+    except BlockingIOError:
+        return
+    if child == 0:
+        os._exit(0)
+    raise OSError("the kernel does not count this user's processes")
 
 
 class Template:
-    """Forks submissions, one at a time, and ends each with all that it has started.
+    """Forks submissions, one at a time, and kills each with all processes that it has started.
 
     Args:
-        control: To the grader.
+        control: The socket to the grader.
         place: Where submissions run.
-        off: Layers that are not to be used.
+        off: Layers to disable.
     """
 
     def __init__(self, control: socket.socket, place: Place, off: Collection[str]) -> None:
         self._control, self._place = control, place
         self._shell = warm_up()
-        self._submission = 0  # its first process; 0 for none
+        self._submission = 0  # process id of the submission's first process, or 0
         self._limits, self._files = Limits(), Usage()
-        with suppress(OSError):  # not Linux
+        # Only Linux has these operations.
+        with suppress(OSError):
             prctl(CHILD_SUBREAPER, 1)
             prctl(DUMPABLE, 0)
         self._layers = working_layers(place, off)
         gc.collect()
 
     def serve(self) -> None:
-        """Start and stop submissions until the grader is gone."""
+        """Start and stop submissions until the grader disconnects."""
         self._control.send(json.dumps(self._layers).encode())
         while True:
-            self._watch()
+            # Without a limit of its own, the size of the files written to the disk is checked while
+            # waiting.
+            has_own = "namespaces" in self._layers or "limits" not in self._layers or sys.platform != "linux"
+            while not select([self._control], [], [], None if has_own or not self._submission else EVERY)[0]:
+                self._files += stop_writing(self._place.scratch, self._limits.scratch_megabytes)
             message, descriptors, *_ = socket.recv_fds(self._control, 2**16, 2)
             if not message:
                 break
@@ -61,21 +152,18 @@ class Template:
                 self._control.send(self._stop().as_json().encode())
             else:
                 wanted = read_json(message)
-                for module in wanted["imports"]:  # the first submission pays for all that follow
+                # Imports in the template are done once for all later submissions.
+                for module in wanted["imports"]:
                     importlib.import_module(module)
-                gc.freeze()  # so that collections in forks leave its memory shared
+                # Frozen objects keep their memory pages shared with the forks.
+                gc.freeze()
                 if wanted["processors"]:
-                    with suppress(OSError):  # one of them is not there any more: only slower
+                    # A processor may have gone offline, which makes the run only slower.
+                    with suppress(OSError):
                         os.sched_setaffinity(0, wanted["processors"])
                 self._limits = Limits(**wanted["limits"])
                 self._start(self._limits, descriptors)
         self._stop()
-
-    def _watch(self) -> None:
-        """Wait for the grader, and bound meanwhile what a submission writes to the disk."""
-        has_own = "namespaces" in self._layers or "limits" not in self._layers or sys.platform != "linux"
-        while not select([self._control], [], [], None if has_own or not self._submission else EVERY)[0]:
-            self._files += stop_writing(self._place.scratch, self._limits.scratch_megabytes)
 
     def _start(self, limits: Limits, descriptors: list[int]) -> None:
         self._submission = os.fork()
@@ -92,15 +180,16 @@ class Template:
     def _run(self, channel: Channel, limits: Limits) -> None:
         problem = ""
         try:
-            enter(self._place, self._layers, limits)
+            enter_jail(self._place, self._layers, limits)
         except OSError as error:
             problem = str(error)
-        channel.send(["jailed", problem])  # nothing of the student's has run yet: this is true
+        # No student code has run yet, so this message can be trusted.
+        channel.send(["jailed", problem])
         if not problem:
             Worker(channel, self._shell).serve()
 
     def _stop(self) -> Usage:
-        """Kill the submission and all that it has started: orphans become children of this process."""
+        """Kill the submission with all its processes. Orphans become children of this process."""
         usage, self._files = self._files, Usage()
         while True:
             for pid in _children() or [self._submission] * bool(self._submission):
@@ -110,14 +199,15 @@ class Template:
                 usage += wait_any_child()
             except ChildProcessError:
                 break
-        if "namespaces" not in self._layers:  # with them nothing is left
-            clear(self._place.scratch)
+        # With namespaces, the kernel has removed the scratch folder.
+        if "namespaces" not in self._layers:
+            empty_folder(self._place.scratch)
         self._submission = 0
         return usage
 
 
 def _keep_only(channel: int, output: int) -> Channel:
-    """Close all descriptors but these two."""
+    """Close all file descriptors except these two."""
     os.setsid()
     for descriptor in (1, 2):
         os.dup2(output, descriptor)
@@ -126,8 +216,8 @@ def _keep_only(channel: int, output: int) -> Channel:
     return Channel(socket.socket(fileno=channel))
 
 
-def clear(folder: str) -> None:
-    """Remove what is in a folder, at any depth: what lies in a folder moves up before that is removed."""
+def empty_folder(folder: str) -> None:
+    """Empty a folder. Entries of subfolders are moved up first, so that any depth works."""
     numbers = count()
     waiting = [entry.path for entry in os.scandir(folder)]
     while waiting:
@@ -148,15 +238,18 @@ def _children() -> list[int]:
     me = os.getpid()
     try:
         return [int(pid) for pid in Path(f"/proc/{me}/task/{me}/children").read_text().split()]
-    except OSError:  # not Linux
+    except OSError:
+        # Only Linux has this file.
         return []
 
 
 def main() -> None:
-    """Serve the grader at the other end of the socket that the argument names."""
+    """Serve the grader at the other end of the socket passed as the argument."""
     settings = read_json(sys.argv.pop())
-    with suppress(OSError):  # not Linux
-        Path("/proc/self/oom_score_adj").write_text("1000")  # where memory runs out, not the grader's
+    # If memory runs out, the kernel should kill this process, not the grader. Only Linux has this
+    # file.
+    with suppress(OSError):
+        Path("/proc/self/oom_score_adj").write_text("1000")
     place = settle(**settings["place"])
     try:
         Template(socket.socket(fileno=settings["control"]), place, settings["off"]).serve()

@@ -1,6 +1,11 @@
-"""`course mark OUT --serve`: the server of the page on which persons mark."""
+"""`course mark OUT --serve`: the server of the page on which graders mark.
+
+The page shows data of students in a browser, so each request is decoded strictly before it has any
+effect, scenes run in a frame without rights, and every URL contains a secret.
+"""
 
 import asyncio
+import getpass
 import hmac
 import json
 import os
@@ -17,31 +22,190 @@ from markupsafe import Markup
 from tornado.httpserver import HTTPServer
 from tornado.web import Application, HTTPError, RequestHandler
 
-from course_lib.course.state import write_whole
-from course_lib.errors import CourseError
-from course_lib.grading.marking.follow import Follower, follow_marks, stale
-from course_lib.grading.marking.handed_in import handed_in
-from course_lib.grading.marking.marking_queue import MarkingQueue
-from course_lib.grading.marking.requests import read_name, read_number, read_save
-from course_lib.grading.marks.mark import need_results, read_result
-from course_lib.grading.marks.marks import MarksConflictError
-from course_lib.grading.records import (
+from course_lib.course.state import write_atomically
+from course_lib.errors import CourseError, format_count
+from course_lib.grading.marking.marking_queue import MarkingQueue, submitted_code
+from course_lib.grading.marks import MarkEntry, MarksConflictError, require_results, stored_result
+from course_lib.grading.records import Result
+from course_lib.grading.reports.report import has_page, report, section_of
+from course_lib.grading.reports.scenes import shared_script
+from course_lib.grading.reports.table import fill, printable, strip_control_characters
+from course_lib.grading.reports.tables import write_tables
+from course_lib.grading.store import (
     Course,
     OutError,
     catalog_of,
+    lock_folder,
     report_path,
     result_path,
     this_course,
     writing,
 )
-from course_lib.grading.reports.report import section_of
-from course_lib.grading.reports.scenes import shared_script
-from course_lib.grading.reports.table import fill
-from course_lib.surroundings import hub_prefix
+from course_lib.host import hub_prefix
+from course_lib.third_party import read_json
 from course_lib.viewer.page_server import Guarded, bound
 
-PORT = 8420  # if it is free: then what a page kept of unsaved marks is found again after a restart
-ADDRESS = ".marking.html"  # in OUT, for its owner only
+PAUSE = 3.0  # [s] to wait for further marks before reports are written
+GENTLE = 10  # niceness of the process that writes reports
+Place = tuple[str, str]  # student and exercise
+
+
+def find_stale(out: Path) -> list[Place]:
+    """Return the students and exercises whose reports do not contain all graders' marks."""
+    files = sorted((out / "marks").glob("[!.]*/[!.]*.json"))
+    places = [(path.parent.name, path.stem) for path in files]
+    marked = [place for place in places if result_path(out, *place).is_file()]
+    return [place for place in marked if not has_page(_result(out, place), out)]
+
+
+def follow_marks(
+    out: Path, course: Course | None = None, waiting: Callable[[str], None] | None = None
+) -> str:
+    """Write the tables and the reports without all graders' marks, and return a line for the terminal.
+
+    Args:
+        out: The folder that `course grade` wrote.
+        course: The course with the tasks; default: this checkout.
+        waiting: Called with a line of text before waiting for another process; None raises instead
+            of waiting.
+
+    Raises:
+        OutError: The folder can't be written.
+        CourseError: The folder is in use, or a file in it is damaged.
+    """
+    require_results(out)
+    course = course or this_course()
+    with lock_folder(out, waiting), writing(out):
+        places, catalog = find_stale(out), catalog_of(course)
+        # The tables come first, because they matter more than the pages.
+        write_tables(out, catalog.course.zone)
+        for place in places:
+            report(_result(out, place), out, catalog)
+    reports = format_count(len(places), "report")
+    return f"Wrote {reports}, {out / 'reports/index.html'} and {out / 'gradebook.csv'}"
+
+
+def _result(out: Path, place: Place) -> Result:
+    return stored_result(out, *place).result
+
+
+class Follower:
+    """Starts a process that calls `follow_marks` soon after marks were saved.
+
+    A separate process is needed because drawing scenes takes seconds, and because time limits work
+    in a main thread only.
+    """
+
+    def __init__(self, out: Path, course: Course) -> None:
+        self._arguments = tuple(map(str, (out, course.exercises, course.solutions)))
+        self._due = asyncio.Event()
+        self.state = ""
+
+    def schedule_update(self) -> None:
+        """Schedule an update of the reports and the gradebook."""
+        self.state = "Reports and gradebook will be updated soon."
+        self._due.set()
+
+    async def run(self) -> None:
+        """Run forever; an update is repeated later if the folder is in use."""
+        while True:
+            await self._due.wait()
+            await asyncio.sleep(PAUSE)
+            self._due.clear()
+            if problem := await self._update():
+                self.state = f"Reports and gradebook are not updated yet: {problem}"
+                self._due.set()
+            elif not self._due.is_set():
+                self.state = "Reports and gradebook are up to date."
+
+    async def _update(self) -> str:
+        """Run one update, and return its error message, or ""."""
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", __name__, *self._arguments),
+            stdout=asyncio.subprocess.DEVNULL,
+            stderr=asyncio.subprocess.PIPE,
+            start_new_session=True,  # Ctrl+C must reach the server only, which waits for this process
+        )
+        try:
+            _, output = await process.communicate()
+        except asyncio.CancelledError:
+            await process.wait()
+            raise
+        lines = output.decode("utf-8", "replace").strip().splitlines()
+        return "" if process.returncode == 0 else printable(lines[-1] if lines else "it was ended")
+
+
+def main() -> None:
+    """Update once, as a program with three arguments: the folders of records, exercises and solutions."""
+    out, exercises, solutions = map(Path, sys.argv[1:])
+    with suppress(OSError):
+        os.nice(GENTLE)
+    try:
+        follow_marks(out, Course(exercises, solutions))
+    except CourseError as error:
+        sys.exit(str(error))
+
+
+if __name__ == "__main__":
+    main()
+
+
+MAX_NAME = 80  # characters
+MAX_COMMENT = 10_000  # characters
+MAX_MARKS = 50  # marks per request
+
+
+@dataclass(frozen=True)
+class Save:
+    """A grader's marks for one task, and the revision that the grader has seen."""
+
+    by: str
+    revision: str
+    given: tuple[MarkEntry, ...]
+
+
+def read_save(body: bytes) -> Save:
+    """Decode a request to save marks.
+
+    Raises:
+        CourseError: It is invalid; the message says what was expected.
+    """
+    try:
+        content = read_json(body)
+    except ValueError as error:
+        raise CourseError("the page sent invalid JSON: reload it") from error
+    match content:
+        case {"by": str(by), "revision": str(revision), "marks": [_, *_] as marks} if len(marks) <= MAX_MARKS:
+            return Save(read_name(by), revision, tuple(map(_decode_mark, marks)))
+    raise CourseError('the page sent no marks: expected {"by": …, "revision": …, "marks": [one or more]}')
+
+
+def _decode_mark(content: Any) -> MarkEntry:
+    match content:
+        case {"row": str(row), "withdraw": True}:
+            return MarkEntry(None, row, None, withdraw=True)
+        case {"row": str(row), "points": None | int() | float() as points, "comment": str(comment)}:
+            if len(comment) > MAX_COMMENT:
+                raise CourseError(
+                    f"the comment has {len(comment)} characters, expected {MAX_COMMENT} at most"
+                )
+            if not isinstance(points, bool):
+                return MarkEntry(points, row, _clean(comment).strip())
+    raise CourseError(f"the page sent {content!r:.80}: expected row, points and comment")
+
+
+def read_name(text: str) -> str:
+    """Return a grader's name on one line, or the name of the machine's user if it is empty."""
+    return " ".join(_clean(text).split())[:MAX_NAME] or getpass.getuser()
+
+
+def _clean(text: str) -> str:
+    return str(strip_control_characters(text.encode("utf-8", "replace").decode()))
+
+
+# A fixed port keeps the page's origin, so that unsaved marks in its storage survive a restart.
+PORT = 8420
+ADDRESS = ".marking.html"  # file in OUT, readable by its owner only
 PRIVATE = 0o600
 MAX_BODY = 1 << 20  # [B]
 FILES = {"": "text/html", "marking.css": "text/css"} | dict.fromkeys(
@@ -52,7 +216,8 @@ PAGE_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; frame-src 'self'; "
     "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-SCENE_POLICY = (  # without the page's origin and any network; eval is how the viewer unpacks itself
+# The frame has no origin and no network; the viewer needs eval to unpack itself.
+SCENE_POLICY = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-eval' {viewer}; "
     "style-src 'unsafe-inline'; "
     "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; frame-ancestors {page}"
@@ -62,14 +227,14 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class MarkingDesk:
-    """The parts of the server that its handlers share.
+    """The state that the request handlers share.
 
     Args:
         queue: The tasks to be marked.
-        follower: Of the reports.
-        course: The tasks with their names.
-        port: Where it listens.
-        token: The secret part of the address.
+        follower: Updates the reports.
+        course: The course with the tasks.
+        port: The port of the server.
+        token: The secret part of the URL.
     """
 
     queue: MarkingQueue
@@ -80,20 +245,23 @@ class MarkingDesk:
 
     @property
     def address(self) -> str:
-        """The address to open."""
+        """The URL to open."""
         return f"http://127.0.0.1:{self.port}/{self.token}/"
 
-    def pass_for(self, what: str) -> str:
-        """Return the secret part of one scene's address, from which no other follows."""
+    def url_secret(self, what: str) -> str:
+        """Return the secret part of one scene's URL, from which no other secret can be derived."""
         return hmac.new(self.token.encode(), what.encode(), "sha256").hexdigest()[:32]
 
     def details(self, key: str) -> dict[str, Any]:
-        """Return an item with its code and the address of its scene."""
+        """Return an item with its code and the URL of its scene."""
         details = self.queue.details(key)
-        result = read_result(result_path(self.queue.out, details["student"], details["exercise"]))
+        result = stored_result(self.queue.out, details["student"], details["exercise"])
         task = catalog_of(self.course).tasks.get(details["task"])
-        scene = f"/{self.pass_for(key)}/scene/{key}"
-        return details | {"code": handed_in(result, task), "scene": scene}
+        scene = f"/{self.url_secret(key)}/scene/{key}"
+        return details | {
+            "code": submitted_code(result.result.submission, self.queue.out, task),
+            "scene": scene,
+        }
 
 
 class _MarkingHandler(Guarded):
@@ -101,23 +269,23 @@ class _MarkingHandler(Guarded):
         self.desk, self.port, self.token = desk, desk.port, desk.token
 
     def set_default_headers(self) -> None:
-        """Bound what each answer may do in a browser."""
+        """Restrict what each response may do in a browser."""
         self.set_header("Content-Security-Policy", PAGE_POLICY)
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Cross-Origin-Resource-Policy", "same-origin")
         self.clear_header("Server")
 
     def write_error(self, status_code: int, **details: Any) -> None:
-        """Answer with a line, and nothing of the request in it."""
+        """Respond with one line that contains nothing of the request."""
         self.set_header("Content-Type", "text/plain; charset=utf-8")
         self.finish(f"{status_code}: {self._reason}\n")
 
 
 class PageFileHandler(_MarkingHandler):
-    """The handler of the page and its parts."""
+    """Serves the page and its parts."""
 
     def get(self, _: str, name: str) -> None:
-        """Answer GET."""
+        """Respond to GET."""
         if name not in FILES:
             raise HTTPError(404)
         self.set_header("Content-Type", f"{FILES[name]}; charset=utf-8")
@@ -126,7 +294,7 @@ class PageFileHandler(_MarkingHandler):
 
 class _Answer(_MarkingHandler):
     async def answer(self, call: Callable[..., Any], *args: Any) -> None:
-        """Answer with the plain data that a call returns in a thread, or with its error in words."""
+        """Call a function in a thread, and respond with its plain data or its error message."""
         try:
             content, code = await asyncio.get_running_loop().run_in_executor(None, call, *args), 200
         except MarksConflictError as error:
@@ -140,42 +308,45 @@ class _Answer(_MarkingHandler):
         self.finish(json.dumps(content))
 
     def others(self, key: str | None = None) -> dict[str, str]:
-        """Return the items that other pages have open, and remember what this one opens, if it does."""
+        """Return the items that other pages have open, and record the item that this page opens."""
         page, person = self.get_query_argument("page", "")[:40], self.get_query_argument("by", "")
-        return self.desk.queue.at_work(page, read_name(person), key) if page else {}
+        return self.desk.queue.set_open_item(page, read_name(person), key) if page else {}
 
 
 class QueueHandler(_Answer):
-    """The handler of the list of items."""
+    """Serves the list of items."""
 
     async def get(self, _: str) -> None:
-        """Answer with what has changed, and who is at work on what."""
+        """Respond with the changed items, and the items that graders have open."""
         await self.answer(self._changes)
 
     def _changes(self) -> dict[str, Any]:
-        changes = self.desk.queue.since(read_number(self.get_query_argument("since", "0")))
+        text = self.get_query_argument("since", "0")
+        if not text.isdecimal() or len(text) > 12:
+            raise CourseError(f"{text!r:.40} is not the number of a change")
+        changes = self.desk.queue.since(int(text))
         return changes | {"others": self.others(), "state": self.desk.follower.state}
 
 
 class ItemHandler(_Answer):
-    """The handler of one item."""
+    """Serves one item."""
 
     async def get(self, _: str, key: str) -> None:
-        """Answer with its code, rubric and marks, and who is at work on what: whoever asks first has it."""
+        """Respond with the item's code, rubric and marks, and record that it is open in this page."""
         await self.answer(self._details, key)
 
     def _details(self, key: str) -> dict[str, Any]:
         return self.desk.details(key) | {"others": self.others(key)}
 
     async def post(self, _: str, key: str) -> None:
-        """Save marks; the answer comes when they are on the disk."""
+        """Save marks, and respond when they are on the disk."""
         if self.request.headers.get("Origin") != f"http://{self.request.host}":
             raise HTTPError(403, reason="Only the page itself saves marks")
         if self.request.headers.get("Content-Type", "").split(";")[0] != "application/json":
             raise HTTPError(415)
         await self.answer(self._save, key)
         if self.get_status() == 200:
-            self.desk.follower.marked()
+            self.desk.follower.schedule_update()
 
     def _save(self, key: str) -> dict[str, Any]:
         save = read_save(self.request.body)
@@ -184,19 +355,19 @@ class ItemHandler(_Answer):
 
 
 class _SceneFileHandler(_MarkingHandler):
-    """Base of the handlers of what runs in the frame: each address has a secret of its own."""
+    """Base of the handlers for content of the frame; each of its URLs has its own secret."""
 
     def prepare(self) -> None:
-        """Compare with the secret of what is asked for."""
-        self.token = self.desk.pass_for(self.path_args[1])
+        """Check the secret of the requested content."""
+        self.token = self.desk.url_secret(self.path_args[1])
         super().prepare()
 
 
 class SceneHandler(_SceneFileHandler):
-    """The handler of the report on one task, in a frame without rights."""
+    """Serves the report on one task, for a frame without rights."""
 
     async def get(self, _: str, key: str) -> None:
-        """Answer GET."""
+        """Respond to GET."""
         try:
             item = self.desk.queue.item(key)
             page = report_path(self.desk.queue.out, item.student, item.exercise).read_text("utf-8", "replace")
@@ -204,17 +375,17 @@ class SceneHandler(_SceneFileHandler):
             raise HTTPError(404) from None
         section = section_of(page, item.task)
         name = shared_script(self.desk.queue.out / "reports")
-        here, script = f"http://{self.request.host}", f"/{self.desk.pass_for(name)}/viewer/{name}"
+        here, script = f"http://{self.request.host}", f"/{self.desk.url_secret(name)}/viewer/{name}"
         self.set_header("Content-Security-Policy", SCENE_POLICY.format(viewer=here + script, page=here))
         needed = script if "course-scene" in section else ""
         self.finish(fill("scene.html", title=item.title, section=Markup(section), script=needed))
 
 
 class ViewerHandler(_SceneFileHandler):
-    """The handler of the script that draws scenes."""
+    """Serves the script that draws scenes."""
 
     def get(self, _: str, name: str) -> None:
-        """Answer GET."""
+        """Respond to GET."""
         self.set_header("Content-Type", "text/javascript; charset=utf-8")
         self.set_header("Cross-Origin-Resource-Policy", "cross-origin")  # the frame has no origin
         self.set_header("Cache-Control", "private, max-age=31536000, immutable")
@@ -231,32 +402,34 @@ ROUTES: tuple[tuple[str, type[RequestHandler]], ...] = (
 
 
 def serve(out: Path, *, port: int | None = None, browser: bool = True, course: Course | None = None) -> None:
-    """Serve the page for marking until Ctrl+C; then reports and gradebook follow.
+    """Serve the page for marking until Ctrl+C, then update reports and gradebook.
 
     Args:
         out: The folder that `course grade` wrote.
-        port: Where to listen, on this machine only; None prefers `PORT`, 0 is any.
+        port: The port on this machine; None prefers `PORT`, 0 selects any.
         browser: Whether to open the page.
-        course: Where the tasks are; default: this checkout.
+        course: The course with the tasks; default: this checkout.
 
     Raises:
-        CourseError: There are no results, the port cannot be had, or this is a JupyterHub.
+        CourseError: There are no results, the port is in use, or this is a JupyterHub.
     """
-    if hub_prefix():  # its page would share an origin with students' code
+    # On a JupyterHub the page would share its origin with student code.
+    if hub_prefix():
         raise CourseError(
-            "the page for marking is not served on a JupyterHub. Copy OUT to your own computer, and then: "
+            "the page for marking is not served on a JupyterHub. Copy OUT to your own computer and run: "
             "course mark OUT --serve; or mark here: course mark OUT STUDENT EXERCISE TASK POINTS"
         )
     course = course or this_course()
-    need_results(out)
-    catalog_of(course)  # what is wrong in it is said now
+    require_results(out)
+    # Errors in the course's files are reported before the page opens.
+    catalog_of(course)
     try:
         with suppress(KeyboardInterrupt):
             asyncio.run(_serve(out, port, browser, course))
     finally:
         (out / ADDRESS).unlink(missing_ok=True)
-    _say("\nThe page has ended. Reports follow …")
-    _say(follow_marks(out, course))
+    _print_line("\nThe server has stopped. Updating reports …")
+    _print_line(follow_marks(out, course, _print_line))
 
 
 async def _serve(out: Path, port: int | None, browser: bool, course: Course) -> None:
@@ -268,8 +441,8 @@ async def _serve(out: Path, port: int | None, browser: bool, course: Course) -> 
     server = HTTPServer(application, max_body_size=MAX_BODY, max_buffer_size=2 * MAX_BODY)
     server.add_sockets(sockets)
     _announce(desk, browser)
-    if stale(out):
-        follower.marked()
+    if find_stale(out):
+        follower.schedule_update()
     await follower.run()
 
 
@@ -283,15 +456,18 @@ def _sockets(port: int | None) -> Sequence[Any]:
 
 
 def _announce(desk: MarkingDesk, browser: bool) -> None:
-    """Print the address; a browser gets it in a private file, as all users see each other's command lines."""
+    """Print the URL.
+
+    A browser gets it in a private file, because command lines are visible to all users.
+    """
     path, text = desk.queue.out / ADDRESS, f'<meta http-equiv="refresh" content="0; url={desk.address}">'
     with writing(desk.queue.out):
-        write_whole(path, text.encode(), PRIVATE)
-    _say(f"Marks of {os.fspath(desk.queue.out)} are given at {desk.address}\nCtrl+C ends it.")
+        write_atomically(path, text.encode(), PRIVATE)
+    _print_line(f"Mark {os.fspath(desk.queue.out)} at {desk.address}\nCtrl+C stops the server.")
     if browser:
         webbrowser.open(path.resolve().as_uri())
 
 
-def _say(line: str) -> None:
+def _print_line(line: str) -> None:
     sys.stdout.write(f"{line}\n")
     sys.stdout.flush()

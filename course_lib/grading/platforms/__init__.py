@@ -1,1 +1,0 @@
-"""Grading elsewhere: autograders for Gradescope, workflows for GitHub."""

@@ -1,4 +1,4 @@
-"""`course classroom`: public checks at each push to GitHub, and clones as submissions."""
+"""`course classroom`: run public checks at each push to GitHub, and collect clones as submissions."""
 
 import json
 import re
@@ -9,56 +9,58 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.course_file import shipped_course_file
-from course_lib.course.hand_out import content_hash
-from course_lib.course.installation import exercises_dir
-from course_lib.course.state import write_whole
-from course_lib.errors import CourseError, counted
+from course_lib.course.state import exercises_dir, write_atomically
+from course_lib.course.student_folder import content_hash
+from course_lib.errors import CourseError, format_count
 from course_lib.grading.check_file import check_file
-from course_lib.grading.handin.collect import KEPT, PlatformTime, collect, write_receipts
 from course_lib.grading.reports.table import printable
-from course_lib.grading.term.class_list import ClassList, read_class_list
+from course_lib.grading.submissions.collect import ANY, KEPT, PlatformTime, collect, write_receipts
+from course_lib.grading.submissions.readers import FOLDERS
+from course_lib.grading.submissions.roster import ClassList, read_class_list
 
 WORKFLOW = Path(".github/workflows/public_checks.yml")
 TEMPLATE = Path(__file__).with_name("files") / WORKFLOW.name
-FOLDER = "my_course"  # in which students work, and which they push
+FOLDER = "my_course"  # the folder in which students work, and which they push
 EXERCISE = re.compile(r"week\d\d_exercise\.ipynb")
 SHA = re.compile(r"[0-9a-f]{40,64}")
-ROSTER_HINT = "roster.csv needs a column 'login' with the students' names on GitHub"
-PUSHES_HINT = "It is what `gh api repos/ORG/REPO/activity` gives for each repository, one after the other"
+ROSTER_HINT = "roster.csv needs a column 'login' with the students' GitHub logins"
+PUSHES_HINT = "It is the output of `gh api repos/ORG/REPO/activity` for each repository, concatenated"
 
 
 def write_workflow(copy: Path) -> list[str]:
-    """Write the workflow into the students' copy; returns lines for the terminal.
+    """Write the workflow into the students' copy, and return lines for the terminal.
 
     Raises:
-        CourseError: `copy` is not what `course release` wrote.
+        CourseError: `copy` was not written by `course release`.
     """
     if not (copy / "pyproject.toml").is_file() or not (copy / "exercises").is_dir():
         raise CourseError(f"{copy} is not a students' copy. Type: course release {copy}")
     if (copy / "solutions").exists():
-        raise CourseError(f"{copy} holds solutions. Name the students' copy: course release ../for_students")
+        raise CourseError(
+            f"{copy} contains solutions. Pass the students' copy: course release ../for_students"
+        )
     text = TEMPLATE.read_text(encoding="utf-8").replace("FOLDER", FOLDER)
-    write_whole(copy / WORKFLOW, text.encode())
+    write_atomically(copy / WORKFLOW, text.encode())
     return [
         f"Wrote {copy / WORKFLOW}: GitHub runs the public checks at each push.",
-        f"Make {copy} the template repository of the assignment. Students work in {FOLDER}: course lab",
+        f"Use {copy} as the template repository of the assignment. Students work in {FOLDER}: course lab",
     ]
 
 
 def check_changed(folder: Path) -> bool:
-    """Run the public checks of each exercise that differs from the released one; True if all pass.
+    """Run the public checks of each changed exercise, and return whether all pass.
 
     Raises:
         CourseError: The folder is missing.
     """
     if not folder.is_dir():
-        raise CourseError(f"{folder} is missing: course lab makes it; then git add {folder}")
-    results = [check_file(path) for path in _changed(folder)]
+        raise CourseError(f"{folder} is missing: course lab creates it; then git add {folder}")
+    results = [check_file(path) for path in _changed_files(folder)]
     return all(results)
 
 
-def _changed(folder: Path) -> Iterator[Path]:
-    """Yield the exercises of a folder whose cells are not those of the release."""
+def _changed_files(folder: Path) -> Iterator[Path]:
+    """Yield the exercises in a folder whose cells differ from the release."""
     for path in sorted(folder.glob("week*.ipynb")):
         released = exercises_dir() / path.name
         if not EXERCISE.fullmatch(path.name) or path.is_symlink() or not path.is_file():
@@ -68,16 +70,17 @@ def _changed(folder: Path) -> Iterator[Path]:
 
 
 def collect_clones(clones: Path, out: Path, roster: Path, pushes: Path | None) -> list[str]:
-    """Sort the clones of students' repositories into submissions; returns lines for the terminal.
+    """Sort clones of students' repositories into submissions, and return lines for the terminal.
 
     Args:
-        clones: A folder for each student, ASSIGNMENT-LOGIN, as `gh classroom clone student-repos` makes them.
-        out: Gets a folder for each student, by ID.
+        clones: A folder per student, ASSIGNMENT-LOGIN, as created by `gh classroom clone
+            student-repos`.
+        out: The output folder, with a folder per student ID.
         roster: The class list, with logins.
-        pushes: JSON of GitHub's API, with the time of each push.
+        pushes: JSON of GitHub's API with the time of each push.
 
     Raises:
-        CourseError: A file is wrong, or there is no clone.
+        CourseError: A file is invalid, or there are no clones.
     """
     members = read_class_list(roster)
     if not any(member.login for member in members.members):
@@ -85,29 +88,32 @@ def collect_clones(clones: Path, out: Path, roster: Path, pushes: Path | None) -
     times = _times(pushes) if pushes else {}
     found = sorted(path for path in clones.glob("*") if (path / ".git").is_dir()) if clones.is_dir() else []
     if not found:
-        raise CourseError(f"{clones} holds no clone. Type: gh classroom clone student-repos")
+        raise CourseError(f"{clones} contains no clones. Run: gh classroom clone student-repos")
     if out.resolve().is_relative_to(clones.resolve()):
-        raise CourseError(f"{out} lies in {clones}. Name a folder elsewhere: --out DIR")
+        raise CourseError(f"{out} is inside {clones}. Choose another folder: --out DIR")
     with tempfile.TemporaryDirectory(prefix="course_") as work:
-        lines, receipts = _staged(found, Path(work), members, times)
+        lines, receipts = _stage_all(found, Path(work), members, times)
         if receipts:
-            lines += collect(Path(work), out, shipped_course_file().zone).refused
+            zone = shipped_course_file().zone
+            lines += collect(Path(work), out, zone, exercise=ANY, layout=FOLDERS).refused
             write_receipts(out, receipts)
     if late := sum(not receipt.time for receipt in receipts.values()):
-        lines.append(f"{counted(late, 'student')} without the time of the push: {PUSHES_HINT}: --pushes FILE")
-    collected = f"Collected {counted(len(receipts), 'student')} into {out}"
+        lines.append(
+            f"{format_count(late, 'student')} without the time of the push: {PUSHES_HINT}: --pushes FILE"
+        )
+    collected = f"Collected {format_count(len(receipts), 'student')} into {out}"
     return [printable(line) for line in (*lines, f"{collected}. Next: course grade {out} --out graded")]
 
 
-def _staged(
+def _stage_all(
     clones: Sequence[Path], place: Path, members: ClassList, times: Mapping[str, str]
 ) -> tuple[list[str], dict[str, PlatformTime]]:
-    """Copy changed exercises into PLACE/STUDENT; returns a line for each clone without any, and the times."""
+    """Copy changed exercises into PLACE/STUDENT; return a line for each other clone, and the times."""
     lines, receipts = list[str](), dict[str, PlatformTime]()
     for clone in clones:
         student = _student(clone.name, members)
         if not student:
-            lines.append(f"refused: {clone.name}: it ends in no login of the class list")
+            lines.append(f"refused: {clone.name}: its name ends with no login of the class list")
         elif student in receipts:
             lines.append(f"refused: {clone.name}: {student} has two clones")
         elif not _stage(clone, place / student):
@@ -118,32 +124,32 @@ def _staged(
 
 
 def _student(name: str, members: ClassList) -> str:
-    """Return the ID of the student whose login a clone's name ends with, the longest such login."""
+    """Return the ID of the student whose login is the longest that a clone's name ends with, or ""."""
     folded = name.casefold()
     fits = [one for one in members.members if one.login and f"-{folded}".endswith(f"-{one.login}")]
     return max(fits, key=lambda one: len(one.login)).id if fits else ""
 
 
 def _folder(clone: Path) -> Path:
-    """Return where the exercises of a clone are looked for."""
+    """Return the folder of a clone that contains the exercises."""
     return clone / FOLDER if (clone / FOLDER).is_dir() else clone
 
 
 def _stage(clone: Path, place: Path) -> bool:
-    """Copy the changed exercises with their working files; returns whether there are any."""
+    """Copy the changed exercises with their working files, and return whether there are any."""
     folder = _folder(clone)
-    changed = {path.name for path in _changed(folder)}
+    changed = {path.name for path in _changed_files(folder)}
     if not changed:
         return False
 
     def left_out(where: str, names: list[str]) -> set[str]:
-        return {name for name in names if not _belongs(Path(where, name), changed)}
+        return {name for name in names if not _is_included(Path(where, name), changed)}
 
     shutil.copytree(folder, place, symlinks=True, ignore=left_out)
     return True
 
 
-def _belongs(path: Path, exercises: set[str]) -> bool:
+def _is_included(path: Path, exercises: set[str]) -> bool:
     if (
         path.is_symlink()
         or path.name.startswith(".")
@@ -173,7 +179,7 @@ def _head(clone: Path) -> str:
 
 
 def _times(path: Path) -> dict[str, str]:
-    """Return the time of the first push of each commit, by GitHub's clock."""
+    """Return the time of the first push of each commit, measured by GitHub."""
     try:
         text, times = path.read_text(encoding="utf-8-sig").strip(), dict[str, str]()
         while text:

@@ -1,1 +1,0 @@
-"""Pages, tables, the gradebook, and lines for the terminal."""

@@ -1,37 +1,42 @@
-"""Scenes of reports, small enough to be sent, and expected scenes."""
+"""Small scenes for reports: the student's drawables, and the expected ones behind them, pale."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_lib.course.state import write_whole
+from IPython.display import display
+from ipywidgets import HTML, Checkbox, HBox, Layout
+
+from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.personal import build
-from course_lib.grading.run.job import Run
-from course_lib.grading.task import Message, Task
-from course_lib.grading.time_limit import time_limit
+from course_lib.grading.inputs import build
+from course_lib.grading.run.run import Run
+from course_lib.grading.task import Message, Task, time_limit
 from course_lib.recording import Recording
-from course_lib.robots.resources import packages_only
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Sample
+from course_lib.robots.robot import packages_only
+from course_lib.ros.graph.graph import START_NS, Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize, type_name
-from course_lib.ros.qos import Qos
+from course_lib.viewer.scene import describe_scene
+from course_lib.viewer.widget import SceneWidget
 
 if TYPE_CHECKING:
     from markupsafe import Markup
 
     from course_lib.viewer.scene import Scene
 
-SPEEDS = ((None, 3e6), (5, 6e6), (1, 12e6))  # frames/s, None: as RViz; bytes of what may be filmed with it
-SCENE_SECONDS = 5.0  # [s] of processor time for each
-MESSAGE = 500  # [B] that a message counts as, however small it is
+# Frame rates [1/s] (None: like RViz), each with the maximum size [B] of messages to animate at this
+# rate.
+SPEEDS = ((None, 3e6), (5, 6e6), (1, 12e6))
+SCENE_SECONDS = 5.0  # [s] CPU time per scene
+MESSAGE = 500  # [B] minimum size by which a message is counted
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A scene of a page: its element, "" if there is none, a caption and a note."""
+    """A scene of a page: its HTML element or "", a caption and a note."""
 
     caption: str
     view: "Markup | str"
@@ -39,30 +44,30 @@ class Figure:
 
 
 def figures(task: Task, runs: Iterable[Run], room: int) -> list[Figure]:
-    """Draw the messages of the first public scenario, and beside them the expected messages.
+    """Draw the messages of the first public scenario and, next to it, the expected messages.
 
     Args:
-        task: Its ghost is what was expected.
-        runs: Of the whole exercise.
-        room: Characters that each scene may have.
+        task: The task, whose `ghost` is the expected picture.
+        runs: The runs of the whole exercise.
+        room: Maximum number of characters per scene.
     """
     run = next((run for run in runs if run.evidence.task == task.id and not run.hidden), None)
     if run is None or not (run.evidence.samples or task.ghost):
         return []
     inputs, evidence = run.scenario.inputs, run.evidence
-    made = [_figure("Yours", seen(evidence, inputs), room)]
+    made = [_figure("Yours", recording_with_inputs(evidence, inputs), room)]
     if task.ghost:
-        made.append(_figure("Expected", expected(task, evidence.personal, inputs), room))
+        made.append(_figure("Expected", expected_recording(task, evidence.personal, inputs), room))
     return made
 
 
 def shared_script(folder: Path) -> str:
-    """Write the viewer into a folder, if it is not there yet, and return the file's name."""
-    from course_lib.viewer import assets, html
+    """Write the viewer into a folder unless it exists, and return the file's name."""
+    from course_lib.viewer import html
 
-    path = folder / f"viewer-{assets.bundle_name().rpartition('_')[2]}.js"
+    path = folder / f"viewer-{html.bundle_name().rpartition('_')[2]}.js"
     if not path.is_file():
-        write_whole(path, html.bundle_code().encode())
+        write_atomically(path, html.bundle_code().encode())
     return path.name
 
 
@@ -71,47 +76,50 @@ def _figure(caption: str, recording: Recording, room: int) -> Figure:
         return Figure(caption, "", "Nothing was published.")
     try:
         with packages_only(), time_limit(SCENE_SECONDS):
-            return _fitting(caption, recording, room)
-    except Exception as error:  # what students publish may be anything; the reasons matter more than the view
+            return _render(caption, recording, room)
+    except Exception as error:
+        # Student data can cause any error, and a report is useful without its scene.
         return Figure(caption, "", f"This scene can't be drawn: {error}")
 
 
-def _fitting(caption: str, recording: Recording, room: int) -> Figure:
-    """Play the scene in as many frames a second as there is room for, else show its end."""
+def _render(caption: str, recording: Recording, room: int) -> Figure:
+    """Animate the scene at the highest frame rate that fits, else show its end."""
     from markupsafe import Markup
 
-    from course_lib.displays.render import film_of, scene_of
+    from course_lib.displays.render import record_bag, scene_of
     from course_lib.viewer.html import scene_fragment
 
     size = sum(len(sample.cdr) + MESSAGE for sample in recording.samples)
     for rate, most in SPEEDS:
         if size <= most:
-            view = scene_fragment(film_of(recording, frame_rate=rate)[0], label=f"{caption}: 3D view")
+            view = scene_fragment(record_bag(recording, frame_rate=rate)[0], label=f"{caption}: 3D view")
             if len(view) <= room:
-                return Figure(caption, Markup(view), f"Thinned to {rate} a second, to fit." if rate else "")
+                return Figure(
+                    caption, Markup(view), f"Reduced to {rate} frames per second, to fit." if rate else ""
+                )
     view = scene_fragment(scene_of(recording), label=f"{caption}: 3D view")
     if len(view) > room:
-        raise CourseError(f"it has {len(view) // 1000} kB, and a report has room for {room // 1000} kB")
-    return Figure(caption, Markup(view), "Too much to be played here: this is its end.")
+        raise CourseError(f"it has {len(view) // 1000} kB, but a report has room for only {room // 1000} kB")
+    return Figure(caption, Markup(view), "Too large to be animated here: this is its end.")
 
 
 PALE = 0.3  # alpha
 NAMESPACE = "expected"
 
 
-def expected(task: Task, personal: Mapping[str, Any], inputs: Iterable[Message] = ()) -> Recording:
+def expected_recording(task: Task, personal: Mapping[str, Any], inputs: Iterable[Message] = ()) -> Recording:
     """Return a recording of the expected messages, with the scenario's inputs."""
-    return _recording(_published(inputs, personal), [(m.topic, build(m, personal)) for m in task.ghost])
+    return _recording(_input_samples(inputs, personal), [(m.topic, build(m, personal)) for m in task.ghost])
 
 
-def seen(evidence: Evidence, inputs: Iterable[Message]) -> Recording:
-    """Return a recording of inputs and evidence; without the inputs' transforms a scene lacks its frames."""
-    samples = (*_published(inputs, evidence.personal), *evidence.samples)
+def recording_with_inputs(evidence: Evidence, inputs: Iterable[Message]) -> Recording:
+    """Return a recording of inputs and evidence. The inputs are needed for their transforms."""
+    samples = (*_input_samples(inputs, evidence.personal), *evidence.samples)
     return Recording(sorted(samples, key=lambda sample: sample.stamp_ns))
 
 
-def compared(task: Task, evidence: Evidence) -> "Scene":
-    """Draw the student's scene, with the expected markers in it, pale."""
+def comparison_scene(task: Task, evidence: Evidence) -> "Scene":
+    """Draw the student's scene together with the expected markers in pale colors."""
     from course_lib.displays.render import scene_of
 
     ghosts = [(message.topic, build(message, evidence.personal)) for message in task.ghost]
@@ -125,7 +133,7 @@ def _recording(samples: tuple[Sample, ...], messages: Iterable[tuple[str, Any]])
     return Recording((*samples, *(_sample(end_ns, topic, message) for topic, message in messages)))
 
 
-def _published(inputs: Iterable[Message], personal: Mapping[str, Any]) -> tuple[Sample, ...]:
+def _input_samples(inputs: Iterable[Message], personal: Mapping[str, Any]) -> tuple[Sample, ...]:
     shown = (message for message in inputs if "/srv/" not in message.type_name)
     ordered = sorted(shown, key=lambda message: message.at)
     return tuple(_sample(START_NS + round(m.at * 1e9), m.topic, build(m, personal)) for m in ordered)
@@ -133,3 +141,31 @@ def _published(inputs: Iterable[Message], personal: Mapping[str, Any]) -> tuple[
 
 def _sample(stamp_ns: int, topic: str, message: Any) -> Sample:
     return Sample(stamp_ns, topic, type_name(message), serialize(message), Qos(), 0)
+
+
+HEIGHT = 260  # [px]
+LEGEND = "Full color: your markers. Pale: the expected markers."
+
+
+class _Controls(HBox):  # type: ignore[misc]  # ipywidgets is not annotated
+    """The box above the view. Pages without a kernel show the legend only."""
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> dict[str, Any]:
+        return {**super()._repr_mimebundle_(**kwargs), "text/plain": LEGEND}
+
+
+def show_ghost(task: Task, evidence: Evidence) -> None:
+    """Display the legend, a check box that hides the expected markers, and the view."""
+    scene = comparison_scene(task, evidence)
+    pale = [node.path for node in scene.nodes() if node.path.endswith(f"/{NAMESPACE}")]
+    tick = Checkbox(
+        value=True, description="Show the expected markers", indent=False, layout=Layout(width="auto")
+    )
+
+    def toggle(change: dict[str, Any]) -> None:
+        for path in pale:
+            scene.set_visible(path, change["new"])
+
+    tick.observe(toggle, "value")
+    display(_Controls([tick, HTML(LEGEND, layout=Layout(margin="0 0 0 16px"))]))  # type: ignore[no-untyped-call]
+    display(SceneWidget(scene, HEIGHT, LEGEND, words=describe_scene(scene, LEGEND)))  # type: ignore[no-untyped-call]

@@ -4,71 +4,88 @@ import csv
 import io
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_lib.grading.judge import CheckResult, TaskResult
+from course_lib.grading.records import CheckResult, Result, TaskResult
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
+    from course_lib.grading.marks import GradebookRow
+
 ALL_PASSED = "all public checks passed; hidden checks run at grading"
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
-FOR_A_PERSON = "noted; a person reads and marks it"
+FOR_A_PERSON = "recorded; a person reads and marks it"
 _WILD = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 
 
 @dataclass(frozen=True)
 class Table:
-    """A task's result with lines below it, as HTML for Jupyter and as text for a terminal.
+    """A task's result with notes below it, as HTML for Jupyter and as text for a terminal.
 
     Args:
-        result: Of the task.
-        notes: Below its checks.
-        printed: What the student's code printed, line by line.
+        result: The task's result.
+        notes: Lines below the checks.
+        printed: Lines that the student's code printed.
+        next_step: What to do after a task that has passed.
     """
 
     result: TaskResult
     notes: tuple[str, ...] = ()
     printed: tuple[str, ...] = ()
+    next_step: str = ""
 
     def __str__(self) -> str:
         lines = [f"{icon} {word:6}  {title}: {why}" for icon, word, title, why in rows(self.result.checks)]
         above = "\n  ".join([self._headline(), *self.result.errors, *lines])
         below = ["It printed:", *(f"  | {line}" for line in self.printed)] if self.printed else []
-        return "\n".join([above, *below, *self._end()])
+        return "\n".join([above, *below, *self.notes, *self._success()])
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
-        shown = {"headline": self._headline(), "errors": self.result.errors, "end": self._end()}
+        shown = {"headline": self._headline(), "errors": self.result.errors, "end": self.notes}
         printed = "\n".join(self.printed)
-        html = fill("result.html", rows=rows(self.result.checks), printed=printed, **shown)
+        html = fill(
+            "result.html",
+            rows=rows(self.result.checks),
+            printed=printed,
+            success=self._success(),
+            **shown,
+        )
         return {"text/html": html, "text/plain": str(self)}
 
     def _headline(self) -> str:
         done = sum(check.passed for check in self.result.checks)
         return f"{self.result.task} ({self.result.title}): {done} of {len(self.result.checks)} checks passed"
 
-    def _end(self) -> list[str]:
-        verdict = ALL_PASSED if self.result.checks else FOR_A_PERSON
-        return [*self.notes, *([verdict] if self.result.passed else [])]
+    def _success(self) -> list[str]:
+        """Return the lines about a passed task: the verdict, then its points and the next step."""
+        if not self.result.passed:
+            return []
+        if not self.result.checks:
+            return [FOR_A_PERSON, *filter(None, [self.next_step])]
+        score = f"{self.result.score:g} of {self.result.points:g} points so far."
+        # A person gives the points of a task with a rubric.
+        points = [] if self.result.rubric or not self.next_step else [score]
+        return [ALL_PASSED, *filter(None, [" ".join([*points, self.next_step])])]
 
 
 Row = tuple[str, str, str, str]  # icon, word, title, reason
 
 
 def rows(checks: Iterable[CheckResult]) -> list[Row]:
-    """Return icon, word, title and reason of each check; of a hidden one its number and kind of mistake.
+    """Return icon, state, title and reason of each check; a hidden check has only a number and its mistake.
 
-    Public checks that fail for one reason share a row.
+    Public checks that fail for the same reason share a row.
     """
     return [row for _, row in scored_rows(checks)]
 
 
-def scored_rows(checks: Iterable[CheckResult]) -> list[tuple[float, Row]]:
-    """Return the rows, each with the score of its checks."""
+def scored_rows(checks: Iterable[CheckResult], *, show_hidden: bool = False) -> list[tuple[float, Row]]:
+    """Return the rows with the scores of their checks; `show_hidden` reveals hidden checks."""
     made: dict[tuple[str, ...], tuple[float, Row]] = {}
     hidden = 0
     for check in checks:
@@ -76,8 +93,10 @@ def scored_rows(checks: Iterable[CheckResult]) -> list[tuple[float, Row]]:
         if 0 < check.score < 1:
             word = f"{check.score:.0%}"
         hidden += check.hidden
-        said = (f"hidden check {hidden}", check.mistake) if check.hidden else (check.title, check.message)
+        is_masked = check.hidden and not show_hidden
+        said = (f"hidden check {hidden}", check.mistake) if is_masked else (check.title, check.message)
         title, why = said
+        title = f"{title} (hidden)" if check.hidden and show_hidden else title
         shares = not check.passed and not check.hidden and why
         key = (word, why) if shares else (title, str(len(made)))
         title = f"{made[key][1][2]}; {title}" if key in made else title
@@ -85,35 +104,27 @@ def scored_rows(checks: Iterable[CheckResult]) -> list[tuple[float, Row]]:
     return list(made.values())
 
 
-def gone_lines(results: Iterable[Mapping[str, Any]], submissions: Path, out: Path) -> list[str]:
-    """Return whose marks still count, though the file is no longer in the folder of submissions."""
-    files = {Path(one["file"]): f"{one['student']} {one['exercise']}" for one in results}
-    gone = [one for file, one in files.items() if not file.exists() and submissions in file.parents]
-    todo = f"Moved or withdrawn? Remove {out / 'results'}/STUDENT/EXERCISE.json, then grade again"
-    return [f"Look at: no file any more, but its mark counts: {few(gone)}. {todo}"] if gone else []
-
-
 def fill(template: str, **values: Any) -> str:
-    """Return a page of templates/, in which every text is escaped."""
+    """Render a page of templates/, escaping every text."""
     return _templates().get_template(template).render(values)
 
 
-def harmless(value: Any) -> Any:
-    """Put an apostrophe before a text that a spreadsheet would take for a formula."""
+def escape_formula(value: Any) -> Any:
+    """Put an apostrophe before a string that a spreadsheet would interpret as a formula."""
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
 
 
 def csv_of(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
-    """Return a CSV file in which no text is a formula; half of a surrogate pair becomes a question mark."""
+    """Return a CSV file in which no text is a formula; lone surrogates become question marks."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(map(harmless, row) for row in rows)
+    writer.writerows(map(escape_formula, row) for row in rows)
     return text.getvalue().encode("utf-8", "replace")
 
 
 def printable(line: str) -> str:
-    """Replace control characters and broken ones: a student's name may hold anything."""
+    """Replace control characters and lone surrogates; a student's name may contain anything."""
     return "".join(c if c.isprintable() else "�" for c in line.encode("utf-8", "replace").decode())
 
 
@@ -122,21 +133,30 @@ def _templates() -> "Environment":
     from jinja2 import Environment, FileSystemLoader
 
     loader = FileSystemLoader(Path(__file__).with_name("templates"))
-    return Environment(loader=loader, autoescape=True, finalize=tame)
+    environment = Environment(loader=loader, autoescape=True, finalize=strip_control_characters)
+    environment.globals["content_policy"] = _policy
+    return environment
 
 
-def tame(value: Any) -> Any:
-    """Remove terminal colours, control characters and changes of the reading direction from a text."""
-    return _WILD.sub("", value) if type(value) is str else value  # not what is markup already
+def _policy(script: str, has_scenes: object, loads_viewer: object) -> str:
+    """Return the content security policy of a page with one script, or without ("")."""
+    from course_lib.viewer.html import content_policy
+
+    scripts = [str(script)] if script else []
+    return content_policy(*scripts, has_scenes=bool(has_scenes), loads_viewer=bool(loads_viewer))
 
 
-Line = Mapping[str, Any]  # of the gradebook
-MOST_NAMED = 5  # students in a line
+def strip_control_characters(value: Any) -> Any:
+    """Remove terminal colors, control characters and directional marks from a string."""
+    return _WILD.sub("", value) if type(value) is str else value  # markup is escaped already
+
+
+MOST_NAMED = 5  # students per line
 NO_REPORT = "No report could be written"
-MEND = "Correct the check, then grade with --rejudge; or give the task's points with `course mark`."
+MEND = "Correct the check and grade with --rejudge, or give the task's points with `course mark`."
 
 
-def watched(rows: Iterable[Line], total: int) -> Iterator[Line]:
+def show_progress(rows: Iterable["GradebookRow"], total: int) -> Iterator["GradebookRow"]:
     """Yield the rows, with a progress bar in the terminal and a line for each problem above it."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -144,8 +164,8 @@ def watched(rows: Iterable[Line], total: int) -> Iterator[Line]:
     with Progress(TextColumn("Grading"), *columns, rate, TimeRemainingColumn()) as progress:
         bar = progress.add_task("", total=total, rate="")
         for row in rows:
-            if row["status"] != "graded":
-                words = (str(row[name]) for name in ("student", "exercise", "status", "reason", "message"))
+            if row.status != "graded":
+                words = (row.student, row.exercise, row.status, row.reason, row.message)
                 line = printable("  ".join(words))
                 progress.console.print(line, markup=False, highlight=False, soft_wrap=True)
             progress.advance(bar)
@@ -154,23 +174,23 @@ def watched(rows: Iterable[Line], total: int) -> Iterator[Line]:
 
 
 def say(line: str) -> None:
-    """Print a line."""
-    print(printable(line))  # noqa: T201  the terminal is its page
+    """Print a line with control characters replaced."""
+    print(printable(line))  # noqa: T201
 
 
-def counts(rows: Iterable[Line]) -> str:
-    """Return the number of rows of each status, as a sentence."""
-    return ", ".join(f"{n} {status}" for status, n in sorted(Counter(row["status"] for row in rows).items()))
+def counts(rows: Iterable["GradebookRow"]) -> str:
+    """Return the number of rows per status, as a sentence."""
+    return ", ".join(f"{n} {status}" for status, n in sorted(Counter(row.status for row in rows).items()))
 
 
-def task_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Return a line per task that checks mark: number of results, mean, and number of full marks."""
+def task_lines(results: Iterable[Result]) -> list[str]:
+    """Return a line per automatically marked task: number of results, mean, number of full marks."""
     scores: dict[str, list[float]] = {}
     points: dict[str, float] = {}
     for result in results:
-        for task in (task for task in result.get("tasks", ()) if not task["rubric"]):
-            scores.setdefault(task["task"], []).append(task["score"])
-            points[task["task"]] = task["points"]
+        for task in (task for task in result.tasks if not task.rubric):
+            scores.setdefault(task.task, []).append(task.score)
+            points[task.task] = task.points
     return [
         f"{task:30} {len(got):5} graded  mean {sum(got) / len(got):5.1f} of {points[task]:g}  "
         f"{sum(score >= points[task] for score in got)} with full marks"
@@ -178,27 +198,25 @@ def task_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
     ]
 
 
-def broken_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Return a line for each check that raised an exception, with the submissions that it did not judge."""
+def broken_check_lines(results: Iterable[Result]) -> list[str]:
+    """Return a line for each check that raised an exception, with the affected submissions."""
     met: dict[str, list[str]] = {}
     for result in results:
-        for task in result.get("tasks", ()):
-            for check in (check for check in task["checks"] if check.get("broken")):
-                what = f"{task['task']}, {check['scenario']}, {check['title']!r}: {check['broken']}"
-                met.setdefault(what, []).append(result["student"])
-    return [f"A check could not judge {few(students)}: {what}. {MEND}" for what, students in met.items()]
+        for what in result.judgement.broken if result.judgement else ():
+            met.setdefault(what, []).append(result.submission.student)
+    return [f"A check could not judge {join_few(students)}: {what}. {MEND}" for what, students in met.items()]
 
 
-def lost_report_lines(results: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Return a line for each reason for which pages could not be written, with their students."""
+def lost_report_lines(results: Iterable[Result]) -> list[str]:
+    """Return a line for each reason why pages could not be written, with the students."""
     lost: dict[str, list[str]] = {}
     for result in results:
-        for note in (note for note in result["notes"] if note.startswith(NO_REPORT)):
-            lost.setdefault(note, []).append(result["student"])
-    return [f"{note} ({few(students)}). The marks are right." for note, students in lost.items()]
+        for note in (note for note in result.notes if note.startswith(NO_REPORT)):
+            lost.setdefault(note, []).append(result.submission.student)
+    return [f"{note} ({join_few(students)}). The marks are valid." for note, students in lost.items()]
 
 
-def few(students: Sequence[str]) -> str:
-    """Return the first names of a list, and how many there are besides."""
+def join_few(students: Sequence[str]) -> str:
+    """Return the first names of a list, and the number of the others."""
     shown = ", ".join(students[:MOST_NAMED])
     return shown + f" and {len(students) - MOST_NAMED} more" * (len(students) > MOST_NAMED)

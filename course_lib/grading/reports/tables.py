@@ -1,45 +1,276 @@
-"""Tables of all results: gradebook.csv, and the index with submissions to look at."""
+"""Tables of all results: gradebook.csv, the index with submissions to review, and the item analysis.
 
+The item analysis shows the difficulty of each task and check, and whether it discriminates between
+students.
+"""
+
+import json
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from datetime import datetime
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from statistics import fmean, median
 from typing import Any
 from urllib.parse import quote
 from zoneinfo import ZoneInfo
 
-from course_lib.course.state import write_whole
-from course_lib.errors import counted
-from course_lib.grading.handin.copies import Alike, alike_in
-from course_lib.grading.handin.ids import MISMATCH, NO_ID, UNVERIFIED
-from course_lib.grading.marks.mark import COLUMNS, results_in
-from course_lib.grading.reports.items import write_items
-from course_lib.grading.reports.table import csv_of, few, fill
+import numpy as np
+
+from course_lib.course.state import write_atomically
+from course_lib.errors import format_count
+from course_lib.grading.judge import CHECK_SECONDS
+from course_lib.grading.marks import COLUMNS, MarkedResult, results_in
+from course_lib.grading.records import Judgement, TaskResult
+from course_lib.grading.reports.table import csv_of, fill, join_few
 from course_lib.grading.run.run import read_usage
+from course_lib.grading.store import check_times_path
+from course_lib.grading.submissions.copies import SimilarSubmission, read_similar
+from course_lib.grading.submissions.roster import MISMATCH, NO_ID, UNVERIFIED
+from course_lib.third_party import read_json
+
+SLOW = CHECK_SECONDS / 5  # [s] duration of a check that may reach its time limit on a slower machine
+Name = tuple[str, ...]  # task and scenario, and the title of a check
 
 
-def write_gradebook(out: Path, results: Iterable[Mapping[str, Any]]) -> Path:
-    """Write OUT/gradebook.csv from all results with their rows."""
+@dataclass(frozen=True)
+class TimeSummary:
+    """The CPU time of one scenario or check: number of measurements, median and maximum [s]."""
+
+    count: int
+    median_seconds: float
+    most: float
+
+    @property
+    def remark(self) -> str:
+        """A warning about a slow check, or ""."""
+        return f"slow: a check may take {CHECK_SECONDS:g} s" if self.most >= SLOW else ""
+
+
+def write_check_times(out: Path, key: str, judgement: Judgement) -> None:
+    """Write the times of all checks next to the evidence.
+
+    Results must be reproducible, so they lack times.
+    """
+    rows = [
+        (task.task, check.scenario, check.title, round(check.seconds, 6))
+        for task in judgement.tasks
+        for check in task.checks
+    ]
+    write_atomically(check_times_path(out, key), json.dumps(rows).encode())
+
+
+def check_times(out: Path, keys: Iterable[str]) -> dict[Name, TimeSummary]:
+    """Return the times of each check, by task, scenario and title."""
+    return _summarize_times(row for key in keys for row in _check_rows(out, key))
+
+
+def scenario_times(out: Path, keys: Iterable[str]) -> dict[Name, TimeSummary]:
+    """Return the times of each scenario in the jail, by task and name."""
+    usages = (usage for key in keys if (usage := read_usage(out, key)))
+    return _summarize_times(
+        (name.partition("/")[::2], s) for usage in usages for name, s in usage.scenarios.items()
+    )
+
+
+def _check_rows(out: Path, key: str) -> Iterator[tuple[Name, float]]:
+    # Missing or damaged times do not matter enough for an error.
+    with suppress(OSError, ValueError, TypeError):
+        for task, scenario, title, seconds in read_json(check_times_path(out, key).read_bytes()):
+            yield (task, scenario, title), float(seconds)
+
+
+def _summarize_times(rows: Iterable[tuple[Name, float]]) -> dict[Name, TimeSummary]:
+    found = defaultdict[Name, list[float]](list)
+    for name, seconds in rows:
+        found[name].append(seconds)
+    return {name: TimeSummary(len(all_), median(all_), max(all_)) for name, all_ in found.items()}
+
+
+TASK_COLUMNS = (
+    "student", "exercise", "task", "score", "points", "bonus", "marked_by", "public_passed", "public",
+    "hidden_passed", "hidden",
+)  # fmt: skip
+FEWEST = 10  # submissions needed for a meaningful correlation
+BINS = 10  # bins of the histogram from 0 to 100 percent; higher marks have an additional bin
+EASY, HARD, WEAK = 0.98, 0.1, 0.1  # mean scores, and a correlation
+
+
+@dataclass(frozen=True)
+class Item:
+    """One task or check, over all judged submissions.
+
+    Args:
+        task: The task's id.
+        title: The check's title; "" for the whole task.
+        scenario: The check's scenario; "" for the whole task.
+        hidden: Whether the check is hidden from students.
+        count: Number of submissions.
+        rate: Fraction of submissions with the full score.
+        mean: Mean score, from 0 to 1.
+        discrimination: The correlation with the points of all other items of the exercise; None for
+            few or equal scores.
+    """
+
+    task: str
+    title: str
+    scenario: str
+    hidden: bool
+    count: int
+    rate: float
+    mean: float
+    discrimination: float | None
+
+    @property
+    def remark(self) -> str:
+        """A reason to review the item, or ""."""
+        if self.count < FEWEST:
+            return ""
+        if self.mean >= EASY:
+            return "almost all students have it"
+        if self.mean <= HARD:
+            return "hardly any student has it: is it stated and taught?"
+        if self.discrimination is not None and self.discrimination < 0:
+            return "poor work has it more often than good work: is it right?"
+        return (
+            ""
+            if self.discrimination is None or self.discrimination > WEAK
+            else "hardly correlates with the rest"
+        )
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """The item analysis of one exercise.
+
+    Args:
+        exercise: "week01_exercise".
+        marks: Marks in percent, after the late policy.
+        tasks: The tasks in the order of the exercise.
+        checks: The checks of each task, in order.
+        cpu_seconds: CPU time of each submission [s].
+        scenario_times: Times in the jail, by task and scenario.
+        check_times: Times of judging, by task, scenario and title.
+    """
+
+    exercise: str
+    marks: Sequence[float]
+    tasks: Sequence[Item]
+    checks: Sequence[Item]
+    cpu_seconds: Sequence[float]
+    scenario_times: Mapping[Name, TimeSummary] = field(default_factory=dict)
+    check_times: Mapping[Name, TimeSummary] = field(default_factory=dict)
+
+    @property
+    def histogram(self) -> list[tuple[str, int, int]]:
+        """The range, the count, and the percentage of the largest count, for each bin."""
+        width = 100 / BINS
+        counts = [0] * (BINS + 1)
+        for mark in self.marks:
+            counts[min(int(mark // width), BINS) if mark != 100 else BINS - 1] += 1
+        names = [f"{place * width:g}-{(place + 1) * width:g}" for place in range(BINS)]
+        most = max(*counts, 1)
+        return [
+            (name, n, round(100 * n / most)) for name, n in zip([*names, "above 100"], counts, strict=True)
+        ]
+
+    @property
+    def summary(self) -> str:
+        """A line about marks and times."""
+        if not self.marks:
+            return "No marks."
+        spread = (
+            f"{len(self.marks)} marks: mean {fmean(self.marks):.1f}, median {median(self.marks):.1f} percent"
+        )
+        if not self.cpu_seconds:
+            return f"{spread}."
+        times = f"median {median(self.cpu_seconds):.2f} s, at most {max(self.cpu_seconds):.2f} s"
+        return f"{spread}. Processor time of a submission: {times}."
+
+
+def _task_rows(result: MarkedResult) -> Iterator[tuple[Any, ...]]:
+    for task in result.tasks:
+        sides = [[check for check in task.checks if check.hidden is hidden] for hidden in (False, True)]
+        numbers = [n for side in sides for n in (sum(check.passed for check in side), len(side))]
+        by = "" if task.needs_hand_mark else "checks" if task.manual is None else "person"
+        names = (result.student, result.exercise, task.task)
+        yield (*names, task.score, task.points, int(task.bonus), by, *numbers)
+
+
+def analyse(exercise: str, results: Sequence[MarkedResult], out: Path) -> Analysis:
+    """Return the item analysis of one exercise."""
+    judged = [one.result.tasks for one in results if one.result.tasks]
+    marks = [one.row.mark for one in results if one.row.mark]
+    keys = [one.result.attempts[-1].key for one in results if one.result.tasks]
+    usages = [read_usage(out, key) for key in keys]
+    return Analysis(
+        exercise,
+        [100 * mark.final / mark.max_score for mark in marks if mark.max_score],
+        list(_items(judged, of_checks=False)),
+        list(_items(judged, of_checks=True)),
+        [usage.cpu_seconds for usage in usages if usage],
+        scenario_times(out, keys),
+        check_times(out, keys),
+    )
+
+
+Key = tuple[str, str, str, bool]  # task, title, scenario, hidden
+
+
+def _items(judged: Iterable[Sequence[TaskResult]], *, of_checks: bool) -> Iterator[Item]:
+    scores, rests = defaultdict[Key, list[float]](list), defaultdict[Key, list[float]](list)
+    for tasks in judged:
+        whole = sum(task.points * task.fraction for task in tasks)
+        for key, score, points in (part for task in tasks for part in _scored_parts(task, of_checks)):
+            scores[key].append(score)
+            rests[key].append(whole - points)
+    for key, got in scores.items():
+        rate = sum(score >= 1 for score in got) / len(got)
+        yield Item(*key, len(got), rate, fmean(got), correlation(got, rests[key]))
+
+
+def _scored_parts(task: TaskResult, of_checks: bool) -> Iterator[tuple[Key, float, float]]:
+    """Yield key, score and points of a task, or of each of its checks."""
+    weights = sum(check.weight for check in task.checks)
+    if not weights:
+        return
+    if not of_checks:
+        yield (task.task, "", "", False), task.fraction, task.points * task.fraction
+        return
+    for check in task.checks:
+        points = task.points * check.weight * check.score / weights
+        yield (task.task, check.title, check.scenario, check.hidden), check.score, points
+
+
+def correlation(scores: Sequence[float], rests: Sequence[float]) -> float | None:
+    """Return Pearson's correlation, or None for few submissions or a constant side."""
+    if len(scores) < FEWEST or np.ptp(scores) < 1e-9 or np.ptp(rests) < 1e-9:
+        return None
+    return float(np.corrcoef(scores, rests)[0, 1])
+
+
+def write_gradebook(out: Path, results: Iterable[MarkedResult]) -> Path:
+    """Write OUT/gradebook.csv from the gradebook rows of all results."""
     path = out / "gradebook.csv"
-    write_whole(path, csv_of(COLUMNS, (result["row"].values() for result in results)))
+    write_atomically(path, csv_of(COLUMNS, (one.row.cells.values() for one in results)))
     return path
 
 
-SIMILAR = "similar code"
+SIMILAR, NOT_COMPARED = "similar code", "code not compared"
 ADVICE = {
-    MISMATCH: "marked, but not exported before you have looked. Wrong folder: move the file and grade again. "
-    "Otherwise accept it by a mark: course mark OUT STUDENT EXERCISE TASK POINTS. "
+    MISMATCH: "marked, but not exported until you have reviewed them. Wrong folder: move the file and grade "
+    "again. Otherwise accept it by a mark: course mark OUT STUDENT EXERCISE TASK POINTS. "
     "Folders that are not named after IDs: course collect with --roster",
-    NO_ID: "the files name no student; judged as who handed in, or as a guest if no roster says who",
-    UNVERIFIED: "only the files say whose they are; collect with --roster to have it compared",
-    SIMILAR: "to be read side by side in",
+    NO_ID: "the files have no ID; judged for the student who submitted, or for a guest without a roster",
+    UNVERIFIED: "only the files identify their students; collect with --roster to verify the IDs",
+    SIMILAR: "compare side by side in",
+    NOT_COMPARED: "too long, or built at run time; read it. The reasons are in",
 }
 
 
 @dataclass(frozen=True)
 class Flag:
-    """A reason to look at a submission, and the page that shows more, or ""."""
+    """A reason to review a submission, and a link with details, or ""."""
 
     kind: str
     text: str
@@ -48,44 +279,47 @@ class Flag:
 
 @dataclass(frozen=True)
 class Concern:
-    """A reason to look at several submissions, with pages in OUT/reports that show more."""
+    """A reason to review several submissions, with pages in OUT/reports that have details."""
 
     text: str
     pages: tuple[str, ...] = ()
 
     def line(self, out: Path) -> str:
-        """Return it for the terminal."""
+        """Return the line for the terminal."""
         return " ".join([self.text, ", ".join(str(out / "reports" / page) for page in self.pages)]).rstrip()
 
 
-def flags(result: Mapping[str, Any], alike: Mapping[tuple[str, str], Alike]) -> list[Flag]:
-    """Return what to look at in one result."""
-    word = result.get("id_flag")
+def flags(marked: MarkedResult, alike: Mapping[tuple[str, str], SimilarSubmission]) -> list[Flag]:
+    """Return the reasons to review one result."""
+    word = marked.result.submission.id_flag
     found = [Flag(word, word)] if word else []
-    if similar := alike.get((result["student"], result["exercise"])):
-        found.append(Flag(SIMILAR, f"{SIMILAR}: {few(similar.others)}", similar.link))
+    if similar := alike.get((marked.student, marked.exercise)):
+        if similar.others:
+            found.append(Flag(SIMILAR, f"{SIMILAR}: {join_few(similar.others)}", similar.link))
+        if similar.remarks:
+            found.append(Flag(NOT_COMPARED, f"{NOT_COMPARED}: {'; '.join(similar.remarks)}", similar.link))
     return found
 
 
-def concerns(results: Iterable[Mapping[str, Any]], out: Path) -> list[Concern]:
-    """Return each kind of thing to look at, with those whom it concerns."""
-    alike, who, pages = alike_in(out), defaultdict[str, list[str]](list), set[str]()
+def review_reasons(results: Iterable[MarkedResult], out: Path) -> list[Concern]:
+    """Return each reason to review submissions, with the submissions."""
+    alike, who, pages = read_similar(out), defaultdict[str, list[str]](list), defaultdict[str, set[str]](set)
     for result in results:
-        is_held = result["row"]["status"] == "needs_marking"
+        is_held = result.row.status == "needs_marking"
         for flag in (one for one in flags(result, alike) if one.kind != MISMATCH or is_held):
-            who[flag.kind].append(f"{result['student']} {result['exercise']}")
-            pages |= {flag.link.split("#")[0]} - {""}
+            who[flag.kind].append(f"{result.student} {result.exercise}")
+            pages[flag.kind] |= {flag.link.split("#")[0]} - {""}
     return [
         Concern(
-            f"{kind}: {counted(len(who[kind]), 'submission')} ({few(who[kind])}): {advice}",
-            tuple(sorted(pages)) if kind == SIMILAR else (),
+            f"{kind}: {format_count(len(who[kind]), 'submission')} ({join_few(who[kind])}): {advice}",
+            tuple(sorted(pages[kind])),
         )
         for kind, advice in ADVICE.items()
         if kind in who
     ]
 
 
-# Key in the result's row, heading; numbers are sorted as such.
+# Key in the result's row and heading. Numeric columns are sorted numerically.
 INDEX_COLUMNS = (
     ("student", "student"), ("exercise", "exercise"), ("final", "mark"), ("max_score", "of"),
     ("score", "before late policy"), ("days_late", "days late"), ("status", "status"), ("reason", "reason"),
@@ -93,56 +327,62 @@ INDEX_COLUMNS = (
 )  # fmt: skip
 
 
-def write_tables(out: Path, zone: ZoneInfo) -> list[dict[str, Any]]:
-    """Write the gradebook, the index and the analysis of all tasks; returns all results."""
+def write_tables(out: Path, zone: ZoneInfo) -> list[MarkedResult]:
+    """Write the gradebook, the index and the item analysis, and return all results."""
     results = list(results_in(out))
-    write_items(out, results)
+    rows, found = list[tuple[Any, ...]](), defaultdict[str, list[MarkedResult]](list)
+    for result in results:
+        rows += _task_rows(result)
+        found[result.exercise].append(result)
+    write_atomically(out / "tasks.csv", csv_of(TASK_COLUMNS, rows))
+    page = fill("items.html", exercises=[analyse(name, found[name], out) for name in sorted(found)])
+    write_atomically(out / "reports" / "items.html", page.encode("utf-8", "replace"))
     write_gradebook(out, results)
     write_index(out, zone, results)
     return results
 
 
-def write_index(out: Path, zone: ZoneInfo, results: Sequence[dict[str, Any]]) -> Path:
-    """Write OUT/reports/index.html from all results, times in a zone."""
-    failures, alike = _failures(results), alike_in(out)
+def write_index(out: Path, zone: ZoneInfo, results: Sequence[MarkedResult]) -> Path:
+    """Write OUT/reports/index.html from all results, with times in a zone."""
+    failures, alike = _failures(results), read_similar(out)
     page = fill(
         "index.html",
         headings=[heading for _, heading in INDEX_COLUMNS],
         lines=[{**_line(result, out, zone), "flags": flags(result, alike)} for result in results],
-        concerns=concerns(results, out),
-        counts=sorted(Counter(result["row"]["status"] for result in results).items()),
-        isolations=Counter(result["isolation"] for result in results).most_common(),
+        concerns=review_reasons(results, out),
+        counts=sorted(Counter(one.row.status for one in results).items()),
+        isolations=Counter(one.result.isolation for one in results).most_common(),
         failures=[row for row in failures if row["failed"]],
         never=sum(not row["failed"] for row in failures),
         zone=zone.key,
     )
     path = out / "reports" / "index.html"
-    write_whole(path, page.encode("utf-8", "replace"))
+    write_atomically(path, page.encode("utf-8", "replace"))
     return path
 
 
-def _line(result: dict[str, Any], out: Path, zone: ZoneInfo) -> dict[str, Any]:
-    usage = read_usage(out, result["attempts"][-1]["key"])
-    row = {**result["row"], **(asdict(usage) if usage else {})}
+def _line(marked: MarkedResult, out: Path, zone: ZoneInfo) -> dict[str, Any]:
+    usage = read_usage(out, marked.result.attempts[-1].key)
+    row = {**marked.row.cells, **(asdict(usage) if usage else {})}
     cells = [row.get(key, "") for key, _ in INDEX_COLUMNS]
     place = f"{row['student']}/{row['exercise']}.html"
-    time = result["received"] and datetime.fromisoformat(result["received"]).astimezone(zone)
+    time = marked.result.submission.received.time
     return {
         "link": quote(place, errors="surrogateescape") if (out / "reports" / place).is_file() else "",
         "cells": [f"{v:g}" if isinstance(v, float) else v for v in cells],
-        "received": time.isoformat(" ", "minutes") if time else "unknown",
-        "notes": result["notes"],
+        "received": time.astimezone(zone).isoformat(" ", "minutes") if time else "unknown",
+        "notes": marked.result.notes,
     }
 
 
-def _failures(results: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return each check with the number of submissions that did not pass it, the most first."""
+def _failures(results: Iterable[MarkedResult]) -> list[dict[str, Any]]:
+    """Return each check with the number of submissions that failed it, most failed first."""
     judged, failed = Counter[tuple[Any, ...]](), Counter[tuple[Any, ...]]()
     for result in results:
-        for task in result.get("tasks", ()):
-            for check in task["checks"]:
-                key = task["task"], check["title"], check["scenario"], check["hidden"]
+        for task in result.result.tasks:
+            for check in task.checks:
+                key = task.task, check.title, check.scenario, check.hidden
                 judged[key] += 1
-                failed[key] += check["score"] < 1
+                failed[key] += not check.passed
     shares = sorted(judged, key=lambda key: (-failed[key] / judged[key], key))
     return [{"names": key, "failed": failed[key], "of": judged[key]} for key in shares]

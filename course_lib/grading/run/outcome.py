@@ -1,4 +1,8 @@
-"""Plain data from student code: returned values, errors, printed lines and usage."""
+"""Plain data from student code: returned values, errors, printed lines and resource usage.
+
+Everything that leaves the student's process is reduced to plain data of limited size before it is
+sent, and checked again on arrival, because student code can send anything.
+"""
 
 import io
 import json
@@ -17,21 +21,23 @@ from course_lib.ros.hints import hint
 from course_lib.ros.tracebacks import line_of_traceback, name_line
 
 MAX_ITEMS = 200_000
+BYTES_PER_ITEM = 32  # [B] size of an object and the reference to it
 MAX_DEPTH = 20
 MAX_TEXT = 100_000  # characters
 MAX_INT = 2**63
-RAISED = {"object": "nothing, as the call raised an exception"}  # in place of a returned value
+RAISED = {"object": "nothing, as the call raised an exception"}  # replaces a returned value
 
 
 MAX_ERRORS = 20
 
 
-NOT_MADE = "is not in the notebook: no cell that ran to its end makes it"  # behind a task's name
+# The part of an error message after the name of the object.
+NOT_DEFINED = "is not defined: no cell that ran without an error defines it"
 
 
 @dataclass
 class Outcome:
-    """Returned values and errors of student code, and the CPU that it says it used [s]."""
+    """The returned values and errors of student code, and the CPU time [s] that its process reported."""
 
     returns: list[Any] = field(default_factory=list)
     errors: list[str] = field(default_factory=list)
@@ -39,9 +45,10 @@ class Outcome:
 
 
 def plain(value: Any) -> Any:
-    """Turn numbers, texts, arrays, messages and containers of them into plain Python values.
+    """Convert numbers, strings, arrays, messages and containers of them to plain Python values.
 
-    What is none of these, or too large, becomes `{"object": what it is}`, which no check expects.
+    Any other value, and a value that is too large, becomes `{"object": description}`, which no
+    check expects.
     """
     return _plain(value, MAX_DEPTH, [MAX_ITEMS])
 
@@ -58,6 +65,15 @@ def is_plain(value: Any, depth: int = MAX_DEPTH + 3) -> bool:
     if type(value) is str:
         return len(value) <= MAX_TEXT
     return value is None or type(value) in (bool, int, float)
+
+
+def size_of(value: Any) -> int:
+    """Return the approximate memory size [B] of a value of plain data."""
+    if type(value) is list:
+        return BYTES_PER_ITEM + sum(map(size_of, value))
+    if type(value) is dict:
+        return BYTES_PER_ITEM + sum(size_of(key) + size_of(item) for key, item in value.items())
+    return BYTES_PER_ITEM + (len(value) if type(value) is str else 0)
 
 
 def _plain(value: Any, depth: int, room: list[int]) -> Any:
@@ -79,10 +95,6 @@ def _plain(value: Any, depth: int, room: list[int]) -> Any:
         return [_plain(item, depth - 1, room) for item in islice(value, max(room[0], 0))]
     if isinstance(value, dict):
         return {str(key): _plain(item, depth - 1, room) for key, item in value.items()}
-    return _message(value, depth, room)
-
-
-def _message(value: Any, depth: int, room: list[int]) -> Any:
     from course_lib.ros.messages import RosMessage, to_plain
 
     if isinstance(value, RosMessage):
@@ -94,62 +106,63 @@ MAX_LENGTH = 500  # characters
 
 
 def describe(error: BaseException) -> str:
-    """Return what was raised, where, and the hint for a common mistake.
+    """Return the exception's type and text, its location, and the hint for a common mistake.
 
     For example "ZeroDivisionError: division by zero (cell In[3], line 2: 1 / 0)".
     """
-    where = _place(error)
-    what = _what(error)[:MAX_LENGTH]
+    where = (
+        name_line(error.filename or "", error.lineno)
+        if isinstance(error, SyntaxError) and error.lineno
+        else line_of_traceback(error.__traceback__)
+    )
+    # ROS's errors about lists of numbers contain the limits of float64, with 309 digits.
+    what = re.sub(r"\d{40,}\.\d+", lambda found: f"{float(found[0]):.6g}", _error_text(error))[:MAX_LENGTH]
     place, is_raise, _ = where.partition(": raise ")
-    if is_raise:  # that line says nothing that the text does not say
+    # The source of a raise statement adds nothing to the exception's text.
+    if is_raise:
         where = place
     found = hint(error)
-    said = f"{what}{where and f' ({where})'}{found and f'; hint: {found}'}"
-    return said.encode("utf-8", "replace").decode()  # half of a surrogate pair can't leave the process
+    text = f"{what}{where and f' ({where})'}{found and f'; hint: {found}'}"
+    return text.encode("utf-8", "replace").decode()  # Lone surrogates cannot be encoded.
 
 
-def _what(error: BaseException) -> str:
+def _error_text(error: BaseException) -> str:
     try:
         text = error.msg if isinstance(error, SyntaxError) else str(error)
-    except (Exception, SystemExit):  # str() is the student's own code here, and may raise anything
-        text = "(its text can't be made)"
+    except (Exception, SystemExit):
+        # __str__ may be student code and raise any exception.
+        text = "(its __str__ failed)"
     if isinstance(error, CourseError):
         return text
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
-def _place(error: BaseException) -> str:
-    if isinstance(error, SyntaxError) and error.lineno:
-        return name_line(error.filename or "", error.lineno)
-    return line_of_traceback(error.__traceback__)
-
-
 MAX_LINES = 20
 MAX_LINE = 200  # characters
-MAX_PRINTED = 1_000_000  # characters that are kept of a run in this process
-_STAMP = re.compile(r"\[\d+\.\d{9}\] ")  # of a log line: it makes equal lines differ
+MAX_PRINTED = 1_000_000  # characters kept of the output of a run in this process
+_STAMP = re.compile(r"\[\d+\.\d{9}\] ")  # log stamps, which make equal lines differ
 
 
-class Bounded(io.StringIO):
-    """A text that keeps MAX_PRINTED characters, so that an endless loop does not fill the memory."""
+class BoundedOutput(io.StringIO):
+    """A stream that keeps MAX_PRINTED characters, so that an endless loop does not fill the memory."""
 
     def write(self, text: str) -> int:
-        """Keep what there is room for."""
+        """Append as much of the text as fits."""
         super().write(text[: max(0, MAX_PRINTED - self.tell())])
         return len(text)
 
 
-def printed(outputs: Iterable[str]) -> tuple[str, ...]:
-    """Return the lines of the first output that is not empty, as a person wants to see them."""
+def printed_lines(outputs: Iterable[str]) -> tuple[str, ...]:
+    """Return the lines of the first output that is not empty, shortened for display."""
     text = next((one for one in outputs if one.strip()), "")
-    lines = collapsed(text.rstrip().splitlines())
+    lines = collapse_lines(text.rstrip().splitlines())
     shown = [line if len(line) <= MAX_LINE else f"{line[:MAX_LINE]} …" for line in lines[:MAX_LINES]]
     more = len(lines) - len(shown)
     return (*shown, f"… {more} more lines") if more > 0 else tuple(shown)
 
 
-def collapsed(lines: Iterable[str]) -> list[str]:
-    """Return lines of which those that follow an equal one are counted; times of logs do not matter."""
+def collapse_lines(lines: Iterable[str]) -> list[str]:
+    """Collapse repeated lines into a count, ignoring log stamps in the comparison."""
     made: list[str] = []
     last, repeated = None, 0
     for line in [*lines, None]:
@@ -165,15 +178,17 @@ def collapsed(lines: Iterable[str]) -> list[str]:
     return made
 
 
-_RSS_PER_MB = 1e6 if sys.platform == "darwin" else 1e3  # getrusage counts bytes there, kB elsewhere
+# getrusage reports bytes on macOS, and kilobytes on other systems.
+_RSS_PER_MB = 1e6 if sys.platform == "darwin" else 1e3
 
 
 @dataclass(frozen=True)
 class Usage:
-    """CPU of all processes together [s], and the most memory that one of them held [MB].
+    """CPU time [s] of all processes, and the peak memory [MB] of the largest one.
 
-    Where files are on a disk, also the most that they took [MB]; else the kernel bounds them. `scenarios` has
-    the CPU of each scenario [s] by task and name, as the worker, which runs the student's code, tells it.
+    `files_megabytes` is the peak size of all files if they are on a disk; a scratch folder in
+    memory is limited by the kernel. `scenarios` has the CPU time [s] of each scenario by task and
+    name, as reported by the worker, which runs the student's code.
     """
 
     cpu_seconds: float = 0.0
@@ -187,26 +202,26 @@ class Usage:
         cpu = round(self.cpu_seconds + other.cpu_seconds, 3)
         return Usage(cpu, memory, files, {**self.scenarios, **other.scenarios})
 
-    def fills(self, megabytes: float) -> bool:
-        """Return whether all files take far more than the limit of a single one."""
+    def exceeds_by_far(self, megabytes: float) -> bool:
+        """Return whether all files together take far more than the limit of a single one."""
         return self.files_megabytes > 2 * megabytes
 
     def as_json(self) -> str:
-        """Write it as a file, or into a message."""
+        """Encode the usage for a file or a message."""
         return json.dumps(asdict(self))
 
 
 def wait_any_child() -> Usage:
-    """Wait for any child to end, and return what it and those that it waited for have used.
+    """Wait for any child to end, and return the usage of it and its own children.
 
     Raises:
-        ChildProcessError: There is none.
+        ChildProcessError: There is no child.
     """
     _, _, used = os.wait3(0)
     return Usage(round(used.ru_utime + used.ru_stime, 3), round(used.ru_maxrss / _RSS_PER_MB, 1))
 
 
-def still_running(seconds: float, line: str = "") -> str:
-    """Return the message about code that does not come to an end; `line` is where it was, if known."""
+def still_running_message(seconds: float, line: str = "") -> str:
+    """Return the error message about code that does not end; `line` is its last known location."""
     where = line and f" ({line})"
-    return f"still running after {seconds:.3g} s{where}: an endless loop? It was stopped."
+    return f"still running after {seconds:.3g} s{where}: is it an endless loop? It was stopped."

@@ -1,38 +1,125 @@
-"""The stage `run`: from a job to evidence, stored under the job's digest."""
+"""The stage `run`: from a job to evidence, stored under the job's digest.
+
+A job is plain data, which may be sent to another process or machine.
+"""
 
 import gzip
+import hashlib
 import json
 import os
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 import msgpack
 
-from course_lib.course.state import write_whole
+from course_lib.course.course_file import Limits
+from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError
-from course_lib.foreign import read_json
+from course_lib.grading.catalog import Catalog
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.jail.isolation import Isolation, Need
-from course_lib.grading.jail.launch import KilledStartError, TemplateProcess, WorkerError, shared_template
-from course_lib.grading.records import evidence_path, usage_path, writing
-from course_lib.grading.run.job import VERSION, Job, Run, Step
+from course_lib.grading.inputs import personal_values
+from course_lib.grading.jail.filters import Isolation, Need
+from course_lib.grading.jail.launch import KilledStartError, WorkerError, shared_template
 from course_lib.grading.run.outcome import Usage
 from course_lib.grading.run.submission_run import CellLog, SubmissionRun
-from course_lib.ros.graph import Sample
-from course_lib.ros.qos import Qos
+from course_lib.grading.store import evidence_path, usage_path, writing
+from course_lib.grading.task import Scenario, Task
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.graph.topics import Qos
+from course_lib.third_party import read_json
+
+VERSION = 3  # version of the stored evidence's format
+# A written task without scenarios still has evidence: the submitted text.
+ANSWER = (Scenario("answer"),)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One scenario of a task, and whether it is hidden."""
+
+    task: Task
+    scenario: Scenario
+    hidden: bool = False
+
+    def without_checks(self) -> "Step":
+        """Return the step without checks and expected messages, which only the judge needs."""
+        task = replace(self.task, scenarios=(), ghost=())
+        return Step(task, replace(self.scenario, checks=()), self.hidden)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A scenario and the evidence of its run."""
+
+    scenario: Scenario
+    evidence: Evidence
+    hidden: bool = False
+
+
+@dataclass(frozen=True)
+class Job:
+    """A submission to run.
+
+    Args:
+        cells: The sources of its code cells.
+        student: The student ID from which personal values are derived; None is a guest.
+        steps: The scenarios in order.
+        limits: Its resource limits.
+        files: Contents of the submitted files, by path.
+        need: The weakest isolation that is accepted for running it.
+        refused: Paths of the course that it must not be able to read on the machine where it runs.
+    """
+
+    cells: tuple[str, ...]
+    student: str | None
+    steps: tuple[Step, ...]
+    limits: Limits
+    files: Mapping[str, str] = field(default_factory=dict)
+    need: Need = "any"
+    refused: tuple[str, ...] = ()
+
+    @property
+    def personal(self) -> dict[str, dict[str, Any]]:
+        """The student's personal values, by task."""
+        return {step.task.id: personal_values(step.task, self.student) for step in self.steps}
+
+    @property
+    def key(self) -> str:
+        """The digest of everything that the evidence depends on. Submissions with equal keys are run once.
+
+        The kit is excluded, so that a corrected check can judge existing evidence.
+        """
+        steps = [step.without_checks() for step in self.steps]
+        content = [VERSION, self.cells, self.personal, sorted(self.files.items()), steps, self.limits]
+        return hashlib.sha256(msgpack.packb(content, default=_job_fields)).hexdigest()[:32]
+
+
+def plan_scenarios(tasks: Sequence[Task], catalog: Catalog, *, hidden: bool) -> tuple[Step, ...]:
+    """Return all scenarios of all tasks, public ones first."""
+    public = [(task, task.scenarios or ANSWER * (task.kind == "written")) for task in tasks]
+    steps = [Step(task, scenario) for task, scenarios in public for scenario in scenarios]
+    if hidden:
+        steps += [Step(task, one, hidden=True) for task in tasks for one in catalog.hidden.get(task.id, ())]
+    return tuple(steps)
+
+
+def _job_fields(data: Any) -> Any:
+    return vars(data) if hasattr(data, "__dict__") else repr(data)
+
 
 TRIES = 2
 OUT_OF_MEMORY = (
     ". The machine may be out of memory: close other programs, or grade with --jobs 1. "
-    "Nothing is lost: the same command with --resume goes on"
+    "Nothing is lost: the same command with --resume continues"
 )
-PROCESSOR = 36  # place in what /proc tells of a thread, counted behind its name
-LEVEL = 2  # of compression: a higher one takes longer than the run did
-_one_at_a_time = threading.Lock()  # a process has one template, and Dask may call from several threads
+PROCESSOR = 36  # index of the processor in a thread's /proc stat line, counted after its name
+LEVEL = 2  # gzip level: a higher one takes longer than the run itself
+# A process has one template, and Dask may call from several threads.
+_template_lock = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -46,92 +133,83 @@ class ExerciseRun:
 
 
 @dataclass(frozen=True)
-class Ran:
-    """An `ExerciseRun` as it is stored, and the usage, which differs from run to run."""
+class StoredRun:
+    """The bytes of an `ExerciseRun` to store, and its usage, which differs from run to run."""
 
     evidence: bytes
     usage: Usage
 
 
-def demand(need: Need, refused: tuple[str, ...] = ()) -> None:
-    """Check that this machine isolates submissions as well as is needed.
-
-    Raises:
-        CourseError: It does not; names what is missing and what to type.
-    """
-    shared_template(refused).isolation.demand(need)
-
-
-def make_ready(need: Need, refused: tuple[str, ...]) -> list[str]:
-    """Start this process's template, and demand what is needed of it.
+def prepare(need: Need, refused: tuple[str, ...]) -> list[str]:
+    """Start this process's template and check its isolation.
 
     Returns:
-        Lines for the terminal: a start that was killed, after which another one came up.
+        Lines for the terminal: reasons for starts that were killed and repeated.
 
     Raises:
-        CourseError: The machine's isolation is less than is needed.
-        WorkerError: No template comes up, or each was killed; says what to do.
+        CourseError: The machine's isolation is too weak.
+        WorkerError: No template starts, or each was killed; the message says what to do.
     """
     killed = list[str]()
     while len(killed) < TRIES:
         try:
-            demand(need, refused)
+            shared_template(refused).isolation.require(need)
             return [f"Tried again: {why}" for why in killed]
         except KilledStartError as error:
             killed.append(str(error))
     raise WorkerError(f"{killed[-1]}, {TRIES} times{OUT_OF_MEMORY}")
 
 
-def run(job: Job) -> Ran:
+def run(job: Job) -> StoredRun:
     """Run a submission in the jail of this machine.
 
     Raises:
-        CourseError: The machine's isolation is less than the job needs.
-        WorkerError: No worker lives long enough: a fault of the kit or of the machine.
+        CourseError: The machine's isolation is weaker than the job requires.
+        WorkerError: No worker survives, because of an error of the kit or the machine.
     """
     why: Exception | None = None
-    with _one_at_a_time:
+    with _template_lock:
         for _ in range(TRIES):
             try:
-                demand(job.need, job.refused)
-                return _run_in(shared_template(job.refused), job)
-            except (OSError, WorkerError) as error:  # it may have been killed before, or while it started
+                shared_template(job.refused).isolation.require(job.need)
+                # A template that was killed is closed: its evidence is meaningless.
+                template = shared_template(job.refused)
+                try:
+                    made = run_scenarios(job)
+                    if not template.is_sound:
+                        raise WorkerError("the template was killed")
+                except (OSError, WorkerError):
+                    template.close()
+                    raise
+                return StoredRun(pack(made), made.usage)
+            except (OSError, WorkerError) as error:
+                # The template may have been killed before or during its start.
                 why = error
     raise WorkerError(f"no worker can be started, or it was killed, {TRIES} times: {why}") from why
-
-
-def _run_in(template: TemplateProcess, job: Job) -> Ran:
-    """Run a job; a template that was killed is closed, as the evidence means nothing then."""
-    try:
-        made = run_scenarios(job)
-        if not template.is_sound:
-            raise WorkerError("the template was killed")
-    except (OSError, WorkerError):
-        template.close()
-        raise
-    return Ran(pack(made), made.usage)
 
 
 def run_scenarios(job: Job) -> ExerciseRun:
     """Run all scenarios of a job."""
     template = shared_template(job.refused)
     submission = SubmissionRun(job.cells, job.personal, job.limits, template, job.files)
-    with _on_one_processor(), closing(submission):
+    with _pin_processor(), closing(submission):
         runs = [Run(s.scenario, submission.run(s.task, s.scenario), s.hidden) for s in job.steps]
     return ExerciseRun(tuple(runs), submission.log, submission.isolation, submission.usage)
 
 
 @contextmanager
-def _on_one_processor() -> Iterator[None]:
-    """Keep this thread on the processor that runs it now, and with it the workers that it starts.
+def _pin_processor() -> Iterator[None]:
+    """Pin this thread and the workers that it starts to the current processor.
 
-    Grader and worker take turns, and waking a process on another processor takes several times longer.
+    Grader and worker take turns, and waking up a process on another processor takes several times
+    longer.
     """
     try:
         allowed = os.sched_getaffinity(0)
         status = Path("/proc/thread-self/stat").read_text(encoding="utf-8")
         os.sched_setaffinity(0, {int(status.rpartition(")")[2].split()[PROCESSOR])})
-    except (AttributeError, OSError):  # not Linux, or it may not: only slower
+    except (AttributeError, OSError):
+        # The system is not Linux or forbids it; the run is only slower.
         yield
         return
     try:
@@ -140,19 +218,19 @@ def _on_one_processor() -> Iterator[None]:
         os.sched_setaffinity(0, allowed)
 
 
-def keep(out: Path, key: str, ran: Ran) -> None:
-    """Write evidence and usage, each whole or not at all.
+def store_evidence(out: Path, key: str, ran: StoredRun) -> None:
+    """Write evidence and usage, each file completely or not at all.
 
     Raises:
         OutError: They can't be written.
     """
     with writing(out):
-        write_whole(usage_path(out, key), json.dumps(asdict(ran.usage)).encode())
-        write_whole(evidence_path(out, key), ran.evidence)
+        write_atomically(usage_path(out, key), json.dumps(asdict(ran.usage)).encode())
+        write_atomically(evidence_path(out, key), ran.evidence)
 
 
 def read_usage(out: Path, key: str) -> Usage | None:
-    """Return what a run used, or None if that is not known."""
+    """Return the usage of a run, or None if it is unknown."""
     with suppress(OSError, ValueError, TypeError, AttributeError):
         content = read_json(usage_path(out, key).read_text(encoding="utf-8"))
         scenarios = {name: float(seconds) for name, seconds in content.pop("scenarios", {}).items()}
@@ -161,21 +239,21 @@ def read_usage(out: Path, key: str) -> Usage | None:
 
 
 def pack(made: ExerciseRun) -> bytes:
-    """Return the bytes to store: the same ones for the same evidence."""
+    """Return the bytes to store, which are equal for equal evidence."""
     content = {
         "version": VERSION,
         "isolation": made.isolation.layers,
         "log": made.log,
         "evidence": [one.evidence for one in made.runs],
     }
-    return gzip.compress(msgpack.packb(content, default=_by_field), LEVEL, mtime=0)
+    return gzip.compress(msgpack.packb(content, default=_fields_of), LEVEL, mtime=0)
 
 
 def unpack(data: bytes, steps: Sequence[Step]) -> ExerciseRun:
-    """Return what `pack` stored, with the checks of today.
+    """Decode the bytes from `pack`, and combine the evidence with the current checks.
 
     Raises:
-        CourseError: The bytes are damaged, or of other scenarios.
+        CourseError: The bytes are damaged, or belong to other scenarios.
     """
     try:
         content = msgpack.unpackb(gzip.decompress(data), strict_map_key=False)
@@ -184,12 +262,13 @@ def unpack(data: bytes, steps: Sequence[Step]) -> ExerciseRun:
         kept = {(row["task"], row["scenario"]): _evidence(row) for row in content["evidence"]}
         runs = [Run(s.scenario, kept[s.task.id, s.scenario.name], s.hidden) for s in steps]
         log, isolation = CellLog(**content["log"]), Isolation(tuple(content["isolation"]))
-    except Exception as error:  # a file may hold anything
+    except Exception as error:
+        # A damaged file can cause any exception.
         raise CourseError(f"stored evidence can't be read ({error!r}): grade without --rejudge") from error
     return ExerciseRun(tuple(runs), log, isolation)
 
 
-def _by_field(data: Any) -> dict[str, Any]:
+def _fields_of(data: Any) -> dict[str, Any]:
     """Return the fields of a dataclass, without cached properties."""
     return {field.name: getattr(data, field.name) for field in fields(data)}
 

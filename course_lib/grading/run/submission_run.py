@@ -1,35 +1,409 @@
-"""A submission's scenarios in workers: the grader's end."""
+"""The grader's side of a submission's scenarios: graph, clock, inputs, recorder and workers.
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+The grader owns the graph and its clock. The worker runs the student's code and, in lock-step with
+the grader, sends each call that concerns the graph: publish, subscribe, wait. So the student's
+process can neither change robot time nor see hidden checks, and equal code gives equal evidence.
+The worker's answers are validated as untrusted data.
+
+On a busy machine, a worker waits for a processor. This waiting time does not count against a
+submission's limits.
+"""
+
+import os
+import pickle
+import struct
+import threading
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
+from pathlib import Path
+from select import select
 from typing import Any
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.jail.launch import TemplateProcess, WorkerError, shared_template
-from course_lib.grading.run.outcome import MAX_ERRORS, MAX_LENGTH, Outcome, Usage, is_plain, still_running
-from course_lib.grading.run.scenario_graph import ScenarioGraph
-from course_lib.grading.run.worker_process import WorkerProcess
-from course_lib.grading.task import Scenario, Task
-from course_lib.ros import wall
-from course_lib.ros.channel import (
+from course_lib.grading.inputs import build
+from course_lib.grading.jail.launch import (
+    PIPE_HOLDS,
+    START_SECONDS,
+    TemplateProcess,
+    WorkerError,
+    shared_template,
+)
+from course_lib.grading.jail.layers import descendants
+from course_lib.grading.run.outcome import (
+    MAX_ERRORS,
+    MAX_LENGTH,
+    Outcome,
+    Usage,
+    is_plain,
+    plain,
+    size_of,
+    still_running_message,
+)
+from course_lib.grading.task import Message, Scenario, Task, resolve
+from course_lib.ros.graph.graph import START_NS, Graph, Sample
+from course_lib.ros.graph.remote import (
+    PICTURES,
     Channel,
     ChannelClosedError,
     ChannelError,
     ChannelTimeoutError,
     FrameSizeError,
+    GraphServer,
+    MemoryLimitError,
+    RecordingBudget,
+    RecordingLimitError,
 )
-from course_lib.ros.graph_server import GraphServer, RecordingLimitError, Room
+from course_lib.ros.graph.topics import OWN_TOPICS, SERVICE_HEADER, SERVICE_TOPICS, Qos
+from course_lib.ros.messages import deserialize, message_class, serialize
+from course_lib.ros.time import wall
 
-MOST_CPU = 1e6  # [s] that a scenario can have used
-ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or it was killed)"
+MOST = 9.0  # maximum extension of a limit, as a multiple of it
+SHORTEST = 0.1  # [s] minimum extension of a limit
+OWN = 0  # placeholder for the id of the calling thread
+
+
+@dataclass(frozen=True)
+class ThreadTimes:
+    """Times of a thread [s]: running, and ready to run but waiting for a processor."""
+
+    ran: float = 0.0
+    waited: float = 0.0
+
+    def after(self, earlier: "ThreadTimes") -> "ThreadTimes":
+        """Return the difference from earlier times."""
+        return ThreadTimes(self.ran - earlier.ran, self.waited - earlier.waited)
+
+
+class WaitingTime:
+    """The waiting time of a process's descendants, and of the thread that serves them, since `begin`.
+
+    It is 0 on systems that do not measure it. `given` is the total extension of limits [s].
+
+    Args:
+        top: The process id.
+        limit: The limit of each step [s] of the wall clock.
+    """
+
+    def __init__(self, top: int, limit: float) -> None:
+        self._top = top
+        self.begin(limit)
+
+    def begin(self, limit: float) -> None:
+        """Restart the measurement, with a limit per step [s]."""
+        self.granted, self._max_bytes = 0.0, MOST * limit
+        self._since, self._before = wall.monotonic(), dict(_threads(self._top))
+
+    def extend(self) -> float:
+        """Return the extension [s] of a limit that was just reached, or 0 if nothing waited."""
+        # The extension is the longest waiting time of a thread, without times in which another one
+        # ran.
+        spent = {n: one.after(self._before.get(n, ThreadTimes())) for n, one in _threads(self._top)}
+        own = spent.pop(OWN, ThreadTimes()).waited
+        ran = sum(one.ran for one in spent.values())
+        longest = max((one.waited for one in spent.values()), default=0.0)
+        more = min(min(own + longest, wall.monotonic() - self._since - ran), self._max_bytes) - self.granted
+        if more < SHORTEST:
+            return 0.0
+        self.granted += more
+        return more
+
+
+def _threads(top: int) -> Iterator[tuple[int, ThreadTimes]]:
+    """Yield (thread id, CPU times) for all threads of a process's descendants, and for this thread."""
+    files = [Path("/proc/thread-self/schedstat")]
+    files += [file for pid in descendants(top) for file in Path(f"/proc/{pid}/task").glob("*/schedstat")]
+    for file in files:
+        number = int(file.parent.name) if file is not files[0] else OWN
+        # The system is not Linux, or the thread has just ended.
+        with suppress(OSError, ValueError):
+            ran, waited, _ = map(int, file.read_text().split())
+            yield number, ThreadTimes(ran / 1e9, waited / 1e9)
+
+
+# Modules that take long to import, by a string that occurs in cells that need them.
+HEAVY = {
+    "matplotlib": "matplotlib.pyplot",
+    "%matplotlib": "matplotlib_inline.backend_inline",
+    "pinocchio": "pinocchio",
+}
+
+
+class WorkerProcess:
+    """A worker in the jail, from its start until `close`.
+
+    Args:
+        template: The process that it is forked from.
+        limits: The resource limits.
+        cells: The cells that it will run.
+
+    Raises:
+        WorkerError: The worker can't enter the jail.
+    """
+
+    def __init__(self, template: TemplateProcess, limits: Limits, cells: Sequence[str]) -> None:
+        self._template = template
+        self.usage = Usage()  # known after `close`
+        imports = [module for word, module in HEAVY.items() if any(word in cell for cell in cells)]
+        connection, output = template.start(limits, imports)
+        self.channel = Channel(connection)
+        self._output = Output(output, round(limits.output_kilobytes * 1000))
+        self.waiting = WaitingTime(template.pid, limits.cell_seconds)  # from the start of the worker
+        self.channel.overtime = self.waiting.extend
+        self.allow(START_SECONDS)
+        try:
+            problem = self.channel.receive()[1:]
+        except ChannelError as error:
+            problem = [str(error)]
+        if problem != [""]:
+            said = self.take_output()
+            self.close()
+            raise WorkerError(f"a worker can't be put into the jail: {problem} {said}")
+
+    def allow(self, seconds: float) -> None:
+        """Set the time [s] in which the worker must answer, without times of waiting for a processor."""
+        self.channel.deadline = wall.monotonic() + seconds
+
+    def take_output(self) -> str:
+        """Return the text printed since the last call."""
+        return self._output.take()
+
+    def close(self) -> None:
+        """Kill the worker and all processes it has started; its scratch folder is deleted."""
+        self.usage = self._template.stop()
+        self.channel.close()
+        self._output.close()
+
+
+class Output:
+    """The text in a pipe, read continuously so that a full pipe cannot block.
+
+    The start of each step is kept.
+    """
+
+    def __init__(self, pipe: int, limit: int) -> None:
+        self._pipe, self._limit = pipe, limit
+        self._kept, self._is_truncated, self._is_closed = bytearray(), False, False
+        self._lock = threading.Lock()
+        os.set_blocking(pipe, False)
+        self._reader = threading.Thread(target=self._read_until_closed, daemon=True)
+        self._reader.start()
+
+    def take(self) -> str:
+        """Return the output of the step that has just ended, including text still in the pipe."""
+        with self._lock:
+            self._read()
+            text = bytes(self._kept).decode("utf-8", "replace")
+            text += f"\n… cut after {self._limit} bytes" if self._is_truncated else ""
+            self._kept, self._is_truncated = bytearray(), False
+        return text
+
+    def close(self) -> None:
+        """Stop reading; the process must have ended."""
+        self._is_closed = True
+        self._reader.join()
+        os.close(self._pipe)
+
+    def _read_until_closed(self) -> None:
+        while not self._is_closed:
+            if select([self._pipe], [], [], 0.1)[0]:
+                with self._lock:
+                    self._is_closed = self._read() == 0 or self._is_closed
+
+    def _read(self) -> int | None:
+        """Return the number of bytes read; 0 at the end of the pipe, None if none are available."""
+        try:
+            chunk = os.read(self._pipe, PIPE_HOLDS)
+        except BlockingIOError:
+            return None
+        room = max(self._limit - len(self._kept), 0)
+        self._kept += chunk[:room]
+        self._is_truncated = self._is_truncated or len(chunk) > room
+        return len(chunk)
+
+
+INPUT_NODE = "scenario"
+POINT_CLOUD = "sensor_msgs/msg/PointCloud2"
+SET_PARAMETERS = "rcl_interfaces/srv/SetParameters"
+# MOST_INPUTS serialized inputs are cached; an input larger than LARGE bytes is not.
+MOST_INPUTS, LARGE = 2048, 10_000
+MOST_REJECTIONS = 10  # per scenario
+LONGEST_REASON = 200  # characters
+MOST_EVIDENCE = 32 * 2**20  # [B] per submission; correct solutions of all weeks take 1.2 MB
+SAMPLE_BYTES = 200  # [B] memory of a sample in addition to its message
+ROOM = 4 << 20  # [B] limit on images per topic
+ALL = 8 << 20  # [B] limit on the images of all topics
+MOST_FIELDS = 256  # fields of a point cloud
+
+
+@dataclass(frozen=True)
+class Instructions:
+    """The part of a scenario that is sent to the student's side: kind of the task, seed, calls."""
+
+    kind: str
+    seed: int
+    calls: Sequence[tuple[Sequence[Any], dict[str, Any]]] = ()
+
+
+class ScenarioGraph:
+    """The graph of one scenario, with its inputs and a recorder of the student's messages.
+
+    Args:
+        task: The task of the scenario.
+        scenario: The scenario to run.
+        personal: The student's personal values.
+        room: Maximum size of the recorded evidence [B].
+    """
+
+    def __init__(
+        self, task: Task, scenario: Scenario, personal: Mapping[str, Any], room: float = MOST_EVIDENCE
+    ) -> None:
+        self._task, self._scenario, self._personal = task, scenario, personal
+        self.seconds = scenario.seconds
+        self.graph = Graph(end_ns=START_NS + round(scenario.seconds * 1e9))
+        self._input_node = self.graph.add_node(INPUT_NODE, "/")
+        self._samples: list[Sample] = []
+        self._rejections: list[str] = []
+        self._images = ImageLimit(min(ALL, room / 2))
+        self._room, self.kept = room, 0  # [B]
+        self.graph.tap(self._record)
+        for message in scenario.inputs:
+            is_request = "/srv/" in message.type_name
+            if is_request:
+                prefix, suffix = SERVICE_TOPICS[0]
+                topic, type_name = f"{prefix}{message.topic}{suffix}", f"{message.type_name}_Request"
+                message = replace(message, topic=topic, type_name=type_name)
+            fields = pickle.dumps(resolve(message.fields, personal))
+            made = _serialize_input if len(fields) < LARGE else _serialize_input.__wrapped__
+            cdr = made(message.topic, message.type_name, fields)
+            endpoint = self.graph.add_publisher(self._input_node, message.topic, message.type_name, Qos())
+            publish = partial(
+                self.graph.publish, endpoint, SERVICE_HEADER.pack(endpoint, 1) * is_request + cdr
+            )
+            due_ns = START_NS + round(message.at * 1e9)
+            self.graph.call_at(due_ns, publish, node=self._input_node, entity=endpoint)
+        asked = {one.topic for one in scenario.inputs if one.type_name == SET_PARAMETERS}
+        for service in sorted(asked):
+            self._record_rejections(service)
+        calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
+        self.part = Instructions(task.kind, scenario.seed, calls)
+
+    def evidence(self, outcome: Outcome, *, output: str = "", stopped: str = "") -> Evidence:
+        """Return the evidence with the messages recorded so far."""
+        return Evidence(
+            task=self._task.id,
+            scenario=self._scenario.name,
+            seconds=self._scenario.seconds,
+            samples=tuple(self._samples),
+            returns=tuple(outcome.returns),
+            output="".join(self._rejections) + output,
+            errors=tuple(outcome.errors),
+            stopped=stopped,
+            personal=self._personal,
+        )
+
+    def keep(self, size: int) -> None:
+        """Charge further bytes of evidence.
+
+        Raises:
+            MemoryLimitError: The evidence exceeds its limit.
+        """
+        if self.kept + size > self._room:
+            raise MemoryLimitError(
+                "messages and returned values exceed the limit of a submission "
+                f"({MOST_EVIDENCE // 2**20} MB for all of its tasks), so it was stopped"
+            )
+        self.kept += size
+
+    def _record_rejections(self, service: str) -> None:
+        """Record the text that `ros2 param set` would print about a rejected parameter."""
+
+        def hear(data: bytes, source_ns: int, _: int) -> None:
+            seconds, reasons = (source_ns - START_NS) * 1e-9, rejection_reasons(data[SERVICE_HEADER.size :])
+            messages = [f"At {seconds:.2f} s: Setting parameter failed: {reason}\n" for reason in reasons]
+            self._rejections += messages[: MOST_REJECTIONS - len(self._rejections)]
+
+        prefix, suffix = SERVICE_TOPICS[1]
+        topic = f"{prefix}{service}{suffix}"
+        self.graph.add_subscription(self._input_node, 0, topic, f"{SET_PARAMETERS}_Response", Qos(), hear)
+
+    def _record(self, sample: Sample) -> None:
+        # /rosout contains file names, and those of cells differ from process to process.
+        if sample.node != self._input_node and sample.topic not in OWN_TOPICS:
+            limit_size = self._images.limit_size(sample)
+            self.keep(len(limit_size.cdr) + SAMPLE_BYTES)
+            self._samples.append(limit_size)
+
+
+@lru_cache(maxsize=MOST_INPUTS)
+def _serialize_input(topic: str, type_name: str, fields: bytes) -> bytes:
+    """Return the bytes of an input message. Building one takes ten times as long as pickling its fields."""
+    return serialize(build(Message(topic, type_name, pickle.loads(fields)), {}))
+
+
+def rejection_reasons(cdr: bytes) -> list[str]:
+    """Return the reasons for rejected parameters in a reply of a student's node."""
+    try:
+        reply: Any = deserialize(cdr, message_class(f"{SET_PARAMETERS}_Response"))
+    except Exception:
+        # The bytes come from a student's process and need not be a valid message.
+        return []
+    reasons = [result.reason or "(no reason)" for result in reply.results if not result.successful]
+    return [reason[:LONGEST_REASON] for reason in reasons[:MOST_REJECTIONS]]
+
+
+class ImageLimit:
+    """A limit on the size of images in the evidence, per topic and in total."""
+
+    def __init__(self, most: float = ALL) -> None:
+        self._max_bytes = most
+        self._used = Counter[str]()
+        self._kept = 0
+
+    def limit_size(self, sample: Sample) -> Sample:
+        """Return the sample, without its pixels if they exceed the limit."""
+        if sample.type_name not in PICTURES:
+            return sample
+        self._used[sample.topic] += len(sample.cdr)
+        if self._used[sample.topic] > ROOM or self._kept + len(sample.cdr) > self._max_bytes:
+            try:
+                if sample.type_name == POINT_CLOUD and _count_fields(sample.cdr) > MOST_FIELDS:
+                    raise ValueError("a point cloud with far too many fields")
+                message: Any = sample.message()
+            except Exception:
+                # The bytes come from a student's process and need not be a valid image.
+                return replace(sample, cdr=b"")
+            message.data = []
+            return replace(sample, cdr=serialize(message))
+        self._kept += len(sample.cdr)
+        return sample
+
+
+def _count_fields(cdr: bytes) -> int:
+    """Return the number of fields of a serialized point cloud. Decoding would take 30 times its size.
+
+    The fields follow the encapsulation (4 bytes), the stamp (8), frame_id, padded to 4, and two
+    sizes.
+    """
+    order = "<" if cdr[1] else ">"
+    (frame_id,) = struct.unpack_from(f"{order}I", cdr, 12)
+    (count,) = struct.unpack_from(f"{order}I", cdr, 16 + -(-frame_id // 4) * 4 + 8)
+    return int(count)
+
+
+MOST_CPU = 1e6  # [s] plausible maximum of a scenario's CPU time
+ENDED_EARLY = "the process ended before the program did (os._exit, a crash, or killed)"
 
 
 class CrowdedError(ChannelError):
-    """A cell that used up all processes of a submission; the scenarios need one."""
+    """Raised if a cell used up all processes of a submission, because each scenario needs one."""
 
 
-LIMITS_MET = {  # how the kernel's refusals begin as Python tells them
+# Beginnings of the error texts with which Python reports that a kernel limit was reached.
+LIMITS_MET = {
     "MemoryError": "memory",
     "RuntimeError: can't start new thread": "processes",
     "BlockingIOError: [Errno 11]": "processes",
@@ -40,26 +414,28 @@ LIMITS_MET = {  # how the kernel's refusals begin as Python tells them
 
 @dataclass
 class CellLog:
-    """Output and errors of the cells, which are run before all scenarios."""
+    """Output and errors of the cells, which run before all scenarios."""
 
     output: str = ""
     errors: list[str] = field(default_factory=list)
-    stopped: dict[int, str] = field(default_factory=dict)  # cells that are not run again, and why
-    limit: str = ""  # which one was met, if one was
-    complete: bool = False  # nothing is added then: cells that run again may know hidden inputs
+    # reasons for cells that are not run again, by index
+    stopped: dict[int, str] = field(default_factory=dict)
+    limit: str = ""  # the limit that was reached, or ""
+    # Once complete, the log is frozen: cells that run again may know hidden inputs.
+    complete: bool = False
 
 
 class SubmissionRun:
     """One submission and its workers, until `close`.
 
-    A worker that had to be killed is followed by a fresh one, in which the cell that hung is left out.
+    If a worker had to be killed, a new one replaces it, in which the cell that hung is skipped.
 
     Args:
         cells: The code cells.
-        personal: The student's own values, by task.
-        limits: What it may use.
-        template: What its workers are forks of; default: that of this process.
-        files: Texts in the folder that the cells run in, by their paths from there.
+        personal: The student's personal values, by task.
+        limits: The resource limits.
+        template: The process that workers are forked from; default: the one of this process.
+        files: Contents of the files in the working folder of the cells, by relative path.
     """
 
     def __init__(
@@ -71,46 +447,48 @@ class SubmissionRun:
         files: Mapping[str, str] | None = None,
     ) -> None:
         self.log = CellLog()
-        self.usage = Usage()  # of the workers that have ended, and of each scenario
+        self.usage = Usage()  # sum over ended workers and scenarios
         self._template = template or shared_template()
         self.isolation = self._template.isolation
         self._cells, self._personal, self._limits = list(cells), personal, limits
         self._files = dict(files or {})
-        self._shares = TimeShares(limits.total_seconds, personal)  # of the scenarios
-        self._deadline, self._cells_left = 0.0, limits.total_seconds  # of the cells
+        self._time_budget = Budget(limits.total_seconds, personal)  # scenario time [s]
+        self._size_budget = Budget(MOST_EVIDENCE, personal)  # size of evidence [B]
+        self._deadline, self._cells_left = 0.0, limits.total_seconds  # deadline and remaining cell time [s]
         self._worker: WorkerProcess | None = None
-        self._hung: set[str] = set()  # tasks
+        self._hung_tasks: set[str] = set()  # task ids
 
     def run(self, task: Task, scenario: Scenario) -> Evidence:
-        """Run one scenario; whatever happens, what was done by then is evidence.
+        """Run one scenario and return its evidence, which is partial if a limit ended it.
 
         Raises:
             WorkerError: No worker can be started.
         """
-        stage = ScenarioGraph(task, scenario, self._personal[task.id])
-        if task.id in self._hung:
-            why = f"not run: {task.name} did not come to an end before, and was stopped"
+        stage = ScenarioGraph(task, scenario, self._personal[task.id], self._size_budget.remaining(task.id))
+        if task.id in self._hung_tasks:
+            why = f"not run: {task.name} did not end in an earlier scenario, and was stopped"
             return stage.evidence(Outcome(errors=[why]), stopped="time")
         worker = self._ready_worker()
         if worker is None:
             why = f"not run: all cells together took {self._limits.total_seconds:g} s"
             return stage.evidence(Outcome(errors=[why]), stopped="time")
-        if self._shares.left(task.id) <= 0:
-            why = f"not run: the scenarios of {task.name} took too long before"
+        if self._time_budget.remaining(task.id) <= 0:
+            why = f"not run: the previous scenarios of {task.name} took too long"
             return stage.evidence(Outcome(errors=[why]), stopped="time")
         begin = wall.monotonic()
         outcome, stopped = self._serve(worker, stage, task)
-        self._shares.take(task.id, wall.monotonic() - begin - worker.waiting.given)
+        self._time_budget.charge(task.id, wall.monotonic() - begin - worker.waiting.granted)
+        self._size_budget.charge(task.id, stage.kept)
         self.usage += Usage(scenarios={f"{task.id}/{scenario.name}": outcome.cpu_seconds})
         if stopped == "time":
-            self._hung.add(task.id)
+            self._hung_tasks.add(task.id)
         output = worker.take_output()
         if self._worker is None:
             self._end(worker)
         return stage.evidence(outcome, output=output, stopped=stopped)
 
     def close(self) -> None:
-        """Kill the worker that is there."""
+        """Kill the current worker, if any."""
         if self._worker is not None:
             self._end(self._worker)
         self._worker = None
@@ -118,56 +496,57 @@ class SubmissionRun:
     def _end(self, worker: WorkerProcess) -> None:
         worker.close()
         self.usage += worker.usage
-        if worker.usage.fills(self._limits.scratch_megabytes):
+        if worker.usage.exceeds_by_far(self._limits.scratch_megabytes):
             self.log.limit = self.log.limit or "size"
 
-    def _left(self) -> float:
+    def _remaining_cell_time(self) -> float:
         return self._deadline - wall.monotonic()
 
     def _ready_worker(self) -> WorkerProcess | None:
-        """Return the worker, in which all cells have been run, or None when the time is over."""
+        """Return the worker after it has run all cells, or None if their time has expired."""
         self._deadline = wall.monotonic() + self._cells_left
-        while self._worker is None and self._left() > 0:
+        while self._worker is None and self._remaining_cell_time() > 0:
             worker = self._worker = WorkerProcess(self._template, self._limits, self._cells)
             is_ready = self._run_cells(worker)
-            self._deadline += worker.waiting.given
+            self._deadline += worker.waiting.granted
             if not is_ready:
                 self.close()
-        self._cells_left = self._left()
+        self._cells_left = self._remaining_cell_time()
         return self._worker
 
     def _run_cells(self, worker: WorkerProcess) -> bool:
-        """Run all cells; return False after noting the cell that prevents it."""
+        """Run all cells and return True, or record the cell that prevents it and return False."""
         values = {task: dict(values) for task, values in self._personal.items()}
         current, limit, log = -1, self._limits.cell_seconds, self.log
         try:
             worker.channel.send(["files", self._files])
             worker.channel.send(["cells", self._cells, values, sorted(log.stopped)])
             while True:
-                worker.allow(min(limit, self._left() + worker.waiting.given))
+                worker.allow(min(limit, self._remaining_cell_time() + worker.waiting.granted))
                 match worker.channel.receive():
                     case ["cell", int(index)] if current < index < len(self._cells):
                         current = index
                     case ["ran", list(errors)]:
                         output = worker.take_output()
                         if not log.complete:
-                            log.output, log.errors, log.complete = output, _sentences(errors), True
-                            log.limit = log.limit or limit_met(log.errors)
+                            log.output, log.errors, log.complete = output, _limit_texts(errors), True
+                            log.limit = log.limit or find_exceeded_limit(log.errors)
                         return True
                     case ["crowded"]:
                         raise CrowdedError("no further process could be started")
                     case _:
-                        raise ChannelError("what came is not the next cell")
+                        raise ChannelError("the worker did not report the next cell")
         except ChannelError as error:
-            if current < 0 and self._left() <= 0:
-                return False  # the time ran out while it started
+            if current < 0 and self._remaining_cell_time() <= 0:
+                # The time expired during the start of the worker.
+                return False
             if current < 0:
-                raise WorkerError(f"a worker does not begin: {worker.take_output() or error}") from error
+                raise WorkerError(f"a worker does not start: {worker.take_output() or error}") from error
             match error:
                 case ChannelTimeoutError():
                     met, why = "time", f"was stopped after {limit:g} s"
                 case CrowdedError():
-                    met, why = "processes", f"was stopped: it left so many processes that {error}"
+                    met, why = "processes", f"was stopped: it left so many processes running that {error}"
                 case _:
                     met, why = "", f"ended the process ({error})"
             log.limit = log.limit or met
@@ -176,36 +555,39 @@ class SubmissionRun:
 
     def _serve(self, worker: WorkerProcess, stage: ScenarioGraph, task: Task) -> tuple[Outcome, str]:
         """Run a scenario in the worker; return its outcome and the limit that ended it, or ""."""
-        seconds, part = min(self._limits.scenario_seconds, self._shares.left(task.id)), stage.part
+        seconds, part = min(self._limits.scenario_seconds, self._time_budget.remaining(task.id)), stage.part
         order = [task.id, task.name, part.kind, part.seed, part.calls]
         worker.waiting.begin(seconds)
         worker.allow(seconds)
         try:
             worker.channel.send(["scenario", *order, stage.graph.end_ns, stage.graph.last_id])
-            outcome = _drive(worker.channel, stage, Room.lasting(stage.seconds))
-            return outcome, limit_met(outcome.errors)
+            outcome = _drive(worker.channel, stage, RecordingBudget.for_duration(stage.seconds))
+            return outcome, find_exceeded_limit(outcome.errors)
         except ChannelError as error:
-            self._worker = None  # what it says can't be followed any more
+            # After an error, further messages of this worker cannot be interpreted.
+            self._worker = None
             match error:
                 case ChannelTimeoutError():
-                    return Outcome(errors=[still_running(seconds)]), "time"
+                    return Outcome(errors=[still_running_message(seconds)]), "time"
                 case ChannelClosedError():
                     return Outcome(errors=[ENDED_EARLY]), ""
-            return Outcome(errors=[str(error)]), "size" if isinstance(
-                error, RecordingLimitError | FrameSizeError
-            ) else ""
+                case MemoryLimitError():
+                    return Outcome(errors=[str(error)]), "memory"
+                case RecordingLimitError() | FrameSizeError():
+                    return Outcome(errors=[str(error)]), "size"
+            return Outcome(errors=[str(error)]), ""
 
 
-def limit_met(errors: Sequence[str]) -> str:
-    """Return the limit behind the errors of student code, or ""."""
+def find_exceeded_limit(errors: Sequence[str]) -> str:
+    """Return the kernel limit that caused one of the errors, or ""."""
     return next((LIMITS_MET[start] for e in errors for start in LIMITS_MET if e.startswith(start)), "")
 
 
-def _drive(channel: Channel, stage: ScenarioGraph, room: Room) -> Outcome:
-    """Run the stage's clock in lock-step with the worker's child, to the child's end.
+def _drive(channel: Channel, stage: ScenarioGraph, room: RecordingBudget) -> Outcome:
+    """Run the scenario's clock in lock-step with the worker's child until the child ends.
 
     Raises:
-        ChannelError: What came is not what it has to be.
+        ChannelError: The worker sent an invalid message.
     """
     server = GraphServer(stage.graph, channel, room)
     server.serve()
@@ -216,38 +598,44 @@ def _drive(channel: Channel, stage: ScenarioGraph, room: Room) -> Outcome:
         case ["result", list(returns), list(errors)] if is_plain(returns):
             match channel.receive():
                 case ["exit", int(), float(seconds)] if 0 <= seconds <= MOST_CPU:
-                    return Outcome(returns, _sentences(errors), seconds)
-            raise ChannelError("something came after the result")
+                    stage.keep(size_of(returns))
+                    return Outcome(returns, _limit_texts(errors), seconds)
+            raise ChannelError("the worker sent more data after the result")
         case ["exit", int(), float()]:
             return Outcome(errors=[ENDED_EARLY])
-    raise ChannelError("what came is not a result")
+    raise ChannelError("the worker did not send a valid result")
 
 
-def _sentences(texts: list[Any]) -> list[str]:
-    """Cut the number and the length of the worker's texts."""
+def _limit_texts(texts: list[Any]) -> list[str]:
+    """Limit the number and the length of the worker's strings."""
     if not all(isinstance(text, str) for text in texts):
-        raise ChannelError("what came are not sentences")
+        raise ChannelError("the worker sent errors that are not strings")
     return [text[: 2 * MAX_LENGTH] for text in texts[:MAX_ERRORS]]
 
 
-class TimeShares:
-    """Time of a submission: half of it in equal parts for its tasks, the other half for any of them.
+class Budget:
+    """A budget of time or memory: one half in equal shares for the tasks, the other half common.
+
+    The shares keep one task from using up the budget of the others.
 
     Args:
-        seconds: Of the wall clock, for the scenarios of all tasks.
-        tasks: Their ids.
+    XX
+
+    Args:
+        amount: The total for the scenarios of all tasks, in [s] of the wall clock or in bytes.
+        tasks: The task ids.
     """
 
-    def __init__(self, seconds: float, tasks: Collection[str]) -> None:
-        self._common = seconds / 2
-        self._reserved = dict.fromkeys(tasks, seconds / 2 / max(len(tasks), 1))
+    def __init__(self, amount: float, tasks: Collection[str]) -> None:
+        self._common = amount / 2
+        self._reserved = dict.fromkeys(tasks, amount / 2 / max(len(tasks), 1))
 
-    def left(self, task: str) -> float:
-        """Return the time that the task may still take, [s]."""
+    def remaining(self, task: str) -> float:
+        """Return the remaining amount that a task may use."""
         return self._reserved[task] + self._common
 
-    def take(self, task: str, seconds: float) -> None:
-        """Charge a task: its own part first."""
-        own = min(seconds, self._reserved[task])
+    def charge(self, task: str, amount: float) -> None:
+        """Charge a task: first its own share, then the common half."""
+        own = min(amount, self._reserved[task])
         self._reserved[task] -= own
-        self._common = max(self._common - (seconds - own), 0.0)
+        self._common = max(self._common - (amount - own), 0.0)

@@ -1,7 +1,7 @@
-"""The process that runs a submission: its cells once, then each scenario in a fork of it.
+"""The process that runs a submission: its cells once, then each scenario in a fork.
 
-It is a fork of `jail.template`. It holds no check, no expected value and no hidden text; what it says is
-evidence, judged elsewhere and not believed.
+It is a fork of `jail.template`. It contains no checks, no expected values and no hidden texts. Its
+messages are evidence: they are judged in another process and never trusted.
 """
 
 import _thread
@@ -18,33 +18,37 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.grading.check import bind_only
-from course_lib.grading.personal import give_values
-from course_lib.grading.run.outcome import NOT_MADE, Outcome, describe
-from course_lib.grading.run.scenario_graph import Instructions
+from course_lib.grading.inputs import set_values
+from course_lib.grading.run.outcome import NOT_DEFINED, Outcome, describe
 from course_lib.grading.run.student_side import perform
-from course_lib.ros import standin_path, virtual_time
-from course_lib.ros.baton import baton
-from course_lib.ros.channel import Channel, ChannelClosedError
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph
-from course_lib.ros.interrupts import watch
+from course_lib.grading.run.submission_run import Instructions
+from course_lib.grading.task import ON_A_GRAPH
+from course_lib.ros.graph.graph import START_NS, Graph
+from course_lib.ros.graph.remote import Channel, ChannelClosedError, RemoteGraph
 from course_lib.ros.messages import compile_wire
-from course_lib.ros.process import make_shell
-from course_lib.ros.remote_graph import RemoteGraph
-from course_lib.ros.seeding import seeded
+from course_lib.ros.programs import import_path
+from course_lib.ros.programs.process import make_shell
+from course_lib.ros.programs.program import seeded
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.interrupts import watch
+from course_lib.ros.time.time_lock import time_lock
+from course_lib.third_party import TOO_DEEP
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
 
 CELLS_SEED = 0
-USUAL = (  # what most notebooks import, or need for a line of magic
+SPARE = 64_000_000  # [B]
+# Modules that most notebooks import, or that magics need.
+USUAL = (
     "numpy.random", "rclpy.node", "rclpy.executors", "rclpy.qos", "rclpy.signals", "geometry_msgs.msg",
     "std_msgs.msg", "visualization_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg", "vision_msgs.msg",
     "diagnostic_msgs.msg", "tf2_ros", "launch_ros.actions", "asyncio", "yaml",
     "IPython.core.magics.extension", "course_lib.extension", "course_lib.displays.viewer",
-    "course_lib.ros.launch_program", "course_lib.tools.notebook", "pygments.formatters.terminal256",
+    "course_lib.grading.run.student_side", "course_lib.tools.notebook", "pygments.formatters.terminal256",
 )  # fmt: skip
-SENT = (  # by most nodes, or by the kit's own; a type in a message's list comes with it
+# Types that most nodes publish, or the kit itself; nested types are compiled with them.
+SENT = (
     "rcl_interfaces/msg/Log", "rcl_interfaces/msg/ParameterEvent", "std_msgs/msg/Bool",
     "std_msgs/msg/Float64", "std_msgs/msg/String", "geometry_msgs/msg/PointStamped",
     "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/Twist", "tf2_msgs/msg/TFMessage",
@@ -56,25 +60,25 @@ SENT = (  # by most nodes, or by the kit's own; a type in a message's list comes
     "rcl_interfaces/srv/SetParameters_Response",
 )  # fmt: skip
 PUBLIC = ("course_lib", *(f"course_lib.{room}" for room in ("displays", "robots", "sensors", "export")))
-WARM_RUNS, WARM_NS = 12, 1_000_000_000  # Python specializes code that has run some ten times
-NO_SHELL = "There is no shell when graded: this line is left out."
+WARM_RUNS, WARM_NS = 12, 1_000_000_000  # Python specializes code after about ten runs
+NO_SHELL = "Grading has no shell: this line is skipped."
 
 
 class Worker:
-    """The loop in which a worker does what the grader asks for.
+    """The loop in which a worker executes the grader's requests.
 
     Args:
-        channel: To the grader.
-        shell: What `warm_up` made.
+        channel: The channel to the grader.
+        shell: The shell created by `warm_up`.
     """
 
     def __init__(self, channel: Channel, shell: "InteractiveShell") -> None:
         self._channel, self._shell, self._pid = channel, shell, os.getpid()
-        self._bound: dict[str, Any] = {}
-        bind_only(self._bound.__setitem__)
+        self._bound_objects: dict[str, Any] = {}
+        bind_only(self._bound_objects.__setitem__)
 
     def serve(self) -> None:
-        """Do what the grader asks until it is gone."""
+        """Execute the grader's requests until the grader disconnects."""
         handlers: dict[str, Callable[..., None]] = {
             "files": write_files,
             "cells": self.run_cells,
@@ -88,10 +92,10 @@ class Worker:
             handlers[name](*arguments)
 
     def run_cells(self, cells: Sequence[str], values: dict[str, dict[str, Any]], skip: Sequence[int]) -> None:
-        """Run all cells in order, but those to skip; an error in one does not stop the rest."""
-        give_values(values)
+        """Run all cells in order except those in `skip`; an error in one does not stop the others."""
+        set_values(values)
         errors = []
-        with baton.known(), seeded(CELLS_SEED):
+        with time_lock.hold(), seeded(CELLS_SEED):
             for index, cell in enumerate(cells):
                 if index not in skip:
                     self._channel.send(["cell", index])
@@ -100,22 +104,25 @@ class Worker:
                         self._channel.send(["crowded"])
                         return
         _flush()
-        gc.freeze()  # what the cells made stays shared with the scenarios' forks
+        # Frozen objects keep their memory pages shared with the forks of the scenarios.
+        gc.freeze()
         self._channel.send(["ran", errors])
 
     def run_scenario(
         self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int, last_id: int
     ) -> None:
-        """Run one scenario; nodes in a fork, so that they leave nothing behind for the next."""
+        """Run one scenario. Nodes run in a fork, so that they cannot affect the next scenario."""
         part, before = Instructions(kind, seed, calls), cpu_seconds()
         graph = RemoteGraph(self._channel, start_ns=START_NS, end_ns=end_ns, last_id=last_id)
-        if kind != "node" and not threads_left():  # a fork takes longer than all the rest of it
+        # Functions and values are fast, and a fork would take longer than their scenario.
+        if kind not in ON_A_GRAPH and not running_threads():
             self._perform(task, name, part, graph)
             self._channel.send(["exit", 0, cpu_seconds() - before])
             return
         try:
             child = os.fork()
-        except BlockingIOError as error:  # what an earlier cell left running has multiplied
+        except BlockingIOError as error:
+            # Processes that an earlier cell left running have used up the process limit.
             self._channel.send(["result", [], [describe(error)]])
             self._channel.send(["exit", 1, 0.0])
             return
@@ -127,23 +134,31 @@ class Worker:
     def _run_cell(self, index: int, cell: str) -> list[str]:
         self._shell.execution_count = index + 1
         try:
-            result = self._shell.run_cell(cell)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+            result = self._shell.run_cell(cell)  # type: ignore[no-untyped-call]
             error = result.error_before_exec or result.error_in_exec
-        except Exception as stumble:  # IPython's own, over what the student's code put in its way
+            if isinstance(result.error_before_exec, MemoryError | RecursionError) and _has_memory():
+                # Python raises these errors for a cell that is nested too deeply; no limit was
+                # reached.
+                error = SyntaxError(f"{TOO_DEEP}. This cell was not run")
+        except Exception as stumble:
+            # Student code can break IPython itself.
             error = stumble
         if os.getpid() != self._pid:
-            os._exit(0)  # a fork that the cell made: the next cells are its parent's
+            # The cell forked this process; only its parent runs the next cells.
+            os._exit(0)
         return [describe(error)] if error is not None else []
 
     def _is_crowded(self) -> bool:
-        """Return whether the cells left so many processes and threads that no further one can start."""
+        """Return whether so many processes and threads are left running that no further one can start."""
         if not hasattr(os, "waitid"):
-            return False  # macOS, where processes are not bounded
+            # On macOS the number of processes is not limited.
+            return False
         try:
             os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
         except ChildProcessError:
-            if not threads_left():
-                return False  # the usual case, at once
+            if not running_threads():
+                # Usually nothing is left running, so that no fork is needed to find out.
+                return False
         try:
             probe = os.fork()
         except BlockingIOError:
@@ -160,7 +175,8 @@ class Worker:
             status = 0
         finally:
             _flush()
-            os._exit(status)  # no handler that the student's code left behind is run
+            # Skip the exit handlers that the student's code may have registered.
+            os._exit(status)
 
     def _perform(self, task: str, name: str, part: Instructions, graph: Graph) -> None:
         outcome = Outcome()
@@ -172,48 +188,62 @@ class Worker:
         self._channel.send(["result", outcome.returns, outcome.errors])
 
     def _subject(self, task: str, name: str) -> Any:
-        """Return the object that `check` was called with, else the object with the declared name."""
-        if task in self._bound:
-            return self._bound[task]
+        """Return the object that `check` was called with, else the object with the task's name."""
+        if task in self._bound_objects:
+            return self._bound_objects[task]
         if name not in self._shell.user_ns:
-            raise CourseError(f"{name} {NOT_MADE}")
+            raise CourseError(f"{name} {NOT_DEFINED}")
         return self._shell.user_ns[name]
 
 
 def cpu_seconds() -> float:
-    """Return what this process and its children that have ended used, [s]; `time` has robot time here."""
+    """Return the CPU time [s] of this process and its ended children.
+
+    The module `time` is no substitute: it has robot time here.
+    """
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(one.ru_utime + one.ru_stime for one in used)
 
 
-def threads_left() -> int:
-    """Count the threads that the cells have left running; the one that watches callbacks is the kit's."""
+def running_threads() -> int:
+    """Count the threads that the cells left running, without the kit's own watcher."""
     return _thread._count() - watch.threads
 
 
 def write_files(files: dict[str, str]) -> None:
-    """Write what came with the notebook; where the folder does not take one, the cells will miss it."""
+    """Write the submitted files. A file that can't be written is missing for the cells."""
     for name, text in files.items():
         with suppress(OSError):
             Path(name).parent.mkdir(parents=True, exist_ok=True)
             Path(name).write_text(text, encoding="utf-8")
 
 
+def _has_memory() -> bool:
+    """Return whether enough memory is left for a compiler."""
+    try:
+        bytearray(SPARE)
+    except MemoryError:
+        return False
+    return True
+
+
 def _flush() -> None:
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
-        except Exception:  # the student's code may have closed it, or put anything in its place
+        except Exception:
+            # Student code may have closed or replaced the stream.
             continue
 
 
 def warm_up() -> "InteractiveShell":
-    """Do all that is the same for every submission: imports, a first run of everything, the cells' shell."""
-    standin_path.install()
+    """Do everything that is equal for all submissions: imports, a first run of each code path, the shell."""
+    import_path.install()
     virtual_time.install()
     for module in map(importlib.import_module, USUAL + PUBLIC):
         for name in module.__all__ if module.__name__ in PUBLIC else ():
-            getattr(module, name)  # it is imported now
+            # Access imports a lazily imported name.
+            getattr(module, name)
     for type_name in SENT:
         compile_wire(type_name)
     shell = make_shell()
@@ -221,17 +251,18 @@ def warm_up() -> "InteractiveShell":
     vars(shell).update(system=_no_shell, getoutput=_no_shell)
     formatter = shell.display_formatter
     importlib.import_module("course_lib.displays.viewer").Viewer.is_seen = False
-    if formatter is not None:  # nobody looks: no picture is drawn
+    # Nothing is displayed during grading, so no images are rendered.
+    if formatter is not None:
         formatter.active_types = ["text/plain"]
         formatter.mimebundle_formatter.enabled = False
-    shell.run_cell("None")  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    shell.run_cell("None")  # type: ignore[no-untyped-call]
     for _ in range(WARM_RUNS):
-        perform(Instructions("node", 0), _usual_node, Graph(end_ns=START_NS + WARM_NS), Outcome())
+        perform(Instructions("node", 0), _make_usual_node, Graph(end_ns=START_NS + WARM_NS), Outcome())
     return shell
 
 
-def _usual_node() -> Any:
-    """Return a node that does what most nodes do; its calls are those of every scenario."""
+def _make_usual_node() -> Any:
+    """Return a node that makes the calls that most nodes make."""
     from geometry_msgs.msg import TransformStamped
     from rclpy.node import Node
     from tf2_ros import Buffer, TransformBroadcaster, TransformListener
@@ -259,4 +290,4 @@ def _usual_node() -> Any:
 
 
 def _no_shell(*_: Any, **__: Any) -> None:
-    print(NO_SHELL)  # noqa: T201  into the output of the cell
+    print(NO_SHELL)  # noqa: T201

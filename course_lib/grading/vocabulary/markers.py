@@ -1,34 +1,469 @@
-"""Expectations on the markers that a topic shows at the end."""
+"""Checks of the markers that a topic shows.
+
+A task states the shape, position and color of a marker in several checks. If each check searched
+the topic separately, three wrong markers would pass three checks, and a node that publishes every
+height of a personal table would match the student's value. So the checks on one topic at one moment
+are grouped into subjects, each subject is bound once to the marker that earns the most points, and
+every property is judged on that marker.
+
+- Checks that contradict each other, like two ids or two colors, belong to different subjects.
+
+- A check without such a contradiction applies to every subject: all labels have letters of one
+size.
+
+- Markers beyond the required number are surplus. Then checks with a personal value fail, because
+one of many values is not an answer. If everything else is right, and no `expect_marker_count`
+fails, the last check of a marker fails, so that surplus markers always cost something.
+"""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from numbers import Real
 from typing import Any
 
-from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.marker_state import (
-    INVISIBLE,
-    each,
-    fits,
-    moment,
-    no_markers,
-    shown,
-    type_of,
-    unseen,
-)
-from course_lib.grading.vocabulary.marker_state import lifetime as marker_lifetime
-from course_lib.grading.vocabulary.wording import (
+from course_lib.errors import format_count
+from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.run.outcome import plain
+from course_lib.grading.task import My, resolve
+from course_lib.grading.vocabulary.check_function import (
     Problem,
-    close,
-    close_angles,
-    nothing_on,
-    number,
-    numbers,
-    off_by,
-    word,
+    are_angles_close,
+    check_function,
+    describe_offset,
+    format_number,
+    format_numbers,
+    is_close,
+    silent_topic_problem,
+    slash_hint,
     yaw_of,
 )
+from course_lib.ros.messages import type_name
 
-COLOR_TOLERANCE = 0.02  # of 0..1
+TYPES = (  # by the number in Marker.type
+    "ARROW", "CUBE", "SPHERE", "CYLINDER", "LINE_STRIP", "LINE_LIST", "CUBE_LIST", "SPHERE_LIST",
+    "POINTS", "TEXT_VIEW_FACING", "MESH_RESOURCE", "TRIANGLE_LIST", "ARROW_STRIP",
+)  # fmt: skip
+MARKER_MESSAGES = ("visualization_msgs/msg/Marker", "visualization_msgs/msg/MarkerArray")
+ADD, DELETE, DELETE_ALL = 0, 2, 3
+EACH_COLORED = ("LINE_STRIP", "LINE_LIST", "CUBE_LIST", "SPHERE_LIST", "POINTS", "TRIANGLE_LIST")
+NEEDED_SCALES = {
+    "LINE_STRIP": "x",
+    "LINE_LIST": "x",
+    "POINTS": "xy",
+    "TEXT_VIEW_FACING": "z",
+    # All other types have three axes.
+}
+INVISIBLE = "a marker is invisible"
+MARGIN = 0.1  # [s]
+
+
+def type_of(marker: Any) -> str:
+    """Return the name of a marker's type, "CUBE"."""
+    return TYPES[marker.type] if 0 <= marker.type < len(TYPES) else f"unknown type {marker.type}"
+
+
+def matches(marker: Any, *wanted: Any) -> bool:
+    """Return whether a marker has this type name, namespace and id; None matches any value."""
+    came = (type_of(marker), marker.ns, marker.id)
+    return all(value in (None, own) for value, own in zip(wanted, came, strict=True))
+
+
+def iter_markers(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:
+    """Yield ([s] since the start, marker) for every published marker."""
+    for seconds, message in evidence.messages(topic):
+        if type_name(message) in MARKER_MESSAGES:
+            for marker in getattr(message, "markers", [message]):
+                yield seconds, marker
+
+
+def visible_markers(
+    evidence: Evidence, topic: str, at: float | None = None, *, margin: bool = False
+) -> list[Any]:
+    """Return the markers that are displayed `at` [s] or at the end.
+
+    With `margin`, a marker whose lifetime ends within MARGIN is excluded, because the next one
+    replaces it.
+    """
+    now = evidence.seconds if at is None else at  # [s]
+    begin = MARGIN if margin else -1e-6  # [s] minimum remaining lifetime
+    markers: dict[tuple[str, int], Any] = {}
+    for seconds, marker in iter_markers(evidence, topic):
+        if seconds > now:
+            break
+        if marker.action == ADD:
+            markers[marker.ns, marker.id] = marker
+            if 0 < lifetime(marker) < now - seconds + begin:
+                # The lifetime has expired, and no later message has renewed it.
+                del markers[marker.ns, marker.id]
+        elif marker.action == DELETE:
+            markers.pop((marker.ns, marker.id), None)
+        elif marker.action == DELETE_ALL:
+            markers.clear()
+    return list(markers.values())
+
+
+def lifetime(marker: Any) -> float:
+    """Return a marker's lifetime [s]; 0 means unlimited."""
+    return float(marker.lifetime.sec + marker.lifetime.nanosec / 1e9)
+
+
+def describe_moment(at: float | None) -> str:
+    """Describe the time `at` [s], "after 1.00 s"; None is the end."""
+    return "at the end" if at is None else f"after {format_number(at, 's')}"
+
+
+def no_markers_problem(evidence: Evidence, topic: str, at: float | None = None) -> Problem:
+    """Return the problem of a topic that shows no marker `at` [s] or at the end."""
+    if topic not in evidence.topics:
+        return silent_topic_problem(evidence, topic)
+    if evidence.topics[topic] not in MARKER_MESSAGES:
+        message = f"{topic} carries {evidence.topics[topic]}, expected {' or '.join(MARKER_MESSAGES)}"
+        return Problem(message, "a topic has the wrong message type")
+    why = "all were deleted, or their lifetime is over"
+    if at is not None and not any(seconds <= at for seconds, _ in iter_markers(evidence, topic)):
+        why = "the first one is published later"
+    mistake = "no marker is left at the end" if at is None else "no marker is shown in between"
+    return Problem(f"{topic} shows no marker {describe_moment(at)}: {why}", mistake)
+
+
+def invisibility_reason(marker: Any) -> str:
+    """Return the reason why a marker is invisible, or "" if RViz draws it."""
+    kind = type_of(marker)
+    own = marker.mesh_use_embedded_materials and kind == "MESH_RESOURCE"
+    alphas = [color.a for color in marker.colors if kind in EACH_COLORED] or [marker.color.a]
+    if not own and not max(alphas) > 0:
+        return "color.a is 0"
+    needed = "xy" if kind == "ARROW" and marker.points else NEEDED_SCALES.get(kind, "xyz")
+    if none := [axis for axis in needed if not abs(getattr(marker.scale, axis)) > 0]:
+        return f"scale.{none[0]} is 0"
+    if kind == "TEXT_VIEW_FACING" and not marker.text.strip():
+        return "its text is empty"
+    return "it has no points" if kind in EACH_COLORED and not len(marker.points) else ""
+
+
+Arguments = Mapping[str, Any]
+# Return the problems of a marker; without a marker, the problems of the best-fitting one ever
+# added.
+Find = Callable[[Evidence, Arguments, Any], list[Problem]]
+
+MARKER, CIRCLE, COUNT = "expect_marker", "expect_circle", "expect_marker_count"
+SELECTING = ("topic", "at", "tolerance", "allow_others")  # arguments that are not a property of a marker
+SAME = 1e-6  # tolerance within which the numbers of two checks are equal
+MOST_MARKERS = 2_000  # markers of a topic that are compared with each check
+FULL_WEIGHT = 1.0  # weight of a check that was not reduced, as for formal checks
+WRONG_TYPE = "the type of a marker is wrong"
+WRONG_NAME = "ns or id of a marker is wrong"
+WRONG_COUNT = "the count is wrong"
+REPLACED = "markers with the same ns and id replace each other"
+SHORT_LIFETIME = "no marker is shown in between"
+SURPLUS = "a topic shows more markers than the task asks for"
+
+
+@dataclass(frozen=True)
+class ResolvedCheck:
+    """A check of a marker, with the student's personal values in its arguments.
+
+    Args:
+        check_function: The name of the check function.
+        arguments: The arguments by name, as plain data.
+        weight: The check's weight plus that of all checks which require it.
+        is_personal: Whether an argument is a personal value.
+    """
+
+    check_function: str
+    arguments: Arguments
+    weight: float = 1.0
+    is_personal: bool = False
+
+    def contradicts(self, other: "ResolvedCheck") -> bool:
+        """Return whether no marker can satisfy both checks."""
+        names = (self.arguments.keys() & other.arguments.keys()) - set(SELECTING)
+        return any(not _are_compatible(self.arguments[name], other.arguments[name]) for name in names)
+
+
+def judge_marker(evidence: Evidence, name: str, arguments: Arguments) -> list[Problem]:
+    """Return the problems of one check, judged on the marker that its subject is bound to."""
+    own = ResolvedCheck(name, {key: plain(value) for key, value in arguments.items()})
+    scene = _scene(evidence, own.arguments["topic"], own.arguments.get("at"))
+    index = next((i for i, asked in enumerate(scene.asked) if _is_same(asked, own)), None)
+    if index is None:
+        # The check was called on its own, not as part of a scenario.
+        scene, index = MarkerScene(evidence, scene.topic, scene.at, (own,), (), is_whole=False), 0
+    return scene.problems(index)
+
+
+def bound_marker(evidence: Evidence, topic: str) -> Any:
+    """Return the marker that a topic's checks are bound to at the end, or None without a single subject."""
+    scene = _scene(evidence, topic, None)
+    only = len(scene.subjects) == 1 and scene.markers
+    return scene.markers[scene.bindings[0]] if only else None
+
+
+def _is_same(asked: ResolvedCheck, own: ResolvedCheck) -> bool:
+    return (asked.check_function, asked.arguments) == (own.check_function, own.arguments)
+
+
+def _are_compatible(one: Any, other: Any) -> bool:
+    """Return whether one marker can satisfy two values of an argument; None means any value."""
+    if one is None or other is None:
+        return True
+    if isinstance(one, Real) and isinstance(other, Real):
+        return math.isclose(one, other, abs_tol=SAME)
+    if isinstance(one, list) and isinstance(other, list):
+        # A color may be given with or without alpha.
+        is_color = len(one) != len(other) and {len(one), len(other)} == {3, 4}
+        return (len(one) == len(other) or is_color) and all(map(_are_compatible, one, other))
+    return bool(one == other)
+
+
+def is_personal(value: Any) -> bool:
+    """Return whether a value or a part of it is `my(...)`."""
+    if isinstance(value, Mapping):
+        return any(map(is_personal, value.values()))
+    return isinstance(value, My) or (isinstance(value, list | tuple) and any(map(is_personal, value)))
+
+
+class MarkerScene:
+    """The markers of a topic at one moment, with the checks that apply to them.
+
+    Args:
+        evidence: The evidence of the scenario.
+        topic: The topic of the markers.
+        at: The moment [s]; None is the end.
+        asked: The checks of single markers.
+        counts: The checks of the number of markers.
+        is_whole: Whether these are all checks of the scenario, so that surplus markers can be
+            detected.
+    """
+
+    def __init__(
+        self,
+        evidence: Evidence,
+        topic: str,
+        at: float | None,
+        asked: Sequence[ResolvedCheck],
+        counts: Sequence[ResolvedCheck],
+        *,
+        is_whole: bool = True,
+    ) -> None:
+        self.topic, self.at, self.asked = topic, at, tuple(asked)
+        self._evidence, self._counts, self._is_whole = evidence, counts, is_whole
+        self._problem_cache: dict[tuple[int, int], list[Problem]] = {}
+
+    @cached_property
+    def visible_markers(self) -> list[Any]:
+        """The markers that the topic shows, without expiring ones that newer ones replace.
+
+        A marker whose lifetime ends within MARGIN gives way to one of its namespace and type that
+        stays, and
+        is not compared with the checks either: otherwise one could show an answer for each personal
+        value.
+        """
+        there = visible_markers(self._evidence, self.topic, self.at)
+        if len(there) <= self.allowed:
+            return there
+        fresh = visible_markers(self._evidence, self.topic, self.at, margin=True)
+        stay, renewed = {(one.ns, one.id) for one in fresh}, {(one.ns, one.type) for one in fresh}
+        return [one for one in there if (one.ns, one.id) in stay or (one.ns, one.type) not in renewed]
+
+    @property
+    def markers(self) -> list[Any]:
+        """The markers that the topic shows."""
+        return self.visible_markers[:MOST_MARKERS]
+
+    @cached_property
+    def allowed(self) -> int:
+        """The number of markers that the checks require."""
+        counts: dict[str | None, int] = {
+            one.arguments["type"]: one.arguments["count"] for one in self._counts
+        }
+        return max(counts.get(None, sum(counts.values())), len(self.subjects))
+
+    @cached_property
+    def shared_checks(self) -> frozenset[int]:
+        """Indices of the checks that apply to every subject."""
+        indices = range(len(self.asked))
+        clash = [any(self._contradict(i, other) for other in indices) for i in indices]
+        return frozenset(i for i in indices if any(clash) and not clash[i])
+
+    @cached_property
+    def subjects(self) -> list[list[int]]:
+        """The indices of each subject's checks, without those that apply to every subject."""
+        found: list[list[int]] = []
+        for index in range(len(self.asked)):
+            if index not in self.shared_checks:
+                fitting = (one for one in found if not any(self._contradict(index, other) for other in one))
+                subject = next(fitting, None)
+                if subject is None:
+                    found.append([index])
+                else:
+                    subject.append(index)
+        return found
+
+    @cached_property
+    def bindings(self) -> list[int]:
+        """For each subject, the index of the marker that earns the most points."""
+        return [
+            min(range(len(self.markers)), key=lambda marker: self._misfit_key(subject, marker))
+            for subject in self.subjects
+        ]
+
+    @cached_property
+    def surplus(self) -> str:
+        """An error message if the topic shows more markers than the task requires, else ""."""
+        if not self._is_whole or any(asked.arguments["allow_others"] for asked in self.asked):
+            return ""
+        there = sum(not invisibility_reason(marker) for marker in self.visible_markers)
+        if there <= self.allowed:
+            return ""
+        asks = f"expected at most {self.allowed}"
+        remedy = "remove the others, because it is unclear which one is your answer"
+        return (
+            f"{self.topic} shows {format_count(there, 'marker')} {describe_moment(self.at)}, {asks}: {remedy}"
+        )
+
+    def problems(self, index: int) -> list[Problem]:
+        """Return the problems of one check: with its own marker, or with surplus markers."""
+        if not self.markers:
+            if self.asked[index].check_function == CIRCLE:
+                return FINDERS[CIRCLE](self._evidence, self.asked[index].arguments, None)
+            raise no_markers_problem(self._evidence, self.topic, self.at)
+        if found := self._own_problems(index):
+            return found
+        return [Problem(self.surplus, SURPLUS)] if self.surplus and self._fails_for_surplus(index) else []
+
+    def _own_problems(self, index: int) -> list[Problem]:
+        owners = [
+            marker
+            for subject, marker in zip(self.subjects, self.bindings, strict=True)
+            if index in subject or (index in self.shared_checks and not self._is_missing(subject, marker))
+        ]
+        if not owners:
+            # All subjects are missing, so any marker may have the property.
+            owners = [min(range(len(self.markers)), key=lambda marker: self._misfit_key([index], marker))]
+        return next(filter(None, (self._problems(index, marker) for marker in owners)), [])
+
+    def _fails_for_surplus(self, index: int) -> bool:
+        """Return whether a passing check fails because of surplus markers."""
+        if self.asked[index].is_personal:
+            return True
+        everything = range(len(self.asked))
+        payers = [i for i in everything if self.asked[i].weight > 0] or list(everything)
+        payer = max(payers, key=lambda i: (min(self.asked[i].weight, FULL_WEIGHT), i))
+        if index != payer or any(self.asked[i].is_personal for i in payers):
+            return False
+        return not any(self._own_problems(i) for i in payers) and not self._is_miscounted
+
+    @property
+    def _is_miscounted(self) -> bool:
+        """Whether a check of the number of markers fails and has a weight."""
+        return any(
+            sum(
+                matches(marker, one.arguments["type"], None, None) and not invisibility_reason(marker)
+                for marker in markers
+            )
+            != one.arguments["count"]
+            for markers in [visible_markers(self._evidence, self.topic, self.at)]
+            for one in self._counts
+            if one.weight > 0
+        )
+
+    def _contradict(self, index: int, other: int) -> bool:
+        return self.asked[index].contradicts(self.asked[other])
+
+    def _is_missing(self, subject: Iterable[int], marker: int) -> bool:
+        """Return whether the bound marker has another ns or id than the subject."""
+        return any(_is_misnamed(self.markers[marker], self.asked[i].arguments) for i in subject)
+
+    def _misfit_key(self, subject: Sequence[int], marker: int) -> tuple[float, ...]:
+        """Return a sort key for how badly a marker fits a subject: lost points first, then mistakes."""
+        indices = [*subject, *self.shared_checks.difference(subject)]
+        found = {i: self._problems(i, marker) for i in indices}
+        mistakes = [problem.mistake for problems in found.values() for problem in problems]
+        is_other = len(self.subjects) > 1 and self._is_missing(subject, marker)
+        own, shared = (
+            sum(self.asked[i].weight for i in group if not found[i])
+            for group in (subject, indices[len(subject) :])
+        )
+        return is_other, -own, -shared, mistakes.count(WRONG_NAME), mistakes.count(WRONG_TYPE), len(mistakes)
+
+    def _problems(self, index: int, marker: int) -> list[Problem]:
+        if (index, marker) not in self._problem_cache:
+            asked = self.asked[index]
+            misnamed = self._name_problems(asked.arguments, marker) if asked.check_function == MARKER else []
+            find = FINDERS[asked.check_function]
+            self._problem_cache[index, marker] = misnamed or find(
+                self._evidence, asked.arguments, self.markers[marker]
+            )
+        return self._problem_cache[index, marker]
+
+    def _name_problems(self, arguments: Arguments, marker: int) -> list[Problem]:
+        if not _is_misnamed(self.markers[marker], arguments):
+            return []
+        ns, marker_id = arguments["ns"], arguments["id"]
+        sought = [f"ns {ns!r}"] * (ns is not None) + [f"id {marker_id}"] * (marker_id is not None)
+        there = ", ".join(f"{marker.ns!r} {marker.id}" for marker in self.markers[:5])
+        message = f"no marker with {' and '.join(sought)} on {self.topic}; it shows: {there}"
+        return [Problem(message, WRONG_NAME)]
+
+
+def _is_misnamed(marker: Any, arguments: Arguments) -> bool:
+    return not matches(marker, None, arguments["ns"], arguments["id"])
+
+
+def _scene(evidence: Evidence, topic: str, at: float | None) -> MarkerScene:
+    scenes = evidence.once(_scenes)
+    if (topic, at) not in scenes:
+        scenes[topic, at] = MarkerScene(evidence, topic, at, (), ())
+    return scenes[topic, at]
+
+
+def _scenes(evidence: Evidence) -> dict[tuple[str, float | None], MarkerScene]:
+    """Return the scenes that the checks of a scenario refer to, by topic and time."""
+    rows: dict[tuple[str, float | None], list[ResolvedCheck]] = {}
+    for check in evidence.checks:
+        if check.origin and check.origin.check_function in (MARKER, CIRCLE, COUNT):
+            asked = resolve_check(check, evidence.personal)
+            rows.setdefault((asked.arguments["topic"], asked.arguments.get("at")), []).append(asked)
+    return {
+        (topic, at): MarkerScene(
+            evidence,
+            topic,
+            at,
+            [one for one in found if one.check_function != COUNT],
+            [one for one in found if one.check_function == COUNT],
+        )
+        for (topic, at), found in rows.items()
+    }
+
+
+def resolve_check(check: Check, personal: Mapping[str, Any]) -> ResolvedCheck:
+    """Return a check with the student's personal values in its arguments."""
+    assert check.origin is not None
+    given = {name: value for name, value in check.origin.arguments.items() if name != "evidence"}
+    arguments = {name: plain(resolve(value, personal)) for name, value in given.items()}
+    return ResolvedCheck(check.origin.check_function, arguments, check.weight, is_personal(given))
+
+
+FINDERS: dict[str, Find] = {}
+
+
+def register_finder(name: str) -> Callable[[Find], Find]:
+    """Return a decorator that registers the comparison of a marker for a check function."""
+
+    def register(find: Find) -> Find:
+        FINDERS[name] = find
+        return find
+
+    return register
+
+
+NUMBER = re.compile(r"\d+(\.\d+)?")
+COLOR_TOLERANCE = 0.02  # on the scale from 0 to 1
 YAW_TOLERANCE = 0.02  # [rad]
 LIFETIME_TOLERANCE = 0.01  # [s]
 DIRECTIONS = {
@@ -44,7 +479,7 @@ COLORS = {
 Points = Sequence[Sequence[float]]
 
 
-@word("the marker on {topic}: {given}")
+@check_function("the marker on {topic}: {given}")
 def expect_marker(
     evidence: Evidence,
     topic: str,
@@ -63,38 +498,36 @@ def expect_marker(
     lifetime: float | None = None,
     at: float | None = None,
     tolerance: float = 0.01,
+    allow_others: bool = False,
 ) -> Iterable[Problem]:
     """Expect such a visible marker on the topic (Marker or MarkerArray), `at` [s] or at the end.
 
-    `ns` and `id` select it, else the one that fits best is meant. Position of the centre, scale (None is any
-    length), points (shape (N, 3), in any order, but for an arrow) and `tolerance` in [m]; yaw about z in
-    [rad]; lifetime in [s]; color RGB or RGBA from 0 to 1; text and frame are compared exactly. A line strip
-    joins the corners of `loop` in order, from any of them and in either direction, and ends at the first.
+    All checks of a scenario that may refer to one marker judge the same marker: the one that fits
+    them best. Markers beyond those that the checks require cost points, unless one of the checks
+    has `allow_others`. The position of the center, scale (None is any length), points (shape (N,
+    3), in any order except for an arrow) and `tolerance` are in [m], yaw about z in [rad], lifetime
+    in [s], color is RGB or RGBA from 0 to 1. Text and frame are compared exactly. A line strip must
+    join the corners of `loop` in order, starting at any of them, in either direction, and end where
+    it starts.
     """
-    wanted: dict[str, Any] = {"type": type, "frame": frame, "position": position, "yaw": yaw, "scale": scale}
-    wanted |= {"color": color, "text": text, "points": points, "loop": loop, "lifetime": lifetime}
-    selected = _selected(evidence, topic, at, ns, id)
-    found = [list(_misfits(marker, wanted, tolerance)) for marker in selected]
-    return min(found, key=lambda problems: (WRONG_TYPE in [p.mistake for p in problems], len(problems)))
+    arguments = {name: value for name, value in locals().items() if name != "evidence"}
+    return judge_marker(evidence, MARKER, arguments)
 
 
-def _selected(
-    evidence: Evidence, topic: str, at: float | None, ns: str | None, number: int | None
-) -> list[Any]:
-    """Return the markers of a namespace and an id; raise the problem if there is none."""
-    markers = shown(evidence, topic, at)
-    if not markers:
-        raise no_markers(evidence, topic, at)
-    selected = [marker for marker in markers if fits(marker, None, ns, number)]
-    if not selected:
-        there = ", ".join(f"{marker.ns!r} {marker.id}" for marker in markers[:5])
-        sought = [f"ns {ns!r}"] * (ns is not None) + [f"id {number}"] * (number is not None)
-        message = f"no marker with {' and '.join(sought)} on {topic}, there is: {there}"
-        raise Problem(message, "ns or id of a marker is wrong")
-    return selected
+@register_finder(MARKER)
+def _marker_problems(_: Evidence, arguments: Arguments, marker: Any) -> list[Problem]:
+    noun = f"the {type_of(marker).removesuffix('_VIEW_FACING').lower().replace('_', ' ')}"
+    found = (
+        [Problem(f"{noun} is invisible: {why}", INVISIBLE)] if (why := invisibility_reason(marker)) else []
+    )
+    for name, (mistake, find) in PROPERTIES.items():
+        if (expected := arguments[name]) is not None:
+            texts = find(marker, expected, arguments["tolerance"])
+            found += [Problem(f"{noun}{text}", mistake) for text in texts]
+    return found
 
 
-@word("the number of markers on {topic}")
+@check_function("the number of markers on {topic}")
 def expect_marker_count(
     evidence: Evidence,
     topic: str,
@@ -103,139 +536,194 @@ def expect_marker_count(
     type: str | None = None,  # noqa: A002 - the field's name in ROS
     at: float | None = None,
 ) -> Iterable[Problem]:
-    """Expect a count of visible markers (of one type) on the topic, `at` [s] or at the end."""
+    """Expect `count` visible markers (of one type) on the topic, `at` [s] or at the end."""
     if topic not in evidence.topics:
-        return [nothing_on(evidence, topic)]
-    reasons = [unseen(marker) for marker in shown(evidence, topic, at) if fits(marker, type, None, None)]
+        return [silent_topic_problem(evidence, topic)]
+    reasons = [
+        invisibility_reason(marker)
+        for marker in visible_markers(evidence, topic, at)
+        if matches(marker, type, None, None)
+    ]
     there, hidden = reasons.count(""), sorted(filter(None, reasons))
+    if there == count:
+        return []
     of_type = f" of type {type}" if type else ""
-    message = f"{topic} shows {there} marker{'s' * (there != 1)}{of_type} {moment(at)}, expected {count}"
-    why = f"; nobody can see {len(hidden)} more: {hidden[0]}" if hidden else ""
-    return [] if there == count else [Problem(message + why, "the count is wrong")]
+    message = (
+        f"{topic} shows {format_count(there, 'marker')}{of_type} {describe_moment(at)}, expected {count}"
+    )
+    if hidden:
+        are = "is" if len(hidden) == 1 else "are"
+        return [Problem(f"{message}; {len(hidden)} more {are} invisible: {hidden[0]}", INVISIBLE)]
+    why, mistake = _reason_for_missing(evidence, topic, type, at) if there < count else ("", WRONG_COUNT)
+    return [Problem(message + why, mistake)]
 
 
-@word("the markers on {topic} are gone")
+def _reason_for_missing(
+    evidence: Evidence, topic: str, kind: str | None, at: float | None
+) -> tuple[str, str]:
+    """Return why a topic shows too few markers, as the end of a message and as a kind of mistake."""
+    now = evidence.seconds if at is None else at  # [s]
+    came = [row for row in iter_markers(evidence, topic) if row[0] <= now]
+    added = [(seconds, marker) for seconds, marker in came if marker.action == ADD]
+    if not came:
+        return "; its arrays are empty", "no marker is added"
+    others = sorted({type_of(marker) for _, marker in added} - {kind}) if kind else []
+    if others and not any(type_of(marker) == kind for _, marker in added):
+        return f"; its markers are of type {others[0]}", WRONG_TYPE
+    together = Counter((seconds, marker.ns, marker.id) for seconds, marker in added)
+    if repeated := [name for name, times in together.items() if times > 1]:
+        _, ns, marker_id = repeated[-1]
+        return f"; several have ns {ns!r} and id {marker_id}, and each replaces the one before", REPLACED
+    if added and any(0 < lifetime(marker) < MARGIN for _, marker in added):
+        return f"; the lifetime of {format_number(lifetime(added[-1][1]), 's')} is over", SHORT_LIFETIME
+    return "", WRONG_COUNT
+
+
+@check_function("the markers on {topic} are gone")
 def expect_gone(evidence: Evidence, topic: str) -> Iterable[Problem]:
-    """Expect markers during the scenario, but none that is shown at its end."""
-    if not any(True for _ in each(evidence, topic)):
-        raise nothing_on(evidence, topic)
-    left = len(shown(evidence, topic))
-    message = f"{topic} still shows {left} marker{'s' * (left != 1)} at the end, expected none"
-    return [Problem(message, "the count is wrong")] if left else []
+    """Expect markers during the scenario, but none at its end."""
+    if not any(True for _ in iter_markers(evidence, topic)):
+        raise silent_topic_problem(evidence, topic)
+    left = len(visible_markers(evidence, topic))
+    message = f"{topic} still shows {format_count(left, 'marker')} at the end, expected none"
+    return [Problem(message, WRONG_COUNT)] if left else []
 
 
-def _misfits(marker: Any, wanted: dict[str, Any], tolerance: float) -> Iterator[Problem]:
-    noun = f"the {type_of(marker).lower().replace('_', ' ')}"
-    if why := unseen(marker):
-        yield Problem(f"{noun} is invisible: {why}", INVISIBLE)
-    for name, expected in wanted.items():
-        if expected is not None:
-            mistake, find = PROPERTIES[name]
-            yield from (Problem(f"{noun}{says}", mistake) for says in find(marker, expected, tolerance))
-
-
-def _type(marker: Any, expected: str, _: float) -> Iterator[str]:
+def _compare_type(marker: Any, expected: str, _: float) -> Iterator[str]:
     if type_of(marker) != expected:
         yield f" is of type {type_of(marker)}, expected {expected}"
 
 
-def _frame(marker: Any, expected: str, _: float) -> Iterator[str]:
-    if marker.header.frame_id != expected:
-        yield f" is in frame {marker.header.frame_id!r}, expected {expected!r}"
+def _compare_frame(marker: Any, expected: str, _: float) -> Iterator[str]:
+    frame = marker.header.frame_id
+    if frame != expected:
+        yield f" is in frame {frame!r}, expected {expected!r}{slash_hint(frame)}"
 
 
-def _position(marker: Any, expected: Sequence[float], tolerance: float) -> Iterator[str]:
+def _compare_position(marker: Any, expected: Sequence[float], tolerance: float) -> Iterator[str]:
     for (axis, directions), target in zip(DIRECTIONS.items(), expected, strict=True):
         value = getattr(marker.pose.position, axis)
-        if not close(value, target, tolerance):
-            where = f"its centre is at {axis} = {number(value, 'm')}, expected {number(target, 'm')}"
-            yield f" is {off_by(value, target, *directions)}: {where}"
+        if not is_close(value, target, tolerance):
+            came, wanted = format_number(value, "m"), format_number(target, "m")
+            where = f"its centre is at {axis} = {came}, expected {wanted}"
+            yield f" is {describe_offset(value, target, *directions)}: {where}"
 
 
-def _scale(marker: Any, expected: Sequence[float | None], tolerance: float) -> Iterator[str]:
+def _compare_scale(marker: Any, expected: Sequence[float | None], tolerance: float) -> Iterator[str]:
     for axis, target in zip("xyz", expected, strict=True):
         value = getattr(marker.scale, axis)
-        if target is not None and not close(value, target, tolerance):
-            yield f": scale.{axis} is {number(value, 'm')}, expected {number(target, 'm')}"
+        if target is not None and not is_close(value, target, tolerance):
+            yield f": scale.{axis} is {format_number(value, 'm')}, expected {format_number(target, 'm')}"
 
 
-def _yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
+def _compare_yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
     q = marker.pose.orientation
     value = yaw_of(q.x, q.y, q.z, q.w)
-    if not close_angles(value, expected, YAW_TOLERANCE):
-        yield f" is turned by {number(value, 'rad')} about z, expected {number(expected, 'rad')}"
+    if not are_angles_close(value, expected, YAW_TOLERANCE):
+        turned = (
+            f" is turned by {format_number(value, 'rad')} about z, expected {format_number(expected, 'rad')}"
+        )
+        causes = {
+            "is it in degrees instead of radians?": math.degrees(expected),
+            "a quaternion holds half of the angle": 2 * expected,
+            "counter-clockwise is positive": -expected,
+            "are z and w swapped?": math.pi - expected,
+        }
+        found = [cause for cause, angle in causes.items() if are_angles_close(value, angle, YAW_TOLERANCE)]
+        axis = max("xyz", key=lambda name: abs(getattr(q, name)))
+        if axis != "z" and abs(getattr(q, axis)) > YAW_TOLERANCE:
+            found = [f"it is turned about {axis} instead"]
+        yield turned + "".join(f": {cause}" for cause in found[:1])
 
 
-def _color(marker: Any, expected: Sequence[float], _: float) -> Iterator[str]:
+def _compare_color(marker: Any, expected: Sequence[float], _: float) -> Iterator[str]:
     channels = "rgba"[: len(expected)]
     value = [getattr(marker.color, channel) for channel in channels]
-    if not all(close(v, e, COLOR_TOLERANCE) for v, e in zip(value, expected, strict=True)):
-        hint = " (with a = 0 nobody can see it)" if marker.color.a == 0 else ""
+    if not all(is_close(v, e, COLOR_TOLERANCE) for v, e in zip(value, expected, strict=True)):
+        hint = " (with a = 0 it is invisible)" if marker.color.a == 0 else ""
         hint = " (colors go from 0 to 1, not to 255)" if max(value) > 1 else hint
-        yield f"'s color {channels} is {_named(value)}, expected {_named(expected)}{hint}"
+        yield f"'s color {channels} is {_format_color(value)}, expected {_format_color(expected)}{hint}"
 
 
-def _named(color: Sequence[float]) -> str:
+def _format_color(color: Sequence[float]) -> str:
     if not all(map(math.isfinite, color)):
-        return numbers(color)
+        return format_numbers(color)
     name = min(COLORS, key=lambda name: math.dist(COLORS[name], color[:3]))
-    return f"{numbers(color)} ({name})"
+    return f"{format_numbers(color)} ({name})"
 
 
-def _text(marker: Any, expected: str, _: float) -> Iterator[str]:
-    if marker.text.strip() != expected:
-        yield f" says {marker.text!r}, expected {expected!r}"
+def _compare_text(marker: Any, expected: str, _: float) -> Iterator[str]:
+    text = marker.text.strip()
+    if text != expected:
+        # What is left of both texts if only one kind of difference is ignored.
+        views: dict[str, Callable[[str], str]] = {
+            "the spaces differ": lambda one: "".join(one.split()),
+            "upper and lower case differ": str.casefold,
+            "the digits of the number differ": lambda one: NUMBER.sub("0", one),
+            "the signs around the words differ": lambda one: " ".join(re.findall(r"[\w.]+", one)),
+        }
+        causes = [cause for cause, view in views.items() if view(text) == view(expected)]
+        if "{" in text:
+            causes = ["write f before the quotes of the string"]
+        yield f" reads {marker.text!r}, expected {expected!r}" + "".join(f": {one}" for one in causes[:1])
 
 
-def _lifetime(marker: Any, expected: float, _: float) -> Iterator[str]:
-    if not close(marker_lifetime(marker), expected, LIFETIME_TOLERANCE):
-        yield f"'s lifetime is {number(marker_lifetime(marker), 's')}, expected {number(expected, 's')}"
+def _compare_lifetime(marker: Any, expected: float, _: float) -> Iterator[str]:
+    if not is_close(lifetime(marker), expected, LIFETIME_TOLERANCE):
+        came, wanted = format_number(lifetime(marker), "s"), format_number(expected, "s")
+        yield f"'s lifetime is {came}, expected {wanted}"
 
 
-def _points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
+def _compare_points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
     came = [(p.x, p.y, p.z) for p in marker.points]
-    reversed_arrow = type_of(marker) == "ARROW" and not _same(came, expected, tolerance)
+    reversed_arrow = type_of(marker) == "ARROW" and not _are_points_equal(came, expected, tolerance)
     if len(came) != len(expected):
-        yield f" has {len(came)} points, expected {len(expected)}"
-    elif lost := _without_partner(expected, came, tolerance):
-        yield f" has no point at {numbers(lost[0])} m"
-    elif strange := _without_partner(came, expected, tolerance):  # a loop may start at any of its corners
-        yield f" has a point at {numbers(strange[0])} m, where none belongs"
+        yield f" has {format_count(len(came), 'point')}, expected {len(expected) or 'none'}"
+    elif lost := _find_unmatched(expected, came, tolerance):
+        nearest = min(came, key=lambda point: _distance(point, lost[0]))
+        yield f" has no point at {format_numbers(lost[0])} m; the nearest is at {format_numbers(nearest)} m"
+    elif strange := _find_unmatched(came, expected, tolerance):
+        yield f" has a point at {format_numbers(strange[0])} m, which is not expected"
     elif reversed_arrow:
         yield " points the other way: from the second point to the first"
 
 
-def _loop(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
+def _compare_loop(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
     came = [(p.x, p.y, p.z) for p in marker.points]
-    if not came or not close(math.dist(came[0], came[-1]), 0.0, tolerance):
-        yield " does not come back to its first point"
+    if not came or not is_close(math.dist(came[0], came[-1]), 0.0, tolerance):
+        yield " does not end at its first point"
         return
     turns = [[*expected[i:], *expected[: i + 1]] for i in range(len(expected))]
     ways = [way for turn in turns for way in (turn, turn[::-1])]
-    if not any(_same(came, way, tolerance) for way in ways):
+    if not any(_are_points_equal(came, way, tolerance) for way in ways):
         yield " does not go round from corner to corner"
 
 
-def _same(points: Points, others: Points, tolerance: float) -> bool:
-    """Return whether both are the same points in the same order."""
+def _are_points_equal(points: Points, others: Points, tolerance: float) -> bool:
+    """Return whether both sequences have the same points in the same order."""
     pairs = zip(points, others, strict=False)
-    return len(points) == len(others) and all(close(math.dist(a, b), 0.0, tolerance) for a, b in pairs)
+    return len(points) == len(others) and all(is_close(math.dist(a, b), 0.0, tolerance) for a, b in pairs)
 
 
-def _without_partner(points: Points, others: Points, tolerance: float) -> list[Sequence[float]]:
-    return [p for p in points if not any(close(math.dist(p, other), 0.0, tolerance) for other in others)]
+def _distance(point: Sequence[float], other: Sequence[float]) -> float:
+    """Return the distance of two points [m]; a point with NaN is infinitely far."""
+    distance = math.dist(point, other)
+    return math.inf if math.isnan(distance) else distance
 
 
-WRONG_TYPE = "the type of a marker is wrong"
+def _find_unmatched(points: Points, others: Points, tolerance: float) -> list[Sequence[float]]:
+    return [p for p in points if not any(is_close(math.dist(p, other), 0.0, tolerance) for other in others)]
+
+
 PROPERTIES: dict[str, tuple[str, Callable[[Any, Any, float], Iterator[str]]]] = {
-    "type": (WRONG_TYPE, _type),
-    "frame": ("the frame of a marker is wrong", _frame),
-    "position": ("the position of a marker is wrong", _position),
-    "yaw": ("the orientation of a marker is wrong", _yaw),
-    "scale": ("the size of a marker is wrong", _scale),
-    "color": ("the color of a marker is wrong", _color),
-    "text": ("the text of a marker is wrong", _text),
-    "points": ("the points of a marker are wrong", _points),
-    "loop": ("a line does not go round from corner to corner, and back", _loop),
-    "lifetime": ("the lifetime of a marker is wrong", _lifetime),
+    "type": (WRONG_TYPE, _compare_type),
+    "frame": ("the frame of a marker is wrong", _compare_frame),
+    "position": ("the position of a marker is wrong", _compare_position),
+    "yaw": ("the orientation of a marker is wrong", _compare_yaw),
+    "scale": ("the size of a marker is wrong", _compare_scale),
+    "color": ("the color of a marker is wrong", _compare_color),
+    "text": ("the text of a marker is wrong", _compare_text),
+    "points": ("the points of a marker are wrong", _compare_points),
+    "loop": ("a line does not go round from corner to corner, and back", _compare_loop),
+    "lifetime": ("the lifetime of a marker is wrong", _compare_lifetime),
 }

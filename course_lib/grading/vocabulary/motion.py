@@ -1,42 +1,66 @@
-"""Checks on motion and place: circles, transforms and paths."""
+"""Checks of motion and position: circles, transforms, paths, joint states and trajectories."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
+from course_lib.errors import CourseError, format_count
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.vocabulary.marker_state import ADD, INVISIBLE, each, fits, no_markers, unseen
-from course_lib.grading.vocabulary.markers import DIRECTIONS
-from course_lib.grading.vocabulary.wording import (
+from course_lib.grading.vocabulary.check_function import (
     Problem,
-    close,
-    close_angles,
-    heard,
-    number,
-    numbers,
-    off_by,
-    word,
+    are_angles_close,
+    check_function,
+    describe_offset,
+    format_number,
+    format_numbers,
+    is_close,
+    join_words,
+    received_messages,
     yaw_of,
 )
-from course_lib.ros.clock import START_NS
+from course_lib.grading.vocabulary.markers import (
+    ADD,
+    CIRCLE,
+    DIRECTIONS,
+    INVISIBLE,
+    Arguments,
+    invisibility_reason,
+    iter_markers,
+    judge_marker,
+    matches,
+    no_markers_problem,
+    register_finder,
+)
+from course_lib.grading.vocabulary.topics import find_silence
+from course_lib.robots.trajectory import Waypoint
+from course_lib.ros.graph.graph import START_NS
 from course_lib.ros.messages import type_name
-from course_lib.ros.tf2_core import BufferCore
-from course_lib.ros.tf2_transform import Transform, TransformException
+from course_lib.ros.programs import import_path
+from course_lib.ros.tf2 import BufferCore, Transform, TransformException
 
-PERIOD_TOLERANCE = 0.05  # fraction
-LEAST_TURN = math.pi  # [rad] seen of a circle before it counts as one
-LARGEST_STEP = math.pi / 2  # [rad] from message to message: beyond it nobody sees which way round it goes
+PERIOD_TOLERANCE = 0.05  # relative
+LEAST_TURN = math.pi  # [rad] minimum angle for a path to count as a circle
+# [rad]: with larger steps between messages, the direction of rotation is ambiguous.
+LARGEST_STEP = math.pi / 2
+NAMING = ("type", "ns", "id")
 NOT_MOVING = "a marker does not move as expected"
+# Kinds of mistakes by the exception of tf2.
+FAILED_LOOKUPS = {
+    "ConnectivityException": "the tree of frames is in two parts",
+    "ExtrapolationException": "a transform has wrong stamps",
+}
 
 Path = list[tuple[float, tuple[float, float, float]]]  # ([s], [m])
 TF = "tf2_msgs/msg/TFMessage"
-FOR_EVER_NS = 2**62  # [ns]: nothing is forgotten
+FOR_EVER_NS = 2**62  # [ns] cache time of the buffer, practically infinite
 YAW_TOLERANCE = 0.05  # [rad]
 PATH = "nav_msgs/msg/Path"
 
 
-@word("goes round a circle on {topic}")
+@check_function("goes round a circle on {topic}")
 def expect_circle(
     evidence: Evidence,
     topic: str,
@@ -50,45 +74,96 @@ def expect_circle(
     type: str | None = None,  # noqa: A002 - the field's name in ROS
     ns: str | None = None,
     id: int | None = None,  # noqa: A002 - the field's name in ROS
+    allow_others: bool = False,
 ) -> Iterable[Problem]:
-    """Expect a visible marker that goes round a horizontal circle, for most of the scenario.
+    """Expect a visible marker that moves along a horizontal circle for most of the scenario.
 
-    Radius, center (x, y), height (default: the first marker's) and the tolerance of radius and height in [m],
-    in the marker's frame; the period of one turn in [s]; counter-clockwise as seen from above.
+    Radius, center (x, y), height (default: that of the first marker) and tolerance are in [m], in
+    the marker's frame; the period is in [s]; counter-clockwise is as seen from above.
+    `allow_others` permits further markers, as in `expect_marker`.
     """
-    added = [(s, m) for s, m in each(evidence, topic) if m.action == ADD]
-    if not added:
-        raise no_markers(evidence, topic)
-    meant = [(s, marker) for s, marker in added if fits(marker, type, ns, id)]
-    path = [(s, _place(marker)) for s, marker in meant if not unseen(marker)]
-    if not meant:
-        which = {"type": type, "ns": ns, "id": id}
-        asked = ", ".join(f"{name} {value!r}" for name, value in which.items() if value is not None)
-        message = f"no marker with {asked} was added on {topic}"
-        return [Problem(message, "type, ns or id of a marker is wrong")]
+    arguments = {name: value for name, value in locals().items() if name != "evidence"}
+    return judge_marker(evidence, CIRCLE, arguments)
+
+
+@register_finder(CIRCLE)
+def _circle_problems(evidence: Evidence, arguments: Arguments, marker: Any) -> list[Problem]:
+    """Return the problems of a marker's motion, or of the best-fitting marker if None is given.
+
+    A marker's path consists of all messages with its ns and id. All markers of the topic together
+    are tried as well, because a node may give each position a new id and delete the previous one.
+    """
+    topic = arguments["topic"]
+    paths = evidence.once(_marker_paths).get(topic, {})
+    if not paths:
+        raise no_markers_problem(evidence, topic)
+    if marker is not None and not matches(marker, *(arguments[name] for name in NAMING)):
+        return [_unknown_marker_problem(arguments)]
+    together = _check_path([row for path in paths.values() for row in path], evidence, arguments)
+    if not together:
+        return []
+    keys = list(paths) if marker is None else [(marker.ns, marker.id)]
+    found = [_check_path(paths[key], evidence, arguments) for key in keys if len(paths[key]) > 1]
+    return min(found, key=len) if found else together
+
+
+def _marker_paths(evidence: Evidence) -> dict[str, dict[tuple[str, int], list[tuple[float, Any]]]]:
+    """Return ([s] since the start, marker) of all added markers, by topic and by (ns, id)."""
+    found: dict[str, dict[tuple[str, int], list[tuple[float, Any]]]] = {}
+    for topic in evidence.topics:
+        for seconds, marker in iter_markers(evidence, topic):
+            if marker.action == ADD:
+                path = found.setdefault(topic, {}).setdefault((marker.ns, marker.id), [])
+                path.append((seconds, marker))
+    return found
+
+
+def _check_path(
+    added: Sequence[tuple[float, Any]], evidence: Evidence, arguments: Arguments
+) -> list[Problem]:
+    named = [arguments[name] for name in NAMING]
+    matching = [(s, marker) for s, marker in added if matches(marker, *named)]
+    if not matching:
+        return [_unknown_marker_problem(arguments)]
+    path = sorted((s, _marker_position(marker)) for s, marker in matching if not invisibility_reason(marker))
     if not path:
-        return [Problem(f"the marker is invisible: {unseen(meant[0][1])}", INVISIBLE)]
-    plane = path[0][1][2] if height is None else height  # [m]
+        return [Problem(f"the marker is invisible: {invisibility_reason(matching[0][1])}", INVISIBLE)]
+    plane = path[0][1][2] if arguments["height"] is None else arguments["height"]  # [m]
+    center = arguments["center"]
+    heights = [z for _, (_, _, z) in path]
+    level: list[Problem] = []
+    if arguments["height"] is None and not max(heights) - min(heights) <= 2 * arguments["tolerance"]:
+        span = f"{format_number(min(heights), 'm')} to {format_number(max(heights), 'm')}"
+        message = f"the marker moves up and down, from z = {span}, expected one height"
+        level = [Problem(message, "the path is at the wrong height")]
     return (
-        too_short(path, evidence.seconds)
-        or off_circle(path, radius, center, plane, tolerance)
-        or turning(path, center, period, counter_clockwise)
+        check_duration(path, evidence.seconds)
+        or level
+        or check_circle(path, arguments["radius"], center, plane, arguments["tolerance"])
+        or check_turn(path, center, arguments["period"], arguments["counter_clockwise"])
+        or list(find_silence(evidence, arguments["topic"], [seconds for seconds, _ in path], "the marker"))
     )
 
 
-def _place(marker: Any) -> tuple[float, float, float]:
+def _unknown_marker_problem(arguments: Arguments) -> Problem:
+    asked = ", ".join(f"{name} {arguments[name]!r}" for name in NAMING if arguments[name] is not None)
+    message = f"no marker with {asked} was added on {arguments['topic']}"
+    return Problem(message, "type, ns or id of a marker is wrong")
+
+
+def _marker_position(marker: Any) -> tuple[float, float, float]:
     position = marker.pose.position
     return position.x, position.y, position.z
 
 
-def too_short(path: Path, seconds: float, noun: str = "the marker") -> list[Problem]:
-    """Return the problem of a path published for less than half of a scenario of `seconds` [s]."""
+def check_duration(path: Path, seconds: float, noun: str = "the marker") -> list[Problem]:
+    """Return a problem if a path covers less than half of a scenario of `seconds` [s]."""
     seen = path[-1][0] - path[0][0]  # [s]
-    message = f"{noun} was seen to move for {number(seen, 's')} of {seconds:g} s"
+    message = f"{noun} moves for only {format_number(seen, 's')} of {seconds:g} s"
     return [Problem(message, NOT_MOVING)] if seen < seconds / 2 else []
 
 
-def off_circle(
+def check_circle(
     path: Path,
     radius: float,
     center: Sequence[float],
@@ -96,52 +171,56 @@ def off_circle(
     tolerance: float,
     noun: str = "the marker",
 ) -> list[Problem]:
-    """Return the problem where a path first leaves a circle; lengths in [m]."""
+    """Return a problem for the first position of a path that is off the circle; lengths in [m]."""
     for seconds, (x, y, z) in path:
         distance = math.dist((x, y), center)
-        if not close(distance, radius, tolerance):
-            gap = off_by(distance, radius, "too far out", "too far in")
-            where = f"{number(distance, 'm')} from the centre, expected {number(radius, 'm')}"
-            message = f"after {number(seconds, 's')} {noun} is {gap}: {where}"
+        if not is_close(distance, radius, tolerance):
+            gap = describe_offset(distance, radius, "too far out", "too far in")
+            where = f"{format_number(distance, 'm')} from the centre, expected {format_number(radius, 'm')}"
+            message = f"after {format_number(seconds, 's')} {noun} is {gap}: {where}"
             return [Problem(message, "the path leaves the circle: wrong radius or centre")]
-        if not close(z, height, tolerance):
-            gap = off_by(z, height, "too high", "too low")
-            message = f"{noun} is {gap}: z = {number(z, 'm')}, expected {number(height, 'm')}"
+        if not is_close(z, height, tolerance):
+            gap = describe_offset(z, height, "too high", "too low")
+            message = f"{noun} is {gap}: z = {format_number(z, 'm')}, expected {format_number(height, 'm')}"
             return [Problem(message, "the path is at the wrong height")]
     return []
 
 
-def turning(
+def check_turn(
     path: Path,
     center: Sequence[float],
     period: float | None,
     counter_clockwise: bool | None,
     noun: str = "the marker",
 ) -> list[Problem]:
-    """Return the problem with the sense or the period [s] of a path round a center."""
+    """Return a problem if a path turns around the center in the wrong direction or period [s]."""
     angles = [math.atan2(y - center[1], x - center[0]) for _, (x, y, _) in path]
     steps = [math.remainder(b - a, math.tau) for a, b in pairwise(angles)]
     turned, seconds = sum(steps), path[-1][0] - path[0][0]
     if sum(abs(step) for step in steps) < 1e-3:
-        return [Problem(f"{noun} stands still, expected it to go round", NOT_MOVING)]
+        return [Problem(f"{noun} stands still, expected it to move along a circle", NOT_MOVING)]
     if (jump := max(map(abs, steps))) > LARGEST_STEP:
         message = f"{noun} jumps by {math.degrees(jump):.0f}° from one message to the next"
-        return [Problem(f"{message}: were degrees taken for radians?", "a path jumps instead of turning")]
+        return [
+            Problem(
+                f"{message}: are degrees used instead of radians?", "an angle jumps from message to message"
+            )
+        ]
     if counter_clockwise is not None and (turned > 0) != counter_clockwise:
         names = ("clockwise", "counter-clockwise")
         message = f"{noun} goes {names[turned > 0]} (from above), expected {names[counter_clockwise]}"
         return [Problem(message, "the direction of turning is wrong")]
     if period is not None:
-        came = seconds * math.tau / abs(turned) if turned else math.inf  # [s]
-        gap = off_by(came, period, "too slow", "too fast", "s")
-        message = f"one turn takes {number(came, 's')}, expected {number(period, 's')}: {gap}"
-        right = close(came, period, PERIOD_TOLERANCE * period)
+        actual = seconds * math.tau / abs(turned) if turned else math.inf  # [s]
+        gap = describe_offset(actual, period, "too slow", "too fast", "s")
+        message = f"one turn takes {format_number(actual, 's')}, expected {format_number(period, 's')}: {gap}"
+        right = is_close(actual, period, PERIOD_TOLERANCE * period)
         return [] if right else [Problem(message, "the time of one turn is wrong")]
-    message = f"{noun} turned only {math.degrees(abs(turned)):.0f}°"
+    message = f"{noun} turns by only {math.degrees(abs(turned)):.0f}°"
     return [] if abs(turned) >= LEAST_TURN else [Problem(message, "too little of the circle was driven")]
 
 
-@word("where {source} is in {target}")
+@check_function("where {source} is in {target}")
 def expect_transform(
     evidence: Evidence,
     target: str,
@@ -153,22 +232,28 @@ def expect_transform(
     static: bool = False,
     tolerance: float = 0.01,
 ) -> Iterable[Problem]:
-    """Expect the pose of frame `source` in frame `target` in tf2, `at` [s] after the start or at last.
+    """Expect the pose of frame `source` in frame `target` in tf2, `at` [s] after the start or at the end.
 
-    Translation and its tolerance in [m], yaw about z in [rad]. A static one comes on /tf_static and never on
-    /tf.
+    Translation and tolerance are in [m], yaw about z in [rad]. A static transform is published on
+    /tf_static and never on /tf. Two different poses of `source` for one time are an error, because
+    it is undefined which one applies.
     """
-    if static and any(pose.child == source for _, pose in _published(evidence, "/tf")):
-        message = f"{source} is broadcast on /tf again and again, expected once on /tf_static"
-        return [Problem(message, "what never moves is not static")]
+    if ambiguous := list(_check_unambiguous(evidence, source)):
+        return ambiguous
+    if static and any(pose.child == source for _, pose in _iter_transforms(evidence, "/tf")):
+        message = f"{source} is broadcast repeatedly on /tf, expected once on /tf_static"
+        return [Problem(message, "a transform that never moves is not static")]
     try:
-        found = evidence.once(tree).lookup(target, source, 0 if at is None else START_NS + round(at * 1e9))
+        found = evidence.once(transform_buffer).lookup(
+            target, source, 0 if at is None else START_NS + round(at * 1e9)
+        )
     except TransformException as error:
-        return [Problem(f"tf2 says: {error}", "a transform is missing or has wrong stamps")]
-    return list(_misplaced(found, translation or found.translation, yaw, tolerance))
+        mistake = FAILED_LOOKUPS.get(type(error).__name__, "a transform is missing")
+        return [Problem(f"tf2 reports: {error}", mistake)]
+    return list(_check_pose(found, translation or found.translation, yaw, tolerance))
 
 
-@word("{frame} goes round a circle in {target}")
+@check_function("{frame} goes round a circle in {target}")
 def expect_circling_frame(
     evidence: Evidence,
     target: str,
@@ -182,15 +267,18 @@ def expect_circling_frame(
     start: float | None = None,
     tolerance: float = 0.05,
 ) -> Iterable[Problem]:
-    """Expect a frame that goes round the origin of the frame `target`, for most of the scenario.
+    """Expect a frame that moves around the origin of `target` for most of the scenario.
 
-    Radius and height (None: those of the first pose) and tolerance in [m], the period of one turn in [s],
-    counter-clockwise as seen from above; heading is the yaw less the direction from the origin, [rad]: 0
-    looks outward, pi / 2 ahead; start is the direction from the origin at first, [rad].
+    Radius and height (None: those of the first pose) and tolerance are in [m], the period is in
+    [s], counter-clockwise is as seen from above. `heading` [rad] is the yaw minus the direction
+    from the origin: 0 faces outward, pi / 2 forward. `start` [rad] is the initial direction from
+    the origin.
     """
-    poses = [(seconds, pose) for seconds, pose in _published(evidence, "/tf") if pose.child == frame]
+    if ambiguous := list(_check_unambiguous(evidence, frame)):
+        return ambiguous
+    poses = [(seconds, pose) for seconds, pose in _iter_transforms(evidence, "/tf") if pose.child == frame]
     if not poses:
-        return [Problem(f"no transform of {frame!r} came on /tf", "a transform is missing")]
+        return [Problem(f"no transform of {frame!r} was published on /tf", "a transform is missing")]
     strange = sorted({pose.parent for _, pose in poses} - {target})
     if strange:
         message = f"the parent of {frame!r} is {strange[0]!r}, expected {target!r}"
@@ -200,63 +288,96 @@ def expect_circling_frame(
     plane = first[2] if height is None else height  # [m]
     distance = math.hypot(*first[:2]) if radius is None else radius  # [m]
     return (
-        too_short(path, evidence.seconds, frame)
-        or off_circle(path, distance, (0.0, 0.0), plane, tolerance, frame)
-        or turning(path, (0.0, 0.0), period, counter_clockwise, frame)
-        or [*_headed(poses, heading), *_started(frame, first, start)]
+        check_duration(path, evidence.seconds, frame)
+        or check_circle(path, distance, (0.0, 0.0), plane, tolerance, frame)
+        or check_turn(path, (0.0, 0.0), period, counter_clockwise, frame)
+        or list(find_silence(evidence, "/tf", [seconds for seconds, _ in path], frame))
+        or [*_check_heading(poses, heading), *_check_start(frame, first, start)]
     )
 
 
-def _started(frame: str, place: Sequence[float], start: float | None) -> Iterator[Problem]:
+def _check_start(frame: str, place: Sequence[float], start: float | None) -> Iterator[Problem]:
     angle = math.atan2(place[1], place[0])  # [rad]
-    if start is not None and not close_angles(angle, start, YAW_TOLERANCE):
-        message = f"{frame} starts at the angle {number(angle, 'rad')}, expected {number(start, 'rad')}"
+    if start is not None and not are_angles_close(angle, start, YAW_TOLERANCE):
+        actual, wanted = format_number(angle, "rad"), format_number(start, "rad")
+        message = f"{frame} starts at the angle {actual}, expected {wanted}"
         yield Problem(message, "a path starts at the wrong place")
 
 
-def tree(evidence: Evidence) -> BufferCore:
-    """Return tf2's buffer with all published transforms; it forgets none."""
+def _check_unambiguous(evidence: Evidence, frame: str) -> Iterator[Problem]:
+    """Yield a problem if a frame is broadcast with different poses for one time."""
+    if frame in (found := evidence.once(_find_conflicts)):
+        when, first, other = found[frame]
+        places = [f"{format_numbers(pose.translation)} m in {pose.parent!r}" for pose in (first, other)]
+        message = f"{frame} is broadcast {when} at {places[0]} and at {places[1]}"
+        yield Problem(
+            f"{message}: it is undefined which one applies", "a frame has several poses at one time"
+        )
+
+
+def _find_conflicts(evidence: Evidence) -> dict[str, tuple[str, Transform, Transform]]:
+    """Return for each ambiguous frame a description of the time and two contradicting poses."""
+    first: dict[tuple[str, int | None], Transform] = {}
+    found: dict[str, tuple[str, Transform, Transform]] = {}
+    for topic, stamped in (("/tf_static", False), ("/tf", True)):
+        for _, pose in _iter_transforms(evidence, topic):
+            # A moving frame without a stamp is another mistake, which tf2 reports.
+            if stamped and not pose.stamp_ns:
+                continue
+            fixed = first.get((pose.child, None))
+            known = fixed or first.setdefault((pose.child, pose.stamp_ns if stamped else None), pose)
+            # The representations are compared, because NaN is not equal to itself.
+            if repr((known.parent, known.pose)) != repr((pose.parent, pose.pose)):
+                when = ("on /tf_static and on /tf" if fixed else "for one time") if stamped else "as static"
+                found.setdefault(pose.child, (when, known, pose))
+    return found
+
+
+def transform_buffer(evidence: Evidence) -> BufferCore:
+    """Return a tf2 buffer that contains all published transforms and never drops any."""
     buffer = BufferCore(FOR_EVER_NS)
     for topic in ("/tf", "/tf_static"):
-        for _, transform in _published(evidence, topic):
+        for _, transform in _iter_transforms(evidence, topic):
             buffer.set_transform(transform, is_static=topic == "/tf_static")
     return buffer
 
 
-def _published(evidence: Evidence, topic: str) -> Iterator[tuple[float, Transform]]:
-    """Yield ([s] since the start, transform) of every transform published on a topic."""
+def _iter_transforms(evidence: Evidence, topic: str) -> Iterator[tuple[float, Transform]]:
+    """Yield ([s] since the start, transform) for each transform published on a topic."""
     for seconds, message in evidence.messages(topic):
         for transform in message.transforms if type_name(message) == TF else ():
             yield seconds, Transform.from_message(transform)
 
 
-def _misplaced(
+def _check_pose(
     found: Transform, translation: Sequence[float], yaw: float | None, tolerance: float
 ) -> Iterator[Problem]:
-    for (axis, directions), came, expected in zip(
+    for (axis, directions), actual, expected in zip(
         DIRECTIONS.items(), found.translation, translation, strict=True
     ):
-        if not close(came, expected, tolerance):
-            gap = off_by(came, expected, *directions)
-            where = f"{axis} = {number(came, 'm')}, expected {number(expected, 'm')}"
+        if not is_close(actual, expected, tolerance):
+            gap = describe_offset(actual, expected, *directions)
+            where = f"{axis} = {format_number(actual, 'm')}, expected {format_number(expected, 'm')}"
             message = f"{found.child} is {gap} in {found.parent}: {where}"
             yield Problem(message, "the place of a frame is wrong")
-    if yaw is not None and not close_angles(turn := yaw_of(*found.rotation), yaw, YAW_TOLERANCE):
-        came_yaw = f"{number(turn, 'rad')} about z, expected {number(yaw, 'rad')}"
+    if yaw is not None and not are_angles_close(turn := yaw_of(*found.rotation), yaw, YAW_TOLERANCE):
+        came_yaw = f"{format_number(turn, 'rad')} about z, expected {format_number(yaw, 'rad')}"
         yield Problem(f"{found.child} is turned by {came_yaw}", "the orientation of a frame is wrong")
 
 
-def _headed(poses: Sequence[tuple[float, Transform]], heading: float | None) -> Iterator[Problem]:
+def _check_heading(poses: Sequence[tuple[float, Transform]], heading: float | None) -> Iterator[Problem]:
     for seconds, pose in poses if heading is not None else ():
         (x, y, _), turn = pose.translation, yaw_of(*pose.rotation)
-        if heading is not None and not close_angles(turn - math.atan2(y, x), heading, YAW_TOLERANCE):
-            asked = f"the direction from the origin plus {number(heading, 'rad')}"
-            message = f"after {number(seconds, 's')} {pose.child} is turned by {number(turn, 'rad')}"
+        if heading is not None and not are_angles_close(turn - math.atan2(y, x), heading, YAW_TOLERANCE):
+            asked = f"the direction from the origin plus {format_number(heading, 'rad')}"
+            message = (
+                f"after {format_number(seconds, 's')} {pose.child} is turned by {format_number(turn, 'rad')}"
+            )
             yield Problem(f"{message}, expected {asked}", "the orientation of a frame is wrong")
             return
 
 
-@word("the last path on {topic}")
+@check_function("the last path on {topic}")
 def expect_path(
     evidence: Evidence,
     topic: str,
@@ -267,26 +388,280 @@ def expect_path(
     yaw: float | None = None,
     tolerance: float = 0.05,
 ) -> Iterable[Problem]:
-    """Expect a count of poses in the last path, in a frame, from one of the ends to the other.
+    """Expect `count` poses in the last path, and its frame and two ends.
 
-    Ends of shape (2, 3) and tolerance in [m]; yaw of the last pose about z in [rad].
+    The ends, shape (2, 3), and the tolerance are in [m]; the yaw of the last pose about z in [rad].
     """
-    _, path = heard(evidence, topic, PATH)[-1]
+    _, path = received_messages(evidence, topic, PATH)[-1]
     if path.header.frame_id != frame:
         message = f"the path on {topic} is in frame {path.header.frame_id!r}, expected {frame!r}"
         return [Problem(message, "the frame of a path is wrong")]
     if len(path.poses) != count:
-        message = f"the last path on {topic} has {len(path.poses)} poses, expected {count}"
+        message = f"the last path on {topic} has {format_count(len(path.poses), 'pose')}, expected {count}"
         return [Problem(message, "a path has the wrong number of poses")]
     for which, one, expected in zip(("first", "last"), (path.poses[0], path.poses[-1]), ends, strict=True):
         place = one.pose.position
         found = (place.x, place.y, place.z)
-        if not close(math.dist(found, expected), 0.0, tolerance):
-            message = f"the {which} pose of {topic} is at {numbers(found)} m, expected {numbers(expected)} m"
+        if not is_close(math.dist(found, expected), 0.0, tolerance):
+            actual, wanted = format_numbers(found), format_numbers(expected)
+            message = f"the {which} pose of {topic} is at {actual} m, expected {wanted} m"
             return [Problem(message, "a pose of a path is at the wrong place")]
     q = path.poses[-1].pose.orientation
     turn = yaw_of(q.x, q.y, q.z, q.w)
-    if yaw is not None and not close_angles(turn, yaw, tolerance):
+    if yaw is not None and not are_angles_close(turn, yaw, tolerance):
         message = f"the last pose of {topic} is turned by {turn:.2f} rad about z, expected {yaw:.2f} rad"
         return [Problem(message, "the orientation in a path is wrong")]
     return []
+
+
+TOPIC = "/joint_states"
+STATE = "sensor_msgs/msg/JointState"
+# [rad]: time may be counted from the node's start or from its first message.
+PHASE_TOLERANCE = 0.2
+TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
+NOT_ALL_THE_TIME = "a joint is not published all the time"
+TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
+
+
+@check_function("every joint has a name and a position")
+def expect_joint_states(
+    evidence: Evidence, names: Sequence[str], *, topic: str = TOPIC, moving: bool = False
+) -> Iterable[Problem]:
+    """Expect exactly the joints `names` in every message, in any order, with finite positions.
+
+    With `moving`, some joint must move. Omitted positions do not count as motion.
+    """
+    for seconds, state in received_messages(evidence, topic):
+        if problems := list(_check_state(state, names)):
+            when = f"after {format_number(seconds, 's')} "
+            return [Problem(when + problem.message, problem.mistake) for problem in problems]
+    poses = [list(state.position) for _, state in received_messages(evidence, topic)]
+    if moving and all(pose == poses[0] for pose in poses):
+        return [
+            Problem(
+                f"no joint moves: every message has the positions {format_numbers(poses[0])}",
+                "no joint moves",
+            )
+        ]
+    return []
+
+
+@check_function("how {joint} moves")
+def expect_joint_swing(
+    evidence: Evidence,
+    joint: str,
+    *,
+    amplitude: float | None,
+    hz: float,
+    phase: float = 0.0,
+    middle: float = 0.0,
+    topic: str = TOPIC,
+    tolerance: float = 0.02,
+) -> Iterable[Problem]:
+    """Expect a joint at middle + amplitude * sin(2 pi hz t + phase), with t [s] from the first message.
+
+    Amplitude, phase, middle and tolerance are in [rad] (or [m]). An amplitude of 0 means that the
+    joint stands still; None means any amplitude above the tolerance. The joint must be published
+    without gaps, see `find_silence`.
+    """
+    states = received_messages(evidence, topic, STATE)
+    found = [(s, m.position[i]) for s, m in states if (i := _index(m, joint)) < len(m.position)]
+    if not found:
+        named = ", ".join(states[-1][1].name) or "no joint"
+        message = f"no position of {joint} was published on {topic}; the last message has {named}"
+        return [Problem(message, "the position of a joint is missing")]
+    if any(list(m.name).count(joint) > 1 for _, m in states):
+        message = (
+            f"a message on {topic} contains {joint} more than once: it is undefined which position applies"
+        )
+        return [Problem(message, "a joint is named more than once")]
+    times, positions = np.array(found).T
+    if (seen := times[-1] - times[0]) < evidence.seconds / 2:
+        message = f"{joint} was published for {format_number(seen, 's')} of {evidence.seconds:g} s"
+        return [Problem(message, NOT_ALL_THE_TIME)]
+    for gap in find_silence(evidence, topic, times.tolist(), joint):
+        return [Problem(gap.message, NOT_ALL_THE_TIME)]
+    if not np.isfinite(positions).all():
+        return [Problem(f"a position of {joint} is not finite", "the position of a joint is not finite")]
+    wave = 2 * math.pi * hz * (times - states[0][0])
+    return list(_compare_swing(joint, wave, positions, (amplitude, hz, phase, middle), tolerance))
+
+
+@check_function("the joints that stand still")
+def expect_joints_still(
+    evidence: Evidence, positions: Mapping[str, float], *, topic: str = TOPIC
+) -> Iterable[Problem]:
+    """Expect joints that stand still at `positions` [rad] or [m], as in `expect_joint_swing`."""
+    for joint, middle in positions.items():
+        check = expect_joint_swing(joint, amplitude=0.0, hz=0.0, middle=middle, topic=topic)
+        verdict = check.judge(evidence)
+        if verdict.score < 1:
+            yield Problem(verdict.message, verdict.mistake)
+
+
+def _index(state: Any, joint: str) -> int:
+    return list(state.name).index(joint) if joint in state.name else len(state.position)
+
+
+def _check_state(state: Any, names: Sequence[str]) -> Iterator[Problem]:
+    if type_name(state) != STATE:
+        yield Problem(f"a {type_name(state)} was published, expected {STATE}", "a topic has the wrong type")
+        return
+    unknown = [name for name in state.name if name not in names]
+    missing = [name for name in names if name not in state.name]
+    if unknown:
+        message = f"the robot has no joint {join_words(unknown)}; missing: {join_words(missing) or 'none'}"
+        yield Problem(message, "the name of a joint is wrong")
+    elif missing:
+        yield Problem(f"a message lacks {join_words(missing)}", "the name of a joint is missing")
+    elif twice := [name for name in names if list(state.name).count(name) > 1]:
+        yield Problem(
+            f"a message contains {join_words(twice)} more than once", "a joint is named more than once"
+        )
+    if len(state.position) != len(state.name):
+        counts = format_count(len(state.name), "name"), format_count(len(state.position), "position")
+        message = f"a message has {counts[0]} and {counts[1]}"
+        yield Problem(message, "the numbers of names and positions differ")
+    if not np.isfinite(state.position).all():
+        yield Problem("a position is not finite", "the position of a joint is not finite")
+
+
+def _compare_swing(
+    joint: str,
+    wave: np.ndarray[Any, Any],
+    positions: np.ndarray[Any, Any],
+    wanted: tuple[float | None, float, float, float],
+    tolerance: float,
+) -> Iterator[Problem]:
+    """Compare the positions with the best-fitting swing of the expected frequency."""
+    amplitude, hz, phase, middle = wanted
+    columns = np.array([np.sin(wave), np.cos(wave), np.ones(len(wave))]).T
+    # A joint that should not move has only a middle position.
+    columns[:, :2] *= amplitude != 0
+    sine, cosine, came_middle = np.linalg.lstsq(columns, positions)[0].round(9)
+    actual, turned = math.hypot(sine, cosine), math.remainder(math.atan2(cosine, sine) - phase, math.tau)
+    rest = float(np.abs(columns @ (sine, cosine, came_middle) - positions).max())
+    if rest > tolerance and amplitude == 0:
+        message = f"{joint} moves by {format_number(rest, 'rad')}, expected it to stand still"
+        yield Problem(message, "a joint moves that should stand still")
+        return
+    if rest > max(tolerance, 0.05 * actual):
+        message = f"{joint} does not follow a sine at {format_number(hz)} Hz"
+        yield Problem(
+            f"{message}: it is up to {format_number(rest, 'rad')} off", "a joint does not swing as expected"
+        )
+        return
+    if amplitude is None:
+        if actual <= tolerance:
+            yield Problem(f"{joint} stands still, expected it to swing", "a joint stands still")
+        return
+    if amplitude and is_close(actual, 0.0, tolerance):
+        message = f"{joint} stands still, expected it to swing by {format_number(amplitude, 'rad')}"
+        yield Problem(message, "a joint stands still")
+    elif not is_close(actual, amplitude, tolerance):
+        message = f"{joint} swings by {_format_angles(actual, amplitude)}"
+        yield Problem(message, "the amplitude of a joint's position is wrong")
+    elif amplitude and not is_close(turned, 0.0, PHASE_TOLERANCE):
+        message = (
+            f"{joint} swings with a phase error of {format_number(abs(turned), 'rad')}; "
+            "half a turn means a wrong sign"
+        )
+        yield Problem(message, "the phase or the sign of a joint's position is wrong")
+    if not is_close(came_middle, middle, tolerance):
+        message = f"the middle of {joint} is {_format_angles(came_middle, middle)}"
+        yield Problem(message, "the middle position of a joint is wrong")
+
+
+def _format_angles(actual: float, expected: float) -> str:
+    hints = {
+        math.radians(actual): ": is it in degrees instead of radians?",
+        math.radians(math.radians(actual)): ": was an angle in degrees converted to degrees?",
+    }
+    near = (hint for angle, hint in hints.items() if is_close(angle, expected, 0.01 * abs(expected)))
+    hint = next(near, "") if expected else ""
+    return f"{format_number(actual, 'rad')}, expected {format_number(expected, 'rad')}{hint}"
+
+
+@check_function("trajectory {index} on {topic}")
+def expect_trajectory(
+    evidence: Evidence,
+    topic: str,
+    goal: Mapping[str, float],
+    *,
+    index: int = 0,
+    at: float,
+    seconds: float,
+    points: int | None = None,
+    of: int | None = None,
+) -> Iterable[Problem]:
+    """Expect a trajectory that joint_trajectory_controller accepts and that ends in `goal`.
+
+    Args:
+        evidence: The evidence with the trajectories.
+        topic: The topic of the trajectories.
+        goal: Final positions by joint, in any order [rad]; the arm must stand still there.
+        index: Index of the trajectory, counted from 0.
+        at: Time [s] of its publication after the start.
+        seconds: Time [s] of its last point after that.
+        points: Number of its points, or None for any number.
+        of: Number of all trajectories, or None for any number.
+    """
+    # The judge's process has not made ROS names importable yet.
+    import_path.install()
+    from rclpy.time import Time
+
+    from course_lib.robots.trajectory import waypoints_of
+
+    when, sent = _find_trajectory(evidence, topic, index, points, of)
+    try:
+        *_, last = waypoints_of(sent, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
+    # A time before 1970 raises a ValueError.
+    except (CourseError, ValueError) as refused:
+        return [Problem(f"the controller rejects it: {refused}", "the controller refuses the trajectory")]
+    return list(_compare_goal(last, goal, when, at, seconds))
+
+
+def _find_trajectory(
+    evidence: Evidence, topic: str, index: int, points: int | None, of: int | None
+) -> tuple[float, Any]:
+    """Return ([s] since the start, trajectory), or raise a Problem if a count is wrong."""
+    actual = received_messages(evidence, topic, TRAJECTORY)
+    were = "trajectory was" if len(actual) == 1 else "trajectories were"
+    counts = f"{len(actual)} {were} published on {topic}, expected"
+    if len(actual) <= index:
+        raise Problem(f"{counts} at least {index + 1}", "a trajectory is missing")
+    if len(actual) > (of or len(actual)):
+        raise Problem(f"{counts} {of}", "the count of trajectories is wrong")
+    sent = actual[index][1]
+    if len(sent.points) != (points or len(sent.points)):
+        message = f"the trajectory has {format_count(len(sent.points), 'point')}, expected {points}"
+        raise Problem(message, "a trajectory has the wrong number of points")
+    return actual[index]
+
+
+def _compare_goal(
+    last: Waypoint, goal: Mapping[str, Any], when: float, at: float, seconds: float
+) -> Iterator[Problem]:
+    if not is_close(when, at, TIME_TOLERANCE):
+        message = (
+            f"the trajectory was published after {format_number(when, 's')}, "
+            f"expected after {format_number(at, 's')}"
+        )
+        yield Problem(message, "a trajectory is sent at the wrong time")
+    if not is_close(last.seconds, seconds, TIME_TOLERANCE):
+        message = (
+            f"its last point is reached after {format_number(last.seconds, 's')}, "
+            f"expected {format_number(seconds, 's')}"
+        )
+        yield Problem(message, "the time of a trajectory is wrong")
+    if len(last.state) < 2:
+        message = "its last point has no velocities, so the arm would stop with a jerk"
+        yield Problem(message, "a trajectory has no velocities")
+    for (joint, expected), position in zip(goal.items(), last.state[0].tolist(), strict=True):
+        if not is_close(position, expected, TOLERANCE):
+            message = (
+                f"{joint} goes to {format_number(position, 'rad')}, expected {format_number(expected, 'rad')}"
+            )
+            if abs(expected) > TOLERANCE and math.isclose(math.radians(position), expected, rel_tol=1e-3):
+                message += ": is it in degrees instead of radians?"
+            yield Problem(message, "a trajectory leads to the wrong position of a joint")

@@ -1,24 +1,114 @@
-"""Expectations on any topic: that it is there, how often, with which stamps and fields."""
+"""Checks of any topic: existence, rate and gaps, stamps, fields, diagnostics and reported facts."""
 
+import hashlib
+import math
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import pairwise
+from statistics import median
 from typing import Any
 
-from course_lib.errors import counted
-from course_lib.grading.evidence import Evidence
+from course_lib.errors import CourseError, format_count
+from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.run.outcome import plain
-from course_lib.grading.vocabulary.marker_state import ADD
+from course_lib.grading.task import resolve
+from course_lib.grading.vocabulary.check_function import (
+    Problem,
+    check_function,
+    format_number,
+    is_close,
+    received_messages,
+    slash_hint,
+)
+from course_lib.grading.vocabulary.markers import ADD, bound_marker
 from course_lib.grading.vocabulary.values import compare
-from course_lib.grading.vocabulary.wording import Problem, close, heard, number, word
-from course_lib.ros.clock import START_NS
+from course_lib.ros.graph.graph import START_NS
 from course_lib.ros.messages import to_plain, type_name
 
+LONGEST_GAP = 2  # periods; a larger gap between two messages breaks the rate
+DELIVERY = 0.05  # [s] allowed delay from publishing to recording
+STATING = ("expect_rate", "expect_throughout")
+NOT_ALL_THE_TIME = "a topic is not published all the time"
+FALLS_SILENT = "a topic falls silent temporarily"
+
+
+@dataclass(frozen=True)
+class StatedRate:
+    """The rate that the checks of a scenario state for a topic.
+
+    Args:
+        hz: The lowest stated rate [1/s], or None.
+        begin: The time [s] from which messages are expected.
+    """
+
+    hz: float | None
+    begin: float
+
+
+def stated_rate(evidence: Evidence, topic: str) -> StatedRate:
+    """Return the rate that the scenario states for a topic, and the time from which it applies."""
+    rows = [
+        resolve(check.origin.arguments, evidence.personal)
+        for check in evidence.checks
+        if check.origin
+        and check.origin.check_function in STATING
+        and check.origin.arguments["topic"] == topic
+    ]
+    rates = [row for row in rows if row["hz"] is not None]
+    begins = [row["begin"] for row in rates] or [row["begin"] for row in rows]
+    return StatedRate(min((row["hz"] for row in rates), default=None), min(begins, default=0.0))
+
+
+def find_silence(
+    evidence: Evidence,
+    topic: str,
+    times: Iterable[float],
+    noun: str,
+    *,
+    hz: float | None = None,
+    begin: float | None = None,
+    end: float | None = None,
+) -> Iterator[Problem]:
+    """Yield a problem for the first gap that is longer than the rate allows.
+
+    Args:
+        evidence: The evidence of the scenario.
+        topic: The topic whose stated rate applies.
+        times: Times of the messages [s] after the start.
+        noun: The subject of the problem's message.
+        hz: The rate [1/s]. None means the rate that the scenario states for the topic or, without
+            one, the usual rate of the messages; then no gap may exceed half of the scenario.
+        begin: Time [s] from which messages are expected. None means the time that the scenario
+            states.
+        end: Time [s] until which messages are expected. None means the end of the scenario.
+    """
+    stated = stated_rate(evidence, topic)
+    begin = stated.begin if begin is None else begin
+    end = evidence.seconds if end is None else end
+    hz = hz or stated.hz
+    came = sorted({seconds for seconds in times if begin - DELIVERY <= seconds <= end})  # [s]
+    gaps = [after - before for before, after in pairwise(came)]  # [s]
+    usual = min(LONGEST_GAP * median(gaps), evidence.seconds / 2) if gaps else evidence.seconds / 2
+    allowed = (LONGEST_GAP / hz if hz else usual) + DELIVERY  # [s]
+    if len(gaps) > 1 and min(gaps) > allowed:
+        period, limit = format_number(median(gaps), "s"), format_number(allowed, "s")
+        message = f"{noun} is published every {period}, expected messages at most {limit} apart"
+        yield Problem(message, "a topic is published too slowly")
+        return
+    for before, after in pairwise((begin, *came, end)):
+        if after - before > allowed:
+            message = f"{noun} is silent from {format_number(before, 's')} to {format_number(after, 's')}"
+            expected = f"expected messages all the time, at most {format_number(allowed, 's')} apart"
+            yield Problem(f"{message}, {expected}", NOT_ALL_THE_TIME)
+            return
+
+
 IMAGE = "sensor_msgs/msg/Image"
-KEPT = 1 << 20  # bytes of an image whose pixels the evidence has for certain
-LONGEST_GAP = 2  # periods, between two messages of a topic that keeps its rate
+MARKER_MESSAGE = "visualization_msgs/msg/Marker"
+KEPT = 1 << 20  # [B] images up to this size are always recorded with their pixels
 
 
-@word("publishes {type} on {topic}")
+@check_function("publishes {type} on {topic}")
 def expect_topic(
     evidence: Evidence,
     topic: str,
@@ -27,12 +117,12 @@ def expect_topic(
     at_least: int = 1,
     at_most: int | None = None,
 ) -> Iterable[Problem]:
-    """Expect `at_least` messages of this type on the topic, and no more than `at_most`."""
-    came = heard(evidence, topic)
+    """Expect at least `at_least` and at most `at_most` messages of this type on the topic."""
+    came = received_messages(evidence, topic)
     strange = [type_name(message) for _, message in came if type_name(message) != type]
     if strange:
         return [Problem(f"{topic} carries {strange[0]}, expected {type}", "a topic has the wrong type")]
-    message = f"{counted(len(came), 'message')} on {topic} in {evidence.seconds:g} s, expected "
+    message = f"{format_count(len(came), 'message')} on {topic} in {evidence.seconds:g} s, expected "
     if len(came) < at_least:
         return [Problem(f"{message}at least {at_least}", "too few messages on a topic")]
     if at_most is not None and len(came) > at_most:
@@ -40,7 +130,7 @@ def expect_topic(
     return []
 
 
-@word("the rate of {topic}")
+@check_function("the rate of {topic}")
 def expect_rate(
     evidence: Evidence,
     topic: str,
@@ -50,107 +140,132 @@ def expect_rate(
     begin: float = 0.0,
     end: float | None = None,
 ) -> Iterable[Problem]:
-    """Expect a rate of `hz`, [1/s], off by the fraction `tolerance` at most, from begin to end, [s].
+    """Expect the rate `hz` [1/s] within the relative `tolerance`, from `begin` to `end` [s].
 
-    Messages of equal time count once.
+    Messages with equal times count once.
     """
     end = evidence.seconds if end is None else end
-    times = sorted({seconds for seconds, _ in heard(evidence, topic) if begin <= seconds <= end})  # [s]
+    times = sorted(
+        {seconds for seconds, _ in received_messages(evidence, topic) if begin <= seconds <= end}
+    )  # [s]
     if not times:
         message = f"nothing was published on {topic} from {begin:g} to {end:g} s"
-        return [Problem(message, "a topic falls silent for a while")]
+        return [Problem(message, FALLS_SILENT)]
     if len(times) == 1:
-        message = f"{topic} was published once in {end - begin:g} s, expected {number(hz, 'Hz')}"
+        message = f"{topic} was published once in {end - begin:g} s, expected {format_number(hz, 'Hz')}"
         return [Problem(message, "a topic is published only once")]
     rate = (len(times) - 1) / (times[-1] - times[0])  # [1/s]
-    if not close(rate, hz, tolerance * hz):
+    if not is_close(rate, hz, tolerance * hz):
         fast = rate > hz
-        message = f"{topic} is too {'fast' if fast else 'slow'}: {number(rate, 'Hz')}"
+        message = f"{topic} is too {'fast' if fast else 'slow'}: {format_number(rate, 'Hz')}"
         mistake = f"a topic is published too {'fast' if fast else 'slowly'}"
-        return [Problem(f"{message}, expected {number(hz, 'Hz')}", mistake)]
+        return [Problem(f"{message}, expected {format_number(hz, 'Hz')}", mistake)]
     for before, after in pairwise((begin, *times, end)):
         if after - before > LONGEST_GAP / hz + 1e-6:
-            message = f"{topic} is silent from {number(before, 's')} to {number(after, 's')}"
-            return [Problem(message, "a topic falls silent for a while")]
+            message = f"{topic} is silent from {format_number(before, 's')} to {format_number(after, 's')}"
+            return [Problem(message, "a topic falls silent temporarily")]
     return []
 
 
-@word("{topic} is published from beginning to end")
-def expect_throughout(evidence: Evidence, topic: str) -> Iterable[Problem]:
-    """Expect more than one message, and no silence longer than half of the scenario."""
-    times = sorted({seconds for seconds, _ in heard(evidence, topic)})  # [s]
-    gaps = [after - before for before, after in pairwise((0.0, *times, evidence.seconds))]  # [s]
-    if len(times) > 1 and max(gaps) <= evidence.seconds / 2 + 1e-6:
-        return []
-    often = "was published only once" if len(times) == 1 else f"is silent for {number(max(gaps), 's')}"
-    message = f"{topic} {often} in {evidence.seconds:g} s, expected messages from beginning to end"
-    return [Problem(message, "a topic is not published all the time")]
+@check_function("{topic} is published the whole time")
+def expect_throughout(
+    evidence: Evidence,
+    topic: str,
+    *,
+    hz: float | None = None,
+    begin: float = 0.0,
+    end: float | None = None,
+) -> Iterable[Problem]:
+    """Expect at least two messages and no gap longer than two periods of the rate `hz` [1/s].
+
+    The gaps at the beginning and the end of the scenario, or from `begin` to `end` [s], count as
+    well. Without `hz`, the lowest rate that an `expect_rate` of the scenario states for the topic
+    applies; without any, the usual time between two messages.
+    """
+    times = sorted({seconds for seconds, _ in received_messages(evidence, topic)})  # [s]
+    if len(times) == 1:
+        often = f"{topic} was published only once in {evidence.seconds:g} s"
+        return [Problem(f"{often}, expected messages the whole time", "a topic is published only once")]
+    # The default 0 must not replace the start time that a stated rate may have.
+    given = begin or None
+    return find_silence(evidence, topic, times, topic, hz=hz, begin=given, end=end)
 
 
-@word("nothing on {topic} before {begin} s")
+@check_function("nothing on {topic} before {begin} s")
 def expect_nothing_before(evidence: Evidence, topic: str, begin: float) -> Iterable[Problem]:
-    """Expect messages on a topic, the first of them not before a time [s]."""
-    first, _ = heard(evidence, topic)[0]
-    message = (
-        f"{topic} was published after {number(first, 's')}, expected nothing before {number(begin, 's')}"
-    )
+    """Expect messages on a topic, the first one not before the time `begin` [s]."""
+    first, _ = received_messages(evidence, topic)[0]
+    came, wanted = format_number(first, "s"), format_number(begin, "s")
+    message = f"{topic} was published after {came}, expected nothing before {wanted}"
     return [Problem(message, "a message comes too early")] if first < begin else []
 
 
-@word("the images on {topic} have pixels")
+@check_function("the images on {topic} have pixels")
 def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
-    """Expect images of at least one pixel; the data of the first are as long as its rows are together."""
-    came = [image for _, image in heard(evidence, topic, IMAGE)]
+    """Expect images with at least one pixel, and data of the right length in the first image."""
+    came = [image for _, image in received_messages(evidence, topic, IMAGE)]
     empty = [image for image in came if not (image.width and image.height)]
     if empty:
         message = f"an image on {topic} has {empty[0].width} x {empty[0].height} pixels"
         return [Problem(message, "an image has no pixels")]
-    first, size = came[0], came[0].step * came[0].height  # later ones may be kept without their pixels
+    # Later images may be recorded without their pixels.
+    first, size = came[0], came[0].step * came[0].height
     if size < KEPT and (first.step < first.width or len(first.data) != size):
         message = f"{len(first.data)} bytes of data for {first.height} rows of {first.step} bytes (step)"
-        return [Problem(f"the first image on {topic} has {message}", "the data of an image do not fit")]
+        return [
+            Problem(f"the first image on {topic} has {message}", "the data of an image has the wrong length")
+        ]
     return []
 
 
-@word("the frame of {topic}")
+@check_function("the frame of {topic}")
 def expect_frame(evidence: Evidence, topic: str, frame: str) -> Iterable[Problem]:
     """Expect this frame in all messages on the topic, and in all markers that they add."""
-    for _, message in _stamped(evidence, topic):
+    for _, message in _stamped_messages(evidence, topic):
         if message.header.frame_id != frame:
             noun = type_name(message).split("/")[-1]
             problem = f"a {noun} on {topic} is in frame {message.header.frame_id!r}, expected {frame!r}"
+            problem += slash_hint(message.header.frame_id)
             return [Problem(problem, "the frame of a message is wrong")]
     return []
 
 
-@word("the stamps on {topic}")
-def expect_stamps(evidence: Evidence, topic: str, *, tolerance: float = 0.05) -> Iterable[Problem]:
-    """Expect the robot time of publishing as the stamp of each header, within a tolerance in [s].
+@check_function("the stamps on {topic}")
+def expect_stamps(
+    evidence: Evidence, topic: str, *, tolerance: float = 0.05, delay: float = 0.0
+) -> Iterable[Problem]:
+    """Expect the robot time of publishing in the stamp of each header, within a tolerance [s].
 
-    Markers that delete need none.
+    Stamps of markers that delete are not checked. With `delay` a task copies the stamps of its
+    input, which are so much earlier [s]: the time of publishing is then a mistake.
     """
-    for seconds, message in _stamped(evidence, topic):
+    for seconds, message in _stamped_messages(evidence, topic):
         stamp = message.header.stamp
         late = stamp.sec - START_NS // 10**9 + stamp.nanosec / 1e9 - seconds  # [s]
         if stamp.sec == 0:
             return [Problem(f"header.stamp on {topic} is not set (sec = 0)", "a stamp is not set")]
-        if not close(late, 0.0, tolerance):
+        if delay and not is_close(late, -delay, tolerance):
+            by = format_number(abs(late + delay), "s")
+            how = "later" if late > -delay else "earlier"
+            message = f"header.stamp on {topic} is {by} {how} than the stamp of the input"
+            return [Problem(message, "a stamp is not the expected one")]
+        if not delay and not is_close(late, 0.0, tolerance):
             where = "in the future" if late > 0 else "in the past"
-            by = number(abs(late), "s")
+            by = format_number(abs(late), "s")
             message = f"header.stamp on {topic} is {by} {where}, expected the time of publishing"
             return [Problem(message, f"a stamp is {where}")]
     return []
 
 
-def _stamped(evidence: Evidence, topic: str) -> list[tuple[float, Any]]:
-    """Return ([s] since the start, message or marker with a header); markers that delete are left out.
+def _stamped_messages(evidence: Evidence, topic: str) -> list[tuple[float, Any]]:
+    """Return ([s] since the start, message or marker with a header), except markers that delete.
 
     Raises:
-        Problem: There is none, or the type has no header.
+        Problem: No marker is added, or the type has no header.
     """
     parts = [
         (seconds, part)
-        for seconds, message in heard(evidence, topic)
+        for seconds, message in received_messages(evidence, topic)
         for part in getattr(message, "markers", [message])
         if getattr(part, "action", ADD) == ADD
     ]
@@ -162,15 +277,19 @@ def _stamped(evidence: Evidence, topic: str) -> list[tuple[float, Any]]:
     return parts
 
 
-@word("the last message on {topic}")
+@check_function("the last message on {topic}")
 def expect_message(
     evidence: Evidence, topic: str, fields: dict[str, Any], *, tolerance: float = 1e-3, unit: str = ""
 ) -> Iterator[Problem]:
-    """Expect fields of the last message, named with dots: `{"header.frame_id": "map"}`.
+    """Expect fields of the last message, given by dotted paths: `{"header.frame_id": "map"}`.
 
-    A number is a place in a list, counted from 0: `"status.0.name"`.
+    A number in a path is an index in a list: `"status.0.name"`. If other checks of the scenario
+    judge one marker of the topic, the last message is the last one of that marker.
     """
-    last = to_plain(heard(evidence, topic)[-1][1])
+    last = received_messages(evidence, topic)[-1][1]
+    if type_name(last) == MARKER_MESSAGE and (marker := bound_marker(evidence, topic)):
+        last = marker
+    last = to_plain(last)
     for dotted, expected in fields.items():
         value = last
         for part in dotted.split("."):
@@ -180,6 +299,131 @@ def expect_message(
                 value = value.get(part) if isinstance(value, dict) else None
         if dotted.endswith("stamp.nanosec") and isinstance(value, int):
             name = f"the fraction of a second in {dotted.removesuffix('.nanosec')}"
-            yield from compare(value / 1e9, expected / 1e9, tolerance / 1e9, "s", name)
+            for problem in compare(value / 1e9, expected / 1e9, tolerance / 1e9, "s", name):
+                yield Problem(problem.message, "a stamp is not the expected one")
         else:
-            yield from compare(plain(value), plain(expected), tolerance, unit, dotted)
+            is_frame = dotted.endswith("header.frame_id") and isinstance(value, str)
+            for problem in compare(plain(value), plain(expected), tolerance, unit, dotted):
+                yield Problem(problem.message, "the frame of a message is wrong") if is_frame else problem
+
+
+RATE_TOLERANCE = 0.03  # relative tolerance of a measured rate
+TOOLS = {  # The command that shows each fact.
+    "image_rate": "ros2 topic hz",
+    "image_width": "ros2 topic echo --once --field width",
+    "scan_reliability": "ros2 topic info -v",
+    "threshold": "ros2 param get",
+    "trigger_service": "ros2 service list -t",
+}
+# By serial number, in the order of TOOLS. The facts are hashed, so that students cannot read them
+# here.
+DIGESTS = {
+    11: ("f06190ebd5c4", "9685b57aa459", "407dd88dea80", "92c3b72a2be4", "e62db038f7e6"),
+    17: ("96e66dd4419d", "c3cbf854c757", "c42f5e198a68", "b19a75f4fbf7", "a386aa2832f3"),
+    23: ("6a99899b5c54", "3d4562ebb768", "27cc6c8afd0e", "25ac2c164041", "014cec068eab"),
+    26: ("a90f44d11172", "82a418f15101", "d90a3a9b6be0", "ab0a72b4df3f", "3d28b5a38f66"),
+    32: ("1e85461cc1a2", "c6cab8684d01", "dd73fc64bbeb", "105650a70ebc", "fe78d6922466"),
+    38: ("c29bba8bbc84", "deee80423aad", "6346e7c05574", "2949d3e91ab8", "6dd554a6d64a"),
+    44: ("c8b1526c913b", "b3b5959e8bd0", "81ea1b441ba2", "d5d1b6e602ec", "9f896fd162b3"),
+    47: ("8c65af9efb72", "83949fab6212", "8a02c35cd34b", "ee53d0678098", "ca9f6406ddf5"),
+    53: ("e973230868bd", "1426e0d4c653", "975b03510946", "4b3f95d3a84d", "2b3f04d8aa52"),
+    59: ("3358af9e9a60", "d4cfbbc409ca", "1fbf0ce9661a", "02ef1861f62f", "2c5396c5aad4"),
+    62: ("87cc069c09bd", "11a4d249d92e", "cc535e4b09e1", "8cf723a14c7a", "cf094cc2705e"),
+    68: ("0cda77411ec5", "4d83f6a06f88", "c7789e1e13f5", "6e6a18d4859b", "4683c9ee2c60"),
+}
+TOPIC, ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
+LEVELS = ("OK", "WARN", "ERROR", "STALE")
+LAST_WEIGHT = 0.3  # relative weight of the last part
+SETTLED = 1.005  # [s] delay until a part of the run appears in a report that is published every second
+
+
+def digest(serial: int, name: str, value: float | str) -> str:
+    """Return the hash of a fact, as stored in the table."""
+    text = repr(value) if isinstance(value, str) else f"{value:.6g}"
+    return hashlib.blake2b(f"{serial} {name} {text}".encode(), digest_size=6).hexdigest()
+
+
+def is_fact(serial: int, name: str, value: Any) -> bool:
+    """Return whether a robot has this value, with a relative RATE_TOLERANCE for rates.
+
+    Raises:
+        CourseError: The table has no robot with this serial number.
+    """
+    if serial not in DIGESTS:
+        raise CourseError(
+            f"there are no facts about robot {serial}, only about {', '.join(map(str, DIGESTS))}"
+        )
+    expected = DIGESTS[serial][list(TOOLS).index(name)]
+    return any(digest(serial, name, possible) == expected for possible in _possible_facts(name, value))
+
+
+def _possible_facts(name: str, value: Any) -> list[float | str]:
+    """Return the facts that a value may represent. Rates are integers."""
+    if isinstance(value, str):
+        return [value.strip()]
+    if not isinstance(value, int | float) or isinstance(value, bool) or not 0 <= value <= 1e6:
+        return []
+    if name != "image_rate":
+        return [value]
+    low, high = value / (1 + RATE_TOLERANCE), value / (1 - RATE_TOLERANCE)
+    return list(range(math.ceil(low), math.floor(min(high, low + 100)) + 1))
+
+
+@check_function("{level}, {says}")
+def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end: float) -> Iterable[Problem]:
+    """Expect one status per second from `begin` to `end` [s], with this level and `says` in its message."""
+    came = received_messages(evidence, TOPIC, ARRAY)
+    lists = [list(m.status) for at, m in came if begin + SETTLED <= at <= end + SETTLED - 1]
+    statuses = [status for together in lists for status in together]
+    when = f"from {begin:g} to {end:g} s"
+    if not statuses:
+        return [Problem(f"no status was published {when}", "a status is missing")]
+    if most := max(len(together) for together in lists) - 1:
+        message = f"a message has {most + 1} statuses {when}, expected one"
+        return [Problem(message, "a message has more than one status")]
+    reports = [at for at, m in came if len(m.status)]
+    for gap in find_silence(
+        evidence, TOPIC, reports, TOPIC, hz=1.0, begin=begin + SETTLED, end=end + SETTLED - 1
+    ):
+        return [Problem(gap.message, "a status is missing")]
+    for status in statuses:
+        reported = LEVELS[min(status.level[0], len(LEVELS) - 1)]
+        if reported != level:
+            return [Problem(f"the level is {reported} {when}, expected {level}", "a level is wrong")]
+        if says not in status.message.lower():
+            message = f"the message is {status.message!r} {when}: it lacks {says!r}"
+            return [Problem(message, "a status message lacks an expected word")]
+    return []
+
+
+def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[Check, ...]:
+    """Return a check for each of `parts` (level, word in its message, title) of a run, `seconds` [s] each.
+
+    The first part requires the last one, and all others require the first, so that a constant level
+    gets few points.
+    """
+    first, *others, last = (
+        expect_level(level, says=says, begin=seconds * n, end=seconds * (n + 1)).titled(title)
+        for n, (level, says, title) in enumerate(parts)
+    )
+    first = first.requiring(last)
+    return (first, *(other.requiring(first) for other in others), last.worth(LAST_WEIGHT))
+
+
+@check_function("{name}")
+def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Problem]:
+    """Expect a dict with the fact `name` about the robot `serial`, rates within 3 %.
+
+    Messages never reveal the expected value.
+    """
+    facts: Any = evidence.returns[0] if evidence.returns else None
+    if not isinstance(facts, dict) or name not in facts:
+        return [Problem(f"the returned dict has no key {name!r}", "a fact is missing")]
+    if is_fact(serial, name, facts[name]):
+        return []
+    value = facts[name]
+    if isinstance(value, str) and value.strip().replace(".", "", 1).isdecimal():
+        message = f"{name} is {facts[name]!r}, a string; expected a number: write it without quotes"
+        return [Problem(message, "a value is of the wrong kind")]
+    message = f"{name} is {facts[name]!r}, but your robot has another value. Check with {TOOLS[name]}"
+    return [Problem(message, "a fact about the robot is wrong")]

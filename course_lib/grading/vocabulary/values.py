@@ -1,22 +1,30 @@
-"""Checks on returned values, texts and parameter files."""
+"""Checks of returned values, strings and parameter files."""
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from course_lib.errors import format_count
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.run.outcome import RAISED, plain
-from course_lib.grading.vocabulary.wording import Problem, close, number, off_by, word
-from course_lib.ros.parameter_yaml import read_text
+from course_lib.grading.vocabulary.check_function import (
+    Problem,
+    check_function,
+    describe_offset,
+    format_number,
+    is_close,
+)
+from course_lib.ros.programs.parameter_yaml import read_text
 
 WRONG, WRONG_KIND = "a value is wrong", "a value is of the wrong kind"
-LONGEST = 10_000  # characters
+WRONG_ORDER, NOT_CALLED = "values are in the wrong order", "a value is a function that is not called"
+LONGEST = 10_000  # characters of a parameters file
 EVERY_NODE = "/**"
 NAMES = {bool: "bool", int: "integer", float: "double", str: "string", list: "list"}
 
 
-@word("{name} is right")
+@check_function("{name} is right")
 def expect_value(
     evidence: Evidence,
     expected: Any,
@@ -25,116 +33,181 @@ def expect_value(
     tolerance: float = 1e-6,
     unit: str = "",
     name: str = "the value",
+    parts: Sequence[str] = (),
 ) -> Iterable[Problem]:
-    """Expect the value `expected`, handed in or returned by the `call`-th call.
+    """Expect the value `expected`, submitted or returned by the call with the index `call`.
 
-    Numbers, texts, and lists or dicts of them; a tuple, list or array of equal values are the same.
+    Numbers, strings, and lists or dicts of them can be compared; tuples, lists and arrays with
+    equal values are equal. `parts` names the items of a list, ("size", "color"); without names a
+    message has their indices.
     """
     if call >= len(evidence.returns):
-        return [Problem(f"{name} is missing: nothing came back", "a value is missing")]
+        return [Problem(f"{name} is missing: nothing was returned", "a value is missing")]
     if evidence.returns[call] == RAISED:
         return [Problem(f"{name} is missing: the call raised an exception", "a value is missing")]
-    return compare(evidence.returns[call], plain(expected), tolerance, unit, name)
+    value, right = evidence.returns[call], plain(expected)
+    if parts and isinstance(value, list) and len(value) == len(parts):
+        named = zip(value, right, parts, strict=True)
+        return [
+            problem
+            for item, expected_item, part in named
+            for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}")
+        ]
+    return compare(value, right, tolerance, unit, name)
 
 
-@word("{name} says it")
-def expect_text(evidence: Evidence, *any_of: str, name: str = "your answer") -> Iterable[Problem]:
-    """Expect one of the phrases `any_of` in the text; case, spaces and punctuation do not matter."""
+@check_function("{name} says it")
+def expect_text(
+    evidence: Evidence, *any_of: str, name: str = "your answer", but_not: Sequence[str] = ()
+) -> Iterable[Problem]:
+    """Expect one of the phrases `any_of` in the string, ignoring case, spaces and punctuation.
+
+    The string must not contain any of the wrong answers `but_not`, so that a list of all answers
+    does not pass.
+    """
     text = evidence.returns[0] if evidence.returns else None
     if not isinstance(text, str) or not text.strip():
-        return [Problem(f"{name} is {_short(text)}, expected a text", "the answer is empty or no text")]
-    if any(f" {_words(phrase)} " in f" {_words(text)} " for phrase in any_of):
+        return [
+            Problem(f"{name} is {_shorten(text)}, expected a string", "the answer is empty or not a string")
+        ]
+    words = f" {_normalize(text)} "
+    if wrong := [phrase for phrase in but_not if f" {_normalize(phrase)} " in words]:
+        message = f"{name} is {_shorten(text)}: {wrong[0]!r} is not right, give one answer"
+        return [Problem(message, "the answer is not right")]
+    if any(f" {_normalize(phrase)} " in words for phrase in any_of):
         return []
-    return [Problem(f"{name} is {_short(text)}: that is not it", "the answer is not right")]
+    return [Problem(f"{name} is {_shorten(text)}: that is not the answer", "the answer is not right")]
 
 
-@word("its length")
+@check_function("its length")
 def expect_length(evidence: Evidence, fewest: int, most: int) -> Iterable[Problem]:
-    """Expect a text of `fewest` to `most` words."""
+    """Expect a string of `fewest` to `most` words."""
     text = evidence.returns[0] if evidence.returns else None
     count = len(text.split()) if isinstance(text, str) else 0
     if fewest <= count <= most:
         return []
-    return [Problem(f"{count} words, expected {fewest} to {most}", "the text has another length")]
+    return [Problem(f"{count} words, expected {fewest} to {most}", "the text has the wrong length")]
 
 
 def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -> Iterator[Problem]:
-    """Compare plain data with what was expected: the problems, those of the innermost values."""
-    came = f"{name} is {_short(value)}"
+    """Compare plain data recursively and yield the problems of the innermost values."""
+    came = f"{name} is {_shorten(value)}"
     match expected, value:
-        case list(), list() if len(value) != len(expected):
-            message = f"{name} has {len(value)} items, expected {len(expected)}"
-            yield Problem(message, "a list has the wrong length")
         case list(), list():
-            for index, pair in enumerate(zip(value, expected, strict=True)):
-                yield from compare(*pair, tolerance, unit, _inside(name, index))
+            yield from _compare_lists(value, expected, tolerance, unit, name)
         case list(), _:
-            yield Problem(f"{came}, expected a list of {len(expected)}", WRONG_KIND)
+            wanted = f"a list of {len(expected)}" if expected else "an empty list"
+            remedy = ": put it into list( )" if came.endswith(" generator") else ""
+            yield Problem(f"{came}, expected {wanted}{remedy}", WRONG_KIND)
         case dict(), {"object": str(kind)} if len(value) == 1 and "object" not in expected:
             yield Problem(f"{name} is {kind}, expected a dict", WRONG_KIND)
         case dict(), dict():
             for key in expected:
                 if key in value:
-                    yield from compare(value[key], expected[key], tolerance, unit, _inside(name, key))
+                    yield from compare(value[key], expected[key], tolerance, unit, _item_name(name, key))
                 else:
                     yield Problem(f"{name} has no {key!r}", "a key is missing")
         case dict(), _:
             yield Problem(f"{came}, expected a dict", WRONG_KIND)
-        case str(), str() if value.strip() == expected:
-            return
         case ((bool() | str() | None), _):
-            if type(value) is not type(expected) or value != expected:
+            bare = value.strip() if isinstance(value, str) and value != expected else value
+            # True == 1 in Python, so the types are compared, too.
+            if (type(bare), bare) != (type(expected), expected):
                 yield Problem(f"{came}, expected {expected!r}", WRONG)
+        case _, {"object": str(kind)} if kind.endswith(("method", "function")):
+            yield Problem(f"{came}, expected a number: are its ( ) missing?", NOT_CALLED)
         case _, (bool() | str() | None | list() | dict()):
             yield Problem(f"{came}, expected a number", WRONG_KIND)
-        case _ if not close(value, expected, tolerance):
-            yield _other_number(value, expected, unit, name)
+        case _ if not is_close(value, expected, tolerance):
+            yield _number_problem(value, expected, unit, name)
 
 
-def _inside(name: str, index: object) -> str:
-    """Return the name of an item: "[2] of a bar", and one within "[1] of a bar" is "[1][2] of a bar"."""
+def _compare_lists(
+    value: list[Any], expected: list[Any], tolerance: float, unit: str, name: str
+) -> Iterator[Problem]:
+    if len(value) != len(expected):
+        message = f"{name} has {format_count(len(value), 'item')}, expected {len(expected) or 'none'}"
+        yield Problem(message, "a list has the wrong length")
+    elif _is_reversed(value, expected, tolerance):
+        came, wanted = (_shorten([_round(one) for one in row]) for row in (value, expected))
+        message = f"{name} is {came}, expected {wanted}"
+        yield Problem(f"{message}: the order is the other way round", WRONG_ORDER)
+    else:
+        for index, pair in enumerate(zip(value, expected, strict=True)):
+            yield from compare(*pair, tolerance, unit, _item_name(name, index))
+
+
+def _is_reversed(value: list[Any], expected: list[Any], tolerance: float) -> bool:
+    """Return whether a list has the expected numbers or strings in the opposite order."""
+    if not {type(one) for one in (*value, *expected)} <= {int, float, str}:
+        return False
+    pairs, opposite = zip(value, expected, strict=True), zip(value, reversed(expected), strict=True)
+    is_equal = not any(_is_different(*pair, tolerance) for pair in pairs)
+    return not is_equal and not any(_is_different(*pair, tolerance) for pair in opposite)
+
+
+def _is_different(value: float | str, expected: float | str, tolerance: float) -> bool:
+    if isinstance(value, str) or isinstance(expected, str):
+        return value != expected
+    return not is_close(value, expected, tolerance)
+
+
+def _round(value: Any) -> Any:
+    return float(f"{value:.4g}") if isinstance(value, float) else value
+
+
+def _item_name(name: str, index: object) -> str:
+    """Return the name of an item: "[2] of a bar", and "[1][2] of a bar" if it is nested in "[1] of a bar"."""
     outer = re.match(r"(\[.*?\]) of (.*)", name, re.DOTALL)
     return f"{outer[1]}[{index!r}] of {outer[2]}" if outer else f"[{index!r}] of {name}"
 
 
-def _other_number(value: float, expected: float, unit: str, name: str) -> Problem:
-    came = f"{name} is {number(value, unit)}, expected {number(expected, unit)}"
+def _number_problem(value: float, expected: float, unit: str, name: str) -> Problem:
+    came = f"{name} is {format_number(value, unit)}, expected {format_number(expected, unit)}"
     if not math.isfinite(value):
         return Problem(came, "a value is not a finite number")
+    if unit == "rad" and abs(expected) > 1e-3 and math.isclose(math.radians(value), expected, rel_tol=1e-3):
+        return Problem(f"{came}: is it in degrees instead of radians?", "a value is in degrees")
+    if unit == "rad" and math.isclose(abs(value - expected), math.pi, abs_tol=1e-3):
+        return Problem(f"{came}: half a turn off", "an angle is wrong by half a turn")
     mistake = "a value has the wrong sign" if math.isclose(value, -expected, rel_tol=1e-3) else WRONG
-    return Problem(f"{came}: {off_by(value, expected, 'too much', 'too little', unit)}", mistake)
+    return Problem(f"{came}: {describe_offset(value, expected, 'too much', 'too little', unit)}", mistake)
 
 
-def _words(text: str) -> str:
+def _normalize(text: str) -> str:
     return " ".join(re.findall(r"\w+", text.casefold()))
 
 
-def _short(value: Any) -> str:
+def _shorten(value: Any) -> str:
     is_object = isinstance(value, dict) and list(value) == ["object"]
     text = str(value["object"]) if is_object else repr(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
 
 
-@word("the parameters of {node}")
+@check_function("the parameters of {node}")
 def expect_parameters(
     evidence: Evidence, node: str, values: Mapping[str, Any], *, call: int = 0
 ) -> Iterable[Problem]:
-    """Expect a parameters file that sets these values, of these types, for a node."""
+    """Expect a parameters file that sets these values, with these types, for a node."""
     text = evidence.returns[call] if call < len(evidence.returns) else None
     if not isinstance(text, str) or not text.strip() or len(text) > LONGEST:
-        return [Problem("no text of a parameters file came back", "there is no parameters file")]
+        return [Problem("no parameters file was returned", "there is no parameters file")]
     try:
         sections = read_text(text)
     except ValueError as error:
-        return [Problem(f"ROS says of the file: {error}", "the parameters file cannot be read")]
+        return [Problem(f"ROS rejects the file: {error}", "the parameters file cannot be read")]
     found: dict[str, Any] = {}
     for name, given in sections:
         if name in (EVERY_NODE, node):
             found |= given
-    return [problem for key, expected in values.items() for problem in _misfit(node, key, found, expected)]
+    return [
+        problem
+        for key, expected in values.items()
+        for problem in _check_parameter(node, key, found, expected)
+    ]
 
 
-def _misfit(node: str, key: str, found: Mapping[str, Any], expected: Any) -> Iterable[Problem]:
+def _check_parameter(node: str, key: str, found: Mapping[str, Any], expected: Any) -> Iterable[Problem]:
     if key not in found:
         return [Problem(f"{node} gets no {key} from the file", "a parameter is missing in the file")]
     value = found[key]

@@ -1,8 +1,7 @@
-"""ROS message types: their classes, their bytes, their plain values."""
+"""ROS message types: their classes, their serialization and their plain values."""
 
-from course_lib.ros.messages.message import RosMessage
-from course_lib.ros.messages.registry import action_class, message_class, service_class, type_name
-from course_lib.ros.messages.wire import compile_wire, deserialize, serialize, to_plain
+from course_lib.ros.messages.cdr import compile_wire, deserialize, serialize, to_plain
+from course_lib.ros.messages.message import RosMessage, action_class, message_class, service_class, type_name
 
 __all__ = [
     "RosMessage",

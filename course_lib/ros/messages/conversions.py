@@ -1,4 +1,4 @@
-"""Messages from dicts and lists, and as YAML or CSV, as rosidl_runtime_py has them."""
+"""Conversions of messages from dicts and lists, and to YAML and CSV, as in rosidl_runtime_py."""
 
 import sys
 from array import array
@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from course_lib.ros.messages.cdr import to_plain
 from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition
-from course_lib.ros.messages.message import RosMessage
-from course_lib.ros.messages.registry import message_class, type_name
-from course_lib.ros.messages.wire import to_plain
+from course_lib.ros.messages.message import RosMessage, message_class, type_name
 
-SetTime = Callable[[RosMessage], None]  # takes a builtin_interfaces/msg/Time
+# Accepts a builtin_interfaces/msg/Time.
+SetTime = Callable[[RosMessage], None]
 
 
 @dataclass
-class _Clock:
-    """The words that stand for the time of publishing, and what sets the times given by them."""
+class _PublishTimes:
+    """Whether "auto" and "now" stand for the time of publishing, and functions that set these times."""
 
     header_auto: bool
     time_now: bool
@@ -29,23 +29,23 @@ class _Clock:
 def set_fields(
     message: RosMessage, values: Any, *, header_auto: bool = True, time_now: bool = True
 ) -> list[SetTime]:
-    """Set fields from dicts, lists and numbers; raises ROS's exceptions.
+    """Set fields from dicts, lists and numbers. Raise ROS's exceptions.
 
     Args:
-        message: What is filled.
+        message: The message to fill.
         values: The fields by name.
         header_auto: Whether a header may be "auto".
         time_now: Whether a time may be "now".
 
     Returns:
-        What sets the times that were given as "now", or with a header as "auto".
+        Functions that set the times given as "now", or with a header as "auto".
     """
-    clock = _Clock(header_auto, time_now)
+    clock = _PublishTimes(header_auto, time_now)
     _set(message, values, clock)
     return clock.setters
 
 
-def _set(message: RosMessage, values: Any, clock: _Clock) -> None:
+def _set(message: RosMessage, values: Any, clock: _PublishTimes) -> None:
     if not isinstance(values, dict):
         raise TypeError(f"Value '{values}' is expected to be a dictionary but is a {type(values).__name__}")
     items = {f.name: f.base for f in definition(type_name(message)).fields if f.is_message}
@@ -57,43 +57,39 @@ def _set(message: RosMessage, values: Any, clock: _Clock) -> None:
         elif (kind, value) == ("builtin_interfaces/msg/Time", "now") and clock.time_now:
             clock.setters.append(partial(setattr, message, name))
         elif name in items:
-            make = partial(_made, items[name], clock=clock)
-            setattr(message, name, make(value) if kind else [make(one) for one in value])
+            messages = []
+            for one in [value] if kind else value:
+                inner = one
+                if not isinstance(one, RosMessage) or type_name(one) != items[name]:
+                    inner = message_class(items[name])()
+                    _set(inner, one, clock)
+                messages.append(inner)
+            setattr(message, name, messages[0] if kind else messages)
+        # As in ROS, a YAML value is converted to the type of the field's current value.
+        elif isinstance(present, array):
+            setattr(message, name, array(present.typecode, value))
+        elif isinstance(present, np.ndarray):
+            setattr(message, name, np.array(value, dtype=present.dtype))
+        elif isinstance(present, bytes) and isinstance(value, int):
+            setattr(message, name, bytes([value]))
         else:
-            setattr(message, name, _converted(value, present))
-
-
-def _made(type_of_it: str, values: Any, clock: _Clock) -> RosMessage:
-    if isinstance(values, RosMessage) and type_name(values) == type_of_it:
-        return values
-    message = message_class(type_of_it)()
-    _set(message, values, clock)
-    return message
-
-
-def _converted(value: Any, field: Any) -> Any:
-    """Convert a YAML value to the type of the field's present value, as ROS does."""
-    if isinstance(field, array):
-        return array(field.typecode, value)
-    if isinstance(field, np.ndarray):
-        return np.array(value, dtype=field.dtype)
-    if isinstance(field, bytes) and isinstance(value, int):
-        return bytes([value])
-    return value if type(value) is type(field) else type(field)(value)
+            setattr(message, name, value if type(value) is type(present) else type(present)(value))
 
 
 @dataclass(frozen=True)
 class Style:
-    """Omissions in printed messages: the rest of long values, arrays, strings."""
+    """The parts omitted from printed messages: the rest of long values, arrays, strings."""
 
-    truncate: int | None = 128  # elements of a sequence, characters of a string
+    # Limit on the elements of a sequence and the characters of a string.
+    truncate: int | None = 128
     no_arrays: bool = False
     no_strings: bool = False
-    flow: bool = False  # one line of YAML instead of a block
+    # Whether YAML is written on one line instead of as a block.
+    flow: bool = False
 
 
 def to_yaml(message: RosMessage, style: Style) -> str:
-    """Return a message as YAML, its last line ended."""
+    """Convert a message to YAML, which ends with a newline."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
     text: str = yaml.dump(
@@ -107,41 +103,42 @@ def to_yaml(message: RosMessage, style: Style) -> str:
 
 
 def to_dict(message: RosMessage, style: Style) -> dict[str, Any]:
-    """Return a message as dicts, lists, strings and numbers, in the order of the fields."""
-    plain: dict[str, Any] = _with_notes(message, to_plain(message, style.truncate), style)
+    """Convert a message to dicts, lists, strings and numbers, in the order of the fields."""
+    plain: dict[str, Any] = _insert_notes(message, to_plain(message, style.truncate), style)
     return plain
 
 
 def to_csv(value: Any, style: Style) -> str:
-    """Return a message's values in a row, separated by commas."""
+    """Convert a message's values to one line, separated by commas."""
     if isinstance(value, RosMessage):
         items = _items(value)
-        return _joined([_array_note(item, field, style) or to_csv(item, style) for field, item in items])
+        cells = [_array_note(item, field, style) or to_csv(item, style) for field, item in items]
+        return _join_values(cells)
     if isinstance(value, list | tuple | array | np.ndarray):
         long = style.truncate is not None and len(value) > style.truncate
-        return _joined([*(to_csv(item, style) for item in value[: style.truncate]), *["..."] * long])
+        return _join_values([*(to_csv(item, style) for item in value[: style.truncate]), *["..."] * long])
     if isinstance(value, str):
         return _string_note(value) if style.no_strings else str(to_plain(value, style.truncate))
     return str(value)
 
 
-def _joined(parts: list[str]) -> str:
-    """Join with commas; as in ROS none follows empty values at the beginning."""
+def _join_values(parts: list[str]) -> str:
+    """Join with commas. As in ROS, no comma follows empty values at the beginning."""
     text = ""
     for part in parts:
         text += f",{part}" if text else part
     return text
 
 
-def _with_notes(value: Any, plain: Any, style: Style) -> Any:
-    """Replace omitted arrays and strings by notes in the plain form of a message."""
+def _insert_notes(value: Any, plain: Any, style: Style) -> Any:
+    """Replace omitted arrays and strings by notes, in the plain form of a message."""
     if isinstance(value, RosMessage):
         for field, item in _items(value):
             note = _array_note(item, field, style)
-            plain[field.name] = note or _with_notes(item, plain[field.name], style)
+            plain[field.name] = note or _insert_notes(item, plain[field.name], style)
     elif isinstance(value, list) and style.no_strings:
         shown = value[: style.truncate]
-        plain[: len(shown)] = [_with_notes(*pair, style) for pair in zip(shown, plain, strict=False)]
+        plain[: len(shown)] = [_insert_notes(*pair, style) for pair in zip(shown, plain, strict=False)]
     elif isinstance(value, str) and style.no_strings:
         return _string_note(value)
     return plain
@@ -158,7 +155,7 @@ def _string_note(value: str) -> str:
 
 
 def _array_note(value: Any, field: FieldDefinition, style: Style) -> str:
-    """Return the note in place of an omitted array, or ""."""
+    """Return the note that replaces an omitted array, or ""."""
     if field.container == "scalar" or not style.no_arrays:
         return ""
     base = field.base if field.is_message else PRIMITIVES[field.base].ros_name

@@ -1,7 +1,4 @@
-"""The fields of all ROS message types: rosbags' type store, with the types and defaults that it lacks.
-
-The types are files in the folder ``interfaces``, laid out as in ROS packages.
-"""
+"""The fields of all message types, from rosbags' type store and the kit's interface files."""
 
 import sys
 from collections.abc import Mapping
@@ -13,12 +10,21 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.messages.interface_files import LazyTypes, check_interface, read_defaults, read_interface
+from course_lib.ros.messages.interface_files import (
+    LazyTypes,
+    check_interface,
+    kit_files,
+    line_of_field,
+    read_defaults,
+    read_interface,
+    read_table,
+)
+from course_lib.ros.programs.packages import has_interfaces, packages
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-# common_interfaces and rcl_interfaces (jazzy): every field whose .msg line gives a default value.
+# All fields of common_interfaces and rcl_interfaces (jazzy) whose .msg line has a default value.
 DEFAULTS: dict[tuple[str, str], Any] = {
     ("geometry_msgs/msg/Quaternion", "x"): 0.0,
     ("geometry_msgs/msg/Quaternion", "y"): 0.0,
@@ -29,31 +35,41 @@ DEFAULTS: dict[tuple[str, str], Any] = {
     ("sensor_msgs/msg/NavSatStatus", "status"): -2,
     ("type_description_interfaces/msg/FieldType", "type_id"): 0,
 }
-EVENT_PART = "_Event"  # of a service, on the topic of its introspection
+# Suffix of a service's event type, used on its introspection topic.
+EVENT_PART = "_Event"
 NO_WIDE_STRINGS = "the kit has no wide strings (wstring). Write string: it holds all characters, too."
-FOLDERS = [Path(__file__).parent.parent / "interfaces"]  # of packages' folders; the kit's own is the first
+# Parent folders of packages with interface files that a program has imported.
+FOLDERS: list[Path] = []
+# Folders of packages whose names differ from their folders' names.
+RENAMED: dict[str, Path] = {}
 
 
 @dataclass(frozen=True, slots=True)
 class FieldDefinition:
-    """One line of a .msg file; ``base`` is a primitive (``float64``) or a message type's full name."""
+    """A field of a .msg file.
+
+    ``base`` is a primitive (``float64``) or the full name of a message type.
+    """
 
     name: str
     base: str
-    string_bound: int  # longest string, 0: any
+    # Limit on the length of strings; 0: no limit.
+    string_bound: int
     container: Literal["scalar", "array", "sequence"]
-    size: int  # an array's length, a sequence's greatest length, 0: any
-    default: Any  # None where the .msg file gives none
+    # The length of an array, or the limit of a sequence; 0: no limit.
+    size: int
+    # None if the .msg file has no default.
+    default: Any
 
     @property
     def is_message(self) -> bool:
-        """True if the field holds other messages."""
+        """True if the field contains messages."""
         return "/" in self.base
 
 
 @dataclass(frozen=True, slots=True)
 class MessageDefinition:
-    """One .msg file."""
+    """The content of a .msg file."""
 
     type_name: str
     constants: Mapping[str, Any]
@@ -61,69 +77,107 @@ class MessageDefinition:
 
 
 @cache
+def field_definitions() -> LazyTypes:
+    """Return the constants and fields of all types by name, in rosbags' format.
+
+    They are the types of ROS 2 Jazzy in rosbags, and those in the kit's interface files; see
+    `interface_files`.
+    """
+    table = read_table()
+    if table is not None:
+        return LazyTypes({}, kit_files(), DEFAULTS, table)
+    from rosbags.typesys import Stores, get_typestore
+
+    return LazyTypes(dict(get_typestore(Stores.ROS2_JAZZY).fielddefs), kit_files(), DEFAULTS)
+
+
+@cache
 def typestore() -> "Typestore":
-    """Return rosbags' store of ROS 2 Jazzy types with those in the folder."""
+    """Return rosbags' own store, with all types, for tasks that rosbags does better, like writing bags."""
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)
-    store.fielddefs = cast(
-        "dict[str, Any]", LazyTypes(cast("dict[str, Any]", store.fielddefs), FOLDERS[0], DEFAULTS)
-    )
+    store.fielddefs = cast("dict[str, Any]", field_definitions())
     return store
 
 
-def add_package(package: Path) -> None:
+def add_package(folder: Path, name: str = "") -> None:
     """Add a package's own interface files, like ``my_msgs/msg/Name.msg``, to the store.
 
-    Raises a CourseError if one is not well formed, or names a type that is not there.
+    Raises:
+        CourseError: A file is invalid, or uses a type that does not exist.
     """
     from rosbags.typesys import TypesysError
 
-    if package.parent not in FOLDERS:
-        FOLDERS.append(package.parent)
-    paths = sorted(path for path in package.glob("*/*.*") if path.suffix == f".{path.parent.name}")
+    package = name or folder.name
+    if package != folder.name:
+        RENAMED[package] = folder
+    elif folder.parent not in FOLDERS:
+        FOLDERS.append(folder.parent)
+    paths = sorted(path for path in folder.glob("*/*.*") if path.suffix == f".{path.parent.name}")
     for path in paths:
         check_interface(path)
         try:
-            typestore().register(read_interface(path))
+            typestore().register(read_interface(path, package))
         except TypesysError as error:
             raise CourseError(f"{path} has changed since it was read: restart the kernel.") from error
-        DEFAULTS.update(read_defaults(path))
-    known = typestore().fielddefs
-    for file, name in ((path, name) for path in paths for name in read_interface(path)):
+        DEFAULTS.update(read_defaults(path, package))
+    known = field_definitions()
+    for file, name in ((path, name) for path in paths for name in read_interface(path, package)):
         for field in (field for field in definition(name).fields if field.is_message):
             other = field.base.split("/")[0]
-            if field.base not in known and other != package.name:
+            if field.base not in known and other != package:
                 find_package(other)
-            if field.base == f"{package.name}/msg/wstring":
-                raise CourseError(f"{file}, field {field.name}: {NO_WIDE_STRINGS}")
+            place = f"{file}, line {line_of_field(file, field.name)}, field {field.name}"
+            if field.base == f"{package}/msg/wstring":
+                raise CourseError(f"{place}: {NO_WIDE_STRINGS}")
             if field.base not in known:
-                raise CourseError(f"{file}, field {field.name}: No message type {field.base!r} here.")
+                raise CourseError(f"{place}: No message type {field.base!r} here.")
 
 
 def find_package(package: str) -> None:
-    """Add a package that is not known yet, if its folder is on Python's path or here."""
+    """Add an unknown package if its folder is on Python's path, in the working folder or in the workspace."""
+    if not package.isidentifier():
+        return
     for entry in (*sys.path, "."):
         folder = Path(entry, package)
-        if package.isidentifier() and next(folder.glob("[msa]*/*.[msa]*"), None) is not None:
+        if has_interfaces(folder):
             add_package(folder)
             return
+    sources = packages().get(package)
+    if sources is not None and has_interfaces(sources):
+        add_package(sources, package)
+
+
+def find_workspace_packages() -> list[str]:
+    """Add all packages of the workspace that have interface files; return the errors of invalid files."""
+    errors = list[str]()
+    for name, folder in packages().items():
+        if has_interfaces(folder):
+            try:
+                add_package(folder, name)
+            except CourseError as error:
+                errors.append(str(error))
+    return errors
 
 
 def type_names() -> list[str]:
-    """List the known types, like ``visualization_msgs/msg/Marker``, without the events of services."""
-    return sorted(name for name in typestore().fielddefs if not name.endswith(EVENT_PART))
+    """List the known types, like ``visualization_msgs/msg/Marker``, without the event types of services."""
+    return sorted(name for name in field_definitions() if not name.endswith(EVENT_PART))
 
 
 @cache
 def definition(type_name: str) -> MessageDefinition:
-    """Look a type up; a CourseError names the closest ones if there is none."""
-    known = typestore().fielddefs
+    """Return the definition of a type.
+
+    Raise a CourseError with the closest names if there is none.
+    """
+    known = field_definitions()
     if type_name not in known:
         find_package(type_name.split("/")[0])
     service = type_name.removesuffix(EVENT_PART)
     if service != type_name and f"{service}_Request" in known:
-        known[type_name] = event_of(service)
+        known[type_name] = event_definition(service)
     if type_name not in known:
         meant = did_you_mean(type_name, known, 3) or ". Written like visualization_msgs/msg/Marker."
         raise CourseError(f"No message type {type_name!r} here{meant}")
@@ -135,17 +189,15 @@ def definition(type_name: str) -> MessageDefinition:
     )
 
 
-def event_of(service: str) -> Any:
-    """Return the definition of a service's event, which rosidl makes of its request and its response."""
-    from rosbags.interfaces import Nodetype
-
+def event_definition(service: str) -> Any:
+    """Return the definition of a service's event type, which rosidl derives from request and response."""
     parts = (("request", f"{service}_Request"), ("response", f"{service}_Response"))
-    fields = [(name, (Nodetype.SEQUENCE, ((Nodetype.NAME, part), 1))) for name, part in parts]
-    return [], [("info", (Nodetype.NAME, "service_msgs/msg/ServiceEventInfo")), *fields]
+    fields = [(name, (_SEQUENCE, ((_NAME, part), 1))) for name, part in parts]
+    return [], [("info", (_NAME, "service_msgs/msg/ServiceEventInfo")), *fields]
 
 
 def _field(type_name: str, name: str, desc: Any) -> FieldDefinition:
-    """Read rosbags' nested tuples ``(kind, (inner, size))``; a base type is ``(1, (name, string_bound))``."""
+    """Convert rosbags' nested tuples ``(kind, (inner, size))``; a base type is ``(1, (name, bound))``."""
     default = DEFAULTS.get((type_name, name))
     kind, detail = desc
     container, size = _CONTAINERS[kind], 0
@@ -155,7 +207,8 @@ def _field(type_name: str, name: str, desc: Any) -> FieldDefinition:
     return FieldDefinition(name, base, bound, container, size, default)
 
 
-# rosbags.interfaces.Nodetype by value.
+# The values of rosbags.interfaces.Nodetype.
+_NAME, _SEQUENCE = 2, 4
 _CONTAINERS: Mapping[int, Literal["scalar", "array", "sequence"]] = {
     1: "scalar",
     2: "scalar",
@@ -166,19 +219,24 @@ _CONTAINERS: Mapping[int, Literal["scalar", "array", "sequence"]] = {
 
 @dataclass(frozen=True, slots=True)
 class Primitive:
-    """One primitive: its name in ROS's IDL, its Python type, for numbers the range and the array code."""
+    """A primitive type: its name in ROS's IDL, its Python type, and for numbers the range and array code."""
 
     ros_name: str
     python: type
-    code: str = ""  # of array.array and numpy; "" if ROS keeps sequences of it as lists
-    low: float = 0  # the range that ROS checks; numbers only
+    # The type code for array.array and numpy; "" if ROS stores sequences of it as lists.
+    code: str = ""
+    # The range that ROS checks, for numbers only.
+    low: float = 0
     high: float = 0
-    range_word: str = ""  # "integer" in "an integer in [-128, 127]"; "" if any value fits
+    # "integer" in the text "an integer in [-128, 127]"; "" if there is no range check.
+    range_word: str = ""
 
     @property
     def dtype(self) -> "np.dtype[np.generic]":
-        """The numpy type of one element."""
-        return np.dtype(self.code or bool)
+        """The numpy type of an element."""
+        # Through its size: numpy prints the dtype of the code "q", although it is the usual one of
+        # integers.
+        return np.dtype(np.dtype(self.code or bool).str)
 
 
 def _integer(ros_name: str, code: str) -> Primitive:

@@ -1,25 +1,33 @@
-"""Type descriptions and their hashes (REP 2016): another hash means another definition of the type."""
+"""Type descriptions and their hashes (REP 2016).
+
+Two definitions of a type have different hashes.
+"""
 
 from functools import cache
 from typing import TYPE_CHECKING, Any, cast
 
-from course_lib.ros.messages.definitions import EVENT_PART, definition, event_of, typestore
+from course_lib.ros.messages.definitions import EVENT_PART, definition, event_definition, field_definitions
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-_NESTED, _ARRAY, _BOUNDED, _UNBOUNDED = 1, 48, 96, 144  # of FieldType's numbers: a message, what is added
-_FILLER = "structure_needs_at_least_one_member"  # of a type without fields
+# Type ids of FieldType: a nested message, and offsets for arrays and sequences.
+_NESTED, _ARRAY, _BOUNDED, _UNBOUNDED = 1, 48, 96, 144
+# The field of a type without fields.
+_FILLER = "structure_needs_at_least_one_member"
 
 
 @cache
 def type_hash(type_name: str) -> str:
-    """Return `RIHS01_…` of a message's or a service's type; a CourseError if it is not known here."""
+    """Return the hash `RIHS01_…` of a message or service type.
+
+    Raise a CourseError if it is unknown.
+    """
     return _store_with(type_name).hash_rihs01(type_name)
 
 
-def described(type_name: str) -> dict[str, dict[str, Any]]:
-    """Describe a type and those that it refers to, by their names: the structs that its hash is made of."""
+def describe_type(type_name: str) -> dict[str, dict[str, Any]]:
+    """Describe a type and all types that it refers to, by name, as the structs that are hashed."""
     from rosbags.interfaces import Nodetype
 
     store = _store_with(type_name)
@@ -28,15 +36,15 @@ def described(type_name: str) -> dict[str, dict[str, Any]]:
     waiting = [type_name]
     while waiting:
         name = waiting.pop()
-        fields = [_described_field(*field) for field in store.fielddefs[name][1] or filler]
+        fields = [_describe_field(*field) for field in store.fielddefs[name][1] or filler]
         found[name] = {"type_name": name, "fields": fields}
         nested = {field["type"]["nested_type_name"] for field in fields} - {""}
         waiting += sorted(nested - found.keys())
     return found
 
 
-def _described_field(name: str, form: Any) -> dict[str, Any]:
-    """Describe a field by the numbers of type_description_interfaces/msg/FieldType."""
+def _describe_field(name: str, form: Any) -> dict[str, Any]:
+    """Describe a field with the numbers of type_description_interfaces/msg/FieldType."""
     from rosbags.interfaces import Nodetype
     from rosbags.typesys.store import TIDMAP
 
@@ -55,54 +63,50 @@ def _described_field(name: str, form: Any) -> dict[str, Any]:
 
 
 def _store_with(type_name: str) -> "Typestore":
-    """Return the store that is hashed with, filled with all types that are known by now."""
+    """Return the store used for hashing, filled with all types known so far."""
     store = _hashed_types()
     request = f"{type_name}_Request"
-    definition(request if _is_service(type_name) else type_name)  # it may lie in a package of the student's
-    for name, (_, fields) in typestore().fielddefs.items():
+    is_service = "/srv/" in type_name or type_name.endswith(("_SendGoal", "_GetResult"))
+    # The lookup adds the type if it is in one of the student's packages.
+    definition(request if is_service and not type_name.endswith(EVENT_PART) else type_name)
+    for name, (_, fields) in field_definitions().items():
         if name not in store.fielddefs:
-            store.fielddefs[name] = [], [(field, _hashed(form)) for field, form in fields]
+            store.fielddefs[name] = [], [(field, _to_hashed_form(form)) for field, form in fields]
     if request in store.fielddefs:
-        _describe_service(store, type_name)
+        from rosbags.interfaces import Nodetype
+
+        # rosidl describes a service as a struct of its request, response and event.
+        definitions = cast("dict[str, Any]", store.fielddefs)
+        definitions[f"{type_name}_Event"] = event_definition(type_name)
+        definitions[type_name] = (
+            [],
+            [
+                (f"{part.lower()}_message", (Nodetype.NAME, f"{type_name}_{part}"))
+                for part in ("Request", "Response", "Event")
+            ],
+        )
     return store
 
 
 def is_known(type_name: str) -> bool:
-    """Return whether a message's or a service's type was read already."""
-    known = typestore().fielddefs
+    """Return whether a message or service type has already been read."""
+    known = field_definitions()
     return type_name in known or f"{type_name}_Request" in known
-
-
-def _is_service(type_name: str) -> bool:
-    if type_name.endswith(EVENT_PART):
-        return False
-    return "/srv/" in type_name or type_name.endswith(("_SendGoal", "_GetResult"))
 
 
 @cache
 def _hashed_types() -> "Typestore":
-    """Return a store that is only hashed with."""
+    """Return an empty store, which is used for hashing only."""
     from rosbags.typesys import Stores, get_typestore
 
     return get_typestore(Stores.EMPTY)
 
 
-def _describe_service(store: "Typestore", type_name: str) -> None:
-    """Add a service as rosidl describes it: a struct of its request, its response and its event."""
-    from rosbags.interfaces import Nodetype
-
-    request, response, event = (f"{type_name}_{part}" for part in ("Request", "Response", "Event"))
-    whole, known = Nodetype.NAME, cast("dict[str, Any]", store.fielddefs)
-    known[event] = event_of(type_name)
-    parts = (("request_message", request), ("response_message", response), ("event_message", event))
-    known[type_name] = [], [(field, (whole, name)) for field, name in parts]
-
-
-def _hashed(form: Any) -> Any:
-    """Return a field's form as rosidl hashes it: `char` of a .msg file is uint8, not IDL's char."""
+def _to_hashed_form(form: Any) -> Any:
+    """Return a field's type as rosidl hashes it: `char` in a .msg file is uint8, not the char of IDL."""
     from rosbags.interfaces import Nodetype
 
     kind, detail = form
     if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
-        return kind, (_hashed(detail[0]), detail[1])
+        return kind, (_to_hashed_form(detail[0]), detail[1])
     return (kind, ("uint8", 0)) if form == (Nodetype.BASE, ("char", 0)) else form

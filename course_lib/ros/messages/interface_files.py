@@ -1,29 +1,97 @@
-"""Definitions from .msg, .srv and .action files, in the form of rosbags' type store.
+"""The types in .msg, .srv and .action files, in the format of rosbags' type store.
 
-A service is two messages, ``std_srvs/srv/Trigger_Request`` and ``std_srvs/srv/Trigger_Response``; an action
-is three, with those that rosidl adds for the services and the topic on which it travels.
+A service consists of two messages, ``std_srvs/srv/Trigger_Request`` and
+``std_srvs/srv/Trigger_Response``; an action of three, plus those that rosidl adds for its services
+and its topic.
+
+The interface files of the kit are stored by package: ``interfaces/nav2_msgs.txt`` contains all
+files of ``nav2_msgs``, each after a line ``=== msg/Costmap.msg``. As hundreds of small files they
+would take three times the space in the wheel, and longer to find when a program starts.
+
+On import rosbags creates a class for each of its types, which takes a third of the time that a
+small node takes to start. So the types of one version of rosbags and the parsed interface files of
+the kit are written to a table, `known_types.json`, when the kit is built or installed.
 """
 
+import importlib.util
+import keyword
+import os
 import re
 from collections.abc import Iterator, Mapping, MutableMapping
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 from course_lib.errors import CourseError
+from course_lib.third_party import read_json
+
+FILE = Path(__file__).with_name("known_types.json")
+
+
+@dataclass(frozen=True)
+class TypeTable:
+    """The content of the table.
+
+    Args:
+        types: Constants and fields by type name, in rosbags' format but with lists instead of
+            tuples.
+        files: By path in the folder of interfaces: the checksum of a file, its types and its
+            defaults.
+    """
+
+    types: dict[str, Any]
+    files: dict[str, tuple[int, dict[str, Any], dict[str, dict[str, Any]]]]
+
+
+def read_table() -> TypeTable | None:
+    """Return the table, or None if it does not exist or belongs to another version of rosbags."""
+    try:
+        table = read_json(FILE.read_bytes())
+    except FileNotFoundError:
+        return None
+    spec = importlib.util.find_spec("rosbags")
+    places = (spec and spec.submodule_search_locations) or ()
+    # importlib.metadata also has the version, but importing it takes as long as reading the table.
+    is_same = any(Path(place).with_name(f"rosbags-{table['rosbags']}.dist-info").is_dir() for place in places)
+    return TypeTable(table["types"], table["files"]) if is_same else None
+
+
+def to_rosbags_form(definition: Any) -> Any:
+    """Convert a definition in the table to rosbags' format: two lists of tuples."""
+    return tuple([_tuples(one) for one in part] for part in definition)
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
+
 
 SERVICE_PARTS = ("_Request", "_Response")
 ACTION_PARTS = ("_Goal", "_Result", "_Feedback")
-# CDR knows no empty struct: a message without fields carries one byte under this name.
+# CDR has no empty struct, so a message without fields has one byte with this name.
 PLACEHOLDER = "structure_needs_at_least_one_member"
 _PARTS: Mapping[str, tuple[str, ...]] = {"msg": ("",), "srv": SERVICE_PARTS, "action": ACTION_PARTS}
-# rosidl_adapter/parser.py: how types and fields may be called, and what stands behind a field's name.
+# From rosidl_adapter/parser.py: valid names of types and fields, and what may follow a field's
+# name.
 _TYPE_NAME = "[A-Z][A-Za-z0-9]*"
 _FIELD_NAME = "(?!.*__)(?!.*_$)[a-z][a-z0-9_]*"
+# A string in quotes, in which a backslash escapes a quote.
+_QUOTED = r"""\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'"""
+_ELEMENT = re.compile(rf"{_QUOTED}|[^,\s][^,]*")
 _FIELD = re.compile(
     r"\s*(?P<type>[\w/]+(<=\d+)?(\[(<=)?\d*\])?)\s+(?P<name>\w+)"
-    r"(\s+(?P<default>\"[^\"]*\"|'[^']*'|[^\s#=\"'][^#]*?))?\s*(#.*)?"
+    rf"(\s+(?P<default>{_QUOTED}|[^\s#=\"'][^#]*?))?\s*(#.*)?"
 )
-# What rosidl makes of an action's three parts (rosidl_parser/definition.py, class Action).
+_CONSTANT = re.compile(r"\s*(?P<type>\w+)\s+(?P<name>[A-Z]\w*)\s*=\s*(?P<default>[^#]*?)\s*(#.*)?")
+_INTEGERS: dict[str, tuple[int, int]] = {
+    **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
+    **{f"uint{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
+    **dict.fromkeys(("byte", "char"), (0, 255)),
+}
+_BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
+# Messages that rosidl derives from an action's three parts (rosidl_parser/definition.py, class
+# Action).
 _ACTION_TRANSPORT: Mapping[str, str] = {
     "_SendGoal_Request": "unique_identifier_msgs/UUID goal_id\n{action}_Goal goal",
     "_SendGoal_Response": "bool accepted\nbuiltin_interfaces/Time stamp",
@@ -33,14 +101,36 @@ _ACTION_TRANSPORT: Mapping[str, str] = {
 }
 
 
-def read_interface(path: Path) -> dict[str, Any]:
-    """Read ``my_msgs/msg/Name.msg`` as messages by type; a CourseError if parts are missing or too many."""
-    package, folder, name = path.parent.parent.name, path.parent.name, path.stem
-    pieces = re.split(r"^---[ \t]*\n?", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+def read_interface(path: Path, package: str = "") -> dict[str, Any]:
+    """Read an interface file's messages by type name.
+
+    The package defaults to the name of the folder.
+    """
+    return parse_interface(path.read_text(encoding="utf-8"), file_name(path, package), path)
+
+
+def read_defaults(path: Path, package: str = "") -> dict[tuple[str, str], Any]:
+    """Read the default values of an interface file by type name and field. See `read_interface`."""
+    return parse_defaults(path.read_text(encoding="utf-8"), file_name(path, package))
+
+
+def file_name(path: Path, package: str = "") -> str:
+    """Return the name of an interface file relative to its workspace, ``my_msgs/msg/Name.msg``."""
+    return f"{package or path.parent.parent.name}/{path.parent.name}/{path.name}"
+
+
+def parse_interface(text: str, file: str, path: Path | None = None) -> dict[str, Any]:
+    """Parse the text of ``my_msgs/msg/Name.msg`` and return its messages by type name.
+
+    Raises a CourseError, with ``path`` if given, for a wrong number of parts.
+    """
+    package, folder, name = file.rpartition(".")[0].split("/")
+    pieces = re.split(r"^---[ \t]*\n?", text, flags=re.MULTILINE)
     parts = _PARTS[folder]
     if len(pieces) != len(parts):
         raise CourseError(
-            f"{path}: a .{folder} file has {len(parts)} parts with --- between them, not {len(pieces)}."
+            f"{path or file}: a .{folder} file has {len(parts)} parts with --- between them, "
+            f"not {len(pieces)}."
         )
     texts = dict(zip(parts, pieces, strict=True))
     if folder == "action":
@@ -49,52 +139,60 @@ def read_interface(path: Path) -> dict[str, Any]:
     return {f"{package}/{folder}/{name}{part}": _parse(text, package) for part, text in texts.items()}
 
 
-def names_in(path: Path) -> list[str]:
-    """Return the types of the messages that `read_interface` finds in a file, without reading it."""
-    name, parts = "/".join((*path.parts[-3:-1], path.stem)), _PARTS[path.parent.name]
+def type_names_in(file: str) -> list[str]:
+    """Return the types of the messages in a file ``my_msgs/msg/Name.msg`` without reading it."""
+    name, _, kind = file.rpartition(".")
+    parts = _PARTS[kind]
     return [name + part for part in (*parts, *(_ACTION_TRANSPORT if parts == ACTION_PARTS else ()))]
 
 
 def _parse(text: str, package: str) -> Any:
-    """Parse one message; types without a package are the package's own messages."""
+    """Parse one message. Types without a package are messages of the same package."""
     from rosbags.typesys import get_types_from_msg
 
-    (definition,) = get_types_from_msg(text.strip() or f"uint8 {PLACEHOLDER}", f"{package}/msg/A").values()
+    # The defaults are read by `parse_defaults`, and rosbags rejects some of their quotes.
+    fields = map(_FIELD.fullmatch, text.splitlines())
+    lines = (
+        f"{field['type']} {field['name']}" if field is not None and field["default"] else line
+        for field, line in zip(fields, text.splitlines(), strict=True)
+    )
+    content = "\n".join(lines).strip() or f"uint8 {PLACEHOLDER}"
+    (definition,) = get_types_from_msg(content, f"{package}/msg/A").values()
     return definition
 
 
-def read_defaults(path: Path) -> dict[tuple[str, str], Any]:
-    """Return the default values in the file by type name and field."""
-    import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
-
-    package, folder, name = path.parent.parent.name, path.parent.name, path.stem
+def parse_defaults(text: str, file: str) -> dict[tuple[str, str], Any]:
+    """Parse the default values in the text of ``my_msgs/msg/Name.msg``, by type name and field."""
+    package, folder, name = file.rpartition(".")[0].split("/")
     parts, found = iter(_PARTS[folder]), {}
     part = next(parts)
-    for line in path.read_text(encoding="utf-8").splitlines():
+    for line in text.splitlines():
         field = _FIELD.fullmatch(line)
         if line.startswith("---"):
             part = next(parts)
         elif field is not None and field["default"]:
-            value = yaml.safe_load(field["default"])
-            kind = {"f": float, "b": bool}.get(field["type"][0], lambda value: value)
-            found[f"{package}/{folder}/{name}{part}", field["name"]] = (
-                [kind(one) for one in value] if isinstance(value, list) else kind(value)
-            )
+            value = _parse_value(field["type"], field["default"])
+            found[f"{package}/{folder}/{name}{part}", field["name"]] = value
     return found
 
 
 def check_interface(path: Path) -> None:
-    """Raise a CourseError for the first line that is none, and for names that rosidl does not take."""
+    """Raise a CourseError for the first line that is invalid, or for a name that rosidl rejects."""
     from rosbags.typesys import TypesysError
 
     if not re.fullmatch(_TYPE_NAME, path.stem):
-        raise CourseError(f"{path}: a type's name is written like JointLimit, so {path.stem!r} is none.")
+        raise CourseError(f"{path}: the file name must be a type name like JointLimit, not {path.stem!r}.")
+    names = set[str]()
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
         field = _FIELD.fullmatch(line)
-        if field is not None and not re.fullmatch(_FIELD_NAME, field["name"]):
+        if line.startswith("---"):
+            names.clear()
+        if field is not None:
+            _check_field(f"{path}, line {number}", field["name"], names)
+        given = _CONSTANT.fullmatch(line) or field
+        if given is not None and given["default"] and not _is_value_of(given["type"], given["default"]):
             raise CourseError(
-                f"{path}, line {number}: '{field['name']}' is an invalid field name. It should have the "
-                f"pattern '^{_FIELD_NAME}$', like joint_limit."
+                f"{path}, line {number}: {given['default']!r} is not a value of the type {given['type']}."
             )
         try:
             _parse("" if line.startswith("---") else line, "x")
@@ -105,38 +203,148 @@ def check_interface(path: Path) -> None:
             ) from error
 
 
-class LazyTypes(MutableMapping[str, Any]):
-    """Types by name, for rosbags' store: those given, and those of all files in a folder of packages.
+def _check_field(place: str, name: str, names: set[str]) -> None:
+    """Raise a CourseError for the name of a field that is invalid or in `names`; add it to them."""
+    if not re.fullmatch(_FIELD_NAME, name):
+        raise CourseError(
+            f"{place}: '{name}' is an invalid field name. It should have the pattern '^{_FIELD_NAME}$', like "
+            "joint_limit."
+        )
+    if keyword.iskeyword(name):
+        raise CourseError(f"{place}: '{name}' is a keyword of Python, so choose another name for the field.")
+    if name in names:
+        raise CourseError(f"{place}: there is a field '{name}' above already.")
+    names.add(name)
 
-    A file takes milliseconds to parse and there are hundreds of them; a program needs a few.
+
+def _is_value_of(kind: str, text: str) -> bool:
+    """Return whether the text of a constant or default is a value of a type."""
+    try:
+        _parse_value(kind, text)
+    except ValueError:
+        return False
+    return True
+
+
+def _parse_value(kind: str, text: str) -> Any:
+    """Convert the text of a constant or default to a value of a type, as rosidl_adapter does.
+
+    Raises ValueError for an invalid value.
+    """
+    base, bracket, size = kind.partition("[")
+    if not bracket:
+        return _parse_scalar(base, text)
+    if not (text.startswith("[") and text.endswith("]")):
+        raise ValueError(text)
+    elements = _ELEMENT.findall(text[1:-1]) if "string" in base else text[1:-1].split(",")
+    values = [_parse_scalar(base, element.strip()) for element in elements if text != "[]"]
+    limit = size.removesuffix("]")
+    if limit and len(values) > int(limit.removeprefix("<=")):
+        raise ValueError(text)
+    if limit.isdecimal() and len(values) != int(limit):
+        raise ValueError(text)
+    return values
+
+
+def _parse_scalar(kind: str, text: str) -> Any:
+    base, _, bound = kind.partition("<=")
+    if base == "bool":
+        if text.lower() not in _BOOLEANS:
+            raise ValueError(text)
+        return _BOOLEANS[text.lower()]
+    if base in ("float32", "float64"):
+        return float(text)
+    if base in ("string", "wstring"):
+        if re.fullmatch(_QUOTED, text):
+            text = text[1:-1].replace(f"\\{text[0]}", text[0])
+        if bound and len(text) > int(bound):
+            raise ValueError(text)
+        return text
+    if base not in _INTEGERS:
+        raise ValueError(text)
+    lowest, highest = _INTEGERS[base]
+    number = int(text) if text.lstrip("-").isdecimal() else int(text, 0)
+    if not lowest <= number <= highest:
+        raise ValueError(text)
+    return bytes([number]) if base == "byte" else number
+
+
+def line_of_field(path: Path, name: str) -> int:
+    """Return the line of a field in its file, or 0 for a field that rosidl adds."""
+    fields = map(_FIELD.fullmatch, path.read_text(encoding="utf-8").splitlines())
+    return next(
+        (number for number, field in enumerate(fields, start=1) if field and field["name"] == name), 0
+    )
+
+
+@cache
+def kit_files() -> Mapping[str, str]:
+    """Return the text of each interface file of the kit by its name, ``my_msgs/msg/Name.msg``."""
+    texts = {}
+    for entry in os.scandir(Path(__file__).parents[1] / "interfaces"):
+        package, _, suffix = entry.name.partition(".")
+        if suffix == "txt":
+            sections = Path(entry).read_text(encoding="utf-8").split("=== ")[1:]
+            for name, _, text in (section.partition("\n") for section in sections):
+                texts[f"{package}/{name}"] = text
+    return texts
+
+
+class LazyTypes(MutableMapping[str, Any]):
+    """The fields of types by name, for rosbags' store.
+
+    Interface files are parsed on the first lookup. Parsing a file takes milliseconds and there are
+    hundreds of them, but a program needs only a few.
 
     Args:
-        known: Types that were read before.
-        folder: Of packages with files.
-        defaults: Gets the default values in a file, by type and field.
+        known: Types that are already defined.
+        files: The text of interface files by name, ``my_msgs/msg/Name.msg``.
+        defaults: Receives the default values of each parsed file, by type and field.
+        table: Further types and parsed files. A file whose text has changed since is parsed again.
     """
 
-    def __init__(self, known: dict[str, Any], folder: Path, defaults: dict[tuple[str, str], Any]) -> None:
-        self._known, self._defaults = known, defaults
-        self._files = {name: path for path in folder.glob("*/*/*.*") for name in names_in(path)}
+    def __init__(
+        self,
+        known: dict[str, Any],
+        files: Mapping[str, str],
+        defaults: dict[tuple[str, str], Any],
+        table: TypeTable | None = None,
+    ) -> None:
+        self._known, self._defaults, self._texts = known, defaults, files
+        self._table = table or TypeTable({}, {})
+        self._files = {name: file for file in sorted(files) for name in type_names_in(file)}
 
     def __getitem__(self, name: str) -> Any:
-        if name not in self._known and name in self._files:
-            self._known |= read_interface(self._files[name])
-            self._defaults |= read_defaults(self._files[name])
+        if name not in self._known:
+            if name in self._table.types:
+                self._known[name] = to_rosbags_form(self._table.types[name])
+            elif name in self._files:
+                self._add(self._files[name])
         return self._known[name]
+
+    def _add(self, file: str) -> None:
+        text = self._texts[file]
+        checksum, types, defaults = self._table.files.get(file, (None, {}, {}))
+        if checksum == crc32(text.encode()):
+            self._known |= {name: to_rosbags_form(definition) for name, definition in types.items()}
+            for name, fields in defaults.items():
+                self._defaults |= {(name, field): value for field, value in fields.items()}
+        else:
+            self._known |= parse_interface(text, file)
+            self._defaults |= parse_defaults(text, file)
 
     def __setitem__(self, name: str, fields: Any) -> None:
         self._known[name] = fields
 
     def __delitem__(self, name: str) -> None:
+        self._table.types.pop(name, None)
         del self._known[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self._known or name in self._files
+        return name in self._known or name in self._table.types or name in self._files
 
     def __iter__(self) -> Iterator[str]:
-        yield from dict.fromkeys((*self._known, *self._files))
+        yield from dict.fromkeys((*self._table.types, *self._known, *self._files))
 
     def __len__(self) -> int:
-        return len(self._known.keys() | self._files.keys())
+        return len(self._known.keys() | self._table.types.keys() | self._files.keys())

@@ -1,35 +1,142 @@
-"""The base of all message classes, and their creation from definitions."""
+"""Message classes, created from definitions on first use, and the modules that contain them.
 
+Messages such as points and colors are created by the million, so each class gets a constructor
+and a factory that are compiled for its fields.
+"""
+
+import os
+import sys
 from array import array
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import deepcopy
+from functools import cache
 from inspect import Parameter, Signature
+from keyword import iskeyword
 from operator import attrgetter
+from types import ModuleType
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from course_lib.ros.messages.compiled import CHECKED, constructor
-from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, MessageDefinition
-from course_lib.ros.messages.interface_files import PLACEHOLDER
+from course_lib.errors import CourseError
+from course_lib.ros.messages.definitions import (
+    EVENT_PART,
+    PRIMITIVES,
+    FieldDefinition,
+    MessageDefinition,
+    definition,
+    type_names,
+)
+from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
 from course_lib.ros.messages.kinds import Kind, kind_of
 from course_lib.ros.mistakes import Mistake, marked
+
+# The kit checks each assignment by default, as Humble did. Jazzy leaves the check to publishing.
+CHECKED = os.environ.get("ROS_PYTHON_CHECK_FIELDS", "1") != "0"
+# Stands for a field that was not passed.
+_UNSET = object()
+
+
+def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Callable[..., None]:
+    """Compile an `__init__` that behaves like `general` but stores values directly if they need no check."""
+    if any(map(iskeyword, kinds)):
+        return general
+    scope: dict[str, Any] = {
+        "_unset": _UNSET,
+        "_general": general,
+        "_type": type,
+        # A field may be named `type`.
+    }
+    body = ["if _args or _unknown or check_fields is not True:"]
+    given = "".join(f"{name!r}: {name}, " for name in kinds)
+    body += [
+        f"    _given = {{name: value for name, value in {{{given}}}.items() if value is not _unset}}",
+        "    return _general(_self, *_args, check_fields=check_fields, **_given, **_unknown)",
+        "_self._check_fields = True",
+    ]
+    for name, kind in kinds.items():
+        # Immutable defaults can be shared by all messages.
+        shares = kind.exact in (bool, float, str) or kind.default is int
+        scope |= {
+            f"_{name}_default": kind.default() if shares else kind.default,
+            f"_{name}_exact": kind.exact,
+            f"_{name}_of": kind.construct,
+        }
+        body += [f"if {name} is _unset: _self._{name} = _{name}_default{'' if shares else '()'}"]
+        if kind.exact is not None:
+            body += [f"elif _type({name}) is _{name}_exact: _self._{name} = {name}"]
+        body += [f"else: _self.{name} = {name if kind.construct is None else f'_{name}_of({name})'}"]
+    named = (f"check_fields={CHECKED}", *(f"{name}=_unset" for name in kinds))
+    return compile_function("__init__", f"_self, *_args, {', '.join(named)}, **_unknown", body, scope)
+
+
+def compile_factory(cls: type) -> Callable[..., Any]:
+    """Compile a function that creates a message, with its nested messages, from values as deserialized."""
+    scope: dict[str, Any] = {}
+    values: list[str] = []
+    body = factory_lines(cls, "m", scope, values)
+    return compile_function("make", ", ".join(values), [*body, "return m"], scope)
+
+
+def factory_lines(cls: Any, name: str, scope: dict[str, Any], values: list[str]) -> list[str]:
+    """Return the lines that create one message under a name.
+
+    Add the objects that they use to `scope`.
+    """
+    scope |= {f"{name}_new": cls.__new__, f"{name}_cls": cls}
+    body = [f"{name} = {name}_new({name}_cls)", f"{name}._check_fields = {CHECKED}"]
+    for field, kind in cls._KINDS.items():
+        inner = f"{name}_{field}"
+        if hasattr(kind.exact, "_KINDS"):
+            body += [*factory_lines(kind.exact, inner, scope, values), f"{name}._{field} = {inner}"]
+            continue
+        values.append(f"v{len(values)}")
+        scope[f"{inner}_of"] = kind.from_wire
+        body += [f"{name}._{field} = {values[-1] if kind.from_wire is None else f'{inner}_of({values[-1]})'}"]
+    if not cls._KINDS:
+        # The value of the placeholder in a message without fields.
+        values.append(f"v{len(values)}")
+    return body
+
+
+def compile_function(
+    name: str, arguments: str, body: Iterable[str], scope: dict[str, Any]
+) -> Callable[..., Any]:
+    """Compile a function from these lines, with `scope` as its globals."""
+    lines = "\n".join(f"    {line}" for line in body)
+    # All names come from validated definitions, so the source cannot contain other code.
+    source = f"def {name}({arguments}):\n{lines}"
+    # The file name is in the kit, so that tracebacks leave its frames out.
+    exec(compile(source, f"{__file__}:{name}", "exec"), scope)
+    function: Callable[..., Any] = scope[name]
+    return function
+
 
 _ATOMS = {bool, int, float, str, bytes}
 
 
-class RosMessage:
-    """A ROS message; its class knows the kind of each field, its slots hold the values.
+class _SlotTypes:
+    """A descriptor for the fields' types as objects of rosidl_parser, created on access."""
 
-    Without `check_fields` assignments are not checked: Jazzy's own default, which aborts on publishing, and
-    the kit's where ROS_PYTHON_CHECK_FIELDS is 0. A value without a name is a TypeError as in Python; an
-    unknown field, or a value that does not fit, is an AssertionError with ROS's text.
+    def __get__(self, message: object, kind: type["RosMessage"]) -> tuple[Any, ...]:
+        fields = definition(kind._TYPE_NAME).fields
+        return tuple(slot_type(field) for field in fields if field.name != PLACEHOLDER)
+
+
+class RosMessage:
+    """Base class of messages. The class stores the kinds of its fields, the slots store the values.
+
+    Without `check_fields`, assignments are not checked. That is the default in Jazzy, where
+    publishing an invalid message aborts the program, and in the kit if ROS_PYTHON_CHECK_FIELDS is
+    0. A positional argument raises a TypeError as in Python; an unknown field, or an invalid
+    value, an AssertionError with ROS's text.
     """
 
     __slots__ = ()
     _TYPE_NAME: ClassVar[str]  # "visualization_msgs/msg/Marker"
     _KINDS: ClassVar[Mapping[str, Kind]]
     _SLOTS: ClassVar[Sequence[str]]
+    SLOT_TYPES = _SlotTypes()
     _fields_and_field_types: ClassVar[Mapping[str, str]]
     _check_fields: bool
 
@@ -52,67 +159,102 @@ class RosMessage:
 
     def __repr__(self) -> str:
         package, folder, name = self._TYPE_NAME.split("/")
-        fields = ", ".join(f"{field}={_field_repr(getattr(self, field))}" for field in self._KINDS)
-        return f"{package}.{folder}.{name}({fields})"
+        values = {field: getattr(self, field) for field in self._KINDS}
+        # As in ROS, an array.array is printed as a list.
+        plain = {f: value.tolist() if isinstance(value, array) else value for f, value in values.items()}
+        return f"{package}.{folder}.{name}({', '.join(f'{f}={value!r}' for f, value in plain.items())})"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, self.__class__):
             return False
-        return all(_equal(getattr(self, name), getattr(other, name)) for name in self._KINDS)
+        pairs = ((getattr(self, name), getattr(other, name)) for name in self._KINDS)
+        return all(
+            np.array_equal(mine, others) if isinstance(mine, np.ndarray) else mine == others
+            for mine, others in pairs
+        )
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        """Copy the slots themselves; Python's general way, by pickling, takes several times as long."""
-        made = self.__class__.__new__(self.__class__)
-        memo[id(self)] = made
+        """Copy the slots directly.
+
+        The general way of Python, by pickling, takes several times as long.
+        """
+        copy = self.__class__.__new__(self.__class__)
+        memo[id(self)] = copy
         for slot in self._SLOTS:
             value = getattr(self, slot)
-            setattr(made, slot, value if type(value) in _ATOMS else deepcopy(value, memo))
-        if hasattr(self, "__dict__"):  # of a subclass
-            vars(made).update(deepcopy(vars(self), memo))
-        return made
+            setattr(copy, slot, value if type(value) in _ATOMS else deepcopy(value, memo))
+        # Instances of subclasses have further attributes.
+        if hasattr(self, "__dict__"):
+            vars(copy).update(deepcopy(vars(self), memo))
+        return copy
 
-    __hash__ = None  # type: ignore[assignment]  # as in ROS: messages are mutable
+    # As in ROS, messages are mutable and not hashable.
+    __hash__ = None  # type: ignore[assignment]
 
     @classmethod
     def get_fields_and_field_types(cls) -> dict[str, str]:
-        """Return each field's type in ROS's words, ``sequence<geometry_msgs/Point>`` and the like."""
+        """Return the fields' types as ROS writes them, for example ``sequence<geometry_msgs/Point>``."""
         return dict(cls._fields_and_field_types)
 
 
-def make_class(definition: MessageDefinition, message_class: Callable[[str], type]) -> type[RosMessage]:
-    """Create the class of a message type; `message_class` returns the classes of its sub messages."""
-    name = definition.type_name.rsplit("/", 1)[1]
-    fields = [field for field in definition.fields if field.name != PLACEHOLDER]
+def make_class(given: MessageDefinition, message_class: Callable[[str], type]) -> type[RosMessage]:
+    """Create the class of a message type.
+
+    `message_class` returns the classes of nested messages.
+    """
+    name = given.type_name.rsplit("/", 1)[1]
+    fields = [field for field in given.fields if field.name != PLACEHOLDER]
     slots = [*("_" + field.name for field in fields), "_check_fields"]
     kinds = {field.name: kind_of(field, message_class) for field in fields}
     defaults = {f"{f.name.upper()}__DEFAULT": f.default for f in fields if f.default is not None}
+    constants = "".join(f"\n  {constant}" for constant in given.constants)
     namespace = {
-        "__doc__": _docstring(definition),
-        "__signature__": Signature([Parameter(name, Parameter.KEYWORD_ONLY, default=...) for name in kinds]),
-        "__module__": home_of(definition.type_name),
+        "__doc__": f"Message class '{name}'." + (f"\n\nConstants:{constants}\n" if constants else ""),
+        "__signature__": Signature([Parameter(kind, Parameter.KEYWORD_ONLY, default=...) for kind in kinds]),
+        "__module__": module_of_type(given.type_name),
         "__slots__": slots,
-        "_TYPE_NAME": definition.type_name,
+        "_TYPE_NAME": given.type_name,
         "_KINDS": kinds,
         "_SLOTS": slots,
         "__init__": constructor(kinds, RosMessage.__init__),
         "_fields_and_field_types": {field.name: ros_type(field) for field in fields},
     }
     accessors = {name: _accessor(name, kind) for name, kind in kinds.items()}
-    return type(name, (RosMessage,), {**namespace, **definition.constants, **defaults, **accessors})
+    return type(name, (RosMessage,), {**namespace, **given.constants, **defaults, **accessors})
 
 
-def home_of(type_name: str) -> str:
-    """Name the module that rosidl makes for a type, ``std_msgs.msg._u_int8_multi_array`` and the like."""
+def module_of_type(type_name: str) -> str:
+    """Return the module that rosidl creates for a type, for example ``std_msgs.msg._u_int8_multi_array``."""
     from re import sub
 
     package, folder, name = type_name.split("/")
-    whole = name.split("_")[0]  # the parts of a service or an action share one
+    # The parts of a service or action share one module.
+    whole = name.split("_")[0]
     snake_case = sub("([a-z0-9])([A-Z])", r"\1_\2", sub("(.)([A-Z][a-z]+)", r"\1_\2", whole)).lower()
     return f"{package}.{folder}._{snake_case}"
 
 
+def slot_type(field: FieldDefinition) -> Any:
+    """Return a field's type as an object of rosidl_parser."""
+    from course_lib.ros.messages import idl
+
+    single: idl.AbstractNestableType
+    if field.is_message:
+        package, folder, name = field.base.split("/")
+        single = idl.NamespacedType([package, folder], name)
+    elif field.base == "string":
+        single = idl.BoundedString(field.string_bound) if field.string_bound else idl.UnboundedString()
+    else:
+        single = idl.BasicType(PRIMITIVES[field.base].ros_name)
+    if field.container == "scalar":
+        return single
+    if field.container == "array":
+        return idl.Array(single, field.size)
+    return idl.BoundedSequence(single, field.size) if field.size else idl.UnboundedSequence(single)
+
+
 def ros_type(field: FieldDefinition) -> str:
-    """Name a field's type as get_fields_and_field_types() does."""
+    """Return a field's type as get_fields_and_field_types() does."""
     if field.is_message:
         package, _, name = field.base.split("/")
         base = f"{package}/{name}"
@@ -127,12 +269,6 @@ def ros_type(field: FieldDefinition) -> str:
     }[field.container]
 
 
-def _docstring(definition: MessageDefinition) -> str:
-    name = definition.type_name.rsplit("/", 1)[1]
-    constants = "".join(f"\n  {constant}" for constant in definition.constants)
-    return f"Message class '{name}'." + (f"\n\nConstants:{constants}\n" if constants else "")
-
-
 def _accessor(name: str, kind: Kind) -> property:
     slot, check, keep, exact = "_" + name, kind.check, kind.keep, kind.exact
 
@@ -144,11 +280,121 @@ def _accessor(name: str, kind: Kind) -> property:
     return property(attrgetter(slot), assign, doc=f"Message field '{name}'.")
 
 
-def _field_repr(value: Any) -> str:
-    return repr(value.tolist()) if isinstance(value, array) else repr(value)
+# Packages of which a class has been created.
+loaded = set[str]()
 
 
-def _equal(one: Any, other: Any) -> bool:
-    if isinstance(one, np.ndarray):
-        return np.array_equal(one, other)
-    return bool(one == other)
+@cache
+def message_class(type_name: str) -> type[RosMessage]:
+    """Return the class of a type such as ``std_msgs/msg/String``.
+
+    A CourseError lists the closest names.
+    """
+    loaded.add(type_name.partition("/")[0])
+    return make_class(definition(type_name), message_class)
+
+
+def type_name(message: RosMessage | type[RosMessage]) -> str:
+    """Return the type of a message or its class, such as ``std_msgs/msg/String``.
+
+    Raises:
+        CourseError: The object is not a message.
+    """
+    name = getattr(message, "_TYPE_NAME", None)
+    if not isinstance(name, str):
+        raise CourseError(f"{message!r} is not a ROS message type: import one, like std_msgs.msg.String")
+    return name
+
+
+class _InterfaceMeta(type):
+    """Metaclass of service and action classes, which cannot be instantiated."""
+
+    def __call__(cls) -> None:
+        kind = "Action" if hasattr(cls, "Goal") else "Service"
+        raise NotImplementedError(f"{kind} classes can not be instantiated")
+
+    def __getattr__(cls, name: str) -> type[RosMessage]:
+        """Create the `Event` class of a service on access, because few programs need it."""
+        if name != "Event" or "Request" not in vars(cls):
+            raise AttributeError(f"type object {cls.__name__!r} has no attribute {name!r}")
+        return message_class(f"{vars(cls)['_TYPE_NAME']}{EVENT_PART}")
+
+
+@cache
+def service_class(type_name: str) -> type:
+    """Return the class of a service such as ``std_srvs/srv/Trigger``, with `Request` and `Response`."""
+    return _InterfaceMeta(*_container_class(type_name, SERVICE_PARTS))
+
+
+@cache
+def action_class(type_name: str) -> type:
+    """Return the class of an action such as ``example_interfaces/action/Fibonacci``.
+
+    Its attributes are `Goal`, `Result` and `Feedback`. `Impl` has the types of its services and
+    topics.
+    """
+    name, bases, parts = _container_class(type_name, ACTION_PARTS)
+    transport = {
+        "SendGoalService": service_class(f"{type_name}_SendGoal"),
+        "GetResultService": service_class(f"{type_name}_GetResult"),
+        "FeedbackMessage": message_class(f"{type_name}_FeedbackMessage"),
+        "CancelGoalService": service_class("action_msgs/srv/CancelGoal"),
+        "GoalStatusMessage": message_class("action_msgs/msg/GoalStatusArray"),
+    }
+    return _InterfaceMeta(name, bases, {**parts, "Impl": type("Impl", (), transport)})
+
+
+def _container_class(type_name: str, parts: tuple[str, ...]) -> tuple[str, tuple[type, ...], dict[str, Any]]:
+    """Return the name, bases and namespace of a class that contains other types."""
+    names = {part[1:]: message_class(type_name + part) for part in parts}
+    home = {"__module__": module_of_type(type_name), "_TYPE_NAME": type_name}
+    return type_name.rsplit("/", 1)[1], (), {**home, **names}
+
+
+def fill_module(module: ModuleType) -> None:
+    """Add the classes of a package to its ``msg``, ``srv`` or ``action`` module, like ``std_msgs.msg``.
+
+    A class is created on first access: creating all classes of a package takes longer than a small
+    program runs. Each class is also in the private module where rosidl has it,
+    ``std_msgs.msg._string``, which pickled messages and some programs refer to.
+    """
+    prefix = module.__name__.replace(".", "/") + "/"
+    public, homes = dict[str, str](), dict[str, dict[str, str]]()
+    for name in (name for name in type_names() if name.startswith(prefix)):
+        home = homes.setdefault(module_of_type(name), {})
+        home[name.removeprefix(prefix)] = name
+        if not module.__name__.endswith(".msg"):
+            # For example std_srvs.srv.SetBool_Request.
+            public[name.removeprefix(prefix)] = name
+        # The first part of a service or action represents the whole class, which programs import.
+        first = next((part for part in (SERVICE_PARTS[0], ACTION_PARTS[0]) if name.endswith(part)), "")
+        if first or "/msg/" in name:
+            whole = name.removeprefix(prefix).removesuffix(first)
+            home[whole] = public[whole] = name
+    for full_name, types in homes.items():
+        own = sys.modules.setdefault(full_name, ModuleType(full_name))
+        _make_lazy(own, types)
+        vars(module)[full_name.rpartition(".")[2]] = own
+    _make_lazy(module, public)
+
+
+def _make_lazy(module: ModuleType, types: Mapping[str, str]) -> None:
+    """Let a module create its classes on access. `types` maps names of classes to types."""
+    module_name = module.__name__
+
+    def get(name: str) -> Any:
+        if name not in types:
+            raise AttributeError(f"module {module_name!r} has no attribute {name!r}")
+        type_name = types[name]
+        if type_name.endswith(f"/{name}"):
+            created: type = message_class(type_name)
+        else:
+            whole = service_class if type_name.endswith(SERVICE_PARTS[0]) else action_class
+            created = whole(type_name.rpartition("/")[0] + f"/{name}")
+        setattr(module, name, created)
+        return created
+
+    vars(module)["__getattr__"] = get
+    vars(module)["__dir__"] = lambda: sorted({*vars(module), *types} - {"__getattr__", "__dir__", "__all__"})
+    # Without it, `from std_msgs.msg import *` would import only the classes created so far.
+    vars(module)["__all__"] = [*types]

@@ -1,7 +1,10 @@
-"""Type stubs of the stand-in's message packages, written when the kit is built or installed."""
+"""The files written when the kit is built: type stubs of the message packages and the table of types."""
 
+import json
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 from course_lib.ros.messages.definitions import (
     PRIMITIVES,
@@ -10,11 +13,20 @@ from course_lib.ros.messages.definitions import (
     definition,
     type_names,
 )
-from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS
+from course_lib.ros.messages.interface_files import (
+    ACTION_PARTS,
+    FILE,
+    PLACEHOLDER,
+    SERVICE_PARTS,
+    kit_files,
+    parse_defaults,
+    parse_interface,
+)
 
 _HEADER = "# Written by course_lib/ros/messages/stubs.py when the kit is installed; don't edit.\n"
 _BASE = "from course_lib.ros.messages.message import RosMessage"
-_STANDARD = (  # what a stub imports if it holds the word
+# Imports that a stub needs if it contains the string.
+_STANDARD = (
     ("array[", "from array import array"),
     ("Sequence[", "from collections.abc import Sequence"),
     ("NDArray[Any]", "from typing import Any"),
@@ -29,7 +41,8 @@ _IMPL = """    class Impl:
         CancelGoalService: TypeAlias = action_msgs.srv.CancelGoal
         GoalStatusMessage: TypeAlias = action_msgs.msg.GoalStatusArray
 """
-_WIDTH = 106  # of a line in a class
+# Limit on the length of a line in a class.
+_WIDTH = 106
 
 
 def write_stubs(standin: Path) -> list[Path]:
@@ -39,7 +52,7 @@ def write_stubs(standin: Path) -> list[Path]:
         standin: The folder of the stand-in's packages.
 
     Returns:
-        The files that were written; those that already hold the right text are left as they are.
+        The files that were written. Files that are up to date are not written.
     """
     written = []
     for path, text in stubs().items():
@@ -52,7 +65,7 @@ def write_stubs(standin: Path) -> list[Path]:
 
 
 def stubs() -> dict[Path, str]:
-    """Return the text of each stub by its path below the stand-in's folder."""
+    """Return the content of each stub by its path relative to the stand-in's folder."""
     modules: dict[Path, list[MessageDefinition]] = {}
     for type_name in type_names():
         modules.setdefault(Path(type_name).parent, []).append(definition(type_name))
@@ -60,11 +73,12 @@ def stubs() -> dict[Path, str]:
 
 
 def _module_stub(messages: list[MessageDefinition]) -> str:
-    """Return the stub of one package's messages, services or actions."""
+    """Return the stub of a package's messages, services or actions."""
     body = "".join(f"\n{_class(message)}" for message in messages)
-    modules = {_module(f.base) for message in messages for f in message.fields if f.is_message}
-    body += "".join(f"\n{text}" for text in _wholes(messages, SERVICE_PARTS))
-    actions = _wholes(messages, ACTION_PARTS)
+    bases = {field.base for message in messages for field in message.fields if field.is_message}
+    modules = {base.rsplit("/", 1)[0].replace("/", ".") for base in bases}
+    body += "".join(f"\n{text}" for text in _container_stubs(messages, SERVICE_PARTS))
+    actions = _container_stubs(messages, ACTION_PARTS)
     if actions:
         body += "".join(f"\n{text}{_IMPL.format(name=text.split()[1][:-1])}" for text in actions)
         modules |= {"action_msgs.msg", "action_msgs.srv"}
@@ -77,8 +91,8 @@ def _module_stub(messages: list[MessageDefinition]) -> str:
     return f"{_HEADER}\n{imports}\n{body}"
 
 
-def _wholes(messages: list[MessageDefinition], parts: tuple[str, ...]) -> list[str]:
-    """Declare the service or action classes, which hold their parts."""
+def _container_stubs(messages: list[MessageDefinition], parts: tuple[str, ...]) -> list[str]:
+    """Declare the service or action classes, which contain their parts."""
     names = [message.type_name.rsplit("/", 1)[1] for message in messages]
     event = "    Event: type[RosMessage]\n" if parts == SERVICE_PARTS else ""
     return [
@@ -87,64 +101,66 @@ def _wholes(messages: list[MessageDefinition], parts: tuple[str, ...]) -> list[s
     ]
 
 
-def _module(type_name: str) -> str:
-    return type_name.rsplit("/", 1)[0].replace("/", ".")
-
-
 def _class(message: MessageDefinition) -> str:
     fields = [field for field in message.fields if field.name != PLACEHOLDER]
     defaults = {f"{f.name.upper()}__DEFAULT": f.default for f in fields if f.default is not None}
-    body = [f"{name}: Final = {_literal(value)}" for name, value in {**message.constants, **defaults}.items()]
-    body += [line for field in fields for line in _field_lines(field)]
-    accepted = [f"{field.name}: {_accepted(field)} = ..." for field in fields]
-    body += _constructor(["self", "*", *accepted, "check_fields: bool = ..."])
-    name = message.type_name.rsplit("/", 1)[1]
-    return f"class {name}(RosMessage):\n" + "".join(f"    {line}\n" for line in body)
-
-
-def _constructor(parameters: list[str]) -> list[str]:
-    """Declare the constructor, on one line if it fits."""
+    constants = {
+        name: repr(value).replace("'", '"') for name, value in {**message.constants, **defaults}.items()
+    }
+    body = [f"{name}: Final = {literal}" for name, literal in constants.items()]
+    for field in fields:
+        stored, accepted = _stored_type(field), _accepted_type(field)
+        if stored == accepted:
+            body.append(f"{field.name}: {stored}")
+        else:
+            # A field that accepts more types than it returns is a property.
+            body += ["@property", f"def {field.name}(self) -> {stored}: ..."]
+            body += [f"@{field.name}.setter", f"def {field.name}(self, value: {accepted}) -> None: ..."]
+    values = [f"{field.name}: {_accepted_type(field)} = ..." for field in fields]
+    parameters = ["self", "*", *values, "check_fields: bool = ..."]
     line = f"def __init__({', '.join(parameters)}) -> None: ..."
     if len(line) <= _WIDTH:
-        return [line]
-    return ["def __init__(", *(f"    {parameter}," for parameter in parameters), ") -> None: ..."]
-
-
-def _field_lines(field: FieldDefinition) -> list[str]:
-    """Declare one field; a field that accepts more types than it returns is a property."""
-    given, accepted = _given(field), _accepted(field)
-    if given == accepted:
-        return [f"{field.name}: {given}"]
-    return [
-        "@property",
-        f"def {field.name}(self) -> {given}: ...",
-        f"@{field.name}.setter",
-        f"def {field.name}(self, value: {accepted}) -> None: ...",
-    ]
+        body.append(line)
+    else:
+        body += ["def __init__(", *(f"    {parameter}," for parameter in parameters), ") -> None: ..."]
+    name = message.type_name.rsplit("/", 1)[1]
+    return f"class {name}(RosMessage):\n" + "".join(f"    {line}\n" for line in body)
 
 
 def _item(field: FieldDefinition) -> str:
     return field.base.replace("/", ".") if field.is_message else PRIMITIVES[field.base].python.__name__
 
 
-def _packed(field: FieldDefinition) -> bool:
+def _is_packed(field: FieldDefinition) -> bool:
     """Return whether the field's values are stored as array.array or numpy.ndarray."""
     return field.container != "scalar" and not field.is_message and bool(PRIMITIVES[field.base].code)
 
 
-def _given(field: FieldDefinition) -> str:
+def _stored_type(field: FieldDefinition) -> str:
     if field.container == "scalar":
         return _item(field)
-    if not _packed(field):
+    if not _is_packed(field):
         return f"list[{_item(field)}]"
     if field.container == "sequence":
         return f"array[{_item(field)}]"
     return f"NDArray[np.{PRIMITIVES[field.base].dtype.name}]"
 
 
-def _accepted(field: FieldDefinition) -> str:
-    return f"Sequence[{_item(field)}] | NDArray[Any]" if _packed(field) else _given(field)
+def _accepted_type(field: FieldDefinition) -> str:
+    return f"Sequence[{_item(field)}] | NDArray[Any]" if _is_packed(field) else _stored_type(field)
 
 
-def _literal(value: Any) -> str:
-    return repr(value).replace("'", '"')
+def write_table(file: Path = FILE) -> None:
+    """Write the table of types unless it is up to date. See `interface_files`."""
+    from rosbags.typesys import Stores, get_typestore
+
+    files = {}
+    for name, content in sorted(kit_files().items()):
+        defaults: dict[str, dict[str, Any]] = {}
+        for (owner, field), value in parse_defaults(content, name).items():
+            defaults.setdefault(owner, {})[field] = value
+        files[name] = crc32(content.encode()), parse_interface(content, name), defaults
+    types = dict(get_typestore(Stores.ROS2_JAZZY).fielddefs)
+    text = json.dumps({"rosbags": version("rosbags"), "types": types, "files": files}, separators=(",", ":"))
+    if not file.is_file() or file.read_text(encoding="utf-8") != text:
+        file.write_text(text, encoding="utf-8")

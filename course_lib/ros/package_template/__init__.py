@@ -1,4 +1,4 @@
-"""The files of a ROS 2 ament_python package that are the same in all of them but for names."""
+"""The files of a ROS 2 ament_python package, as templates with placeholders."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.ros.standin_path import provided
+from course_lib.ros.programs.import_path import provided_packages
 
 _HERE = Path(__file__).parent
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")  # REP 144
@@ -32,9 +32,9 @@ class PackageText:
     description: str
     license: str = "Apache-2.0"
     version: str = "1.0.0"
-    executables: Mapping[str, str] = field(default_factory=dict)  # "module:function" in it, by name
+    executables: Mapping[str, str] = field(default_factory=dict)  # "module:function" by executable name
     depends: Sequence[str] = ()  # ROS packages that the code imports
-    exec_depends: Sequence[str] = ()  # what else it needs while it runs, as rosdep calls it
+    exec_depends: Sequence[str] = ()  # rosdep keys of further runtime dependencies
     about: Sequence[str] = ()  # a line for each node, for the README
 
 
@@ -45,7 +45,7 @@ def package_files(text: PackageText) -> dict[str, str]:
 
 
 def filled(template: str, **values: object) -> str:
-    """Fill in one of the templates beside this file."""
+    """Fill in one of the templates next to this file."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import escape
 
@@ -65,8 +65,9 @@ def check_package_name(name: str) -> None:
     if not _NAME.fullmatch(name) or len(name) < 2:
         close = re.sub(r"_+", "_", re.sub(r"[^a-z0-9]+", "_", name.lower())).strip("_0123456789")
         raise CourseError(
-            f"{name!r} is no name for a package (REP 144): small letters and digits, words joined by one _, "
-            f"a letter first, two characters at least{f', like {close!r}' if len(close) > 1 else ''}."
+            f"{name!r} is not a package name (REP 144): use lower-case letters, digits and single "
+            "underscores, a letter first, at least two characters"
+            f"{f', like {close!r}' if len(close) > 1 else ''}."
         )
-    if name in provided() or name in ("test", "launch", "course_lib"):
+    if name in provided_packages() or name in ("test", "launch", "course_lib"):
         raise CourseError(f"{name!r} is a package already; give yours another name, like 'my_{name}'.")

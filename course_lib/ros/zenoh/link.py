@@ -1,190 +1,287 @@
-"""One session of Zenoh with a robot's router: the kit's declarations, and messages from there.
+"""The link over Zenoh: one session with a robot's router, and the entities of the kit in it.
 
-Zenoh calls back in threads of its own. Such a callback only puts something into the queue `arrived`.
+Zenoh calls handlers in its own threads. A handler only puts an action into the queue or a message
+into an inbox; see `course_lib.ros.robot.link`.
 """
 
 import itertools
 from _queue import SimpleQueue
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Any
 
 import zenoh
 from zenoh import ext
 
-from course_lib.ros import wall
+from course_lib.errors import format_count
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.hashes import type_hash
-from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.inbox import Actions, Inbox, Packet
-from course_lib.ros.zenoh.login import GATEWAY, parted, read_gateway_key
-from course_lib.ros.zenoh.session import CALL_SECONDS, Handlers, open_session
-from course_lib.ros.zenoh.tokens import ADMIN, Entity, Kind, attachment, key_of, read_attachment, read_token
+from course_lib.ros.robot.link import (
+    Actions,
+    EntityKind,
+    OnEntity,
+    OnPacket,
+    OnReply,
+    OnRequest,
+    Packet,
+    Report,
+)
+from course_lib.ros.time import wall
+from course_lib.ros.zenoh.session import (
+    CALL_SECONDS,
+    GATEWAY,
+    DriverLock,
+    Handlers,
+    open_session,
+    read_gateway_key,
+    split_login,
+)
+from course_lib.ros.zenoh.tokens import (
+    ADMIN,
+    CODES,
+    ZenohEntity,
+    attachment,
+    key_expr_of,
+    read_attachment,
+    read_token,
+)
 
-LOOK_SECONDS = 1.0  # [s] for a question about other domains
-HEARTBEAT = 0.5  # [s] of publishers that keep messages for late subscriptions
-
-OnEntity = Callable[[Entity, bool], None]  # the flag says whether it has come or gone
-OnReply = Callable[[bytes | None], None]  # None: nobody answered
-Answer = Callable[[bytes], None]
-OnRequest = Callable[[bytes, Answer], None]
+# Timeout of the query for other domains.
+QUERY_SECONDS = 1.0
+# Heartbeat period of publishers that keep messages for late-joining subscriptions.
+HEARTBEAT = 0.5
 
 
-class Declared:
-    """The declarations of one entity, which `withdraw` ends."""
+class ZenohDeclaration:
+    """The Zenoh declarations of one entity, which `withdraw` undeclares."""
 
-    def __init__(self, link: "RobotLink", *parts: Any) -> None:
-        self._link, self._parts = link, parts
+    def __init__(self, link: "ZenohLink", *declarations: Any) -> None:
+        self._link, self._declarations = link, declarations
 
     def withdraw(self) -> None:
-        """Remove it from the network."""
-        parts, self._parts = self._parts, ()
-        for part in parts if self._link.is_open else ():
-            part.undeclare()
+        """Remove the entity from the network."""
+        declarations, self._declarations = self._declarations, ()
+        for declaration in declarations if self._link.is_open else ():
+            declaration.undeclare()
 
 
-class Outlet(Declared):
-    """A publisher on the network."""
+class ZenohPublisher(ZenohDeclaration):
+    """A publisher of the kit on the network."""
 
-    def __init__(self, link: "RobotLink", entity: Entity, publisher: Any, probe: Any, token: Any) -> None:
+    def __init__(
+        self, link: "ZenohLink", entity: ZenohEntity, publisher: Any, probe: Any, token: Any
+    ) -> None:
         super().__init__(link, publisher, probe)
         self._publisher, self._probe, self._gid = publisher, probe, entity.gid
         self.topic = entity.topic
-        self._shown = Declared(link, token)
+        self._token = ZenohDeclaration(link, token)
         self._sequence = itertools.count(1)
 
-    def is_heard(self) -> bool:
-        """Return whether a message would reach a subscription now; Zenoh's matching outlives a router."""
-        return self._link.is_up() and bool(self._parts) and bool(self._probe.matching_status.matching)
+    def is_matched(self) -> bool:
+        """Return whether a message would reach a subscription now."""
+        # Zenoh's matching status outlives the loss of the router, so the link is checked as well.
+        return self._link.is_up() and bool(self._declarations) and bool(self._probe.matching_status.matching)
 
     def hide(self) -> None:
-        """Leave the lists of the network, though messages still go out."""
-        self._shown.withdraw()
+        """Leave the graph of the network, but remain able to publish."""
+        self._token.withdraw()
 
     def withdraw(self) -> None:
-        """Remove it from the network."""
+        """Remove the publisher from the network."""
         self.hide()
         super().withdraw()
 
-    def put(self, cdr: bytes) -> None:
-        """Publish a message; from any thread."""
-        if self._link.is_open and self._parts:
-            extra = attachment(next(self._sequence), self._gid, wall.time_ns())
+    def put(self, cdr: bytes, source_ns: int = 0) -> None:
+        """Publish a message; may be called from any thread. Its source time is now by default."""
+        if self._link.is_open and self._declarations:
+            extra = attachment(next(self._sequence), self._gid, source_ns or wall.time_ns())
             self._publisher.put(cdr, attachment=extra)
 
 
-class RobotLink:
-    """The session, and the entities of the kit in it.
+class ZenohClient(ZenohDeclaration):
+    """A service client of the kit on the network."""
+
+    def __init__(self, link: "ZenohLink", entity: ZenohEntity, querier: Any, token: Any) -> None:
+        super().__init__(link, token, querier)
+        self._querier, self._gid = querier, entity.gid
+        self._sequence = itertools.count(1)
+
+    def call(self, cdr: bytes, on_reply: OnReply) -> None:
+        """Send a request.
+
+        `on_reply` is queued with the first reply, or with None if there is none.
+        """
+        actions, replies = self._link.actions, itertools.count()
+
+        def on_zenoh_reply(reply: zenoh.Reply) -> None:
+            if reply.ok is not None and next(replies) == 0:
+                actions.put(partial(on_reply, bytes(reply.ok.payload)))
+
+        def on_end() -> None:
+            if next(replies) == 0:
+                actions.put(partial(on_reply, None))
+
+        extra = attachment(next(self._sequence), self._gid, wall.time_ns())
+        handler = self._link.handlers.direct(on_zenoh_reply, on_end)
+        self._querier.get(handler, payload=cdr, attachment=extra)
+
+
+class ZenohLink:
+    """A session with a robot's router or a gateway.
 
     Args:
-        address: Of the router, like `tcp/192.168.1.5:7447`; of a gateway with a login.
+        address: The router, like `tcp/192.168.1.5:7447`; for a gateway with a login.
         domain: ROS_DOMAIN_ID.
 
     Raises:
-        CourseError: No router answers there, or the address is not one.
+        CourseError: No router answers, or the address is malformed.
     """
 
+    peer = "router"
+    is_qos_enforced = False
+
     def __init__(self, address: str, domain: int = 0) -> None:
-        self.address, self.login = parted(address)  # what is printed has no token
+        # The stored address has no token, because it may be printed.
+        self.address, self._login = split_login(address)
         self.domain = domain
-        self.arrived: Actions = SimpleQueue()
+        self.actions: Actions = SimpleQueue()
         self.handlers = Handlers()
-        self.old_attachments = 0  # messages of an rmw_zenoh before 0.2.4
-        self._session = open_session(self.address, self.login)
+        self._driver_lock: DriverLock | None = None
+        # Number of messages from an rmw_zenoh before 0.2.4.
+        self._old_attachments = 0
+        self._session = open_session(self.address, self._login)
         self._zid = str(self._session.zid())
-        presence = self.login.presence(self._zid)
-        self._presence = self._session.liveliness().declare_token(presence) if presence else None
+        presence_key = self._login.presence_key(self._zid)
+        self._presence = self._session.liveliness().declare_token(presence_key) if presence_key else None
         self._ids = itertools.count()
 
     @property
     def is_open(self) -> bool:
-        """True until it is closed."""
+        """True until `close`."""
         return not self._session.is_closed()
 
     def is_up(self) -> bool:
-        """Return whether the router is there now; Zenoh connects again by itself."""
+        """Return whether the router is connected now. Zenoh reconnects automatically."""
         return self.is_open and bool(self._session.info.routers_zid())
 
     def close(self) -> None:
-        """End the session; calling it again changes nothing."""
+        """Close the session. Further calls have no effect."""
         if self.is_open:
-            self._session.close()  # type: ignore[no-untyped-call]  # zenoh does not annotate it
+            # zenoh does not annotate this method.
+            self._session.close()  # type: ignore[no-untyped-call]
         self.handlers.wait()
 
-    def node(self, name: str, namespace: str) -> Entity:
-        """Return a node of the kit, not announced yet."""
-        number = next(self._ids)
-        return Entity(self.domain, self._zid, number, number, "NN", namespace, name)
+    def watch(self, on_entity: OnEntity, report: Report) -> None:
+        """Queue a call for each entity of the domain that joins or leaves.
 
-    def endpoint(self, node: Entity, kind: Kind, topic: str, type_name: str, qos: Qos) -> Entity:
-        """Return an endpoint of one of its nodes, not announced yet."""
-        place, where = (node.namespace, node.node), (self.domain, self._zid, node.id, next(self._ids))
-        return Entity(*where, kind, *place, topic, type_name, type_hash(type_name), qos)
+        Follow the driver at a gateway.
+        """
 
-    def is_own(self, entity: Entity) -> bool:
-        """Return whether an entity is the kit's."""
-        return entity.zid == self._zid
-
-    def announce(self, entity: Entity) -> Declared:
-        """Announce a node, or a subscription that shares an inbox."""
-        return Declared(self, self._token(entity))
-
-    def watch(self, on_entity: OnEntity) -> None:
-        """Put calls with all entities of the domain into the queue, as they come and go."""
-
-        def seen(sample: zenoh.Sample) -> None:
+        def on_token(sample: zenoh.Sample) -> None:
             entity = read_token(str(sample.key_expr))
-            if entity is not None and not self.is_own(entity):
-                self.arrived.put(partial(on_entity, entity, sample.kind == zenoh.SampleKind.PUT))
+            if entity is not None and entity.zid != self._zid:
+                self.actions.put(partial(on_entity, entity, sample.kind == zenoh.SampleKind.PUT))
 
-        self._session.liveliness().declare_subscriber(
-            f"{ADMIN}/{self.domain}/**", self.handlers.direct(seen), history=True
-        )
-
-    def watch_gateway(self, on_driver: Callable[[str, list[str]], None]) -> None:
-        """Put calls with the driver and the driver's topics into the queue, now and at each change."""
-
-        def seen(sample: zenoh.Sample) -> None:
+        def on_driver(sample: zenoh.Sample) -> None:
             if sample.kind == zenoh.SampleKind.PUT:
-                self.arrived.put(partial(on_driver, *read_gateway_key(str(sample.key_expr))))
+                self.actions.put(partial(lock.change, *read_gateway_key(str(sample.key_expr))))
 
-        self._session.liveliness().declare_subscriber(
-            f"{GATEWAY}/*/*", self.handlers.direct(seen), history=True
-        )
+        liveliness = self._session.liveliness()
+        tokens = f"{ADMIN}/{self.domain}/**"
+        liveliness.declare_subscriber(tokens, self.handlers.direct(on_token), history=True)
+        if self._login.name:
+            lock = self._driver_lock = DriverLock(self._login, report)
+            liveliness.declare_subscriber(f"{GATEWAY}/*/*", self.handlers.direct(on_driver), history=True)
 
     def domains(self) -> list[int]:
-        """List the domains that have nodes."""
-        replies = self._session.liveliness().get(f"{ADMIN}/*/**", timeout=LOOK_SECONDS)
+        """List the domains with nodes."""
+        replies = self._session.liveliness().get(f"{ADMIN}/*/**", timeout=QUERY_SECONDS)
         found = (read_token(str(reply.ok.key_expr)) for reply in replies if reply.ok is not None)
         return sorted({entity.domain for entity in found if entity is not None})
 
-    def publisher(self, entity: Entity) -> Outlet:
-        """Declare a publisher; as in rmw_zenoh it drops what the link cannot take, unless it keeps all."""
-        qos = entity.qos
-        reliable, keeps = qos.reliability == "reliable", qos.durability == "transient_local"
-        blocks = reliable and qos.history == "keep_all"
-        heartbeat = (
-            ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT)
-            if keeps and reliable
-            else None
+    def no_nodes_message(self) -> str:
+        """Return a message for a domain without nodes, which lists the domains with nodes."""
+        others = self.domains()
+        if not others:
+            return f"There are no nodes in domain {self.domain} yet."
+        names = ", ".join(map(str, others))
+        return (
+            f"There are no nodes in domain {self.domain}, but in domain {names}: "
+            f"connect with --domain {others[0]}."
         )
+
+    def network_topic(self, topic: str) -> str:
+        """Return the topic on which messages leave this kit: at a gateway, in the student's namespace."""
+        return self._login.network_topic(topic)
+
+    def on_sent(self, topic: str) -> None:
+        """Report that a gateway does not forward a topic because this student is not the driver."""
+        if self._driver_lock is not None:
+            self._driver_lock.on_sent(topic)
+
+    def status_rows(self) -> list[tuple[str, object]]:
+        """Return the driver at a gateway as a row of `ros2 doctor`."""
+        return [] if self._driver_lock is None else self._driver_lock.status_rows()
+
+    def warnings(self) -> Iterable[tuple[str, str]]:
+        """Yield a warning if messages come from an rmw_zenoh whose attachments the kit cannot read."""
+        if self._old_attachments:
+            yield (
+                "old rmw",
+                f"{format_count(self._old_attachments, 'message')} came in the form of an rmw_zenoh before "
+                "0.2.4, which the kit cannot read. Update ros-jazzy-rmw-zenoh-cpp on the robot.",
+            )
+
+    def node(self, name: str, namespace: str) -> ZenohEntity:
+        """Return a node of the kit that is not announced yet."""
+        number = next(self._ids)
+        return ZenohEntity(self.domain, self._zid, number, number, "NN", namespace, name)
+
+    def endpoint(
+        self,
+        node: ZenohEntity,
+        kind: EntityKind,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        known_hash: str = "",
+    ) -> ZenohEntity:
+        """Return an endpoint of a node of the kit that is not announced yet."""
+        ids = (self.domain, self._zid, node.id, next(self._ids))
+        names = (node.namespace, node.node, topic, type_name, known_hash or type_hash(type_name))
+        return ZenohEntity(*ids, CODES[kind], *names, qos)
+
+    def announce(self, entity: ZenohEntity) -> ZenohDeclaration:
+        """Announce a node, or a subscription that shares an inbox."""
+        return ZenohDeclaration(self, self._declare_token(entity))
+
+    def publisher(self, entity: ZenohEntity) -> ZenohPublisher:
+        """Declare a publisher. As in rmw_zenoh, it drops messages on a full link unless it keeps all."""
+        qos = entity.qos
+        is_reliable, is_latched = qos.reliability == "reliable", qos.durability == "transient_local"
+        blocks = is_reliable and qos.history == "keep_all"
         publisher = ext.declare_advanced_publisher(
             self._session,
-            entity.key,
+            entity.key_expr,
             congestion_control=zenoh.CongestionControl.BLOCK if blocks else zenoh.CongestionControl.DROP,
-            reliability=zenoh.Reliability.RELIABLE if reliable else zenoh.Reliability.BEST_EFFORT,
+            reliability=zenoh.Reliability.RELIABLE if is_reliable else zenoh.Reliability.BEST_EFFORT,
             allowed_destination=zenoh.Locality.REMOTE,
-            cache=ext.CacheConfig(max_samples=qos.depth) if keeps else None,
-            sample_miss_detection=heartbeat,
-            publisher_detection=keeps or None,
+            cache=ext.CacheConfig(max_samples=qos.depth) if is_latched else None,
+            sample_miss_detection=(
+                ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT)
+                if is_latched and is_reliable
+                else None
+            ),
+            publisher_detection=is_latched or None,
         )
-        remote = (
-            zenoh.Locality.REMOTE
-        )  # an advanced publisher does not know who listens, an ordinary one does
-        probe = self._session.declare_publisher(entity.key, allowed_destination=remote)
-        return Outlet(self, entity, publisher, probe, self._token(entity))
+        # Advanced publishers have no matching status, so an ordinary publisher provides it.
+        probe = self._session.declare_publisher(entity.key_expr, allowed_destination=zenoh.Locality.REMOTE)
+        return ZenohPublisher(self, entity, publisher, probe, self._declare_token(entity))
 
-    def subscriber(self, topic: str, type_name: str, inbox: Inbox, kept: int) -> Declared:
-        """Subscribe to a topic, and ask late publishers for so many messages that they keep; 0: for none."""
+    def subscriber(
+        self, topic: str, type_name: str, qos: Qos, kept: int, on_packet: OnPacket
+    ) -> ZenohDeclaration:
+        """Subscribe to a topic, and request the last `kept` messages of latched publishers."""
         settings: Mapping[str, Any] = {}
         if kept:
             settings = {
@@ -194,76 +291,56 @@ class RobotLink:
             }
         subscriber = ext.declare_advanced_subscriber(
             self._session,
-            key_of(self.domain, topic, type_name, type_hash(type_name)),
-            self.handlers.direct(partial(self._heard, inbox)),
+            key_expr_of(self.domain, topic, type_name, type_hash(type_name)),
+            self.handlers.direct(partial(self._on_sample, on_packet)),
             allowed_origin=zenoh.Locality.REMOTE,
             **settings,
         )
-        return Declared(self, subscriber)
+        return ZenohDeclaration(self, subscriber)
 
-    def service(self, entity: Entity, on_request: OnRequest) -> Declared:
-        """Serve: `on_request(cdr, answer)` is put into the queue for each request."""
+    def service(self, entity: ZenohEntity, on_request: OnRequest) -> ZenohDeclaration:
+        """Offer a service. `on_request(cdr, send_reply)` is queued for each request."""
 
-        def asked(query: zenoh.Query) -> None:
+        def on_query(query: zenoh.Query) -> None:
             try:
                 sequence, _, gid = read_attachment(bytes(query.attachment or b""))
             except ValueError:
-                with query:  # an end without a reply
+                # Leaving the context ends the query without a reply.
+                with query:
                     return
 
-            def answer(cdr: bytes) -> None:
-                with query:  # its end tells the client that no more replies come
+            def send_reply(cdr: bytes) -> None:
+                # Leaving the context indicates to the client that no further replies follow.
+                with query:
                     extra = attachment(sequence, gid, wall.time_ns())
-                    query.reply(entity.key, cdr, attachment=extra)
+                    query.reply(entity.key_expr, cdr, attachment=extra)
 
-            self.arrived.put(partial(on_request, bytes(query.payload or b""), answer))
+            self.actions.put(partial(on_request, bytes(query.payload or b""), send_reply))
 
-        queryable = self._session.declare_queryable(entity.key, self.handlers.direct(asked), complete=True)
-        return Declared(self, self._token(entity), queryable)
+        handler = self.handlers.direct(on_query)
+        queryable = self._session.declare_queryable(entity.key_expr, handler, complete=True)
+        return ZenohDeclaration(self, self._declare_token(entity), queryable)
 
-    def client(self, entity: Entity) -> "Asker":
+    def client(self, entity: ZenohEntity) -> ZenohClient:
         """Declare a service client."""
         querier = self._session.declare_querier(
-            entity.key,
+            entity.key_expr,
             target=zenoh.QueryTarget.ALL_COMPLETE,
             consolidation=zenoh.ConsolidationMode.NONE,
             timeout=CALL_SECONDS,
         )
-        return Asker(self, entity, querier, self._token(entity))
+        return ZenohClient(self, entity, querier, self._declare_token(entity))
 
-    def _token(self, entity: Entity) -> Any:
+    def _declare_token(self, entity: ZenohEntity) -> Any:
         return self._session.liveliness().declare_token(entity.token)
 
-    def _heard(self, inbox: Inbox, sample: zenoh.Sample) -> None:
-        if sample.attachment is None:  # not from ROS
+    def _on_sample(self, on_packet: OnPacket, sample: zenoh.Sample) -> None:
+        if sample.attachment is None:
+            # Other Zenoh programs may use the same key; only messages of ROS have an attachment.
             return
         try:
-            arrival = read_attachment(bytes(sample.attachment))
+            sequence, source_ns, gid = read_attachment(bytes(sample.attachment))
         except ValueError:
-            self.old_attachments += 1
+            self._old_attachments += 1
             return
-        inbox.put(Packet(bytes(sample.payload), *arrival, wall.time_ns()))
-
-
-class Asker(Declared):
-    """A service client on the network."""
-
-    def __init__(self, link: RobotLink, entity: Entity, querier: Any, token: Any) -> None:
-        super().__init__(link, token, querier)
-        self._querier, self._gid = querier, entity.gid
-        self._sequence = itertools.count(1)
-
-    def ask(self, cdr: bytes, on_reply: OnReply) -> None:
-        """Send a request; `on_reply` is put into the queue with the first reply, or None if there is none."""
-        arrived, came = self._link.arrived, itertools.count()
-
-        def replied(reply: zenoh.Reply) -> None:
-            if reply.ok is not None and next(came) == 0:
-                arrived.put(partial(on_reply, bytes(reply.ok.payload)))
-
-        def over() -> None:
-            if next(came) == 0:
-                arrived.put(partial(on_reply, None))
-
-        extra = attachment(next(self._sequence), self._gid, wall.time_ns())
-        self._querier.get(self._link.handlers.direct(replied, over), payload=cdr, attachment=extra)
+        on_packet(Packet(bytes(sample.payload), sequence, source_ns, gid, wall.time_ns()))

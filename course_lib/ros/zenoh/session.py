@@ -1,20 +1,142 @@
-"""Sessions of Zenoh as clients of a router, and handlers that need no thread of Python's."""
+"""Zenoh sessions in client mode, and handlers that run in Zenoh's own threads."""
 
 import _thread
 import json
-from collections.abc import Callable
+import re
+import ssl
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import zenoh
 from zenoh.handlers import Callback
 
 from course_lib.errors import CourseError
-from course_lib.ros import wall
-from course_lib.ros.zenoh.login import NO_LOGIN, Login
+from course_lib.ros.time import wall
 
-OPEN_SECONDS = 3.0  # [s] until a router must have answered
-CALL_SECONDS = 600.0  # [s] until a service must have answered, as rmw_zenoh has it
-END_SECONDS, MOMENT = 2.0, 0.005  # [s] until handlers must have ended, and between two looks at them
+ROBOT = "robot"  # user name of a robot that connects to the gateway
+# Namespace of the topics that students send, as in /students/ann/cmd_vel.
+STUDENTS = "students"
+# @course/ann/<zid> is the liveliness token of a connected kit. Students' names have no capital
+# letters, so @course/GATEWAY is available for the gateway's token.
+PRESENCE = "@course"
+GATEWAY = f"{PRESENCE}/GATEWAY"
+# Stands for no driver, or no topics, in the gateway's token.
+NONE = "-"
+
+
+@dataclass(frozen=True)
+class Login:
+    """The user of a link. An empty name means that no login is needed."""
+
+    name: str = ""
+    token: str = ""
+
+    def settings(self, address: str) -> dict[str, Any]:
+        """Return Zenoh's settings: the login and, for TLS, the certificates that this computer trusts."""
+        found: dict[str, Any] = {}
+        if self.name:
+            found["transport/auth/usrpwd"] = {"user": self.name, "password": self.token}
+        # The environment variable SSL_CERT_FILE overrides the default.
+        trusted = ssl.get_default_verify_paths().cafile
+        if address.startswith("tls/") and trusted:
+            found["transport/link/tls"] = {"root_ca_certificate": trusted}
+        return found
+
+    def network_topic(self, topic: str) -> str:
+        """Return the topic on which this user's messages are sent; for students, in their namespace."""
+        namespace = f"/{STUDENTS}/{self.name}"
+        if self.name in ("", ROBOT) or topic.startswith(f"{namespace}/"):
+            return topic
+        return namespace + topic
+
+    def presence_key(self, zid: str) -> str:
+        """Return the key of the token that makes this user known to a gateway; "" without a login."""
+        return f"{PRESENCE}/{self.name}/{zid}" if self.name else ""
+
+
+NO_LOGIN = Login()
+
+
+def gateway_key(driver: str, topics: Iterable[str]) -> str:
+    """Return the key of the token with the driver and the topics that are forwarded to the robot."""
+    return f"{GATEWAY}/{driver or NONE}/{','.join(topics).replace('/', '%') or NONE}"
+
+
+def read_gateway_key(key: str) -> tuple[str, list[str]]:
+    """Return the driver ("" if there is none) and the topics in the key of a gateway's token."""
+    driver, topics = key.removeprefix(f"{GATEWAY}/").split("/")
+    names = [] if topics == NONE else topics.replace("%", "/").split(",")
+    return driver if driver != NONE else "", [f"/{name.removeprefix('/')}" for name in names]
+
+
+def split_login(address: str) -> tuple[str, Login]:
+    """Split an address into the address without the login, and the login."""
+    found = re.fullmatch(r"(\w+/)(\w+):([\w-]+)@(.+)", address)
+    return (found[1] + found[4], Login(found[2], found[3])) if found else (address, NO_LOGIN)
+
+
+class DriverLock:
+    """Reports the student's topics that a gateway does not forward, once for each driver.
+
+    Args:
+        login: The student's login.
+        report: Prints a line.
+    """
+
+    def __init__(self, login: Login, report: Callable[[str], None]) -> None:
+        self._login, self._report = login, report
+        # None: not known yet; "": there is no driver.
+        self._driver: str | None = None
+        # The topics that the gateway forwards.
+        self._topics: Sequence[str] = ()
+        # By topic: whether it was reported as not forwarded.
+        self._sent: dict[str, bool] = {}
+
+    def change(self, driver: str, topics: Sequence[str]) -> None:
+        """Set the driver and the topics that the gateway forwards."""
+        has_changed = driver != self._driver
+        self._driver, self._topics = driver, topics
+        for topic in tuple(self._sent) if has_changed else ():
+            self._explain(topic)
+
+    def on_sent(self, topic: str) -> None:
+        """Record that a message on a topic has been sent."""
+        if topic not in self._sent:
+            self._sent[topic] = False
+            self._explain(topic)
+
+    def status_rows(self) -> list[tuple[str, object]]:
+        """Return the driver as a row of `ros2 doctor`. Without a gateway, return no row."""
+        if self._driver is None:
+            return []
+        return [("driver", "you" if self._driver == self._login.name else self._driver or "nobody")]
+
+    def _explain(self, topic: str) -> None:
+        network_topic = self._login.network_topic(topic)
+        if self._driver is None or network_topic == topic:
+            return
+        if topic not in self._topics:
+            if not self._sent[topic]:
+                self._report(
+                    f"The gateway does not pass {topic} on to the robot: others hear it as {network_topic}."
+                )
+            self._sent[topic] = True
+        elif self._driver != self._login.name:
+            self._report(
+                f"{self._driver or 'Nobody'} drives: your {topic} is not passed on to the robot. The "
+                "instructor chooses the driver."
+            )
+            self._sent[topic] = True
+        elif self._sent[topic]:
+            self._report(f"You drive now: your {topic} goes to the robot.")
+            self._sent[topic] = False
+
+
+OPEN_SECONDS = 3.0  # [s] timeout of a router's answer
+CALL_SECONDS = 600.0  # [s] timeout of a service call, as in rmw_zenoh
+# Timeout of running handlers at the end, and the polling period.
+END_SECONDS, POLL_SECONDS = 2.0, 0.005
 
 
 def _nothing() -> None:
@@ -22,40 +144,41 @@ def _nothing() -> None:
 
 
 class Handlers:
-    """Handlers that Zenoh's own threads call, counted until the last call of each is over.
+    """Handlers that are called by Zenoh's own threads and counted until each has been dropped.
 
-    With a Python thread for each, an interpreter does not exit while a session is open; and the thread would
-    belong to the program, where robot time has replaced `Thread.start`. But an interpreter that exits while a
-    thread of Zenoh is in a handler is aborted: `wait` for them behind the end of a session.
+    Handlers in Python threads would keep the interpreter alive while a session is open, and such a
+    thread would belong to the program, whose `Thread.start` robot time replaces. But if the
+    interpreter exits while a thread of Zenoh runs a handler, the process aborts. So `wait` has to
+    be called after closing a session.
     """
 
     def __init__(self) -> None:
         self.alive, self._mutex = 0, _thread.allocate_lock()
 
     def direct(self, function: Callable[[Any], None], end: Callable[[], None] = _nothing) -> "Callback[Any]":
-        """Return a handler; `end` is called behind its last call."""
+        """Return a handler for `function`. `end` is called after the last call."""
         with self._mutex:
             self.alive += 1
 
-        def over() -> None:
+        def on_drop() -> None:
             end()
             with self._mutex:
                 self.alive -= 1
 
-        return Callback(function, over, indirect=False)
+        return Callback(function, on_drop, indirect=False)
 
     def wait(self, seconds: float = END_SECONDS) -> None:
-        """Wait until no handler will be called any more, at most so long, [s]."""
+        """Wait until all handlers have been dropped, at most `seconds`."""
         end = wall.monotonic() + seconds
         while self.alive and wall.monotonic() < end:
-            wall.sleep(MOMENT)
+            wall.sleep(POLL_SECONDS)
 
 
 def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
-    """Open a session as a client: a robot's router does not pass on messages between peers.
+    """Open a session in client mode, because a robot's router does not route between peers.
 
     Raises:
-        CourseError: No router answers, or the address is not one.
+        CourseError: No router answers, or the address is invalid.
     """
     settings = {
         "mode": "client",
@@ -65,7 +188,8 @@ def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
         "listen/endpoints": [],
-        "timestamping/enabled": True,  # the caches of latched topics need it
+        # The caches of latched topics require time stamps.
+        "timestamping/enabled": True,
         "queries_default_timeout": round(CALL_SECONDS * 1000),
         "transport/shared_memory/enabled": False,
         **login.settings(address),
@@ -79,11 +203,11 @@ def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        raise CourseError(_no_router(address, login)) from error
+        raise CourseError(_unreachable(address, login)) from error
 
 
-def _no_router(address: str, login: Login) -> str:
-    """Return what to look at where nothing answers."""
+def _unreachable(address: str, login: Login) -> str:
+    """Return the error text for an address that does not answer."""
     if login.name:
         return (
             f"No gateway lets {login.name} in at {address}. Does `course router` run there, is the token the "
@@ -91,5 +215,6 @@ def _no_router(address: str, login: Login) -> str:
         )
     return (
         f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on the robot, "
-        "is its port open, is this the right network?"
+        "is its port open, is this the right network? A robot without Zenoh has an address like "
+        "dds/192.168.1.5."
     )

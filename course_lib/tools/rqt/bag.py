@@ -1,43 +1,45 @@
-"""`%rqt bag FOLDER`: a recording on a time line, played to the nodes on request."""
+"""`%rqt bag FOLDER`: a time line of a recording, which can be played to the nodes."""
 
 import asyncio
 from bisect import bisect_right
-from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
 import numpy as np
 
-from course_lib.errors import CourseError, counted
+from course_lib.errors import CourseError, format_count
 from course_lib.recording import read_bag
-from course_lib.ros import wall
 from course_lib.ros.messages.conversions import Style, to_yaml
-from course_lib.tools.rqt.markup import drawing, tag, text
-from course_lib.tools.rqt.view import RqtView
+from course_lib.ros.time import wall
+from course_lib.tools.rqt.view import RqtView, drawing, tag, text
 from course_lib.tools.sources import PLAYER
 
-_LEFT, _WIDTH, _ROW = 190, 560, 22  # [px] names, time line, height of a topic
-_STEP = 0.05  # [s] of the wall clock between two steps of playing
+# Widths of names and time line, and height of a topic [px].
+_LEFT, _WIDTH, _ROW = 190, 560, 22
+# Wall-clock period of playback [s].
+_STEP = 0.05
 
 
 class BagView(RqtView):
-    """A row per topic with a mark for each message; a cursor, and the message before it."""
+    """A row per topic with a mark for each message, a cursor, and the last message before it."""
 
     name, title = "bag", "Bag"
 
     def build(self) -> None:
-        """Read the bag; raises a CourseError if there is none."""
-        from course_lib.controls.slider import Slider  # here: anywidget is slow to load
+        """Read the bag, or raise a CourseError if it does not exist."""
+        # Not at the head, because importing anywidget is slow.
+        from course_lib.controls import Slider
 
         if len(self.words) != 1:
-            raise CourseError("Say which bag: %rqt bag FOLDER, the folder that ros2 bag record has written.")
+            raise CourseError("Add the folder of a bag from ros2 bag record: %rqt bag FOLDER")
         self._recording = read_bag(Path(self.words[0]))
         self._samples = self._recording.samples
         self._times = np.array([s.stamp_ns for s in self._samples], np.int64) - self._recording.start_ns
         self._topics = {topic.name: topic for topic in self._recording.topics()}
         self._node: int | None = None
         self._publishers: dict[str, int] = {}
-        self._at = 0.0  # [s] of the cursor
+        # Position of the cursor [s].
+        self._at = 0.0
         self._task: asyncio.Task[None] | None = None
         length = (self._recording.end_ns - self._recording.start_ns) * 1e-9
         limits = {"max": max(length, 1e-3), "step": max(length / 1000, 1e-3)}
@@ -47,7 +49,7 @@ class BagView(RqtView):
         self.add_choice("Message of", list(self._topics), None)
 
     def stop(self) -> None:
-        """Stop playing, and remove the player from the graph."""
+        """Stop playing and remove the player from the graph."""
         super().stop()
         if self._task is not None:
             self._task.cancel()
@@ -61,12 +63,12 @@ class BagView(RqtView):
         shapes = "".join(self._line(row, topic) for row, topic in enumerate(self._topics))
         shapes += text("0 s", _LEFT, height - 4) + text(f"{length:.1f} s", _LEFT + _WIDTH, height - 4, "end")
         shapes += tag("path", d=f"M{x:.1f} 0v{height - 16}", stroke="#c9281f", stroke_width=2)
-        came, topics = counted(len(self._samples), "message"), counted(len(self._topics), "topic")
+        came, topics = format_count(len(self._samples), "message"), format_count(len(self._topics), "topic")
         said = f"{came} of {topics}, the cursor at {self._at:.2f} s"
         return drawing(shapes, _LEFT + _WIDTH + 90, height, said) + self._message()
 
     def _line(self, row: int, topic: str) -> str:
-        """Draw one topic: name, a mark per pixel with messages, number of messages."""
+        """Draw a topic's name, a mark per pixel with messages, and the number of messages."""
         stamps = self._times[[s.topic == topic for s in self._samples]] * 1e-9
         pixels = np.unique((stamps / self.controls["Time [s]"].max * _WIDTH).round()).astype(int)
         marks = "".join(f"M{_LEFT + pixel} {_ROW * row + 5}v12" for pixel in pixels.tolist())
@@ -89,7 +91,7 @@ class BagView(RqtView):
         return bisect_right(self._times.tolist(), round(seconds * 1e9))
 
     def _move(self) -> None:
-        """Move the cursor to the slider's time."""
+        """Move the cursor to the time of the slider."""
         if abs(self["Time [s]"] - self._at) > self.controls["Time [s]"].step:
             self._at = self["Time [s]"]
         self.refresh()
@@ -103,7 +105,7 @@ class BagView(RqtView):
             self._task = self._loop.create_task(self._keep_playing())
 
     async def _keep_playing(self) -> None:
-        """Move the cursor with the wall clock; from the end it returns to the start."""
+        """Move the cursor in real time. If it is at the end, start again."""
         slider, last = self.controls["Time [s]"], wall.monotonic()
         if self._at >= slider.max:
             self._at = 0.0
@@ -115,18 +117,16 @@ class BagView(RqtView):
         self.controls["Play"].value = False
 
     def play_to(self, seconds: float) -> None:
-        """Move the cursor on to a time [s], and publish the messages between if Publish is checked."""
+        """Advance the cursor to a time [s], and publish the messages up to it if Publish is checked."""
         first = self._index(self._at) if self._at > 0 else 0
         if self["Publish"]:
-            self._publish(range(first, self._index(seconds)))
+            indices = range(first, self._index(seconds))
+            if self._node is None:
+                self._node = self.graph.add_node(PLAYER, "/")
+                for topic in self._topics.values():
+                    self._publishers[topic.name] = self.graph.add_publisher(
+                        self._node, topic.name, topic.type_name, topic.offered[0]
+                    )
+            for index in indices:
+                self.graph.publish(self._publishers[self._samples[index].topic], self._samples[index].cdr)
         self._at = seconds
-
-    def _publish(self, indices: Sequence[int]) -> None:
-        if self._node is None:
-            self._node = self.graph.add_node(PLAYER, "/")
-            for topic in self._topics.values():
-                self._publishers[topic.name] = self.graph.add_publisher(
-                    self._node, topic.name, topic.type_name, topic.offered[0]
-                )
-        for index in indices:
-            self.graph.publish(self._publishers[self._samples[index].topic], self._samples[index].cdr)

@@ -1,18 +1,157 @@
-"""`%rqt graph`: nodes and topics as a drawing, with the filters of rqt_graph's dotcode.py."""
+"""`%rqt graph`: nodes and topics as a drawing, with the filters of rqt_graph's dotcode.py.
+
+The layout is a layered drawing: nodes are assigned to columns by the longest path to them, an edge
+over several columns gets a bend in each column between, and the nodes of a column are sorted by the
+mean position of their neighbors so that few edges cross. Namespaces are drawn in separate lanes.
+"""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
+from statistics import fmean
 
-from course_lib.errors import CourseError, counted
-from course_lib.ros.graph import EndpointInfo
-from course_lib.ros.qos import incompatible
-from course_lib.tools.rqt.layered import Edge, Layers, Point, layered
-from course_lib.tools.rqt.markup import drawing, tag, text
-from course_lib.tools.rqt.view import RqtView
+from course_lib.errors import CourseError, format_count
+from course_lib.ros.graph.graph import EndpointInfo
+from course_lib.ros.graph.topics import find_incompatible_policy
+from course_lib.tools.rqt.view import RqtView, drawing, tag, text
+
+Edge = tuple[str, str]
+Point = tuple[float, float]
+# Vertical distance between nodes [px].
+ROW = 44.0
+# Margin between and around lanes [px].
+_PAD = 26.0
+# Number of passes that sort the columns.
+_SWEEPS = 4
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Positions of nodes (centers), edges (points) and groups (x, y, width, height), [px]."""
+
+    places: Mapping[str, Point]
+    routes: Mapping[Edge, Sequence[Point]]
+    boxes: Mapping[str, tuple[float, float, float, float]]
+    size: Point
+
+
+def lay_out(
+    widths: Mapping[str, float], edges: Iterable[Edge], groups: Mapping[str, str], gap: float
+) -> Layers:
+    """Place nodes so that most edges lead to the right and few of them cross.
+
+    Args:
+        widths: The width of each node, [px].
+        edges: Pairs of start and end.
+        groups: The group of each node; "" for none.
+        gap: Distance between two columns, [px].
+    """
+    edges = [edge for edge in dict.fromkeys(edges) if edge[0] != edge[1]]
+    depths = _depths(list(widths), edges)
+    chains = {edge: _chain(edge, depths) for edge in edges}
+    links = [link for chain in chains.values() for link in pairwise(chain)]
+    depth_of = {name: depth for chain in chains.values() for name, depth in chain} | depths
+    lane_of = {name: groups[chain[0][0]] for chain in chains.values() for name, _ in chain} | dict(groups)
+    cells: dict[tuple[str, int], list[str]] = {}
+    for name in sorted(depth_of):
+        cells.setdefault((lane_of[name], depth_of[name]), []).append(name)
+    _untangle(cells, [(one[0], other[0]) for one, other in links])
+    return _place_cells(cells, widths, chains, groups, gap)
+
+
+def _depths(names: Sequence[str], edges: Sequence[Edge]) -> dict[str, int]:
+    """Return the length of the longest path to each node, ignoring edges that close a cycle."""
+    # The longest path from each node; -1 while it is computed.
+    heights: dict[str, int] = {}
+
+    def height(name: str) -> int:
+        if name not in heights:
+            heights[name] = -1
+            heights[name] = 1 + max((height(end) for start, end in edges if start == name), default=-1)
+        return heights[name]
+
+    ends, depths = {end for _, end in edges}, dict[str, int]()
+    # Sources come first, so that a cycle is cut where it returns to them.
+    for name in sorted(names, key=lambda name: name in ends):
+        height(name)
+    for name in sorted(names, key=lambda name: -heights[name]):
+        before = (start for start, end in edges if end == name and heights[start] > heights[name])
+        depths[name] = 1 + max((depths[start] for start in before), default=-1)
+    return depths
+
+
+def _chain(edge: Edge, depths: Mapping[str, int]) -> list[tuple[str, int]]:
+    """List the cells of an edge from left to right. Long edges bend around the nodes between."""
+    left, right = sorted(edge, key=lambda name: depths[name])
+    between = range(depths[left] + 1, depths[right])
+    bends = [(f"{edge[0]}\0{edge[1]}\0{depth}", depth) for depth in between]
+    return [(left, depths[left]), *bends, (right, depths[right])]
+
+
+def _untangle(cells: Mapping[tuple[str, int], list[str]], links: Sequence[Edge]) -> None:
+    """Sort each cell by the mean position of its neighbors."""
+    near: dict[str, list[str]] = {}
+    for one, other in links:
+        near.setdefault(one, []).append(other)
+        near.setdefault(other, []).append(one)
+    for sweep in range(_SWEEPS):
+        rank = {name: index - len(cell) / 2 for cell in cells.values() for index, name in enumerate(cell)}
+        for key in sorted(cells, key=lambda key: key[1], reverse=bool(sweep % 2)):
+            middle = {name: fmean([rank[n] for n in near.get(name, [name])]) for name in cells[key]}
+            cells[key].sort(key=lambda name, middle=middle: (middle[name], name))  # type: ignore[misc]  # bound now
+            rank |= {name: index - len(cells[key]) / 2 for index, name in enumerate(cells[key])}
+
+
+def _place_cells(
+    cells: Mapping[tuple[str, int], list[str]],
+    widths: Mapping[str, float],
+    chains: Mapping[Edge, Sequence[tuple[str, int]]],
+    groups: Mapping[str, str],
+    gap: float,
+) -> Layers:
+    columns = range(1 + max((depth for _, depth in cells), default=-1))
+    wide = [
+        max(widths.get(n, 0.0) for (_, at), c in cells.items() if at == depth for n in c) for depth in columns
+    ]
+    left = [_PAD + sum(wide[:depth]) + gap * depth for depth in columns]
+    places: dict[str, Point] = {}
+    boxes: dict[str, tuple[float, float, float, float]] = {}
+    y = 0.0
+    for lane in sorted({lane for lane, _ in cells}):
+        rows = max(len(cell) for (of, _), cell in cells.items() if of == lane)
+        y += _PAD
+        for (of, depth), cell in cells.items():
+            top = y + ROW * (rows - len(cell)) / 2
+            if of == lane:
+                places |= {
+                    n: (left[depth] + wide[depth] / 2, top + ROW * (i + 0.5)) for i, n in enumerate(cell)
+                }
+        members = [(places[n][0], widths[n] / 2) for n, group in groups.items() if lane and group == lane]
+        if members:
+            start = min(x - half for x, half in members) - 12
+            boxes[lane] = start, y - 10, max(x + half for x, half in members) + 12 - start, ROW * rows + 14
+        y += ROW * rows
+    routes = {edge: _route(edge, chain, places, widths) for edge, chain in chains.items()}
+    size = (max((x + w for x, w in zip(left, wide, strict=True)), default=0.0) + _PAD, y + _PAD)
+    return Layers({name: places[name] for name in widths}, routes, boxes, size)
+
+
+def _route(
+    edge: Edge, chain: Sequence[tuple[str, int]], places: Mapping[str, Point], widths: Mapping[str, float]
+) -> list[Point]:
+    """Return the points of an edge from border to border. An edge to the left is drawn lower."""
+    back = chain[0][0] != edge[0]
+    points = [places[name] for name, _ in chain]
+    (x0, y0), (x1, y1) = points[0], points[-1]
+    points[0] = x0 + widths[chain[0][0]] / 2, y0 + 7 * back
+    points[-1] = x1 - widths[chain[-1][0]] / 2, y1 + 7 * back
+    return points[::-1] if back else points
+
 
 NODES, ACTIVE, ALL = "Nodes only", "Nodes/Topics (active)", "Nodes/Topics (all)"
-_KINDS = {  # what each check box hides
+# The topics that each check box hides.
+_KINDS = {
     "Debug": re.compile(r"/(rosout|clock|time|statistics|rqt|rviz|_ros2cli)|.*/_[^/]*$"),
     "tf": re.compile(r"/tf(_static)?$"),
     "Params": re.compile(r"/parameter_events$"),
@@ -21,12 +160,14 @@ _ARROW = (
     '<defs><marker id="rqt-arrow" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="8" markerHeight="8" '
     'orient="auto"><path d="M0 0 8 4 0 8z" fill="var(--rqt-dim)"/></marker></defs>'
 )
-_BAD = " (QoS!)"  # some publisher does not reach some subscription
-_HALF = 14.0  # [px] half the height of a node
+# Suffix of topics on which some publisher and subscription do not match.
+_BAD = " (QoS!)"
+# Half the height of a node [px].
+_HALF = 14.0
 
 
 class GraphView(RqtView):
-    """Nodes as ellipses, topics as boxes, dashed where incompatible QoS keeps messages back."""
+    """Nodes as ellipses and topics as boxes, dashed if incompatible QoS policies block messages."""
 
     name, title = "graph", "Node Graph"
 
@@ -43,49 +184,55 @@ class GraphView(RqtView):
         """Draw the graph as SVG."""
         nodes, edges = set(self._names().values()), self._edges()
         topics = {name for edge in edges for name in edge} - nodes
-        bad = self._incompatible()
+        ends = self._ends().items()
+        # The topics on which some publisher does not match some subscription.
+        bad = {t for t, e in ends for a in e for b in e if a.kind < b.kind and _mismatch(a, b)}
         names = {name: name.strip() + _BAD * (name[1:] in bad) for name in sorted(nodes | topics)}
         if not names:
-            return "<p>No node is there: make one, like node = MyNode().</p>"
+            return "<p>There is no node. Create one, like node = MyNode().</p>"
         widths = {name: 26 + 6.8 * len(words) for name, words in names.items()}
         longest = max((len(line) for lines in edges.values() for line in lines), default=0)
         is_grouped = self["Group namespaces"]
         groups = {name: words.rpartition("/")[0] if is_grouped else "" for name, words in names.items()}
-        layers = layered(widths, edges, groups, 60 + 6.2 * longest)
+        layers = lay_out(widths, edges, groups, 60 + 6.2 * longest)
         shapes = [_ARROW, *map(_group, layers.boxes, layers.boxes.values())]
         shapes += [_edge(layers, edge, lines) for edge, lines in edges.items()]
         shapes += [_node(layers.places[n], widths[n], names[n], n in topics, n[1:] in bad) for n in names]
         links = (f"{names[a]} to {names[b]} {' '.join(lines)}".strip() for (a, b), lines in edges.items())
-        return drawing("".join(shapes), *layers.size, f"{counted(len(nodes), 'node')}. {', '.join(links)}")
+        return drawing(
+            "".join(shapes), *layers.size, f"{format_count(len(nodes), 'node')}. {', '.join(links)}"
+        )
 
-    def _shown(self, name: str, kind: str) -> bool:
+    def _is_shown(self, name: str, kind: str) -> bool:
         hidden = any(rule.match(name) and self[f"Hide {what}"] for what, rule in _KINDS.items())
-        return not hidden and passes(name, self[f"{kind} filter"])
+        return not hidden and matches_filter(name, self[f"{kind} filter"])
 
     def _names(self) -> dict[int, str]:
-        """Return the full names of the shown nodes, by id."""
+        """Return the full names of the shown nodes by id."""
         full = {node.id: node.full_name for node in self.graph.nodes()}
-        return {number: name for number, name in full.items() if self._shown(name, "Node")}
+        return {number: name for number, name in full.items() if self._is_shown(name, "Node")}
 
     def _ends(self) -> dict[str, list[EndpointInfo]]:
-        """Return the shown topics' endpoints at shown nodes; an action's topics are one, as in rqt."""
+        """Return the endpoints of shown topics at shown nodes.
+
+        As in rqt, the topics of an action count as one.
+        """
         names, found = self._names(), dict[str, list[EndpointInfo]]()
         for end in self.graph.endpoints():
             topic = re.sub("/_action/.*", "/action_topics", end.topic)
-            if end.service is None and end.node in names and self._shown(topic, "Topic"):
+            if end.service is None and end.node in names and self._is_shown(topic, "Topic"):
                 found.setdefault(topic, []).append(end)
-        return {topic: ends for topic, ends in sorted(found.items()) if not self._is_left_out(ends)}
-
-    def _is_left_out(self, ends: Iterable[EndpointInfo]) -> bool:
-        kinds = [end.kind for end in ends]
-        return (
-            (self["Show"] != ALL and len(set(kinds)) < 2)
-            or (self["Hide Dead sinks"] and "sub" not in kinds)
-            or (self["Hide Leaf topics"] and len(kinds) < 2)
-        )
+        kept = {}
+        for topic, ends in sorted(found.items()):
+            kinds = [end.kind for end in ends]
+            is_dead = self["Hide Dead sinks"] and "sub" not in kinds
+            is_leaf = self["Hide Leaf topics"] and len(kinds) < 2
+            if not (is_dead or is_leaf or (self["Show"] != ALL and len(set(kinds)) < 2)):
+                kept[topic] = ends
+        return kept
 
     def _edges(self) -> dict[Edge, list[str]]:
-        """Return the arrows with their labels; names of topics begin with a space, as in rqt."""
+        """Return the labels of each arrow. As in rqt, names of topics begin with a space."""
         names, edges = self._names(), dict[Edge, list[str]]()
         for topic, ends in self._ends().items():
             if self["Show"] == NODES:
@@ -100,23 +247,20 @@ class GraphView(RqtView):
                     edges[ways if end.kind == "pub" else ways[::-1]] = []
         return edges
 
-    def _incompatible(self) -> set[str]:
-        """Return the topics on which some publisher does not match some subscription."""
-        ends = self._ends().items()
-        return {t for t, e in ends for a in e for b in e if a.kind < b.kind and _mismatch(a, b)}
-
 
 def _mismatch(publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
-    """Return whether two ends meet on one topic, not only in one action, and their QoS do not fit."""
+    """Return whether two endpoints are on the same topic but their QoS policies are incompatible."""
     same = publisher.topic == subscription.topic
-    return same and bool(incompatible(publisher.qos, subscription.qos))
+    return same and bool(find_incompatible_policy(publisher.qos, subscription.qos))
 
 
-def passes(name: str, rule: str) -> bool:
-    """Return whether a name passes a filter of comma-separated patterns; a leading - excludes names.
+def matches_filter(name: str, rule: str) -> bool:
+    """Return whether a name matches a filter of comma-separated patterns.
+
+    A leading - excludes names.
 
     Raises:
-        CourseError: One is not a regular expression.
+        CourseError: A pattern is not a regular expression.
     """
     parts = [part.strip() for part in rule.split(",") if part.strip() not in ("", "/")]
     try:
@@ -145,7 +289,7 @@ def _node(at: Point, width: float, words: str, is_topic: bool, is_bad: bool) -> 
         shape = tag("rect", fill="var(--rqt-back)", **box, **look)
     else:
         shape = tag("ellipse", cx=x, cy=y, rx=half, ry=_HALF, fill="#4c8dd6", fill_opacity=".18", **look)
-    why = "<title>Incompatible QoS: not every subscription hears every publisher</title>" if is_bad else ""
+    why = "<title>Incompatible QoS: some subscriptions do not receive all messages</title>" if is_bad else ""
     return tag("g", why + shape + text(words, x, y + 4, "middle"))
 
 
@@ -160,7 +304,9 @@ def _edge(layers: Layers, edge: Edge, lines: list[str]) -> str:
         for (x0, y0), (x1, y1) in pairwise(points):
             bend = (x0 + x1) / 2
             path += f"C{bend:.1f} {y0:.1f} {bend:.1f} {y1:.1f} {x1:.1f} {y1:.1f}"
-        (x, y), (x1, y1) = points[:2]  # labels stand near the start: the way back has its own
+        # Labels are near the start, so that the labels of an edge and of its reverse do not
+        # overlap.
+        (x, y), (x1, y1) = points[:2]
         x, y = x + 0.35 * (x1 - x), y + 0.25 * (y1 - y)
     halo = {"stroke": "var(--rqt-back)", "stroke_width": 4, "paint_order": "stroke", "font_size": 11}
     top = y - 4 - 6.5 * (len(lines) - 1)

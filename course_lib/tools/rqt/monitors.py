@@ -1,19 +1,19 @@
-"""`%rqt console`, `topic` and `robot_monitor`: tables of arriving messages."""
+"""`%rqt console`, `topic` and `robot_monitor`: tables of received messages."""
 
 from collections import deque
 from collections.abc import Collection
 from html import escape
 from typing import Any
 
-from course_lib.errors import counted
-from course_lib.ros.graph import Sample
+from course_lib.errors import format_count
+from course_lib.ros.graph.graph import Sample
 from course_lib.ros.messages.conversions import Style, to_csv, to_yaml
-from course_lib.tools.rqt.markup import colour_of, drawing, icon, table, tag
-from course_lib.tools.rqt.view import RqtView
-from course_lib.tools.topic.subscribe import in_bytes
+from course_lib.tools.rqt.view import RqtView, colour_of, drawing, icon, table, tag
+from course_lib.tools.topic import in_bytes
 
 _LOG = "rcl_interfaces/msg/Log"
-_LOG_LIMIT = 20_000  # messages, as in rqt_console
+# Number of messages, as in rqt_console.
+_LOG_LIMIT = 20_000
 _LOGS_SHOWN = 200
 _LOG_HEADS = ("#", "Message", "Severity", "Node", "Stamp", "Location")
 _SEVERITIES = {
@@ -31,8 +31,9 @@ class ConsoleView(RqtView):
     name, title, listens = "console", "Console", True
 
     def build(self) -> None:
-        """Create rqt_console's filters: severity, node, text, highlighting."""
-        self._logs: deque[tuple[int, Any]] = deque(maxlen=_LOG_LIMIT)  # numbered
+        """Create the filters of rqt_console: severity, node, text and highlighting."""
+        # Number and message.
+        self._logs: deque[tuple[int, Any]] = deque(maxlen=_LOG_LIMIT)
         self._count = 0
         for severity, _ in _SEVERITIES.values():
             self.add_check(severity, on=True)
@@ -44,26 +45,28 @@ class ConsoleView(RqtView):
         """Add a button that clears the collected messages."""
         return [self.button("Clear", "trash", self._logs.clear)]
 
-    def needed(self) -> Collection[str]:
+    def required_topics(self) -> Collection[str]:
         """Return the topic of log messages."""
         return ("/rosout",)
 
-    def hear(self, sample: Sample) -> None:
-        """Collect a log message, unless paused."""
+    def on_sample(self, sample: Sample) -> None:
+        """Collect a log message unless the view is paused."""
         if (sample.topic, sample.type_name) == ("/rosout", _LOG) and not self["Pause"]:
             self._count += 1
             self._logs.append((self._count, sample.message()))
 
     def picture(self) -> str:
-        """Return the messages that pass the filters as a table."""
-        shown = [(number, log) for number, log in reversed(self._logs) if self._passes(log)]
+        """Return the messages that match the filters as a table."""
+        shown = [
+            (number, log)
+            for number, log in reversed(self._logs)
+            if self[_SEVERITIES.get(log.level, _SEVERITIES[20])[0]]
+            and self._has("Node", log.name)
+            and self._has("Text", log.msg)
+        ]
         more = f", the newest {_LOGS_SHOWN} of them here" if len(shown) > _LOGS_SHOWN else ""
         count = f"<p class='rqt-dim'>Displaying {len(shown)} of {len(self._logs)} messages{more}</p>"
         return count + table(_LOG_HEADS, [self._row(*one) for one in shown[:_LOGS_SHOWN]], "Log messages")
-
-    def _passes(self, log: Any) -> bool:
-        severity, _ = _SEVERITIES.get(log.level, _SEVERITIES[20])
-        return self[severity] and self._has("Node", log.name) and self._has("Text", log.msg)
 
     def _has(self, control: str, words: str) -> bool:
         return self[control].lower() in words.lower()
@@ -78,12 +81,13 @@ class ConsoleView(RqtView):
         return [str(number), message, icon(sign) + severity, escape(log.name), stamp, place]
 
 
-_WINDOW_NS = 5 * 10**9  # of robot time
+# In robot time.
+_WINDOW_NS = 5 * 10**9
 _TOPIC_HEADS = ("Topic", "Type", "Bandwidth", "Hz", "Value")
 
 
 class TopicView(RqtView):
-    """A row per topic with bandwidth, rate and value; a button opens the whole value."""
+    """A row per topic with bandwidth, rate and value. A button unfolds the value."""
 
     name, title, listens = "topic", "Topic Monitor", True
 
@@ -91,23 +95,24 @@ class TopicView(RqtView):
         """Create the filter and an empty table."""
         from ipywidgets import VBox
 
-        self._heard: dict[str, deque[tuple[int, int]]] = {}  # (time [ns], bytes) by topic
+        # Time [ns] and size [bytes] by topic.
+        self._received: dict[str, deque[tuple[int, int]]] = {}
         self._last: dict[str, Sample] = {}
         self.rows: dict[str, Any] = {}
         self.table = VBox()
         self.add_text("Filter", hint="part of a name")
 
     def body(self) -> list[Any]:
-        """Return the head line above the rows."""
+        """Return the headings above the rows."""
         return [self.screen, self.table]
 
-    def needed(self) -> Collection[str]:
+    def required_topics(self) -> Collection[str]:
         """Return all topics."""
         return {endpoint.topic for endpoint in self.graph.endpoints()}
 
-    def hear(self, sample: Sample) -> None:
-        """Count a message."""
-        window = self._heard.setdefault(sample.topic, deque())
+    def on_sample(self, sample: Sample) -> None:
+        """Add a message to the rate and bandwidth of its topic."""
+        window = self._received.setdefault(sample.topic, deque())
         window.append((sample.stamp_ns, len(sample.cdr)))
         while window[0][0] < sample.stamp_ns - _WINDOW_NS:
             window.popleft()
@@ -123,7 +128,9 @@ class TopicView(RqtView):
             button, about = line.children
             about.value = _cells(self.cells(topic, topics[topic]))
             button.icon = "caret-down" if button.value else "caret-right"
-            value.value = f"<pre>{escape(self._value(topic))}</pre>" if button.value else ""
+            last = self._last.get(topic)
+            text = to_yaml(last.message(), Style()) if last and button.value else "no message yet"
+            value.value = f"<pre>{escape(text)}</pre>" if button.value else ""
         self.table.children = tuple(self.rows[topic] for topic in topics)
 
     def picture(self) -> str:
@@ -145,21 +152,17 @@ class TopicView(RqtView):
         return VBox([HBox([button, HTML(layout={"flex": "1"})]), HTML(layout={"margin": "0 0 0 24px"})])
 
     def cells(self, topic: str, types: list[str]) -> list[str]:
-        """Return the cells behind a topic's name."""
+        """Return the cells to the right of a topic's name."""
         since = self.graph.now_ns - _WINDOW_NS
-        window = [(at, size) for at, size in self._heard.get(topic, ()) if at >= since]
+        window = [(at, size) for at, size in self._received.get(topic, ()) if at >= since]
         seconds = (window[-1][0] - window[0][0]) * 1e-9 if len(window) > 1 else 0.0
         rates = ["", ""]
         if seconds:
             (bandwidth,) = in_bytes(sum(size for _, size in window[1:]) / seconds)
             rates = [f"{bandwidth}/s", f"{(len(window) - 1) / seconds:.2f}"]
         last = self._last.get(topic)
-        value = to_csv(last.message(), Style(truncate=8))[:200] if last else "not heard yet"
+        value = to_csv(last.message(), Style(truncate=8))[:200] if last else "no message yet"
         return [", ".join(types), *rates, value]
-
-    def _value(self, topic: str) -> str:
-        last = self._last.get(topic)
-        return to_yaml(last.message(), Style()) if last else "nothing came yet"
 
 
 def _cells(texts: tuple[str, ...] | list[str]) -> str:
@@ -169,35 +172,39 @@ def _cells(texts: tuple[str, ...] | list[str]) -> str:
 
 _DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 TOPICS = ("/diagnostics_agg", "/diagnostics")
-STALE_NS = 5 * 10**9  # without a message, as the aggregator's own limit
-_HISTORY = 30  # messages, as rqt_robot_monitor's timeline
+# Time without a message, as in the diagnostic aggregator.
+STALE_NS = 5 * 10**9
+# Number of messages, as in rqt_robot_monitor's timeline.
+_HISTORY = 30
 _LEVELS = ("ok", "warn", "error", "stale")
 
 
 class RobotMonitorView(RqtView):
-    """The tree of diagnostics with the worst level of each branch; one status in detail."""
+    """The tree of diagnostics with the worst level of each branch, and the details of one status."""
 
     name, title, listens = "robot_monitor", "Robot Monitor", True
 
     def build(self) -> None:
-        """Create the controls; /diagnostics is shown until the aggregator publishes."""
+        """Create the controls. /diagnostics is shown until the aggregator publishes."""
         self._topic, self._heard_ns = "", 0
-        self._statuses: dict[str, tuple[int, Any]] = {}  # (when [ns], status) by path
+        # Time [ns] and status by path.
+        self._statuses: dict[str, tuple[int, Any]] = {}
         self._history: deque[tuple[int, str]] = deque(maxlen=_HISTORY)
         self.add_choice("Details of", [], None)
         self.add_check("Pause")
 
-    def needed(self) -> Collection[str]:
+    def required_topics(self) -> Collection[str]:
         """Return the topics of diagnostics."""
         return TOPICS
 
-    def hear(self, sample: Sample) -> None:
+    def on_sample(self, sample: Sample) -> None:
         """Collect an array of statuses."""
         is_other = sample.type_name != _DIAGNOSTICS or sample.topic not in TOPICS
         if is_other or self["Pause"] or self._topic == TOPICS[0] != sample.topic:
             return
         if sample.topic != self._topic:
-            self._statuses.clear()  # the aggregator names them otherwise
+            # The aggregator publishes the statuses under different names.
+            self._statuses.clear()
         self._topic, self._heard_ns = sample.topic, sample.stamp_ns
         message: Any = sample.message()
         for status in message.status:
@@ -211,9 +218,9 @@ class RobotMonitorView(RqtView):
         super().refresh()
 
     def picture(self) -> str:
-        """Return head line, history, tree and the chosen status."""
+        """Return summary, history, tree and the details of the chosen status."""
         if not self._topic:
-            return f"<p>{icon('stale')}No diagnostics heard yet on {' or '.join(TOPICS)}.</p>"
+            return f"<p>{icon('stale')}No diagnostics received yet on {' or '.join(TOPICS)}.</p>"
         age = (self.graph.now_ns - self._heard_ns) * 1e-9
         late = f"{icon('stale')}STALE: the l" if self._is_stale(self._heard_ns) else "L"
         levels = [self._level(path) for path in self._statuses]
@@ -235,7 +242,7 @@ class RobotMonitorView(RqtView):
         return max(map(self._level, branch), key=_LEVELS.index)
 
     def paths(self) -> list[str]:
-        """List the paths of all statuses and of their branches, in the order of a tree."""
+        """List the paths of all statuses and of their branches, sorted as a tree."""
         parts = [path.split("/") for path in self._statuses]
         return sorted({"/".join(names[:deep]) for names in parts for deep in range(2, len(names) + 1)})
 
@@ -247,13 +254,15 @@ class RobotMonitorView(RqtView):
         return [indented, level.upper(), escape(message)]
 
     def _timeline(self) -> str:
-        """Draw a bar per message; its height is the level."""
+        """Draw a bar per message, whose height is the level."""
         bars = ""
         for number, (_, level) in enumerate(self._history):
             high = 6 * (1 + _LEVELS.index(level))
             bars += tag("rect", x=9 * number, y=26 - high, width=7, height=high, fill=colour_of(level))
         said = ", ".join(level.upper() for _, level in self._history)
-        return drawing(bars, 9 * _HISTORY, 28, f"The last {counted(len(self._history), 'message')}: {said}")
+        return drawing(
+            bars, 9 * _HISTORY, 28, f"The last {format_count(len(self._history), 'message')}: {said}"
+        )
 
     def _details(self) -> str:
         if (path := self["Details of"]) not in self._statuses:

@@ -1,4 +1,4 @@
-"""`%rqt plot /topic/field …`: numbers in messages over time, named by their paths."""
+"""`%rqt plot /topic/field …`: curves of the numbers in messages, addressed by paths."""
 
 import re
 from collections import deque
@@ -10,45 +10,46 @@ from typing import Any
 import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import Sample
 from course_lib.ros.messages import RosMessage
-from course_lib.ros.messages.definitions import PRIMITIVES, FieldDefinition, definition
-from course_lib.tools.rqt.markup import chart
-from course_lib.tools.rqt.view import RqtView
+from course_lib.ros.messages.definitions import PRIMITIVES, definition
+from course_lib.tools.rqt.view import RqtView, chart
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
 
 @dataclass(frozen=True)
 class FieldPath:
-    """A number in the messages of a topic."""
+    """The path to a number in the messages of a topic."""
 
     text: str
     topic: str
     type_name: str
-    steps: tuple[tuple[str, int | None], ...]  # field, and index in it
+    # Each step is a field and an index, if there is one.
+    steps: tuple[tuple[str, int | None], ...]
 
     def read(self, message: RosMessage) -> float:
-        """Return the number; NaN where a list is shorter."""
+        """Return the number, or NaN if the list is too short."""
         value: object = message
         for name, index in self.steps:
             value = getattr(value, name)
             if index is not None:
-                if index >= len(value):  # type: ignore[arg-type]  # parse() has seen that it is a list
+                # parse() has checked that the indexed value is a list and the result a number.
+                if index >= len(value):  # type: ignore[arg-type]
                     return float("nan")
-                value = value[index]  # type: ignore[index]  # as above
-        return float(value)  # type: ignore[arg-type]  # parse() has seen that it is a number
+                value = value[index]  # type: ignore[index]
+        return float(value)  # type: ignore[arg-type]
 
 
 def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
     """Parse a path.
 
     Args:
-        text: /topic/field/part[0].
+        text: A path like /topic/field/part[0].
         topics: The types of each topic.
 
     Raises:
-        CourseError: With rqt_plot's words, and what may have been meant.
+        CourseError: The path is invalid. The message begins like that of rqt_plot.
     """
     path = "/" + text.strip("/")
     fitting = [topic for topic in topics if f"{path}/".startswith(f"{topic}/")]
@@ -66,7 +67,11 @@ def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
                 f"{path}: {here or 'a number'} has no field {word!r}{did_you_mean(word, fields)}"
             )
         field, index = fields[step[1]], None if step[2] is None else int(step[2])
-        _check_index(path, word, field, index)
+        if index is None and field.container != "scalar":
+            raise CourseError(f"{path}: {field.name} is a list. Add an index, like {field.name}[0].")
+        if index is not None and (field.container == "scalar" or 0 < field.size <= index):
+            size = f"a list of {field.size}" if field.container == "array" else "not a list"
+            raise CourseError(f"{path}: {word} does not exist, {field.name} is {size}.")
         steps.append((field.name, index))
         here = field.base if field.is_message else ""
     if field is None or field.is_message or PRIMITIVES[field.base].python not in (bool, int, float):
@@ -78,16 +83,8 @@ def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
     return FieldPath(path, topic, type_name, tuple(steps))
 
 
-def _check_index(path: str, word: str, field: FieldDefinition, index: int | None) -> None:
-    if index is None and field.container != "scalar":
-        raise CourseError(f"{path}: {field.name} is a list. Say which of it, like {field.name}[0].")
-    if index is not None and (field.container == "scalar" or 0 < field.size <= index):
-        size = f"a list of {field.size}" if field.container == "array" else "no list"
-        raise CourseError(f"{path}: there is no {word}, {field.name} is {size}.")
-
-
 def _numbers(type_name: str, deep: int = 2) -> Iterator[str]:
-    """Yield the paths of the numbers in a message; lists with an index."""
+    """Yield the paths of the numbers in a message. Lists are addressed by index 0."""
     for field in definition(type_name).fields:
         name = field.name if field.container == "scalar" else f"{field.name}[0]"
         if field.is_message and deep:
@@ -96,9 +93,12 @@ def _numbers(type_name: str, deep: int = 2) -> Iterator[str]:
             yield name
 
 
-_SAMPLES = 100_000  # that a curve keeps
-_LONG = 5000  # samples of a curve that is drawn as pixels: as lines it would be heavy for the page
-_LOOKS: tuple[tuple[str, Any], ...] = (  # colour and dashes of the first curve, the second one …
+# Number of points per curve.
+_SAMPLES = 100_000
+# Longer curves are drawn as pixels, because thousands of lines would slow down the page.
+_LONG = 5000
+# Color and dashes of the first curve, the second one …
+_LOOKS: tuple[tuple[str, Any], ...] = (
     ("#0072b2", "-"),
     ("#d55e00", (0, (6, 2))),
     ("#009e73", (0, (2, 2))),
@@ -109,12 +109,12 @@ _LOOKS: tuple[tuple[str, Any], ...] = (  # colour and dashes of the first curve,
 
 
 class PlotView(RqtView):
-    """Curves of the numbers since the view was opened, by the time of publication."""
+    """Curves of numbers by the time of publication, since the view was opened."""
 
     name, title, listens = "plot", "MatPlot", True
 
     def build(self) -> None:
-        """Create the controls, and a curve for each word."""
+        """Create the controls, and a curve for each path in the arguments."""
         from ipywidgets import BoundedFloatText, Text
 
         self._start_ns = self.graph.now_ns
@@ -129,15 +129,15 @@ class PlotView(RqtView):
         self._choose()
 
     def buttons(self) -> list[Any]:
-        """Add a button that clears the collected messages."""
+        """Add a button that clears the curves."""
         return [self.button("Clear", "trash", self.clear)]
 
-    def needed(self) -> Collection[str]:
+    def required_topics(self) -> Collection[str]:
         """Return the topics of the curves."""
         return {path.topic for path, _ in self.curves.values()}
 
-    def hear(self, sample: Sample) -> None:
-        """Append the numbers of a message to the curves."""
+    def on_sample(self, sample: Sample) -> None:
+        """Append the values in a message to the curves."""
         message = None
         for path, points in self.curves.values():
             if (path.topic, path.type_name) == (sample.topic, sample.type_name):
@@ -145,7 +145,7 @@ class PlotView(RqtView):
                 points.append(((sample.stamp_ns - self._start_ns) * 1e-9, path.read(message)))
 
     def refresh(self) -> None:
-        """Draw, unless that is paused."""
+        """Draw the curves unless the view is paused."""
         if not self["Pause"]:
             super().refresh()
 
@@ -155,15 +155,14 @@ class PlotView(RqtView):
 
         now = (self.graph.now_ns - self._start_ns) * 1e-9
         since = max(0.0, now - self["Seconds"]) if self["Autoscroll"] else 0.0
-        below = 0.5 + 0.24 * len(
-            self.curves
-        )  # [inch] for the legend; layouts by themselves take twice as long
+        # Height of the legend [inch]. matplotlib's automatic layouts take twice as long.
+        below = 0.5 + 0.24 * len(self.curves)
         figure = Figure(figsize=(7.2, 2.7 + below))
         place = {"left": 0.1, "right": 0.98, "top": 0.97, "bottom": below / (2.7 + below)}
         axes = figure.subplots(gridspec_kw=place)
         for (name, (_, points)), (colour, dash) in zip(self.curves.items(), cycle(_LOOKS)):
             shown = [*takewhile(lambda point: point[0] >= since, reversed(points))]
-            said = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: nothing came yet"
+            said = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: no message yet"
             look = {"label": said, "color": colour, "linestyle": dash, "rasterized": len(shown) > _LONG}
             axes.plot(*np.reshape(shown, (-1, 2)).T, **look)
         axes.set(xlim=(since, max(now, since + 1.0)), xlabel="time [s]")
@@ -174,13 +173,15 @@ class PlotView(RqtView):
         return chart(figure, f"Values from {since:.1f} s to {max(now, since + 1.0):.1f} s: {words}")
 
     def _choose(self) -> None:
-        """Create the requested curves; existing ones keep their points."""
+        """Create the requested curves. Existing curves keep their points."""
         topics = self.source.topics()
         paths = [parse(word, topics) for word in self["Topics"].split()]
         self.curves = {
             path.text: self.curves.get(path.text, (path, deque(maxlen=_SAMPLES))) for path in paths
         }
-        self.say("" if paths else "Name what to plot, like /joint_states/position[0], and press Enter.")
+        self.show_notice(
+            "" if paths else "Enter the path of a number to plot, like /joint_states/position[0]."
+        )
         self.refresh()
 
     def clear(self) -> None:

@@ -1,4 +1,4 @@
-"""`%rqt service_caller` and `reconfigure`: views that call the services of nodes."""
+"""`%rqt service_caller` and `%rqt reconfigure`: views that call the services of nodes."""
 
 from collections.abc import Collection
 from html import escape
@@ -6,31 +6,31 @@ from math import ceil, isfinite, log10
 from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import Sample
 from course_lib.ros.messages import message_class, service_class
 from course_lib.ros.messages.conversions import Style, to_yaml
-from course_lib.tools.message_yaml import fill
-from course_lib.tools.param import asked, found_node, parameter_nodes
-from course_lib.tools.rqt.markup import table
-from course_lib.tools.rqt.view import RqtView
+from course_lib.tools.param import find_node, parameter_client, parameter_nodes
+from course_lib.tools.rqt.view import RqtView, table
 from course_lib.tools.sources import answer, own_node
+from course_lib.tools.verb import fill
 
-ANSWER_LIMIT = 2.0  # [s] of robot time for an answer: the page waits meanwhile
+# Time limit for a response in robot time [s]. The page is blocked until then.
+ANSWER_LIMIT = 2.0
 
 
 class ServiceCallerView(RqtView):
-    """A service, its request as YAML, its response or an error."""
+    """A service with its request as YAML, and its response or an error."""
 
     name, title = "service_caller", "Service Caller"
 
     def build(self) -> None:
-        """Create the controls; a word selects the first service."""
+        """Create the controls. The first argument selects a service."""
         from ipywidgets import Textarea
 
-        wanted, names = self.wanted(), sorted(self._services())
+        wanted, names = self.target(), sorted(self._services())
         if wanted and wanted not in names:
             raise CourseError(f"There is no service {wanted}{did_you_mean(wanted, names) or '.'}")
-        self._told = ""
+        self._message = ""
         self.add_choice("Service", names, wanted, self._choose)
         self.request = Textarea(description="Request", layout={"width": "98%", "height": "130px"})
         self.request.style.description_width = "initial"
@@ -41,13 +41,13 @@ class ServiceCallerView(RqtView):
         return [self.button("Call", "play", self._call), *super().buttons()]
 
     def body(self) -> list[Any]:
-        """Return the request above the response."""
+        """Return the request and the response."""
         return [self.request, self.screen]
 
     def refresh(self) -> None:
-        """Update the choice of services; the request stays."""
+        """Update the list of services. The request is unchanged."""
         self.offer("Service", sorted(self._services()))
-        self.screen.value = self._told
+        self.screen.value = self._message
 
     def picture(self) -> str:
         """Return the services as a table."""
@@ -58,16 +58,16 @@ class ServiceCallerView(RqtView):
         return {e.service[0]: e.service[1] for e in self.graph.endpoints() if e.is_service and e.service}
 
     def _choose(self) -> None:
-        """Fill the request with the default values."""
+        """Fill the request with its default values."""
         if type_name := self._services().get(self["Service"]):
             request = message_class(f"{type_name}_Request")()
             self.request.value = to_yaml(request, Style(truncate=None))
-            self._told = f"<p class='rqt-dim'>{type_name}: not called yet.</p>"
+            self._message = f"<p class='rqt-dim'>{type_name}: not called yet.</p>"
         self.refresh()
 
     def _call(self) -> None:
-        self.say("")
-        self._told = self.screen.value = "<p class='rqt-dim'>No response.</p>"
+        self.show_notice("")
+        self._message = self.screen.value = "<p class='rqt-dim'>No response.</p>"
         name = self["Service"]
         if name not in self._services():
             raise CourseError("Choose a service first.")
@@ -79,7 +79,7 @@ class ServiceCallerView(RqtView):
             response = answer(
                 self.source, node.create_client(kind, name).call_async(request), name, ANSWER_LIMIT
             )
-        self._told = f"<b>Response</b><pre>{escape(to_yaml(response, Style()))}</pre>"
+        self._message = f"<b>Response</b><pre>{escape(to_yaml(response, Style()))}</pre>"
 
 
 _EVENTS = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
@@ -88,20 +88,25 @@ _EDITOR_STYLE = {"description_width": "180px"}
 
 
 class ReconfigureView(RqtView):
-    """A row per parameter of a node: a slider, a check box or a field, by its type and its range."""
+    """A row per parameter of a node.
+
+    Its type and range determine the control: slider, check box or field.
+    """
 
     name, title = "reconfigure", "Dynamic Reconfigure"
 
     def build(self) -> None:
-        """Create the controls; a word selects the first node."""
+        """Create the controls. The first argument selects a node."""
         from ipywidgets import VBox
 
         self._values: dict[str, Any] = {}
         self.rows: dict[str, Any] = {}
-        self._reading = False  # whether values come from the node, not from the page
+        # Whether controls are updated with values from the node. Such changes are not sent back to
+        # it.
+        self._reading = False
         self.table = VBox()
-        wanted, nodes = self.wanted(), parameter_nodes(self.source)
-        chosen = found_node(self.source, wanted) if wanted else nodes[0] if len(nodes) == 1 else None
+        wanted, nodes = self.target(), parameter_nodes(self.source)
+        chosen = find_node(self.source, wanted) if wanted else nodes[0] if len(nodes) == 1 else None
         self.add_choice("Node", nodes, chosen, self._read)
         self.add_text("Filter", hint="part of a name")
 
@@ -110,16 +115,16 @@ class ReconfigureView(RqtView):
         return [self.button("Refresh", "refresh", self._read)]
 
     def body(self) -> list[Any]:
-        """Return the rows, which are read soon."""
+        """Return the table, and fill it as soon as the page is displayed."""
         self.soon(self._read)
         return [self.table]
 
-    def needed(self) -> Collection[str]:
-        """Return the topic of changed parameters."""
+    def required_topics(self) -> Collection[str]:
+        """Return the topic of parameter events."""
         return _EVENTS[:1]
 
-    def hear(self, sample: Sample) -> None:
-        """Show values that other clients set."""
+    def on_sample(self, sample: Sample) -> None:
+        """Display values that other clients have set."""
         if (sample.topic, sample.type_name) == _EVENTS and self.rows:
             from rclpy.parameter import parameter_value_to_python
 
@@ -129,7 +134,7 @@ class ReconfigureView(RqtView):
                 self._show({one.name: parameter_value_to_python(one.value) for one in changes})
 
     def refresh(self) -> None:
-        """Update the choice of nodes, and show the rows that pass the filter."""
+        """Update the list of nodes, and show the rows that match the filter."""
         self.offer("Node", parameter_nodes(self.source))
         self.table.children = tuple(row for name, row in self.rows.items() if self["Filter"] in name)
 
@@ -138,15 +143,15 @@ class ReconfigureView(RqtView):
         rows = []
         for node in [self["Node"]] if self["Node"] else parameter_nodes(self.source):
             for name, value, about in self._parameters(node):
-                rows.append([escape(cell) for cell in (node, name, _shown(value), _note(about))])
+                rows.append([escape(cell) for cell in (node, name, _field_text(value), _note(about))])
         return table(("Node", "Parameter", "Value", "Description"), rows, "Parameters")
 
     def _parameters(self, node: str) -> list[tuple[str, Any, Any]]:
-        """Return names, values and descriptors of a node's parameters."""
+        """Return name, value and descriptor of each parameter of a node."""
         from rclpy.parameter import parameter_value_to_python
 
         self.check_time()
-        with asked(self.source, node) as ask:
+        with parameter_client(self.source, node) as ask:
             names = sorted(ask("list_parameters").result.names)
             values, about = ask("get_parameters", names).values, ask("describe_parameters", names).descriptors
         return list(zip(names, map(parameter_value_to_python, values), about, strict=True))
@@ -154,7 +159,7 @@ class ReconfigureView(RqtView):
     def _read(self) -> None:
         """Create the rows of the chosen node."""
         node = self["Node"]
-        self.say("" if node else "Choose a node.")
+        self.show_notice("" if node else "Choose a node.")
         found = self._parameters(node) if node else []
         self._values = {name: value for name, value, _ in found}
         self.rows = {name: self._row(name, value, about) for name, value, about in found}
@@ -174,16 +179,19 @@ class ReconfigureView(RqtView):
         return HBox([control, HTML(f"<span class='rqt-dim'>{escape(_note(about))}</span>"), HTML()])
 
     def _set(self, name: str, new: Any) -> None:
-        """Set a parameter; a refused value is reset, and the reason shown."""
+        """Set a parameter.
+
+        If the node rejects the value, restore the old one and show the reason.
+        """
         from rclpy.parameter import Parameter
 
-        from course_lib.ros.parameter_yaml import read_value
+        from course_lib.ros.programs.parameter_yaml import read_value
 
         was = self._values[name]
         self.check_time()
         try:
             value = read_value(new) if isinstance(new, str) and not isinstance(was, str) else new
-            with asked(self.source, self["Node"]) as ask:
+            with parameter_client(self.source, self["Node"]) as ask:
                 (result,) = ask("set_parameters", [Parameter(name, value=value)]).results
             refusal = "" if result.successful else result.reason or "the node refuses it"
         except ValueError as error:
@@ -194,17 +202,17 @@ class ReconfigureView(RqtView):
         self.rows[name].children[2].value = said
 
     def _show(self, values: dict[str, Any]) -> None:
-        """Show values that came from the node."""
+        """Display values received from the node."""
         self._reading = True
         for name in values.keys() & self.rows.keys():
             control = self.rows[name].children[0]
             self._values[name] = values[name]
-            control.value = _shown(values[name]) if isinstance(control.value, str) else values[name]
+            control.value = _field_text(values[name]) if isinstance(control.value, str) else values[name]
         self._reading = False
 
 
 def _note(about: Any) -> str:
-    """Return a descriptor as one line."""
+    """Return a descriptor's range, description and constraints as one line."""
     ranges = (*about.integer_range, *about.floating_point_range)
     limits = [f"{limits.from_value:g} … {limits.to_value:g}" for limits in ranges]
     texts = (*limits, "read-only" if about.read_only else "", about.description, about.additional_constraints)
@@ -219,7 +227,7 @@ def _editor(name: str, value: Any, about: Any) -> Any:
     if isinstance(value, bool):
         return widgets.Checkbox(value, **settings)
     if not isinstance(value, int | float):
-        return widgets.Text(_shown(value), continuous_update=False, **settings)
+        return widgets.Text(_field_text(value), continuous_update=False, **settings)
     is_int = isinstance(value, int)
     for limits in about.integer_range if is_int else about.floating_point_range:
         low, high = limits.from_value, limits.to_value
@@ -229,8 +237,12 @@ def _editor(name: str, value: Any, about: Any) -> Any:
 
 
 def _slider(is_int: bool, step: float, **settings: Any) -> Any:
-    """Return a slider for a range, whose step may be 0; a value is set once somebody lets go of it."""
-    from course_lib.controls.slider import IntSlider, Slider  # here: anywidget is slow to load
+    """Return a slider, which sets the value when it is released.
+
+    A step of 0 is replaced by a default.
+    """
+    # Not at the head, because importing anywidget is slow.
+    from course_lib.controls import IntSlider, Slider
 
     if is_int:
         settings["step"] = step or 1
@@ -242,6 +254,6 @@ def _slider(is_int: bool, step: float, **settings: Any) -> Any:
     return kind(**settings, is_live=False, description_width=width, layout=_EDITOR_LAYOUT)
 
 
-def _shown(value: Any) -> str:
-    """Return a value as the text of a field."""
+def _field_text(value: Any) -> str:
+    """Return a value as a string for a text field."""
     return "not set" if value is None else str(value)

@@ -1,34 +1,109 @@
-"""The base of rqt's views: named controls, and a picture that follows the run."""
+"""The base class of rqt's views: named controls, and a picture that follows the run."""
 
 import asyncio
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from html import escape
+from io import StringIO
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from course_lib.errors import CourseError, did_you_mean
-from course_lib.ros import pace, wall
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph, Sample
-from course_lib.tools.rqt.markup import STYLE
+from course_lib.errors import CourseError
+from course_lib.ros.graph.graph import Graph, Sample
+from course_lib.ros.time import pace, wall
+from course_lib.ros.time.time_lock import time_lock
 from course_lib.tools.sources import GraphSource
 
 if TYPE_CHECKING:
     from ipywidgets import VBox
+    from matplotlib.figure import Figure
 
-PERIOD = 0.25  # [s] of the wall clock between two pictures
+STYLE = f"<style>\n{Path(__file__).with_name('style.css').read_text(encoding='utf-8')}</style>"
+
+# A shape for each level, so that the levels do not differ by color only.
+_SIGNS = {
+    "info": ("#2b6cb0", "<circle cx='7' cy='7' r='6.5'/>", "M7 3V4.8M7 6.2V11"),
+    "ok": ("#1a8a3a", "<circle cx='7' cy='7' r='6.5'/>", "M3.5 7.2 6 9.7 10.5 4.6"),
+    "warn": ("#d98200", "<path d='M7 .5 13.8 13H.2z'/>", "M7 4.6V8.6M7 10.3V11.4"),
+    "error": ("#c9281f", "<path d='M4 .5H10L13.5 4V10L10 13.5H4L.5 10V4z'/>", "M4.5 4.5l5 5m0-5l-5 5"),
+    "stale": ("#6b7280", "<rect x='.5' y='.5' width='13' height='13' rx='2'/>", "M4 7H10"),
+}
+
+
+def icon(sign: str) -> str:
+    """Draw the icon of a level. The level must also be given as text next to it."""
+    colour, shape, line = _SIGNS[sign]
+    stroke = tag("path", d=line, stroke="white", stroke_width=1.8, fill="none")
+    box = {"class": "rqt-icon", "viewBox": "0 0 14 14", "aria_hidden": "true"}
+    return tag("svg", shape + stroke, width=14, height=14, fill=colour, **box)
+
+
+def colour_of(sign: str) -> str:
+    """Return the color of a level."""
+    return _SIGNS[sign][0]
+
+
+def tag(name: str, inside: str = "", /, **attributes: object) -> str:
+    """Return an element.
+
+    Floats are rounded to one decimal, and ``stroke_width`` becomes ``stroke-width``.
+    """
+    words = ""
+    for key, value in attributes.items():
+        short = f"{value:.1f}" if isinstance(value, float) else str(value)
+        words += f' {key.replace("_", "-")}="{escape(short)}"'
+    return f"<{name}{words}>{inside}</{name}>"
+
+
+def text(words: str, x: float, y: float, anchor: str = "start", /, **attributes: object) -> str:
+    """Return an SVG text element."""
+    return tag("text", escape(words), x=x, y=y, text_anchor=anchor, **attributes)
+
+
+def drawing(shapes: str, width: float, height: float, said: str) -> str:
+    """Return an SVG with alternative text."""
+    box = {"viewBox": f"0 0 {width:.0f} {height:.0f}", "aria_label": said}
+    return tag("svg", shapes, role="img", width=width, **box)
+
+
+def chart(figure: "Figure", said: str) -> str:
+    """Return a matplotlib figure as SVG with alternative text.
+
+    Black text gets the page's color.
+    """
+    from matplotlib import rc_context
+
+    file = StringIO()
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "rqt"}):
+        figure.savefig(file, format="svg", transparent=True, metadata={"Date": None})
+    picture = file.getvalue()
+    return tag("div", picture[picture.index("<svg") :], role="img", aria_label=said)
+
+
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]], said: str) -> str:
+    """Return a table whose cells are HTML, with a label for screen readers."""
+    head = "".join(tag("th", name, scope="col") for name in heads)
+    body = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows)
+    return tag("table", f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody>", aria_label=said)
+
+
+# Wall-clock interval between pictures [s].
+PERIOD = 0.25
 
 
 class RqtView:
-    """A view with named controls and a picture as HTML, filled by subclasses.
+    """A view with named controls and a picture as HTML, which subclasses draw.
 
     Args:
-        graph: The nodes to look at.
-        words: What stands behind the view's name.
+        graph: The graph whose nodes are shown.
+        words: The arguments after the view's name.
     """
 
-    name: ClassVar[str]  # behind %rqt
-    title: ClassVar[str]  # as in rqt
-    listens: ClassVar[bool] = False  # whether it shows what came since it was opened
+    # The word after %rqt.
+    name: ClassVar[str]
+    # The title in rqt.
+    title: ClassVar[str]
+    # Whether it shows only messages received after it was opened.
+    listens: ClassVar[bool] = False
 
     def __init__(self, graph: Graph, words: Sequence[str]) -> None:
         from ipywidgets import HTML
@@ -36,30 +111,33 @@ class RqtView:
         self.graph, self.source = graph, GraphSource(graph)
         self.words = list(words)
         self.controls: dict[str, Any] = {}
-        self.screen = HTML(tabbable=True)  # it is what scrolls, so that new pictures leave it where it is
+        # This element scrolls, so that its scroll position survives new pictures.
+        self.screen = HTML(tabbable=True)
         self.screen.add_class("rqt-screen")
         self.notice = HTML()
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._late: asyncio.TimerHandle | None = None
-        self._drawn = 0.0  # [s] of the wall clock
-        self._offering = False  # a control changes for its new options, nobody has chosen anything
+        self._refresh_timer: asyncio.TimerHandle | None = None
+        # Wall-clock time of the last picture [s].
+        self._drawn = 0.0
+        # Whether a control changes because its options were replaced, not because the user chose
+        # one.
+        self._is_updating_options = False
         self._stops: list[Callable[[], None]] = []
         self._frame: Any = None
-        self.closed = False
         self.build()
 
     def build(self) -> None:
-        """Create the controls; raises a CourseError for wrong words behind the view's name."""
+        """Create the controls, or raise a CourseError for invalid arguments."""
 
-    def hear(self, sample: Sample) -> None:
+    def on_sample(self, sample: Sample) -> None:
         """Process a published message."""
 
-    def needed(self) -> Collection[str]:
-        """Return the topics that `hear` waits for: a robot sends no others."""
+    def required_topics(self) -> Collection[str]:
+        """Return the topics that `on_sample` processes. A linked robot sends only these."""
         return ()
 
     def picture(self) -> str:
-        """Return the present state as HTML."""
+        """Return the current state as HTML."""
         raise NotImplementedError
 
     def refresh(self) -> None:
@@ -71,12 +149,16 @@ class RqtView:
         return self.controls[name].value
 
     def add(self, control: Any, action: Callable[[], None] | None = None) -> Any:
-        """Add a control under its description; a change of its value runs the action, or a refresh."""
+        """Add a control under its description.
+
+        A change of its value runs the action, by default a refresh.
+        """
+        # Only widgets of ipywidgets have a style.
         self.controls[control.description] = control
-        if control.has_trait("style"):  # of ipywidgets
+        if control.has_trait("style"):
             control.style.description_width = "initial"
         act = action or self.refresh
-        control.observe(lambda _: None if self._offering else self.soon(act), "value")
+        control.observe(lambda _: None if self._is_updating_options else self.soon(act), "value")
         return control
 
     def add_check(self, name: str, *, on: bool = False, action: Callable[[], None] | None = None) -> None:
@@ -86,7 +168,7 @@ class RqtView:
         self.add(Checkbox(on, description=name, indent=False, layout={"width": "auto"}), action)
 
     def add_text(self, name: str, value: str = "", *, hint: str = "") -> None:
-        """Add a line of text."""
+        """Add a text field."""
         from ipywidgets import Text
 
         self.add(Text(value, description=name, placeholder=hint, layout={"width": "190px"}))
@@ -94,7 +176,7 @@ class RqtView:
     def add_choice(
         self, name: str, options: Sequence[str], value: str | None, action: Callable[[], None] | None = None
     ) -> None:
-        """Add a list of options; the value None selects nothing."""
+        """Add a list of options. The value None selects none of them."""
         from ipywidgets import Dropdown
 
         self.add(
@@ -102,18 +184,19 @@ class RqtView:
         )
 
     def offer(self, name: str, options: Sequence[str]) -> None:
-        """Replace the options of a choice; its value stays if it is among them."""
+        """Replace the options of a list. The chosen option is kept if it still exists."""
         control, kept = self.controls[name], self[name]
         if control.options != tuple(options):
             wanted = kept if kept in options else None
-            self._offering = True
-            control.options = tuple(options)  # selects the first one
-            self._offering = wanted == kept
+            self._is_updating_options = True
+            # This selects the first option.
+            control.options = tuple(options)
+            self._is_updating_options = wanted == kept
             control.value = wanted
-            self._offering = False
+            self._is_updating_options = False
 
     def button(self, name: str, icon: str, action: Callable[[], None]) -> Any:
-        """Return a button that runs an action and a refresh."""
+        """Return a button that runs an action and then a refresh."""
         from ipywidgets import Button
 
         def act() -> None:
@@ -125,7 +208,7 @@ class RqtView:
         return button
 
     def buttons(self) -> list[Any]:
-        """Return the buttons beside the title."""
+        """Return the buttons next to the title."""
         return [self.button("Refresh", "refresh", lambda: None)]
 
     def body(self) -> list[Any]:
@@ -133,51 +216,36 @@ class RqtView:
         return [self.screen]
 
     def listen(self) -> None:
-        """Follow the graph until it is closed."""
-        self._stops = [self.graph.tap(self._take, self.needed), self.graph.watch_time(lambda _: self._tick())]
+        """Process messages and redraw until `stop` is called."""
+        self._stops = [
+            self.graph.tap(self._on_sample, self.required_topics),
+            self.graph.watch_time(lambda _: self._tick()),
+        ]
 
     def stop(self) -> None:
-        """Stop following the graph."""
+        """Stop processing messages."""
         while self._stops:
             self._stops.pop()()
 
-    def wanted(self) -> str | None:
-        """Return the full name of the node or service in the first word, or None."""
+    def target(self) -> str | None:
+        """Return the full name of the node or service in the first argument, or None."""
         return "/" + self.words[0].strip("/") if self.words else None
 
     def check_time(self) -> None:
-        """Raise a CourseError while robot time is paused, because no node can answer."""
-        if pace.wanted() == "real" and pace.speed_of(self.graph).paused:
+        """Raise a CourseError while robot time is paused, because no node can respond."""
+        if pace.mode() == "real" and pace.speed_of(self.graph).paused:
             raise CourseError(
-                "Robot time is paused, nobody answers: ▶ in the viewer's Time panel lets it go on."
+                "Robot time is paused, so no node responds. Press ▶ in the viewer's Time panel to continue."
             )
 
     def close(self) -> None:
-        """Stop following the graph, and leave the page."""
+        """Stop processing messages and remove the view from the page."""
         self.stop()
-        self.closed = True
         if self._frame is not None:
             self._frame.close()
 
-    def restore(self, settings: Mapping[str, Any]) -> None:
-        """Set controls; a value that does not exist now, like a node, is named above the picture.
-
-        Raises:
-            CourseError: There is no such control.
-        """
-        from traitlets import TraitError
-
-        for name, value in settings.items():
-            if name not in self.controls:
-                meant = did_you_mean(name, self.controls) or "."
-                raise CourseError(f"{self.title} has no control {name!r}{meant}")
-            try:
-                self.controls[name].value = value
-            except TraitError:
-                self.say(f"“{name}” can't be {value!r} now.")
-
     def widget(self) -> "VBox":
-        """Return the widget for a cell; from now on it follows the graph."""
+        """Return the widget for a cell, and start to process messages."""
         from ipywidgets import HTML, HBox, VBox
 
         self._loop = asyncio.get_running_loop()
@@ -193,15 +261,16 @@ class RqtView:
     def static(self) -> str:
         """Return the view as HTML for pages without widgets."""
         head = f"<b class='rqt-title'>{self.title}</b>{self.notice.value}"
-        screen = f"<div class='rqt-screen' tabindex='0'>{self.picture()}</div>"  # it scrolls
+        # Focusable, because the element scrolls.
+        screen = f"<div class='rqt-screen' tabindex='0'>{self.picture()}</div>"
         return f"{STYLE}<div class='rqt'>{head}{screen}</div>"
 
-    def say(self, text: str) -> None:
+    def show_notice(self, text: str) -> None:
         """Show a line of text above the picture; "" removes it."""
         self.notice.value = f"<div role='status' class='rqt-notice'>{escape(text)}</div>" if text else ""
 
     def soon(self, action: Callable[[], None]) -> None:
-        """Run an action in the kernel's main thread: messages of a page may arrive in another one."""
+        """Run an action in the kernel's main thread, because messages of a page may arrive in another one."""
         if self._loop is None:
             self._act(action)
         else:
@@ -211,26 +280,28 @@ class RqtView:
         try:
             action()
         except CourseError as error:
-            self.say(str(error))
+            self.show_notice(str(error))
 
-    def _take(self, sample: Sample) -> None:
-        self.hear(sample)
+    def _on_sample(self, sample: Sample) -> None:
+        self.on_sample(sample)
         self._tick()
 
     def _tick(self) -> None:
-        """Draw at most once per PERIOD; the last change is drawn late if none follows."""
+        """Draw at most once per PERIOD. The last change is drawn later if no other follows."""
+        # Without a page, `static` draws once.
         if self._loop is None:
-            return  # without a page, `static` draws once
+            return
         left = self._drawn + PERIOD - wall.monotonic()
         if left <= 0:
             self._draw()
-        elif self._late is None:
-            self._late = self._loop.call_later(left, self._draw)
+        elif self._refresh_timer is None:
+            self._refresh_timer = self._loop.call_later(left, self._draw)
 
     def _draw(self) -> None:
-        if self._late is not None:
-            self._late.cancel()
-        self._late, self._drawn = None, wall.monotonic()
+        if self._refresh_timer is not None:
+            self._refresh_timer.cancel()
+        self._refresh_timer, self._drawn = None, wall.monotonic()
         if self._stops:
-            with baton.unknown():  # a page's matters are none of the program's
+            # Events of a page are not part of the program, so they must not wait for its clock.
+            with time_lock.as_ordinary_thread():
                 self._act(self.refresh)

@@ -2,7 +2,7 @@
 
 /**
  * Read msgpack with the decoder inside meshcat's bundle, which does not export it.
- * @param {DataView | Uint8Array | ArrayBuffer} buffer whatever a front-end made of the bytes @returns {any}
+ * @param {DataView | Uint8Array | ArrayBuffer} buffer the bytes in the front end's type @returns {any}
  */
 export function decode(buffer) {
   let value;

@@ -1,16 +1,16 @@
-const KEPT_EVERY = 64; // batches between two states that are kept, so that going back is quick
+const KEPT_EVERY = 64; // number of batches between two stored states, which make seeking backward fast
 const IDENTITY = new Float32Array([1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
 const AS_NEW = {};
 
-/** What a scene did over time; shows it in a mirror as it was at any time. */
+/** The recorded changes of a scene; shows the scene at any time in a mirror. */
 export class Film {
   /** @param {{start: number, end: number, note: string, batches: any[]}} data @param {import("./mirror.js").Mirror} mirror */
   constructor(data, mirror) {
     this.data = data;
     this.batches = data.batches;
     this.mirror = mirror;
-    this.index = -1; // of the last batch in the picture
-    /** @type {Map<string, any>} the commands that count now, by path and kind */
+    this.index = -1; // index of the last batch that was applied
+    /** @type {Map<string, any>} the effective commands, by path and kind */
     this.state = new Map();
     this.kept = [];
     const state = new Map();
@@ -23,7 +23,7 @@ export class Film {
     }
   }
 
-  /** @param {number} time [s] since the start; the scene is shown as it was then */
+  /** @param {number} time [s] since the start, at which the scene is shown */
   seek(time) {
     const index = this.at(time);
     if (index === this.index) return;
@@ -35,7 +35,7 @@ export class Film {
     [this.state, this.index] = [state, index];
   }
 
-  /** @param {number} time [s] @returns {number} which batch is the last one by then */
+  /** @param {number} time [s] @returns {number} index of the last batch up to this time */
   at(time) {
     let [low, high] = [0, this.batches.length];
     while (high - low > 1) {
@@ -46,13 +46,13 @@ export class Film {
     return low;
   }
 
-  /** @param {number} time [s] @param {number} count of frames, back if negative @returns {number} its time [s] */
+  /** @param {number} time [s] @param {number} count of frames, negative to step backward @returns {number} the time of that frame [s] */
   beside(time, count) {
     const index = Math.max(0, Math.min(this.batches.length - 1, this.at(time) + count));
     return this.batches[index].time;
   }
 
-  /** @param {Map<string, any>} state shown by changing what differs from the present picture */
+  /** @param {Map<string, any>} state to show, by applying its differences from the current state */
   show(state) {
     for (const path of new Set([...this.state.keys(), ...state.keys()])) {
       const [old, now] = [this.state.get(path) ?? AS_NEW, state.get(path) ?? AS_NEW];
@@ -63,7 +63,7 @@ export class Film {
     this.mirror.changed();
   }
 
-  /** @param {string} path @param {string} kind @param {any} value undefined if it is as in a new scene */
+  /** @param {string} path @param {string} kind @param {any} value undefined for the default of a new scene */
   change(path, kind, value) {
     if (kind === "matrix") this.mirror.take({ paths: [path], matrices: value ?? IDENTITY });
     else if (value) this.mirror.orders[kind](value);
@@ -85,7 +85,7 @@ function advance(state, batch) {
     state.set(path, { ...state.get(path), matrix: batch.matrices.subarray(12 * i, 12 * i + 12) });
 }
 
-/** @param {Map<string, any>} state @param {string} path forgotten with all below it */
+/** @param {Map<string, any>} state @param {string} path removed with all nodes below it */
 function forget(state, path) {
   const { background, camera } = state.get("") ?? AS_NEW;
   for (const other of state.keys())

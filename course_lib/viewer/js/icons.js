@@ -1,4 +1,4 @@
-// Lines in a square of 20 by 20: what fonts have of such signs differs, or is missing.
+// Icons as lines in a square of 20 by 20, because fonts draw such characters differently or lack them.
 /** @type {Record<string, string>} */
 const LINES = {
   full: "M3 7V3h4M13 3h4v4M17 13v4h-4M7 17H3v-4",
@@ -17,7 +17,7 @@ const LINES = {
   "Publish Point": "M10 18c-4-6-5-8-5-10a5 5 0 0 1 10 0c0 2-1 4-5 10zM10 6.5a1.5 1.5 0 1 0 .01 0z",
 };
 
-/** @param {string} name @returns {Element} a sign of the size and colour of the text; its button has a name */
+/** @param {string} name @returns {Element} an icon with the size and color of the text; its button must have a name */
 export function icon(name) {
   const box = document.createElement("span");
   box.innerHTML =

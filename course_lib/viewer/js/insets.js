@@ -1,12 +1,12 @@
 /* global THREE */
 import { Orbit } from "./orbit.js";
 
-const [SHARE, GAP] = [0.3, 0.01]; // of the view's width: how wide a picture is, how far it is from others
+const [SHARE, GAP] = [0.3, 0.01]; // width of a picture and gap between pictures, as fractions of the view's width
 
-/** @param {any} object @returns {boolean} whether it and all above it are */
+/** @param {any} object @returns {boolean} whether the object and all its ancestors are visible */
 export const isShown = (object) => !object || (object.visible && isShown(object.parent));
 
-/** @param {any} inset @returns {any} an empty group that knows its picture */
+/** @param {any} inset @returns {any} an empty group that refers to its picture */
 export function buildInset(inset) {
   const { pixels, rows, columns } = inset;
   const canvas = Object.assign(document.createElement("canvas"), { width: columns, height: rows });
@@ -22,7 +22,7 @@ export function buildInset(inset) {
 }
 
 /**
- * Say where pictures are, one below the other at the right; smaller if many are.
+ * Return the positions of pictures, one below the other at the right; many pictures are smaller.
  * @param {any[]} insets @param {number} width of the view @param {number} height
  * @returns {number[][]} left, top, width, height of each
  */
@@ -41,8 +41,8 @@ function boxes(insets, width, height) {
 /**
  * Draw all pictures over a view.
  * @param {CanvasRenderingContext2D} context @param {import("./mirror.js").Mirror} mirror
- * @param {(camera: any, width: number, height: number) => HTMLCanvasElement} render draws the scene on
- *   nothing, into the lower left corner of a canvas
+ * @param {(camera: any, left: number, top: number, width: number, height: number) => void} render draws the scene
+ *   over a transparent background in a part of the view
  */
 export function drawInsets(context, mirror, render) {
   const groups = [...mirror.insets].filter(isShown);
@@ -59,9 +59,8 @@ export function drawInsets(context, mirror, render) {
     for (const node of hidden) node.visible = false;
     const orbit = new Orbit();
     orbit.look(inset.camera);
-    const drawn = render(orbit.camera(width, height), width, height);
+    render(orbit.camera(width, height), left, top, width, height);
     for (const node of hidden) node.visible = true;
-    context.drawImage(drawn, 0, drawn.height - height, width, height, left, top, width, height);
     context.globalAlpha = inset.over;
     context.drawImage(inset.picture, left, top, width, height);
     context.globalAlpha = 1;

@@ -3,11 +3,61 @@
 // RViz's light shines from the camera along its direction, so the brightness of a face is the part of
 // its normal that points at the viewer (z in view space). There is no other light, and no gloss.
 
-/** Metres per pixel, one metre ahead of a camera with perspective, or anywhere without; set for each view. */
+/** Metres per pixel at a distance of 1 m, or anywhere without perspective; set for each view. */
 export const pixel = { value: 0.001 };
+
+/** Rendered pixels per displayed pixel. */
+export const density = { value: 1 };
+
+/** Uniforms of the look "Studio", see studio.js; directions are in the camera's frame. */
+export const studio = {
+  isStudio: { value: false },
+  sun: { value: new THREE.Vector3(0, 0, 1) },
+  sky: { value: new THREE.Vector3(0, 0, 1) },
+  shade: { value: null },
+  taps: { value: 0 },
+  soft: { value: 0 },
+  letters: { value: new THREE.Vector2() }, // range of the height of a label's capital letters in displayed pixels
+  toShade: { value: new THREE.Matrix4() },
+};
+
+// The visible fraction of the sun. A few points are looked up in the shadow map, with a different rotation for each
+// pixel, so that the edge of a shadow is soft; more points make it smoother.
+export const SHADOW = `
+  uniform sampler2D shade;
+  uniform float taps, soft;
+  varying vec3 vShade;
+  // three.js packs a depth into the four channels of a color.
+  const vec4 UNPACK = 255.0 / 256.0 / vec4(16777216.0, 65536.0, 256.0, 1.0);
+  float sunlight() {
+    if (taps < 0.5 || any(greaterThan(abs(vShade - 0.5), vec3(0.5)))) return 1.0;
+    float turn = 6.2832 * fract(52.9829 * fract(dot(gl_FragCoord.xy, vec2(0.06711, 0.00584))));
+    float arrives = 0.0;
+    for (int i = 0; i < 16; i++) {
+      if (float(i) >= taps) break;
+      float radius = soft * sqrt((float(i) + 0.5) / taps), angle = turn + 2.3999632 * float(i);
+      vec4 packed = texture2D(shade, vShade.xy + radius * vec2(cos(angle), sin(angle)));
+      float nearest = dot(packed, UNPACK);
+      arrives += step(vShade.z, nearest + 0.006);
+    }
+    return arrives / taps;
+  }`;
 
 const FRAGMENT = `
   varying vec4 vColor;
+  uniform bool isStudio;
+  #if defined(SMOOTH) || defined(FLAT)
+    uniform vec3 sun, sky;
+    ${SHADOW}
+    vec3 inStudio(vec3 color, vec3 normal) {
+      vec3 n = normal.z < 0.0 ? -normal : normal;
+      float up = 0.5 + 0.5 * dot(n, sky), direct = max(dot(n, sun), 0.0);
+      direct *= direct > 0.0 ? sunlight() : 0.0;
+      vec3 around = mix(vec3(0.27, 0.26, 0.26), vec3(0.58, 0.60, 0.63), up);
+      float gloss = pow(max(dot(n, normalize(sun + vec3(0.0, 0.0, 1.0))), 0.0), 48.0);
+      return color * (around + 0.55 * direct) + 0.12 * gloss * direct;
+    }
+  #endif
   #if defined(SMOOTH)
     varying vec3 vNormal;
   #elif defined(FLAT)
@@ -15,17 +65,29 @@ const FRAGMENT = `
   #endif
   #ifdef TEXTURED
     uniform sampler2D mask;
-    varying vec2 vUv;
+    uniform float density;
+    varying vec2 vUv, vHalf;
+    const float CORNER = 4.0;  // [px]
   #endif
   void main() {
     gl_FragColor = vColor;
     #if defined(SMOOTH)
-      gl_FragColor.rgb *= abs(normalize(vNormal).z);
+      vec3 normal = normalize(vNormal);
+      gl_FragColor.rgb = isStudio ? inStudio(vColor.rgb, normal) : vColor.rgb * abs(normal.z);
     #elif defined(FLAT)
-      gl_FragColor.rgb *= abs(normalize(cross(dFdx(vPosition), dFdy(vPosition))).z);
+      vec3 normal = normalize(cross(dFdx(vPosition), dFdy(vPosition)));
+      gl_FragColor.rgb = isStudio ? inStudio(vColor.rgb, normal) : vColor.rgb * abs(normal.z);
     #endif
     #ifdef TEXTURED
-      gl_FragColor.a *= texture2D(mask, vUv).r;
+      float ink = texture2D(mask, vUv).r;
+      gl_FragColor.a *= ink;
+      if (isStudio) {  // on a plate with round corners; bright letters are dark here
+        vec2 corner = abs(2.0 * vUv - 1.0) * vHalf - vHalf + CORNER;
+        float inside = CORNER - length(max(corner, 0.0));  // [px] from the edge of the plate
+        float plate = clamp(inside * density + 0.5, 0.0, 1.0), rim = 1.0 - clamp((inside - 1.0) * density + 0.5, 0.0, 1.0);
+        vec3 color = dot(vColor.rgb, vec3(0.3, 0.59, 0.11)) > 0.6 ? vec3(0.12, 0.14, 0.18) : 0.75 * vColor.rgb;
+        gl_FragColor = vec4(mix(mix(vec3(1.0), vec3(0.72, 0.75, 0.79), rim), color, ink), vColor.a * plate * mix(0.88, 1.0, ink));
+      }
       if (gl_FragColor.a < 0.01) discard;
     #endif
   }`;
@@ -33,6 +95,9 @@ const FRAGMENT = `
 const SURFACE = `
   attribute vec4 tint;
   varying vec4 vColor;
+  uniform bool isStudio;
+  uniform mat4 toShade;
+  varying vec3 vShade;
   #ifdef SMOOTH
     varying vec3 vNormal;
   #endif
@@ -46,6 +111,13 @@ const SURFACE = `
     #endif
     vec4 position4 = place * vec4(position, 1.0);
     vColor = tint;
+    if (isStudio) {
+      vec4 world = vec4(position, 1.0);
+      #ifdef USE_INSTANCING
+        world = instanceMatrix * world;
+      #endif
+      vShade = (toShade * modelMatrix * world).xyz;
+    }
     #ifdef SMOOTH
       mat3 m = mat3(place);  // its cofactors turn normals right, however it stretches
       vNormal = cross(m[1], m[2]) * normal.x + cross(m[2], m[0]) * normal.y + cross(m[0], m[1]) * normal.z;
@@ -59,15 +131,15 @@ const SURFACE = `
 const PLACED = `
   attribute vec3 start;
   attribute vec4 startTint;
-  uniform float pixel;
+  uniform float pixel, density;
   uniform vec3 size;
-  uniform bool inPixels;
+  uniform bool inPixels, isStudio;
   uniform bool grow;
   varying vec4 vColor;
   float pixelAt(vec4 here) { return pixel * (isOrthographic ? 1.0 : -here.z); }`;
 
-// Ogre's billboard chain: at each point the strip is as wide as asked, at right angles to the line that
-// joins its neighbours and to the direction of the eye.
+// Ogre's billboard chain: at each point the strip has the requested width, perpendicular to the line that
+// connects its neighbors and to the viewing direction.
 const STRIP = `${PLACED}
   attribute vec3 before;
   attribute vec3 end;
@@ -78,20 +150,27 @@ const STRIP = `${PLACED}
     vec4 here = modelViewMatrix * vec4(first ? start : end, 1.0);
     vec3 along = mat3(modelViewMatrix) * (first ? end - before : after - start);
     vec3 across = cross(along, isOrthographic ? vec3(0.0, 0.0, 1.0) : -here.xyz);
-    float width = size.x > 0.0 ? size.x : pixelAt(here);
-    here.xyz += across / max(length(across), 1e-9) * width * position.y;
+    float drawn = pixelAt(here) / min(density, 1.0);  // thinner ones would have gaps
+    float width = size.x > 0.0 ? (density < 1.0 ? max(size.x, drawn) : size.x) : drawn;
+    here.xyz -= across / max(length(across), 1e-9) * width * position.y;  // its front is seen
     vColor = first ? startTint : endTint;
     gl_Position = projectionMatrix * here;
   }`;
 
-// RViz's nogp/billboard.vert: what faces the eye keeps its upper side along the node's y; boxes keep the
-// node's axes, and text and pixels those of the picture. Dots are the graphics library's own points.
+// RViz's nogp/billboard.vert: shapes that face the eye are upright along the node's y; boxes keep the
+// node's axes, and text and pixels the axes of the image. Dots are WebGL's own points.
 const SPOT = `${PLACED}
   attribute float shade;
-  varying vec2 vUv;
+  varying vec2 vUv, vHalf;
+  uniform float capital;
+  uniform vec2 letters;
   void main() {
     vec4 here = modelViewMatrix * vec4(start, 1.0);
     float unit = (inPixels ? pixelAt(here) : 1.0) * (grow ? start.z : 1.0);
+    #ifdef TEXTURED
+      if (isStudio) unit *= clamp(capital / pixelAt(here), letters.x, letters.y) * pixelAt(here) / max(capital, 1e-6);
+      vHalf = 0.5 * size.xy * unit / pixelAt(here);
+    #endif
     mat3 axes = mat3(1.0);
     vColor = startTint;
     #if defined(FACING)
@@ -103,7 +182,7 @@ const SPOT = `${PLACED}
       axes = mat3(modelViewMatrix);
     #endif
     #if defined(DOT)
-      gl_PointSize = max(size.x * unit / pixelAt(here), 1.0);
+      gl_PointSize = max(size.x * unit / pixelAt(here), 1.0) * density;
     #else
       here.xyz += axes * (position * size * unit);
       #ifdef TEXTURED
@@ -115,7 +194,7 @@ const SPOT = `${PLACED}
     gl_Position = projectionMatrix * here;
   }`;
 
-/** @type {Map<string, any>} They live as long as the page: a marker that is sent anew compiles nothing. */
+/** @type {Map<string, any>} They exist as long as the page, so that a new marker compiles no shader. */
 const made = new Map();
 
 /**
@@ -131,7 +210,7 @@ export function material(kind, transparent, define = "", doubleSided = true) {
       vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT }[kind],
       fragmentShader: FRAGMENT,
       defines: define ? { [define]: "" } : {},
-      uniforms: { pixel, size: { value: [0, 0, 0] }, inPixels: { value: false }, grow: { value: false }, mask: { value: null } },
+      uniforms: { pixel, density, ...studio, size: { value: [0, 0, 0] }, inPixels: { value: false }, grow: { value: false }, mask: { value: null }, capital: { value: 1 } },
       side: doubleSided ? THREE.DoubleSide : THREE.FrontSide,
       transparent,
       depthWrite: !transparent,

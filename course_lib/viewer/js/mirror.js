@@ -3,7 +3,7 @@ import { buildLines, buildPoints, buildText } from "./billboards.js";
 import { buildInset } from "./insets.js";
 import { buildMesh, buildSheet, buildSolids, writeMatrix } from "./surfaces.js";
 
-/** The page's copy of a scene: one three.js tree that all views of it look at. */
+/** The page's copy of a scene: one three.js tree, which all its views draw. */
 export class Mirror {
   constructor() {
     this.scene = new THREE.Scene();
@@ -13,17 +13,19 @@ export class Mirror {
     this.nodes = new Map([["", this.scene]]);
     /** @type {Set<import("./view.js").View>} */
     this.views = new Set();
-    /** @type {Set<any>} groups that are pictures in the views' corner */
+    /** @type {Set<any>} groups of the pictures in a corner of the views */
     this.insets = new Set();
-    this.lasting = ""; // what the views say until it is over
+    this.lasting = ""; // text that the views show until its condition has ended
     this.background = [48, 48, 48];
+    this.style = "RViz"; // or "Studio"
+    this.version = 0; // version of the contents, without the camera
     this.camera = null; // as Python describes it
     this.mixer = null;
     this.animation = null; // as meshcat describes it
     this.clock = new THREE.Clock();
     /** @type {any[]} */
     this.actions = [];
-    /** @type {string[]} what the next matrices are for */
+    /** @type {string[]} paths of the next matrices */
     this.paths = [];
     /** @type {any[] | null} */
     this.moving = null; // the nodes at these paths
@@ -43,7 +45,7 @@ export class Mirror {
       object: ({ path, object }) => this.put(path, object),
       visible: ({ path, value }) => (this.node(path).visible = value),
       delete: ({ path }) => this.clear(path),
-      background: ({ color }) => (this.background = color),
+      background: ({ color, look }) => ([this.background, this.style] = [color, look ?? "RViz"]),
       camera: (camera) => this.look(camera),
       animation: (animation) => this.animate(animation),
     };
@@ -57,26 +59,28 @@ export class Mirror {
       try {
         this.orders[command.type](command);
       } catch (error) {
-        fault ??= new Error(`${command.path ?? command.type}: ${error}`); // the others shall be seen
+        fault ??= new Error(`${command.path ?? command.type}: ${error}`); // the other changes are still applied
       }
     }
     if (batch.paths) this.paths = batch.paths;
     if (batch.paths || batch.commands) this.moving = null;
     if (batch.matrices) this.place(batch.matrices);
+    this.version++;
     this.changed();
     if (fault) throw fault;
   }
 
-  /** @param {any} batch a whole scene, decoded, in place of the one that is here */
+  /** @param {any} batch a whole decoded scene, which replaces the current one */
   reset(batch) {
     this.clear("");
     this.take(batch);
   }
 
-  /** @returns {any} the batch that makes this scene out of nothing */
+  /** @returns {any} the batch that creates this scene */
   whole() {
-    const { background: color, camera, animation } = this;
-    const commands = [{ type: "background", color }, camera, animation].filter(Boolean);
+    const { background: color, style: look, camera, animation } = this;
+    const style = look === "RViz" ? {} : { look };
+    const commands = [{ type: "background", color, ...style }, camera, animation].filter(Boolean);
     /** @type {string[]} */
     const paths = [];
     /** @type {number[]} */
@@ -95,7 +99,7 @@ export class Mirror {
     for (const view of this.views) view.invalidate();
   }
 
-  /** @param {string} path @returns {any} the node there, made if need be */
+  /** @param {string} path @returns {any} the node at the path, created if it does not exist */
   node(path) {
     let node = this.nodes.get(path);
     if (!node) {
@@ -118,7 +122,7 @@ export class Mirror {
     });
   }
 
-  /** @param {string} path @param {any} description of what is put there */
+  /** @param {string} path @param {any} description of the object for this node */
   put(path, description) {
     const node = this.remove(path);
     node.userData.object = this.builders[description.kind](description);
@@ -127,7 +131,7 @@ export class Mirror {
     if (node.userData.object.userData.inset) this.insets.add(node.userData.object);
   }
 
-  /** @param {string} path @returns {any} the node there, without its object */
+  /** @param {string} path @returns {any} the node at the path, without its object */
   remove(path) {
     const node = this.node(path);
     if (node.userData.object) this.drop(node.userData.object);
@@ -135,7 +139,7 @@ export class Mirror {
     return node;
   }
 
-  /** @param {any} json an object of meshcat @returns {any} a group that gets it when its pictures are there */
+  /** @param {any} json an object of meshcat @returns {any} a group to which it is added once its images are loaded */
   load(json) {
     const group = new THREE.Group();
     const host = {
@@ -157,7 +161,7 @@ export class Mirror {
     this.mixer = this.animation = null;
   }
 
-  /** @param {any} top taken out of the tree, with its share of the graphics memory */
+  /** @param {any} top removed from the tree, releasing its graphics memory */
   drop(top) {
     top.parent?.remove(top);
     top.traverse((/** @type {any} */ object) => {
@@ -191,7 +195,7 @@ export class Mirror {
       node.matrix.decompose(node.position, node.quaternion, node.scale);
       node.matrixAutoUpdate = true;
       const parsed = THREE.AnimationClip.parse(clip);
-      parsed.uuid = THREE.MathUtils.generateUUID(); // tells clips apart, and meshcat gives none
+      parsed.uuid = THREE.MathUtils.generateUUID(); // clips need a unique id, which meshcat does not provide
       const action = this.mixer.clipAction(parsed, node);
       action.clampWhenFinished = options.clampWhenFinished ?? true;
       action.setLoop(options.loopMode ?? THREE.LoopRepeat, options.repetitions ?? 1);
@@ -199,9 +203,10 @@ export class Mirror {
     });
   }
 
-  /** @returns {boolean} whether anything moves by itself */
+  /** @returns {boolean} whether an animation is playing */
   tick() {
     if (!this.mixer) return false;
+    this.version++;
     this.mixer.update(this.clock.getDelta());
     return this.actions.some((action) => action.isRunning());
   }

@@ -2,8 +2,13 @@
 
 const LIMIT = Math.PI / 2 - 0.001; // [rad] RViz's limit of the pitch
 const FAR = 1000; // [m]
+// A view beside the notebook is narrow and tall. It shows at least as much from left to right as a picture of this aspect
+// ratio in a cell, or, without perspective, as one of this width.
+const ASPECT = 1.2;
+const WIDTH = 600; // [px]
+const MOST = 1.8; // maximum magnification of the opening angle's tangent, because wide angles distort
 
-/** Where a view looks from, turned by hand around a point as in RViz's Orbit view. */
+/** The camera pose of a view, turned by hand around a point as in RViz's Orbit view. */
 export class Orbit {
   constructor() {
     this.eye = new THREE.Vector3(5, 5, 7);
@@ -12,13 +17,14 @@ export class Orbit {
     this.fov = 45; // [deg] vertical
     this.near = 0.01; // [m]
     this.scale = 0; // pixels per metre, without perspective
-    this.inPlace = false; // turns around the eye, as RViz's FPS view
-    this.aligned = false; // `up` is that of a frame, as in RViz's FrameAligned view
+    this.inPlace = false; // rotates around the eye, like RViz's FPS view
+    this.aligned = false; // `up` belongs to a frame, as in RViz's FrameAligned view
     this.locked = false; // cannot be turned by hand
-    this.lift = 0; // by which part of the distance RViz's XYOrbit view moves the camera up in the picture
+    this.lift = 0; // upward shift of RViz's XYOrbit view in the image, as a fraction of the distance
     this.ground = 0; // [m] height of the plane that XYOrbit moves on
     this.shift = [0, 0]; // see Python's Camera
     this.far = FAR; // [m]
+    this.isTall = false; // opens wider where it is narrow, see ASPECT
   }
 
   /** @param {any} camera as Python describes it */
@@ -33,24 +39,34 @@ export class Orbit {
     this.far = camera.far;
   }
 
-  /** @returns {any} from where it looks, as Python's orders have it */
+  /** @returns {any} the camera pose in the fields of Python's orders */
   seen() {
     const { eye, target, up, scale } = this;
     return { eye: eye.toArray(), target: target.toArray(), up: up.toArray(), scale };
   }
 
-  /** @param {number} height of the picture in pixels @returns {number} [m] of one 1 m away, or in any distance if flat */
-  pixel(height) {
-    return this.scale ? 1 / this.scale : (2 * Math.tan((this.fov * Math.PI) / 360)) / height;
+  /** @param {number} width of the picture in pixels @param {number} height @returns {number} size of a pixel [m] at a distance of 1 m, or anywhere without perspective */
+  pixel(width, height) {
+    const { slope, scale } = this.lens(width, height);
+    return scale ? 1 / scale : (2 * slope) / height;
+  }
+
+  /** @param {number} width of the picture in pixels @param {number} height @returns {{slope: number, scale: number}} the tangent of half the opening angle; pixels per metre, or 0 */
+  lens(width, height) {
+    const slope = Math.tan((this.fov * Math.PI) / 360);
+    if (!this.isTall) return { slope, scale: this.scale };
+    const wider = Math.min(Math.max((ASPECT * height) / width, 1), MOST);
+    return { slope: slope * wider, scale: this.scale * Math.min(width / WIDTH, 1) };
   }
 
   /** @param {number} width in the pixels of `scale` @param {number} height @returns {any} for three.js */
   camera(width, height) {
     let camera;
-    if (this.scale) {
-      const [x, y] = [width / this.scale / 2, height / this.scale / 2];
+    const { slope, scale } = this.lens(width, height);
+    if (scale) {
+      const [x, y] = [width / scale / 2, height / scale / 2];
       camera = new THREE.OrthographicCamera(-x, x, y, -y, -FAR, FAR);
-    } else camera = new THREE.PerspectiveCamera(this.fov, width / height, this.near, this.far);
+    } else camera = new THREE.PerspectiveCamera((Math.atan(slope) * 360) / Math.PI, width / height, this.near, this.far);
     const [right, down] = this.shift.map((part) => -part * height);
     if (right || down) camera.setViewOffset(width, height, right, down, width, height);
     camera.up.copy(this.up);
@@ -72,7 +88,7 @@ export class Orbit {
     const level = new THREE.Quaternion().setFromUnitVectors(axis, up);
     const offset = this.eye.clone().sub(this.target).applyQuaternion(level);
     const distance = offset.length();
-    const above = Math.hypot(offset.x, offset.y) < 1e-4 * distance; // then `up` tells the heading
+    const above = Math.hypot(offset.x, offset.y) < 1e-4 * distance; // the heading then follows from `up`
     const yaw = (above ? Math.atan2(-this.up.y, -this.up.x) : Math.atan2(offset.y, offset.x)) - left;
     const pitch = Math.max(-LIMIT, Math.min(LIMIT, Math.asin(offset.z / distance) + over));
     const [flat, high] = [Math.cos(pitch), Math.sin(pitch)];
@@ -84,7 +100,7 @@ export class Orbit {
     this.raise(1);
   }
 
-  /** @param {number} sign 1: move up in the picture by RViz's XYOrbit's lift, -1: back to the focal point */
+  /** @param {number} sign 1 applies the upward shift of RViz's XYOrbit, -1 removes it */
   raise(sign) {
     if (!this.lift) return;
     const away = this.eye.clone().sub(this.target);
@@ -99,9 +115,9 @@ export class Orbit {
   }
 
   /**
-   * Move along the picture, or on the ground.
+   * Move parallel to the image, or on the ground.
    * @param {number} dx in pixels @param {number} dy @param {{clientWidth: number, clientHeight: number}} box
-   * @param {number[]} at where the pointer is in the box, in pixels
+   * @param {number[]} at the pointer's position in the box, in pixels
    */
   pan(dx, dy, { clientWidth: width, clientHeight: height }, at = [width / 2, height / 2]) {
     const camera = this.camera(width, height);
@@ -113,7 +129,7 @@ export class Orbit {
       return;
     }
     const far = this.scale ? 1 : this.eye.distanceTo(this.target);
-    const unit = this.inPlace ? -0.01 : far * this.pixel(height); // [m] per pixel
+    const unit = this.inPlace ? -0.01 : far * this.pixel(width, height); // [m] per pixel
     this.shiftBy(new THREE.Vector3(-dx * unit, dy * unit, 0).applyQuaternion(camera.quaternion));
   }
 
@@ -126,12 +142,12 @@ export class Orbit {
     return far > 0 && Number.isFinite(far) ? origin.clone().addScaledVector(direction, far) : null;
   }
 
-  /** @param {number} part of the distance, to move backward with what is looked at */
+  /** @param {number} part of the distance to move backward, together with the focal point */
   dolly(part) {
     this.shiftBy(this.eye.clone().sub(this.target).multiplyScalar(part));
   }
 
-  /** @param {number[]} point [m] that is looked at and turned around */
+  /** @param {number[]} point the new focal point [m] */
   lookAt(point) {
     const to = new THREE.Vector3(...point);
     if (this.scale) this.eye.add(to.clone().sub(this.target).setZ(0));

@@ -9,13 +9,13 @@ import { View } from "./view.js";
 /** @param {string} text base64 */
 const fromBase64 = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
 
-/** @param {string} text a scene, a film or a part of one, zipped, in base64 */
+/** @param {string} text a compressed scene, recording or part of a recording, in base64 */
 export async function unpacked(text) {
   const stream = new Blob([fromBase64(text)]).stream().pipeThrough(new DecompressionStream("gzip"));
   return decode(await new Response(stream).arrayBuffer());
 }
 
-/** Show every scene that is written into the page and not shown yet. */
+/** Show every scene of the page that is not displayed yet. */
 export async function mountAll() {
   for (const data of document.querySelectorAll(".course-scene > script"))
     mount(/** @type {HTMLElement} */ (data.parentElement), await unpacked(data.textContent ?? ""));
@@ -29,21 +29,27 @@ export function mount(host, content) {
   host.style.cssText += ";display:flex;flex-direction:column";
   host.append(picture);
   const alone = host.dataset.alone === "true";
-  new View(picture, mirror, { label: host.dataset.label ?? "", alone });
-  if (content.batches) play(new Film(content, mirror), host, alone ? document.body : host);
+  const view = new View(picture, mirror, { label: host.dataset.label ?? "", alone });
+  if (content.batches) play(new Film(content, mirror), host, alone ? document.body : host, () => view.seen);
   else mirror.take(content);
 }
 
-/** @param {Film} film @param {HTMLElement} host gets a time bar @param {HTMLElement} keys where its keys are heard */
-function play(film, host, keys) {
+/**
+ * Add a time bar, and start a replay.
+ * @param {Film} film @param {HTMLElement} host to which the bar is added; with `data-plays` it is a replay
+ * @param {HTMLElement} keys the element whose keys it handles
+ * @param {() => boolean} isSeen whether the scene is in sight
+ */
+function play(film, host, keys, isSeen) {
   /** @type {TimeBar} */
   const bar = new TimeBar(host, (change) => player.act(change), keys);
   /** @type {Player} */
-  const player = new Player(film, (time) => bar.update(time));
+  const player = new Player(film, (time) => bar.update(time), isSeen);
+  if (host.dataset.plays === "true") player.replay();
 }
 
 /**
- * Draw a scene at once, as the data address of a PNG.
+ * Draw a scene synchronously, and return a PNG as a data URL.
  * @param {string} scene a snapshot in base64 @param {number} width in pixels @param {number} height
  */
 export function picture(scene, width, height) {

@@ -2,13 +2,15 @@
 export class Player {
   /**
    * @param {import("./film.js").Film} film
-   * @param {(time: import("./protocol.js").TimeState) => void} told the time for the bars
+   * @param {(time: import("./protocol.js").TimeState) => void} onTime called with the time for the bars
+   * @param {() => boolean} isSeen whether the recording is in sight; otherwise it is paused
    */
-  constructor(film, told) {
+  constructor(film, onTime, isSeen = () => true) {
     this.film = film;
-    this.told = told;
+    this.onTime = onTime;
+    this.isSeen = isSeen;
     this.end = film.data.end; // [s]
-    this.now = this.end; // what the page is about; `play` begins at the start then
+    this.now = this.end; // the page initially shows the end, from which `play` starts at the beginning
     this.paused = true;
     this.rate = 1;
     this.loop = false;
@@ -16,7 +18,7 @@ export class Player {
     this.act({ now: this.end });
   }
 
-  /** @param {import("./protocol.js").TimeChange} change what somebody does with the bar */
+  /** @param {import("./protocol.js").TimeChange} change made by the user with a bar */
   act(change) {
     if (change.now !== undefined) this.now = Math.max(0, Math.min(this.end, change.now));
     if (change.step) [this.paused, this.now] = [true, this.film.beside(this.now, change.step)];
@@ -24,6 +26,12 @@ export class Player {
     if (change.loop !== undefined) this.loop = change.loop;
     if (change.paused !== undefined) this.play(!change.paused);
     this.show();
+  }
+
+  /** Play again and again from the start, unless the user prefers reduced motion. */
+  replay() {
+    const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    if (!isStill) this.act({ now: 0, loop: true, paused: false });
   }
 
   /** @param {boolean} on */
@@ -39,13 +47,14 @@ export class Player {
   /** @param {number} time [ms] of the page's clock */
   tick(time) {
     if (this.paused) return;
-    this.now += (Math.max(time - this.last, 0) / 1000) * this.rate;
+    const passed = this.isSeen() ? Math.max(time - this.last, 0) / 1000 : 0; // [s]
     this.last = time;
+    this.now += passed * this.rate;
     if (this.now >= this.end) {
       this.now = this.loop ? this.now % this.end : this.end;
       this.paused = !this.loop;
     }
-    this.show();
+    if (passed) this.show();
     if (!this.paused) requestAnimationFrame((next) => this.tick(next));
   }
 
@@ -53,6 +62,6 @@ export class Player {
     const { now, end, paused, rate, loop, film } = this;
     const { start, note } = film.data;
     film.seek(now);
-    this.told({ now: start + now, elapsed: now, range: [0, end], paused, rate, loop, note });
+    this.onTime({ now: start + now, elapsed: now, range: [0, end], paused, rate, loop, note });
   }
 }

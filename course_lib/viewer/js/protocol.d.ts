@@ -1,4 +1,4 @@
-// Generated from Python's dataclasses: python -m tests.viewer.declarations
+// Generated from Python's messages: python -m tests.viewer.declarations
 
 /** A click into a view; points are in the scene's frame, in [m]. */
 export interface Click {
@@ -20,21 +20,21 @@ export interface Hands {
   ground: number;
 }
 
-/** An entry of a context menu; one that opens further entries cannot be chosen. */
+/** An entry of a context menu. An entry with a submenu cannot be chosen. */
 export interface MenuItem {
   id: number;
   text: string;
   opens?: boolean;
 }
 
-/** The menu that was asked for last, of an interactive marker; each has another number. */
+/** The latest context menu of an interactive marker; each menu has a new number. */
 export interface ContextMenu {
   number?: number;
   path?: string;
   entries?: MenuItem[];
 }
 
-/** The pointer is at work on an interactive marker; points and rays in the fixed frame, [m]. */
+/** The pointer acts on an interactive marker; points and rays are in the fixed frame [m]. */
 export interface UseControl {
   path: string;
   event: string;
@@ -51,7 +51,7 @@ export interface UseControl {
   point?: [number, number, number];
 }
 
-/** An entry of an interactive marker's menu was chosen. */
+/** Choose an entry of an interactive marker's menu. */
 export interface ChooseEntry {
   path: string;
   entry: number;
@@ -66,7 +66,7 @@ export interface Editor {
   type?: string;
 }
 
-/** A status level: for programs, as an icon, and in a word. */
+/** A status level as an identifier, an icon and a word. */
 export interface LevelMark {
   level: "ok" | "warn" | "error" | "hint";
   icon: string;
@@ -94,13 +94,13 @@ export interface ToolButton {
   gesture: "interact" | "camera" | "select" | "focus" | "measure" | "pose" | "point";
 }
 
-/** The properties of tools that the page itself follows. */
+/** The properties of tools that the page itself uses. */
 export interface ToolSettings {
   single: boolean;
   color: string;
 }
 
-/** The type of the view, the types there are, and the names of the saved views. */
+/** The type of the view, all types, and the names of the saved views. */
 export interface ViewChoice {
   type: string;
   types: string[];
@@ -113,7 +113,7 @@ export interface StatusLine {
   text: string;
 }
 
-/** The answer to the last order; without a text there is nothing to say. */
+/** The response to the last order; the text is empty if there is none. */
 export interface Notice {
   level?: "" | "ok" | "error";
   text?: string;
@@ -138,7 +138,7 @@ export interface Layouts {
   files: string[];
 }
 
-/** All that the panels show; `tree`, `view` and `tools` hold the keys of their rows, parents first. */
+/** The whole state of the panels; `tree`, `view` and `tools` are the keys of their rows, parents first. */
 export interface PanelState {
   tree: string[];
   view: string[];
@@ -159,18 +159,18 @@ export interface PanelState {
   summary: string;
 }
 
-/** The fields of the state and the rows that have changed, and the keys of rows that are gone. */
+/** The fields of the state and the rows that have changed, and the keys of removed rows. */
 export interface PanelNews {
   changed: Partial<PanelState>;
   rows: Record<string, PanelRow>;
   gone: string[];
 }
 
-/** A page has come that knows nothing yet. */
+/** A new page requests the whole state. */
 export interface OpenPanels {
 }
 
-/** Somebody wants to see what is new. */
+/** Request an update. */
 export interface LookAgain {
 }
 
@@ -180,7 +180,7 @@ export interface SetValue {
   value: any;
 }
 
-/** Add a display, to the group that is chosen. */
+/** Add a display to the selected group. */
 export interface AddDisplay {
   display: string;
   topic?: string;
@@ -192,13 +192,13 @@ export interface DuplicateDisplay {
   row: string;
 }
 
-/** Change the name of a display or a group. */
+/** Change the name of a display or group. */
 export interface RenameRow {
   row: string;
   name: string;
 }
 
-/** Remove a display or a group. */
+/** Remove a display or group. */
 export interface RemoveRow {
   row: string;
 }
@@ -208,7 +208,7 @@ export interface SaveLayout {
   name: string;
 }
 
-/** Open an .rviz file of the notebook's folder. */
+/** Open an .rviz file in the notebook's folder. */
 export interface LoadLayout {
   name: string;
 }
@@ -218,16 +218,16 @@ export interface ChangeView {
   view: string;
 }
 
-/** Look from where a new view does. */
+/** Return to the defaults of the view. */
 export interface HomeView {
 }
 
-/** Save the view as it is now. */
+/** Save the current view. */
 export interface SaveView {
   name: string;
 }
 
-/** Look as a saved view does. */
+/** Switch to a saved view. */
 export interface UseView {
   index: number;
 }
@@ -243,7 +243,7 @@ export interface RemoveView {
   index: number;
 }
 
-/** The view was turned by hand; points in the fixed frame, [m]. */
+/** The view was turned by hand; points are in the fixed frame [m]. */
 export interface TurnView {
   eye: [number, number, number];
   target: [number, number, number];
@@ -251,7 +251,7 @@ export interface TurnView {
   scale: number;
 }
 
-/** An object was clicked, or the background. */
+/** An object or the background was clicked. */
 export interface SelectObject {
   path?: string;
   index?: number;
@@ -264,7 +264,7 @@ export interface PublishGesture {
   angle?: number;
 }
 
-/** The state of a time bar, [s]; wall time is that of a live graph, the range that of a recording. */
+/** The state of a time bar, [s]; wall time only for a live graph, the range only for a recording. */
 export interface TimeState {
   elapsed: number;
   paused: boolean;

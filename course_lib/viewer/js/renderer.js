@@ -1,9 +1,13 @@
 /* global THREE */
 import { drawInsets } from "./insets.js";
 import { Orbit } from "./orbit.js";
-import { pixel } from "./materials.js";
+import { inFront } from "./labels.js";
+import { density, pixel } from "./materials.js";
+import { drawCoarse } from "./coarse.js";
+import { backgroundOf, onGround, setUp } from "./studio.js";
+import { atRest, expectSpeed } from "./quality.js";
 
-// Browsers keep 16 WebGL contexts at most: all views of a page share one and copy its picture.
+// Browsers allow at most 16 WebGL contexts, so all views of a page share one and copy its picture.
 
 /** @type {any} */
 let shared = null;
@@ -12,12 +16,13 @@ export const views = new Set();
 
 function renderer() {
   if (!shared) {
-    shared = new THREE.WebGLRenderer({ antialias: true, alpha: true });
-    shared.outputEncoding = THREE.LinearEncoding; // colours are shown as they were given
+    shared = new THREE.WebGLRenderer({ antialias: false, alpha: true });
+    shared.outputEncoding = THREE.LinearEncoding; // colors are displayed without conversion
+    expectSpeed(shared.getContext());
     const current = shared;
     current.domElement.addEventListener("webglcontextlost", () => {
       if (shared !== current) return;
-      shared = null; // the next picture starts a new one
+      shared = null; // the next picture creates a new context
       current.dispose();
       for (const view of views) view.invalidate();
     });
@@ -26,26 +31,41 @@ function renderer() {
 }
 
 /**
- * Draw a scene into a 2-D canvas, which has its size already.
+ * Draw a scene into a 2D canvas whose size has been set.
  * @param {HTMLCanvasElement} canvas @param {import("./mirror.js").Mirror} mirror
- * @param {any} camera a three.js camera
+ * @param {any} camera a three.js camera @param {import("./quality.js").Quality} quality
  */
-export function draw(canvas, mirror, camera) {
+export function draw(canvas, mirror, camera, quality = atRest()) {
   const { width, height } = canvas;
-  const engine = renderer();
-  const size = engine.getSize(new THREE.Vector2());
-  if (size.x !== width || size.y !== height) engine.setSize(width, height, false);
   const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-  /** @param {any} from @param {number} w @param {number} h */
-  const render = (from, w, h, alpha = 0) => {
-    engine.setViewport(0, 0, w, h);
-    engine.setClearColor(new THREE.Color(...mirror.background.map((part) => part / 255)), alpha);
+  const engine = renderer();
+  const limit = engine.capabilities.maxTextureSize;
+  const scale = Math.min(quality.scale, limit / Math.max(width, height));
+  const [wide, high] = [Math.ceil(width * scale), Math.ceil(height * scale)];
+  const size = engine.getSize(new THREE.Vector2());
+  if (size.x !== wide || size.y !== high) engine.setSize(wide, high, false);
+  setUp(engine, mirror, quality);
+  context.imageSmoothingQuality = "medium";
+  /**
+   * @param {any} from @param {number} left @param {number} top @param {number} w @param {number} h area of the
+   *   picture in pixels
+   */
+  const render = (from, left, top, w, h, alpha = 0) => {
+    const [drawnWide, drawnHigh] = [Math.round(w * scale), Math.round(h * scale)];
+    engine.setViewport(0, 0, drawnWide, drawnHigh);
+    engine.setClearColor(new THREE.Color(...backgroundOf(mirror).map((part) => part / 255)), alpha);
     pixel.value = metresPerPixel(from, h);
+    density.value = scale;
     mirror.light.position.setFromMatrixColumn(from.matrixWorld, 2);
-    engine.render(mirror.scene, from);
-    return engine.domElement;
+    const restore = mirror.style === "Studio" ? inFront(mirror.scene, from, pixel.value, w, h) : () => {};
+    const all = () => drawCoarse(quality.cell, from, h, () => engine.render(mirror.scene, from));
+    if (alpha) onGround(mirror, from, all);
+    else all();
+    restore();
+    // three.js counts from the lower left corner.
+    context.drawImage(engine.domElement, 0, high - drawnHigh, drawnWide, drawnHigh, left, top, w, h);
   };
-  context.drawImage(render(camera, width, height, 1), 0, 0);
+  render(camera, 0, 0, width, height, 1);
   drawInsets(context, mirror, render);
 }
 
@@ -55,7 +75,7 @@ export function metresPerPixel(camera, height) {
   return (2 * Math.tan((camera.fov * Math.PI) / 360)) / height;
 }
 
-/** @param {import("./mirror.js").Mirror} mirror @param {number} width in pixels @param {number} height @returns {string} a PNG as a data address */
+/** @param {import("./mirror.js").Mirror} mirror @param {number} width in pixels @param {number} height @returns {string} a PNG as a data URL */
 export function pictureOf(mirror, width, height) {
   const orbit = new Orbit();
   orbit.look(mirror.camera);

@@ -3,7 +3,7 @@ import { Link } from "./link.js";
 const AGAIN = 1000; // [ms] until the next attempt to reach the program
 const GONE = "The program that draws this has ended or cannot be reached: the picture stands still. Trying again…";
 
-/** @param {HTMLElement} host shows the scene of the program that this page came from, and follows it */
+/** @param {HTMLElement} host the element that shows the scene of the program that serves this page */
 export function follow(host) {
   /** @type {Record<string, any>} */
   let state = { height: 0 };
@@ -11,7 +11,7 @@ export function follow(host) {
   let hear = () => {};
   /** @type {WebSocket | null} */
   let connected = null;
-  const model = { // stands for a widget's: the same messages, over a WebSocket
+  const model = { // replaces a widget's model: the same messages over a WebSocket
     get: (/** @type {string} */ name) => state[name],
     set: (/** @type {string} */ name, /** @type {any} */ value) => (state[name] = value),
     on: (/** @type {string} */ name, /** @type {typeof hear} */ told) => name === "msg:custom" && (hear = told),
@@ -44,7 +44,7 @@ export function follow(host) {
   open();
 }
 
-/** @param {Uint8Array} bytes see Python's `framed` @returns {[any, DataView[]]} */
+/** @param {Uint8Array} bytes see Python's `frame_message` @returns {[any, DataView[]]} */
 function unframed(bytes) {
   const end = bytes.indexOf(10);
   const { sizes, ...message } = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));

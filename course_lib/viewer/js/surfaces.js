@@ -1,5 +1,9 @@
 /* global THREE */
 import { material } from "./materials.js";
+import { castsShadow } from "./studio.js";
+import { makeCoarse } from "./coarse.js";
+
+export const MOST_VERTICES = 200_000; // limit for all instances of an object together; beyond it they are drawn as instances to save memory
 
 /** @type {Record<string, () => any>} */
 const UNIT_SHAPES = {
@@ -10,7 +14,7 @@ const UNIT_SHAPES = {
 };
 
 /**
- * One colour for each of some things, from as many or from one.
+ * Return one color per element, from as many colors or a single one.
  * @param {Uint8Array} colors RGBA @param {number} count @returns {Uint8Array}
  */
 export function spread(colors, count) {
@@ -40,16 +44,60 @@ export function writeMatrix(elements, offset, columns, from) {
 
 /** @param {any} solids */
 export function buildSolids(solids) {
+  const shape = UNIT_SHAPES[solids.shape]();
+  const vertices = (solids.placements.length / 12) * shape.attributes.position.count;
+  return vertices <= MOST_VERTICES ? solidsAsOne(solids, shape) : solidInstances(solids, shape);
+}
+
+/** @param {any} solids @param {any} shape @returns {any} a mesh of all shapes, because software takes 25 microseconds per instance */
+function solidsAsOne(solids, shape) {
   const count = solids.placements.length / 12;
-  const geometry = UNIT_SHAPES[solids.shape]();
+  const { position, normal } = shape.attributes;
+  const each = position.count;
+  const [places, normals] = [new Float32Array(3 * each * count), new Float32Array(3 * each * count)];
+  const index = new Uint32Array(shape.index.count * count);
+  const colors = spread(solids.colors, count);
+  const tints = new Uint8Array(4 * each * count);
+  const matrix = new THREE.Matrix4();
+  const turn = new THREE.Matrix3();
+  const vector = new THREE.Vector3();
+  for (let i = 0; i < count; i++) {
+    writeMatrix(matrix.elements, 0, solids.placements, 12 * i);
+    turn.getNormalMatrix(matrix);
+    for (let v = 0; v < each; v++) {
+      vector.fromBufferAttribute(position, v).applyMatrix4(matrix).toArray(places, 3 * (i * each + v));
+      vector.fromBufferAttribute(normal, v).applyMatrix3(turn).normalize().toArray(normals, 3 * (i * each + v));
+      for (let part = 0; part < 4; part++) tints[4 * (i * each + v) + part] = colors[4 * i + part];
+    }
+    for (let k = 0; k < shape.index.count; k++) index[i * shape.index.count + k] = shape.index.array[k] + i * each;
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(places, 3));
+  geometry.setAttribute("normal", new THREE.BufferAttribute(normals, 3));
+  geometry.setAttribute("tint", new THREE.BufferAttribute(tints, 4, true));
+  geometry.setIndex(new THREE.BufferAttribute(index, 1));
+  const mesh = new THREE.Mesh(geometry, material("surface", seesThrough(colors), solids.lit ? "SMOOTH" : "", false));
+  const raycast = mesh.raycast.bind(mesh);
+  mesh.raycast = (/** @type {any} */ caster, /** @type {any[]} */ hits) => {
+    /** @type {any[]} */
+    const own = [];
+    raycast(caster, own);
+    for (const hit of own) hits.push({ ...hit, instanceId: Math.floor((3 * hit.faceIndex) / shape.index.count) });
+  };
+  return castsShadow(mesh);
+}
+
+/** @param {any} solids @param {any} geometry of one @returns {any} */
+function solidInstances(solids, geometry) {
+  const count = solids.placements.length / 12;
   const tint = new THREE.InstancedBufferAttribute(spread(solids.colors, count), 4, true);
   geometry.setAttribute("tint", tint);
   const shading = solids.lit ? "SMOOTH" : "";
   const see = seesThrough(solids.colors);
   const mesh = new THREE.InstancedMesh(geometry, material("surface", see, shading, false), count);
   for (let i = 0; i < count; i++) writeMatrix(mesh.instanceMatrix.array, 16 * i, solids.placements, 12 * i);
-  mesh.frustumCulled = false; // three.js would ask for the unit shape alone
-  return mesh;
+  mesh.frustumCulled = false; // three.js would test only the unit shape
+  return castsShadow(mesh);
 }
 
 /** @param {any} sheet drawn with sharp cells, as three.js draws a DataTexture */
@@ -63,9 +111,9 @@ export function buildSheet({ cells, colors, rows, columns, width: cell, behind }
   map.needsUpdate = true;
   const paint = new THREE.MeshBasicMaterial({ map, side: THREE.DoubleSide, transparent: see && !behind });
   paint.depthWrite = !see && !behind;
-  if (behind) paint.blending = THREE.CustomBlending; // among what is opaque, as it comes first
-  paint.blendSrcAlpha = THREE.OneFactor; // as in three.js's own blending: the view stays opaque
-  Object.assign(paint, { polygonOffset: true, polygonOffsetUnits: 16 }); // as RViz's maps: farther away
+  if (behind) paint.blending = THREE.CustomBlending; // drawn with the opaque objects, because it comes first
+  paint.blendSrcAlpha = THREE.OneFactor; // as in three.js's own blending, so that the view stays opaque
+  Object.assign(paint, { polygonOffset: true, polygonOffsetUnits: 16 }); // farther away, like RViz's maps
   const mesh = new THREE.Mesh(new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0), paint);
   mesh.renderOrder = behind ? -1 : 0;
   return mesh;
@@ -80,5 +128,7 @@ export function buildMesh(mesh) {
   geometry.setIndex(new THREE.BufferAttribute(mesh.faces, 1));
   if (mesh.normals) geometry.setAttribute("normal", new THREE.BufferAttribute(mesh.normals, 3));
   const shading = mesh.lit ? (mesh.normals ? "SMOOTH" : "FLAT") : "";
-  return new THREE.Mesh(geometry, material("surface", seesThrough(mesh.colors), shading));
+  const made = new THREE.Mesh(geometry, material("surface", seesThrough(mesh.colors), shading));
+  makeCoarse(made);
+  return castsShadow(made);
 }

@@ -4,12 +4,14 @@ import { isShown } from "./insets.js";
 import { Orbit } from "./orbit.js";
 import { button, part } from "./panels/parts.js";
 import { textsOf, withoutOverlaps } from "./labels.js";
+import { paintMeasured, qualityAfter } from "./quality.js";
 import { draw, metresPerPixel, views } from "./renderer.js";
 
-const CLICK = 4; // [px] the pointer may move this far in a click
+const CLICK = 4; // [px] maximum motion of the pointer during a click
 const TURN = 0.005; // [rad] per pixel, as in RViz
-const HANDS_OFF = 500; // [ms] after somebody turned a view
+const HANDS_OFF = 500; // [ms] after the last turn of a view by hand
 const SAY_FOR = 10_000; // [ms]
+const REST_AFTER = 700; // [ms] without a change, after which a picture is drawn with the highest quality
 const CORNER =
   "position:absolute;padding:1px 6px;font:13px/1.5 system-ui,sans-serif;color-scheme:light dark;" +
   "color:var(--jp-ui-font-color1,CanvasText);background:var(--jp-layout-color1,Canvas)";
@@ -21,7 +23,7 @@ export class View {
   /**
    * @param {HTMLElement} host is filled by the view @param {import("./mirror.js").Mirror} mirror
    * @param {{label: string, alone?: boolean, onSight?: () => void, onClick?: (click: import("./protocol.js").Click) => void}} options
-   *   `alone`: nothing else on the page wants the wheel; `onSight`: called when the view comes into sight, or leaves it
+   *   `alone`: nothing else on the page uses the wheel; `onSight`: called when the view enters or leaves the visible area
    */
   constructor(host, mirror, options) {
     this.mirror = mirror;
@@ -29,16 +31,19 @@ export class View {
     this.orbit = new Orbit();
     if (mirror.camera) this.orbit.look(mirror.camera);
     this.request = 0;
+    this.pictures = 0; // number of pictures that were drawn
+    this.drawnAt = -Infinity; // [ms] time of the last picture
+    this.resting = 0; // a timer
     this.seen = true;
     this.silence = 0; // a timer
-    this.turnedAt = -Infinity; // [ms] when somebody turned it last
-    /** @type {((event: Event) => boolean) | null} takes what a tool needs */
+    this.turnedAt = -Infinity; // [ms] time of the last turn by hand
+    /** @type {((event: Event) => boolean) | null} handles the events that a tool needs */
     this.grab = null;
     this.onTurn = () => {};
     /** @type {HTMLCanvasElement} */
     this.canvas = part("canvas", { tabIndex: 0, role: "img", ariaLabel: options.label });
     this.canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;outline-offset:-2px";
-    this.words = part("output", { style: `${CORNER};left:0;bottom:0;pointer-events:none` }); // what went wrong
+    this.words = part("output", { style: `${CORNER};left:0;bottom:0;pointer-events:none` }); // error messages
     this.full = button(icon("full"), "Full screen (F)", () => this.toggleFull());
     this.full.style.cssText = `${CORNER};right:0;top:0;border:0;cursor:pointer;opacity:0.7`;
     host.style.position = "relative";
@@ -70,13 +75,14 @@ export class View {
     this.sizes.disconnect();
     this.sight.disconnect();
     cancelAnimationFrame(this.request);
+    clearTimeout(this.resting);
     this.mirror.views.delete(this);
     views.delete(this);
     clearTimeout(this.silence);
     for (const part of [this.canvas, this.words, this.full, this.apart]) part.remove();
   }
 
-  /** @param {string} text shown in a corner for a while, or until it is over; screen readers read it aloud */
+  /** @param {string} text shown in a corner for a limited time, or until its condition has ended; for screen readers, too */
   say(text, lasts = false) {
     [this.words.textContent, this.words.hidden] = [text, !text];
     clearTimeout(this.silence);
@@ -84,7 +90,7 @@ export class View {
   }
 
   toggleFull() {
-    const whole = this.host.closest(".course-viewer") ?? this.host; // with the panels around it
+    const whole = this.host.closest(".course-viewer") ?? this.host; // the view together with its panels
     if (document.fullscreenElement) document.exitFullscreen();
     else whole.requestFullscreen().catch((error) => this.say(`No full screen: ${error.message}`));
     this.canvas.focus({ preventScroll: true });
@@ -92,26 +98,54 @@ export class View {
 
   /** Draw again, with the next frame of the page. */
   invalidate() {
-    if (!this.request && this.seen) this.request = requestAnimationFrame(() => this.draw());
+    if (this.request || !this.seen) return;
+    this.canvas.ariaBusy = "true"; // until a picture has the highest quality
+    this.request = requestAnimationFrame(() => this.draw());
   }
 
   draw() {
     this.request = 0;
     const { clientWidth, clientHeight } = this.canvas;
-    if (!clientWidth || !clientHeight) return;
+    if (!clientWidth || !clientHeight) {
+      this.canvas.ariaBusy = "false";
+      return;
+    }
     const ratio = Math.min(window.devicePixelRatio, 2);
     const [width, height] = [Math.round(clientWidth * ratio), Math.round(clientHeight * ratio)];
-    if (this.canvas.width !== width) this.canvas.width = width; // only then: it empties the canvas
+    if (this.canvas.width !== width) this.canvas.width = width; // only if it differs, because this clears the canvas
     if (this.canvas.height !== height) this.canvas.height = height;
     const goesOn = this.mirror.tick();
     const camera = this.orbit.camera(clientWidth, clientHeight);
     const texts = textsOf(this.mirror.scene);
-    this.apart.hidden = texts.length < 2;
+    const isStudio = this.mirror.style === "Studio"; // its labels never overlap
+    this.apart.hidden = texts.length < 2 || isStudio;
     const pixel = metresPerPixel(camera, height);
-    const showAll = this.apart.ariaPressed === "true" ? withoutOverlaps(texts, camera, pixel, width, height) : () => {};
-    draw(this.canvas, this.mirror, camera);
+    const isApart = !isStudio && this.apart.ariaPressed === "true";
+    const showAll = isApart ? withoutOverlaps(texts, camera, pixel, width, height) : () => {};
+    this.paint(camera);
+    this.pictures++;
     showAll();
     if (goesOn) this.invalidate();
+  }
+
+  /** @param {any} camera a three.js camera */
+  paint(camera) {
+    const now = performance.now();
+    const quality = qualityAfter(now - this.drawnAt);
+    const isMoving = Number.isFinite(this.drawnAt);
+    this.drawnAt = now;
+    clearTimeout(this.resting);
+    if (!isMoving) {
+      draw(this.canvas, this.mirror, camera, quality);
+      this.canvas.ariaBusy = "false";
+      return;
+    }
+    const context = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d"));
+    paintMeasured(context, () => draw(this.canvas, this.mirror, camera, quality));
+    this.resting = setTimeout(() => {
+      this.drawnAt = -Infinity; // the next picture has the quality of the first one
+      this.invalidate();
+    }, REST_AFTER);
   }
 
   listen() {
@@ -155,7 +189,7 @@ export class View {
   }
 
   /**
-   * Turn (left), shift (middle), zoom (right) or go ahead (3).
+   * Rotate (left), pan (middle), zoom (right) or move ahead (3).
    * @param {number} button @param {number} dx @param {number} dy @param {number[]} [at] the pointer, in pixels
    */
   move(button, dx, dy, at) {
@@ -167,7 +201,7 @@ export class View {
     this.turned();
   }
 
-  /** @param {number[]} point [m], looked at from now on, as RViz's Focus Camera does */
+  /** @param {number[]} point the new focal point [m], as set by RViz's Focus Camera */
   lookAt(point) {
     this.orbit.lookAt(point);
     this.turned();
@@ -179,12 +213,12 @@ export class View {
     this.invalidate();
   }
 
-  /** @param {any} camera as Python describes it; hands that are at work have it their way */
+  /** @param {any} camera as Python describes it; ignored while the user turns the view */
   look(camera) {
     if (performance.now() - this.turnedAt > HANDS_OFF) this.orbit.look(camera);
   }
 
-  /** @param {MouseEvent} event @returns {import("./protocol.js").Click} what is under the pointer, and where in the scene's frame */
+  /** @param {MouseEvent} event @returns {import("./protocol.js").Click} the object under the pointer, and the point in the scene's frame */
   pick(event) {
     const box = this.canvas.getBoundingClientRect();
     const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
@@ -200,10 +234,10 @@ export class View {
   }
 }
 
-/** @param {PointerEvent} event @returns {number} the button; with Shift, left shifts and right goes ahead (3) */
+/** @param {PointerEvent} event @returns {number} the button; with Shift, left pans and right moves ahead (3) */
 const buttonOf = ({ button, shiftKey }) => (shiftKey ? (button === 2 ? 3 : 1) : button);
 
-/** @param {Event} event kept from the page around the view */
+/** @param {Event} event that must not reach the surrounding page */
 function claim(event) {
   event.preventDefault();
   event.stopPropagation();

@@ -1,5 +1,5 @@
-// The module of every widget: it stays small, what it needs comes once per kernel in a model of its own.
-// __KEY__ is put in by Python; it names one version of the viewer's code.
+// The module of every widget. It is small, because the viewer's code is sent once per kernel in a separate model.
+// Python replaces __KEY__, which identifies a version of the viewer's code.
 
 const page = /** @type {any} */ (globalThis);
 /** @type {Map<string, Promise<any>>} */
@@ -16,17 +16,17 @@ async function load(model) {
   return page["__KEY__"];
 }
 
-const LATE = 4000; // [ms], longer than a view of JupyterLab's polls for its model
+const LATE = 4000; // [ms] longer than JupyterLab's views poll for their model
 
-// A view of jupyterlab_widgets 3.0 polls for its model for 2 s. Where a reloaded page gets the models in the last pause,
-// the view finds the manager restored and says "model not found" for good. While `restoredStatus` is false, it waits.
+// A view of jupyterlab_widgets 3.0 polls for its model for 2 s. If a reloaded page receives the models in the last pause,
+// the view finds the manager restored and permanently shows "model not found". While `restoredStatus` is false, it waits.
 /** @param {any} manager JupyterLab's manager of one notebook; other hosts have no `restored`. */
 function renderLateViews(manager) {
   if (!manager.restored?.emit || manager.__KEY__late) return;
   manager.__KEY__late = true;
   const isRestored = () => Reflect.get(Object.getPrototypeOf(manager), "restoredStatus", manager);
   Object.defineProperty(manager, "restoredStatus", { value: false, configurable: true });
-  /** @param {boolean} wasRestored on a busy machine it takes longer than LATE */
+  /** @param {boolean} wasRestored a busy machine takes longer than LATE */
   const again = (wasRestored) =>
     setTimeout(() => {
       if (wasRestored) delete manager.restoredStatus;
@@ -47,7 +47,7 @@ export default {
     const keep = (/** @type {any[]} */ ...message) => early.push(message);
     model.on("msg:custom", keep);
     const pending = (page["__KEY__loading"] ??= load(model).catch((error) => {
-      delete page["__KEY__loading"]; // the next widget may have more luck
+      delete page["__KEY__loading"]; // the next widget tries again
       throw error;
     }));
     links.set(

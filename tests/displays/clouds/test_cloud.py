@@ -3,13 +3,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from course_lib.displays.clouds.cloud import Cloud, channels_of, size_problem
+from course_lib.displays.clouds import Cloud, channels_of, size_problem
 from tests.displays.clouds.clouds import cloud, plain
 
 
 @settings(deadline=None)  # machines may be busy
 @given(st.permutations(["x", "y", "z", "a", "b"]), st.integers(0, 7), st.sampled_from("<>"))
-def test_fields_are_read_in_any_order_with_any_gaps_and_byte_order(
+def test_fields_are_read_regardless_of_order_gaps_and_byte_order(
     names: list[str], gap: int, order: str
 ) -> None:
     kinds = {"a": "f8", "b": "u2"}
@@ -27,7 +27,7 @@ def test_fields_are_read_in_any_order_with_any_gaps_and_byte_order(
 
 @settings(deadline=None)  # machines may be busy
 @given(st.lists(st.sampled_from([0.0, 1.5, np.nan, np.inf, -np.inf]), min_size=3, max_size=30))
-def test_exactly_the_points_that_are_somewhere_are_kept(numbers: list[float]) -> None:
+def test_only_finite_points_are_kept(numbers: list[float]) -> None:
     positions = np.reshape(numbers[: len(numbers) // 3 * 3], (-1, 3))
     channels, _ = channels_of(cloud(plain(positions, number=np.arange(len(positions), dtype="u4"))))
     kept = np.isfinite(positions).all(axis=1)
@@ -35,7 +35,7 @@ def test_exactly_the_points_that_are_somewhere_are_kept(numbers: list[float]) ->
     np.testing.assert_array_equal(Cloud(channels, np.eye(4), 0).positions, positions[kept])
 
 
-def test_a_field_beyond_its_point_is_left_out_and_named() -> None:
+def test_field_outside_the_point_step_is_ignored_and_reported() -> None:
     message = cloud(plain([[1, 2, 3]]))
     message.fields[1].offset = 9
     channels, wrong = channels_of(message)
@@ -44,7 +44,7 @@ def test_a_field_beyond_its_point_is_left_out_and_named() -> None:
 
 
 @pytest.mark.parametrize("change", [{"width": 3}, {"height": 2}, {"point_step": 13}, {"data": b""}])
-def test_sizes_that_disagree_are_told_in_rviz_words(change: dict[str, object]) -> None:
+def test_inconsistent_cloud_sizes_are_reported_with_rviz_text(change: dict[str, object]) -> None:
     message = cloud(plain([[1, 2, 3], [4, 5, 6]]))
     assert size_problem(message) is None
     for name, value in change.items():

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from course_lib.displays.clouds.cloud import TRANSFORMERS, Cloud, best_transformer, channels_of, rainbow
+from course_lib.displays.clouds import TRANSFORMERS, Cloud, best_transformer, channels_of, rainbow
 from tests.displays.bench import Bench
 from tests.displays.clouds.clouds import TOPIC, Order, add, cloud, plain, shown_by
 
@@ -29,12 +29,12 @@ def colors(bench: Bench, **properties: Any) -> np.ndarray:
 
 @settings(deadline=None)  # machines may be busy
 @given(st.floats(0, 1))
-def test_the_rainbow_is_the_hsv_circle_from_violet_to_red(value: float) -> None:
+def test_rainbow_is_the_hsv_circle_from_violet_to_red(value: float) -> None:
     hue = 5 / 6 * (1 - value)  # rviz: "hue values going only from 0.0 to 0.833333"
     np.testing.assert_allclose(rainbow([value])[0], colorsys.hsv_to_rgb(hue, 1, 1), atol=2e-6)
 
 
-def test_the_rainbow_ends_where_it_ends() -> None:
+def test_values_beyond_the_rainbow_are_clamped() -> None:
     np.testing.assert_array_equal(rainbow([-1, 2, np.nan]), rainbow([0, 1, 0]))
 
 
@@ -50,11 +50,11 @@ def test_the_rainbow_ends_where_it_ends() -> None:
         ({"r": np.zeros(4, "f4"), "g": np.zeros(4, "f4"), "b": np.zeros(4, "f4")}, "RGBF32", "RGBF32"),
     ],
 )
-def test_the_transformer_is_chosen_as_rviz_does(channels: dict[str, Any], wanted: str, taken: str) -> None:
+def test_color_transformer_is_chosen_as_in_rviz(channels: dict[str, Any], wanted: str, taken: str) -> None:
     assert best_transformer(known(**channels), wanted) == taken
 
 
-def test_intensity_goes_from_red_to_violet_and_its_bounds_are_shown() -> None:
+def test_intensity_is_colored_from_red_to_violet_and_its_bounds_are_shown() -> None:
     bench = Bench()
     drawn = colors(bench)
     np.testing.assert_allclose(drawn[:, :3], rainbow([1, 0.75, 0.5, 0]))
@@ -63,7 +63,7 @@ def test_intensity_goes_from_red_to_violet_and_its_bounds_are_shown() -> None:
     assert display["Color Transformer"] == "Intensity"
 
 
-def test_the_rainbow_may_be_inverted_or_two_colours_and_have_bounds() -> None:
+def test_rainbow_can_be_inverted_or_two_colors_and_have_bounds() -> None:
     inverted = colors(Bench(), invert_rainbow=True)
     np.testing.assert_allclose(inverted[:, :3], rainbow([0, 0.25, 0.5, 1]))
     bounds = {"autocompute_intensity_bounds": False, "min_intensity": 1.0, "max_intensity": 2.0}
@@ -71,11 +71,11 @@ def test_the_rainbow_may_be_inverted_or_two_colours_and_have_bounds() -> None:
     assert two[:, :3].tolist() == [[0, 0, 1], [0, 0, 1], [1, 0, 0], [1, 0, 0]]
 
 
-def test_a_channel_that_is_missing_leaves_points_white() -> None:
+def test_missing_channel_leaves_points_white() -> None:
     assert (colors(Bench(), channel_name="heat") == 1).all()
 
 
-def test_axis_colours_go_along_the_axis_of_the_fixed_frame_or_of_the_cloud() -> None:
+def test_axis_colors_vary_along_the_axis_of_the_fixed_frame_or_of_the_cloud() -> None:
     for fixed, expected in ((True, [1, 1, 1, 1]), (False, [1, 0.75, 0.5, 0])):
         bench = Bench()
         bench.transform("map", "laser", (3.0, 0.0, 0.0))
@@ -88,7 +88,7 @@ def test_axis_colours_go_along_the_axis_of_the_fixed_frame_or_of_the_cloud() -> 
             assert display["Min Value"] == display["Max Value"] == 3.0
 
 
-def test_packed_colours_are_read_from_whole_and_from_broken_numbers() -> None:
+def test_packed_colors_are_read_from_integers_and_floats() -> None:
     packed = np.array([0xFF0000, 0x00FF00, 0x0000FF, 0x336699], np.uint32)
     expected = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.2, 0.4, 0.6]])
     for values in (packed, packed.view(np.float32)):
@@ -98,7 +98,7 @@ def test_packed_colours_are_read_from_whole_and_from_broken_numbers() -> None:
             np.testing.assert_allclose(drawn, expected, rtol=1e-6)
 
 
-def test_alpha_of_the_points_counts_if_the_channel_is_called_rgba() -> None:
+def test_alpha_of_points_is_used_if_the_channel_is_named_rgba() -> None:
     for name, alpha in (("rgb", 1.0), ("rgba", 0x80 / 255)):
         bench = Bench()
         display = add(bench)

@@ -6,7 +6,8 @@ import pytest
 from PIL import Image as Picture
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
-from course_lib.displays.clouds.depth_cloud import DepthError, Shadows, channels_of, colors, depths, projected
+from course_lib.displays.clouds import DepthError, Shadows, colors, depths, project_depths
+from course_lib.displays.clouds import _depth_channels as channels_of
 
 METRES = np.array([[1.0, 2.0, np.nan], [4.0, np.nan, 0.5]], np.float32)
 MILLIMETRES = np.array([[1000, 2000, 0], [4000, 0, 500]], np.uint16)
@@ -42,11 +43,11 @@ def packed(values: np.ndarray, form: str, before: bytes = b"") -> CompressedImag
         packed(MILLIMETRES, "16UC1; compressedDepth png", bytes(12)),
     ],
 )
-def test_depths_are_in_metres_and_what_is_unknown_is_no_number(message: Any) -> None:
+def test_depths_are_in_meters_and_unknown_depths_are_nan(message: Any) -> None:
     np.testing.assert_allclose(depths(message), METRES)
 
 
-def test_packed_depths_may_be_inverse() -> None:
+def test_packed_depths_can_be_inverse() -> None:
     a, b = 1000.0, 3.0  # as compressed_depth_image_transport: value = a / depth + b
     values = np.nan_to_num(np.rint(a / METRES + b)).astype(np.uint16)
     header = bytes(4) + np.array([a, b], "<f4").tobytes()
@@ -54,36 +55,36 @@ def test_packed_depths_may_be_inverse() -> None:
 
 
 @pytest.mark.parametrize("wrong", [image(WHITE, "rgb8"), CompressedImage(format="png", data=b"nothing")])
-def test_images_without_depths_are_refused(wrong: Any) -> None:
-    with pytest.raises(DepthError, match=r"invalid format|not a picture"):
+def test_images_without_depths_are_rejected(wrong: Any) -> None:
+    with pytest.raises(DepthError, match=r"invalid format|not an image of format"):
         depths(wrong)
 
 
-def test_points_lie_where_pixels_see_them() -> None:
-    points = projected(METRES, info())
+def test_depth_points_project_to_their_pixels() -> None:
+    points = project_depths(METRES, info())
     np.testing.assert_allclose(points[0, 0], [(0 - 1) / 2 * 1.0, (0 - 0.5) / 4 * 1.0, 1.0])
     np.testing.assert_allclose(points[1, 2], [(2 - 1) / 2 * 0.5, (1 - 0.5) / 4 * 0.5, 0.5])
     assert np.isnan(points[0, 2]).all()
 
 
-def test_a_binned_region_sees_the_same_as_the_whole_picture() -> None:
-    whole = projected(np.ones((8, 12), np.float32), info(12, 8))
+def test_binned_region_gives_the_same_points_as_the_full_image() -> None:
+    whole = project_depths(np.ones((8, 12), np.float32), info(12, 8))
     part = info(12, 8, binning_x=2, binning_y=2)
     part.roi.x_offset, part.roi.y_offset, part.roi.width, part.roi.height = 4, 2, 6, 4
-    seen = projected(np.ones((2, 3), np.float32), part)
+    seen = project_depths(np.ones((2, 3), np.float32), part)
     np.testing.assert_allclose(seen, whole[2:6:2, 4:10:2], atol=1e-6)
 
 
-def test_a_camera_info_of_another_size_is_refused_in_rviz_words() -> None:
+def test_camera_info_of_another_size_is_rejected_with_rviz_text() -> None:
     words = (
         r"Depth image size and camera info don't match: 3 x 2 vs 6 x 8"
         r"\(binning: 2 x 1, ROI size: 12 x 8\)"
     )
     with pytest.raises(DepthError, match=words):
-        projected(METRES, info(12, 8, binning_x=2))
+        project_depths(METRES, info(12, 8, binning_x=2))
 
 
-def test_colours_must_be_colours_of_the_same_size() -> None:
+def test_color_image_must_have_colors_and_an_equal_size() -> None:
     assert (colors(image(WHITE, "rgb8"), (2, 3)) == WHITE).all()
     with pytest.raises(DepthError, match="Encoded type not supported!"):
         colors(image(WHITE[..., 0], "mono8"), (2, 3))
@@ -91,17 +92,17 @@ def test_colours_must_be_colours_of_the_same_size() -> None:
         colors(image(WHITE, "bgr8"), (2, 4))
 
 
-def test_points_that_are_nowhere_are_left_out_and_colours_are_packed() -> None:
+def test_invalid_points_are_omitted_and_colors_are_packed() -> None:
     rgb = np.zeros((2, 3, 3), np.uint8)
     rgb[1, 2] = 1, 2, 3
-    found = channels_of(projected(METRES, info()), rgb)
+    found = channels_of(project_depths(METRES, info()), rgb)
     assert found["z"].tolist() == [1, 2, 4, 0.5]
     assert found["rgb"].view(np.uint32).tolist() == [0, 0, 0, 0x010203]
 
 
-def test_what_something_hides_is_remembered_for_a_time_with_half_its_colour() -> None:
+def test_occluded_points_are_kept_until_the_timeout_with_half_their_color() -> None:
     shadows = Shadows((2, 3))
-    far, near = projected(np.full((2, 3), 4.0, np.float32), info()), projected(METRES, info())
+    far, near = project_depths(np.full((2, 3), 4.0, np.float32), info()), project_depths(METRES, info())
     points, rgb = shadows.with_hidden(far, WHITE, now=0.0, timeout=10.0)
     assert len(points) == 6
     points, rgb = shadows.with_hidden(near, WHITE, now=9.0, timeout=10.0)

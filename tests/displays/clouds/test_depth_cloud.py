@@ -5,7 +5,7 @@ import pytest
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from course_lib.displays.display import Display
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.topics import Qos
 from course_lib.viewer.drawables import Points
 from tests.displays.bench import START_NS, Bench
 from tests.displays.clouds.test_depth import image, packed
@@ -58,7 +58,7 @@ def shown(bench: Bench) -> Points | None:
     return clouds[-1] if clouds else None  # type: ignore[return-value]  # all are, as was just seen
 
 
-def test_depths_become_points_as_large_as_their_pixels() -> None:
+def test_depths_become_points_with_the_size_of_their_pixels() -> None:
     bench = Bench()
     display = add(bench)
     hear(bench, info(), depth(2.0, 4.0))
@@ -79,7 +79,7 @@ def test_depths_become_points_as_large_as_their_pixels() -> None:
     assert (cloud.grow, cloud.size[0]) == (False, 0.5)
 
 
-def test_without_a_description_of_the_camera_nothing_is_drawn_but_hinted() -> None:
+def test_nothing_is_drawn_without_camera_info_and_a_hint_is_shown() -> None:
     bench = Bench()
     display = add(bench)
     assert bench.said(display, "Depth Map") == ("ok", "0 depth maps received")
@@ -89,7 +89,7 @@ def test_without_a_description_of_the_camera_nothing_is_drawn_but_hinted() -> No
     assert INFO in " ".join(bench.hints(display))
 
 
-def test_depths_wait_for_the_colours_that_go_with_them() -> None:
+def test_depth_image_waits_for_its_color_image() -> None:
     bench = Bench()
     display = add(bench, color_image_topic=COLOR)
     assert display["Color Transformer"] == "RGB8"
@@ -102,7 +102,7 @@ def test_depths_wait_for_the_colours_that_go_with_them() -> None:
     assert bench.said(display, "Image Size") == ("ok", "2 x 1")
 
 
-def test_of_many_colours_those_of_the_nearest_time_are_taken() -> None:
+def test_color_image_with_the_nearest_time_is_used() -> None:
     bench = Bench()
     add(bench, color_image_topic=COLOR)
     images = [color(RED // 3 * part, at) for part, at in ((1, 0.0), (2, 0.1), (3, 0.2))]
@@ -112,7 +112,7 @@ def test_of_many_colours_those_of_the_nearest_time_are_taken() -> None:
     assert cloud.colors[0, 0] == pytest.approx(170 / 255)
 
 
-def test_packed_images_come_on_topics_of_their_own() -> None:
+def test_compressed_images_arrive_on_separate_topics() -> None:
     bench = Bench()
     add(
         bench,
@@ -131,7 +131,7 @@ def test_packed_images_come_on_topics_of_their_own() -> None:
     assert isinstance(packed_depth, CompressedImage)
 
 
-def test_images_that_do_not_fit_are_errors_in_rviz_words() -> None:
+def test_mismatched_images_are_errors_with_rviz_text() -> None:
     bench = Bench()
     display = add(bench)
     hear(bench, info(width=5), depth(1.0, 2.0))
@@ -145,14 +145,14 @@ def test_images_that_do_not_fit_are_errors_in_rviz_words() -> None:
     assert bench.said(display, "Points") == ("ok", "Showing [2] points from [1] messages")
 
 
-def test_colours_of_another_frame_are_hinted_at() -> None:
+def test_color_image_in_another_frame_causes_a_hint() -> None:
     bench = Bench()
     display = add(bench, color_image_topic=COLOR)
     hear(bench, info(), depth(1.0, 1.0), color(frame="elsewhere"))
     assert "frame id [map] doesn't match color image frame id [elsewhere]" in " ".join(bench.hints(display))
 
 
-def test_what_was_hidden_stays_until_its_time_is_out_or_the_camera_moves() -> None:
+def test_occluded_points_are_kept_until_the_timeout_or_a_camera_motion() -> None:
     bench = Bench("fixed")
     display = add(bench, occlusion_compensation=True)
     display["Occlusion Time-Out"] = 5.0
@@ -172,9 +172,9 @@ def test_what_was_hidden_stays_until_its_time_is_out_or_the_camera_moves() -> No
     assert len(cloud.points) == 2
 
 
-def test_the_quality_of_service_is_that_of_its_properties() -> None:
+def test_qos_follows_the_properties() -> None:
     bench = Bench()
     display = add(bench)
-    assert display.interests[1].qos == Qos(depth=5, reliability="best_effort")
+    assert display.subscriptions[1].qos == Qos(depth=5, reliability="best_effort")
     display["Reliability Policy"], display["Queue Size"] = "Reliable", 9
-    assert display.interests[1].qos == Qos(depth=9, reliability="reliable")
+    assert display.subscriptions[1].qos == Qos(depth=9, reliability="reliable")

@@ -27,7 +27,7 @@ def ends(bench: Bench, display: Display) -> np.ndarray:
     return np.round(shown_by(bench, display)[0].points, 5)
 
 
-def test_beams_turn_to_the_left() -> None:
+def test_beam_angles_increase_counterclockwise() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/scan", scan([1.0, 2.0, 3.0]))
@@ -35,9 +35,10 @@ def test_beams_turn_to_the_left() -> None:
     assert ends(bench, display).tolist() == [[1, 0, 0], [0, 2, 0], [-3, 0, 0]]
 
 
+@pytest.mark.slow
 @settings(deadline=None)  # machines may be busy
 @given(st.lists(st.floats(width=32), max_size=8))
-def test_exactly_the_ranges_within_the_limits_are_shown(ranges: list[float]) -> None:
+def test_only_ranges_within_the_limits_are_shown(ranges: list[float]) -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/scan", scan(ranges))
@@ -46,7 +47,7 @@ def test_exactly_the_ranges_within_the_limits_are_shown(ranges: list[float]) -> 
     assert bench.said(display, "Points") == ("ok", f"Showing [{count}] points from [1] messages")
 
 
-def test_each_beam_starts_where_the_scanner_was_at_its_time() -> None:
+def test_each_beam_starts_at_the_scanner_pose_at_its_time() -> None:
     bench = Bench()
     display = add(bench)
     for at in (0.0, 1.0):
@@ -59,7 +60,7 @@ def test_each_beam_starts_where_the_scanner_was_at_its_time() -> None:
     np.testing.assert_allclose(ends(bench, display), [[1, 0, 0], [5 + half, half, 0], [10, 1, 0]], atol=1e-4)
 
 
-def test_a_scan_waits_for_the_transform_of_its_last_beam() -> None:
+def test_scan_waits_for_the_transform_of_its_last_beam() -> None:
     bench = Bench()
     display = add(bench)
     bench.transform("map", "laser", at=0.0, static=False)
@@ -73,7 +74,7 @@ def test_a_scan_waits_for_the_transform_of_its_last_beam() -> None:
     assert len(shown_by(bench, display)) == 1
 
 
-def test_a_scan_that_takes_long_is_a_warning() -> None:
+def test_scan_of_long_duration_causes_a_warning() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/scan", scan([1.0] * 4, time_increment=1.0))
@@ -86,7 +87,7 @@ def test_a_scan_that_takes_long_is_a_warning() -> None:
 
 
 @pytest.mark.parametrize(("intensities", "hints"), [([1.0, 2.0], 0), ([], 0), ([1.0], 1)])
-def test_intensities_colour_the_points_if_there_is_one_for_each(intensities: list[float], hints: int) -> None:
+def test_intensities_color_the_points_if_there_is_one_per_range(intensities: list[float], hints: int) -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/scan", scan([1.0, 1.0], intensities=intensities))
@@ -96,7 +97,7 @@ def test_intensities_colour_the_points_if_there_is_one_for_each(intensities: lis
     assert len(bench.hints(display)) == hints
 
 
-def test_an_empty_frame_is_dropped_with_the_words_of_rviz_log() -> None:
+def test_empty_frame_is_dropped_with_the_text_of_the_rviz_log() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/scan", scan([1.0], ""))

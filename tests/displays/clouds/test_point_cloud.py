@@ -22,7 +22,7 @@ def shown(*channels: ChannelFloat32, places: Any = PLACES, **properties: Any) ->
     return bench, display
 
 
-def test_a_cloud_with_lists_looks_as_the_same_cloud_with_fields() -> None:
+def test_point_cloud_with_lists_is_drawn_like_the_same_cloud_with_fields() -> None:
     bench, display = shown(ChannelFloat32(name="intensity", values=[1.0, 5.0, 9.0]))
     twin = clouds.add(bench)
     bench.hear(clouds.TOPIC, cloud(plain(PLACES, intensity=np.array([1, 5, 9], np.float32))))
@@ -33,7 +33,7 @@ def test_a_cloud_with_lists_looks_as_the_same_cloud_with_fields() -> None:
     assert (old.size, old.spot) == (new.size, new.spot)
 
 
-def test_points_that_are_nowhere_are_left_out_with_their_channels() -> None:
+def test_invalid_points_are_omitted_along_with_their_channel_values() -> None:
     places = [*PLACES[:2], (float("nan"), 0.0, 0.0)]
     bench, display = shown(ChannelFloat32(name="intensity", values=[1.0, 5.0, 9.0]), places=places)
     (drawn,) = shown_by(bench, display)
@@ -41,7 +41,7 @@ def test_points_that_are_nowhere_are_left_out_with_their_channels() -> None:
     assert display["Max Intensity"] == 5.0
 
 
-def test_a_channel_of_another_length_is_named_and_not_used() -> None:
+def test_channel_with_a_different_length_is_reported_and_not_used() -> None:
     bench, display = shown(ChannelFloat32(name="intensity", values=[1.0]))
     assert len(shown_by(bench, display)[0].points) == 3
     assert bench.hints(display) == ["channel 'intensity' has 1 value for 3 points."]

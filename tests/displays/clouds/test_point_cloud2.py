@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from course_lib.displays.clouds.display import STYLES
+from course_lib.displays.clouds import STYLES
 from tests.displays.bench import Bench
 from tests.displays.clouds.clouds import TOPIC, add, cloud, plain, shown_by
 
 TWO = [[1, 2, 3], [4, 5, 6]]
 
 
-def test_a_cloud_is_placed_by_its_frame_and_counted() -> None:
+def test_cloud_is_placed_by_its_frame_and_its_points_are_counted() -> None:
     bench = Bench()
     bench.transform("map", "laser", (1.0, 0.0, 0.0))
     display = add(bench)
@@ -21,7 +21,7 @@ def test_a_cloud_is_placed_by_its_frame_and_counted() -> None:
     assert bench.scene.world_transform(path)[:3, 3].tolist() == [1.0, 0.0, 0.0]
 
 
-def test_a_cloud_whose_frame_is_unknown_is_an_error_and_the_next_one_is_shown() -> None:
+def test_cloud_in_an_unknown_frame_is_an_error_and_the_next_cloud_is_shown() -> None:
     bench = Bench()
     display = add(bench)
     for frame in ("nowhere", ""):
@@ -35,7 +35,7 @@ def test_a_cloud_whose_frame_is_unknown_is_an_error_and_the_next_one_is_shown() 
     assert len(shown_by(bench, display)) == 1
 
 
-def test_sizes_that_disagree_are_an_error_until_a_right_cloud_comes() -> None:
+def test_inconsistent_sizes_are_an_error_until_a_valid_cloud_is_received() -> None:
     bench = Bench()
     display = add(bench)
     wrong = cloud(plain(TWO))
@@ -52,7 +52,7 @@ def test_sizes_that_disagree_are_an_error_until_a_right_cloud_comes() -> None:
     assert bench.said(display, "Message") is None
 
 
-def test_positions_in_double_precision_have_no_transformer() -> None:
+def test_double_precision_positions_have_no_transformer() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear(TOPIC, cloud(np.zeros(2, np.dtype([(axis, "<f8") for axis in "xyz"]))))
@@ -60,7 +60,7 @@ def test_positions_in_double_precision_have_no_transformer() -> None:
     assert bench.said(display, "Message") == ("error", "No position transformer available for cloud")
 
 
-def test_rviz_is_silent_where_coordinates_are_missing_and_we_are_not() -> None:
+def test_missing_coordinates_cause_a_hint_although_rviz_reports_nothing() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear(TOPIC, cloud(np.zeros(2, np.dtype([("x", "<f4"), ("y", "<f4")]))))
@@ -70,7 +70,7 @@ def test_rviz_is_silent_where_coordinates_are_missing_and_we_are_not() -> None:
 
 
 @pytest.mark.parametrize(("decay", "left"), [(0.0, 1), (0.25, 2), (10.0, 4)])
-def test_clouds_stay_for_the_decay_time(decay: float, left: int) -> None:
+def test_clouds_are_kept_for_the_decay_time(decay: float, left: int) -> None:
     bench = Bench()
     display = add(bench, decay_time=decay)
     for number in range(4):
@@ -80,7 +80,7 @@ def test_clouds_stay_for_the_decay_time(decay: float, left: int) -> None:
     assert bench.said(display, "Points") == ("ok", f"Showing [{left}] points from [{left}] messages")
 
 
-def test_a_cloud_without_a_successor_stays_if_there_is_no_decay_time() -> None:
+def test_last_cloud_is_kept_without_a_decay_time() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear(TOPIC, cloud(plain(TWO)))
@@ -92,7 +92,7 @@ def test_a_cloud_without_a_successor_stays_if_there_is_no_decay_time() -> None:
 
 
 @pytest.mark.parametrize("style", STYLES)
-def test_each_style_has_its_spot_and_its_size(style: str) -> None:
+def test_each_style_has_its_shape_and_size(style: str) -> None:
     bench = Bench()
     display = add(bench, style=style, **{"Size (m)": 0.5, "Size (Pixels)": 7.0})
     bench.hear(TOPIC, cloud(plain(TWO)))
@@ -103,7 +103,7 @@ def test_each_style_has_its_spot_and_its_size(style: str) -> None:
     assert points.size == ((7.0,) * 3 if points.pixels else (0.5,) * 3)
 
 
-def test_a_changed_property_draws_anew_what_is_there() -> None:
+def test_changed_property_redraws_the_current_cloud() -> None:
     bench = Bench()
     display = add(bench, color_transformer="FlatColor")
     bench.hear(TOPIC, cloud(plain(TWO)))
@@ -113,7 +113,7 @@ def test_a_changed_property_draws_anew_what_is_there() -> None:
     np.testing.assert_allclose(points.colors, [[1, 0, 0, 0.75]] * 2)  # drawn twice
 
 
-def test_an_empty_cloud_shows_no_points() -> None:
+def test_empty_cloud_has_no_points() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear(TOPIC, cloud(plain([])))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import FluidPressure, Illuminance, RelativeHumidity, Temperature
 
-from course_lib.displays.clouds.cloud import rainbow
+from course_lib.displays.clouds import rainbow
 from course_lib.displays.display import Display
 from tests.displays.bench import Bench
 from tests.displays.clouds.clouds import shown_by
@@ -31,7 +31,7 @@ def shown(kind: Any, field: str, value: float, **properties: Any) -> tuple[Bench
 
 
 @pytest.mark.parametrize(("kind", "field", "value", "place"), MEASURED, ids=lambda part: str(part))
-def test_a_measurement_is_one_point_at_its_frame_in_the_colour_of_its_range(
+def test_measurement_is_one_point_at_its_frame_colored_by_its_range(
     kind: Any, field: str, value: float, place: float
 ) -> None:
     bench, display = shown(kind, field, value)
@@ -42,13 +42,13 @@ def test_a_measurement_is_one_point_at_its_frame_in_the_colour_of_its_range(
     assert bench.said(display, "Points") == ("ok", "Showing [1] points from [1] messages")
 
 
-def test_a_cold_room_is_violet_and_boiling_water_red() -> None:
+def test_room_temperature_is_violet_and_boiling_water_is_red() -> None:
     for temperature, place in ((-10.0, 0.0), (100.0, 1.0)):
         bench, display = shown(Temperature, "temperature", temperature)
         np.testing.assert_allclose(shown_by(bench, display)[0].colors[0, :3], rainbow([place])[0])
 
 
-def test_a_decay_time_keeps_the_track_of_a_moving_sensor() -> None:
+def test_decay_time_keeps_the_track_of_a_moving_sensor() -> None:
     bench, display = shown(Temperature, "temperature", 20.0, **{"Decay Time": 10.0})
     bench.transform("map", "sensor", (5.0, 0.0, 0.0), at=1.0)
     message = Temperature(temperature=30.0)

@@ -51,7 +51,7 @@ def pixel_of(inset: Inset, point: tuple[float, float, float]) -> tuple[float, fl
 
 @pytest.mark.parametrize("described", [info(), info(cx=1.0, cy=5.0), info(fx=20.0, fy=5.0), info(tx=-30.0)])
 @pytest.mark.parametrize("point", [(0.0, 0.0, 4.0), (0.7, -0.4, 2.0)])
-def test_points_are_seen_where_the_projection_matrix_puts_them(
+def test_points_are_drawn_at_the_pixels_of_the_projection_matrix(
     described: CameraInfo, point: tuple[float, float, float]
 ) -> None:
     bench = Bench()
@@ -62,7 +62,7 @@ def test_points_are_seen_where_the_projection_matrix_puts_them(
     assert pixel_of(inset, point) == pytest.approx((u / w, v / w))
 
 
-def test_the_camera_stands_where_its_frame_is() -> None:
+def test_camera_is_placed_at_its_frame() -> None:
     bench = Bench()
     bench.transform("map", "optical", (1.0, 2.0, 3.0))
     add(bench, far_plane_distance=7.0)
@@ -74,7 +74,7 @@ def test_the_camera_stands_where_its_frame_is() -> None:
     assert inset.camera.far == 7.0
 
 
-def test_the_zoom_magnifies_around_the_middle() -> None:
+def test_zoom_magnifies_around_the_center() -> None:
     near, far = (Bench(), Bench())
     add(near, zoom_factor=2.0)
     add(far)
@@ -89,7 +89,7 @@ def test_the_zoom_magnifies_around_the_middle() -> None:
     ("rendering", "behind", "over"),
     [("background", True, 0.0), ("overlay", False, 0.25), ("background and overlay", True, 0.25)],
 )
-def test_the_image_is_behind_the_scene_or_over_it(rendering: str, behind: bool, over: float) -> None:
+def test_image_is_drawn_behind_the_scene_or_as_an_overlay(rendering: str, behind: bool, over: float) -> None:
     bench = Bench()
     add(bench, image_rendering=rendering, overlay_alpha=0.25)
     inset = seen(bench, info())
@@ -97,7 +97,7 @@ def test_the_image_is_behind_the_scene_or_over_it(rendering: str, behind: bool, 
     assert (inset.behind, inset.over, inset.hidden) == (behind, over, ("displays/Grid",))
 
 
-def test_without_a_description_rviz_waits_and_says_so() -> None:
+def test_missing_camera_info_is_reported_as_in_rviz() -> None:
     bench = Bench()
     display = add(bench)
     assert seen(bench, None) is None
@@ -110,7 +110,7 @@ def test_without_a_description_rviz_waits_and_says_so() -> None:
     assert PATH in bench.scene.objects()
 
 
-def test_bad_descriptions_are_told_in_rviz_words_and_the_next_one_works() -> None:
+def test_invalid_camera_info_is_reported_with_rviz_text_and_the_next_is_used() -> None:
     position = "CameraInfo/P resulted in an invalid position calculation (nans or infs)"
     bench = Bench()
     display = add(bench)
@@ -125,9 +125,9 @@ def test_bad_descriptions_are_told_in_rviz_words_and_the_next_one_works() -> Non
     assert bench.said(display, "Camera Info") == ("ok", "ok")
 
 
-def test_a_packed_image_has_its_description_beside_the_raw_one() -> None:
+def test_compressed_image_uses_the_camera_info_of_the_raw_image() -> None:
     bench = Bench()
     display = bench.session.add(
         "rviz_default_plugins/Camera", "Camera", {"Topic": "/eye/image_raw/compressed"}
     )
-    assert [s.topic for s in display.interests] == ["/eye/image_raw/compressed", "/eye/camera_info"]
+    assert [s.topic for s in display.subscriptions] == ["/eye/image_raw/compressed", "/eye/camera_info"]

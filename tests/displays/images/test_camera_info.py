@@ -31,7 +31,7 @@ def corners(bench: Bench) -> list[list[float]]:
     return np.round(part(bench, "edges").points.reshape(-1, 2, 3)[:4, 1], 6).tolist()  # type: ignore[no-any-return]  # of an array
 
 
-def test_edges_go_from_the_camera_through_the_corners_of_its_picture() -> None:
+def test_frustum_edges_pass_through_the_image_corners() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/info", info())
@@ -45,7 +45,7 @@ def test_edges_go_from_the_camera_through_the_corners_of_its_picture() -> None:
     assert part(bench, "edges") is None
 
 
-def test_binning_and_a_region_make_the_picture_smaller() -> None:
+def test_binning_and_region_reduce_the_image() -> None:
     bench = Bench()
     add(bench)
     bench.hear("/info", info(binning_x=2, binning_y=4))
@@ -56,7 +56,7 @@ def test_binning_and_a_region_make_the_picture_smaller() -> None:
     assert corners(bench)[2] == [-1, 0, 1]
 
 
-def test_sides_are_shown_only_if_both_properties_say_so() -> None:
+def test_sides_are_shown_only_if_both_properties_are_enabled() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/info", info())
@@ -70,7 +70,7 @@ def test_sides_are_shown_only_if_both_properties_say_so() -> None:
 
 
 @pytest.mark.parametrize("fx", [0.0, np.nan])
-def test_a_camera_without_focal_length_is_an_error(fx: float) -> None:
+def test_camera_without_focal_length_is_an_error(fx: float) -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/info", info())

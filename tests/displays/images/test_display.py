@@ -27,14 +27,14 @@ def hear(bench: Bench, message: Image) -> None:
     bench.look()
 
 
-def test_an_image_is_shown_whatever_its_frame() -> None:
+def test_image_is_shown_regardless_of_its_frame() -> None:
     bench = Bench()
     add(bench)
     hear(bench, image(COLORS, "rgb8"))
     np.testing.assert_array_equal(pixels(bench), COLORS)
 
 
-def test_an_unknown_encoding_is_an_error_and_the_next_image_is_shown() -> None:
+def test_unknown_encoding_is_an_error_and_the_next_image_is_shown() -> None:
     bench = Bench()
     display = add(bench)
     hear(bench, image(COLORS, "hsv9"))
@@ -44,7 +44,7 @@ def test_an_unknown_encoding_is_an_error_and_the_next_image_is_shown() -> None:
     np.testing.assert_array_equal(pixels(bench), COLORS)
 
 
-def test_of_too_little_data_rviz_only_writes_to_its_log() -> None:
+def test_truncated_image_is_reported_only_in_the_log_as_in_rviz() -> None:
     bench = Bench()
     display = add(bench)
     short = image(COLORS, "rgb8")
@@ -54,7 +54,7 @@ def test_of_too_little_data_rviz_only_writes_to_its_log() -> None:
     assert bench.hints(display)[0].startswith("RViz's log: Error loading image: the image has 72 bytes")
 
 
-def test_an_image_without_data_changes_nothing() -> None:
+def test_image_without_data_is_ignored() -> None:
     bench = Bench()
     add(bench)
     hear(bench, image(COLORS, "rgb8"))
@@ -66,7 +66,7 @@ def test_an_image_without_data_changes_nothing() -> None:
     ("properties", "expected"),
     [({}, [0, 127, 255]), ({"normalize_range": False, "min_value": 0.0, "max_value": 4.9}, [63, 127, 191])],
 )
-def test_the_range_is_found_or_given_in_whole_numbers(
+def test_value_range_is_computed_or_set_in_integers(
     properties: dict[str, object], expected: list[int]
 ) -> None:
     bench = Bench()
@@ -75,13 +75,13 @@ def test_the_range_is_found_or_given_in_whole_numbers(
     assert pixels(bench)[0, :, 0].tolist() == expected
 
 
-def test_the_end_of_the_topic_says_that_images_are_packed() -> None:
+def test_topic_suffix_selects_compressed_images() -> None:
     bench = Bench()
     display = bench.session.add("rviz_default_plugins/Image", "Packed", {"Topic": "/camera/image/compressed"})
-    assert display.interests[0].type_name == "sensor_msgs/msg/CompressedImage"
+    assert display.subscriptions[0].type_name == "sensor_msgs/msg/CompressedImage"
 
 
-def test_an_image_goes_with_its_display() -> None:
+def test_image_is_removed_when_its_display_is_disabled() -> None:
     bench = Bench()
     display = add(bench)
     hear(bench, image(COLORS, "rgb8"))

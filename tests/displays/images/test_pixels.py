@@ -6,13 +6,13 @@ import pytest
 from PIL import Image as Pictures
 from sensor_msgs.msg import CompressedImage, Image
 
-from course_lib.displays.images.display import (
+from course_lib.displays.images import (
     Range,
     UnsupportedEncodingError,
-    reduced,
+    decode_compressed,
+    downsample,
     rgb_of,
-    unpacked,
-    zoomed,
+    zoom_image,
 )
 
 COLORS = np.random.default_rng(1).integers(0, 256, (4, 6, 3), np.uint8)
@@ -37,18 +37,18 @@ def whole(values: Any) -> tuple[float, float]:
      ("bgra8", [2, 1, 0, 0]), ("8UC4", [2, 1, 0, 0])],
 )  # fmt: skip
 @pytest.mark.parametrize("padding", [0, 5])
-def test_colours_are_read_in_their_order(encoding: str, order: list[int], padding: int) -> None:
+def test_color_channels_are_read_in_encoding_order(encoding: str, order: list[int], padding: int) -> None:
     np.testing.assert_array_equal(rgb_of(image(COLORS[..., order], encoding, padding), whole), COLORS)
 
 
 @pytest.mark.parametrize("encoding", ["mono8", "8UC1", "bayer_rggb8"])
-def test_one_byte_is_grey(encoding: str) -> None:
+def test_single_byte_pixels_are_gray(encoding: str) -> None:
     np.testing.assert_array_equal(rgb_of(image(COLORS[..., :1], encoding), whole), COLORS[..., [0, 0, 0]])
 
 
 @pytest.mark.parametrize("big", [False, True])
 @pytest.mark.parametrize(("encoding", "kind"), [("16UC1", "u2"), ("mono16", "u2"), ("32FC1", "f4")])
-def test_ranges_go_from_black_to_white(encoding: str, kind: str, big: bool) -> None:
+def test_value_range_maps_from_black_to_white(encoding: str, kind: str, big: bool) -> None:
     values = np.array([[100, 200], [300, 500]], kind)[..., None]
     drawn = rgb_of(image(values, encoding, big=big), whole)
     assert drawn[..., 0].tolist() == [[0, 63], [127, 255]]
@@ -56,21 +56,21 @@ def test_ranges_go_from_black_to_white(encoding: str, kind: str, big: bool) -> N
     assert not flat.any()
 
 
-def test_depths_that_are_not_known_are_black() -> None:
+def test_unknown_depths_are_black() -> None:
     depths = np.array([[np.nan, 1.0, 3.0, np.inf]], np.float32)[..., None]
-    drawn = rgb_of(image(depths, "32FC1"), lambda values: Range().found(values, 5))
+    drawn = rgb_of(image(depths, "32FC1"), lambda values: Range().add(values, 5))
     assert drawn[0, :, 0].tolist() == [0, 0, 255, 255]
 
 
-def test_bounds_are_medians_and_lose_their_fraction() -> None:
+def test_value_bounds_are_medians_rounded_down() -> None:
     found = Range()
-    highs = [found.found(np.array([0.0, high]), 3)[1] for high in (2.5, 90.0, 3.9)]
+    highs = [found.add(np.array([0.0, high]), 3)[1] for high in (2.5, 90.0, 3.9)]
     assert highs == [2.0, 90.0, 3.0]
-    assert Range().found(np.array([0.0, 2.5]), 1) == (0.0, 2.5)
+    assert Range().add(np.array([0.0, 2.5]), 1) == (0.0, 2.5)
 
 
 @pytest.mark.parametrize(("encoding", "order"), [("uyvy", "UYVY"), ("yuyv", "YUYV"), ("yuv422_yuy2", "YUYV")])
-def test_pairs_of_pixels_share_their_colour(encoding: str, order: str) -> None:
+def test_pixel_pairs_share_their_color(encoding: str, order: str) -> None:
     # a grey pair, and red after RViz's formula: R = Y + 1.403 V'
     pairs = [((50, 200), {"U": 128, "V": 128}), ((76, 76), {"U": 85, "V": 255})]
     data = []
@@ -83,13 +83,13 @@ def test_pairs_of_pixels_share_their_colour(encoding: str, order: str) -> None:
     assert drawn[2].tolist() == drawn[3].tolist() == [254, 0, 0]
 
 
-def test_an_unknown_encoding_is_told_in_rviz_words() -> None:
+def test_unknown_encoding_is_reported_with_rviz_text() -> None:
     with pytest.raises(UnsupportedEncodingError, match=r"^Unsupported image encoding \[hsv9\]$"):
         rgb_of(image(COLORS, "hsv9"), whole)
 
 
 @pytest.mark.parametrize("change", [{"width": 7}, {"height": 9}, {"step": 3}, {"width": 0}])
-def test_too_little_data_is_an_error(change: dict[str, int]) -> None:
+def test_truncated_data_are_an_error(change: dict[str, int]) -> None:
     message = image(COLORS, "rgb8")
     for name, value in change.items():
         setattr(message, name, value)
@@ -97,26 +97,26 @@ def test_too_little_data_is_an_error(change: dict[str, int]) -> None:
         rgb_of(message, whole)
 
 
-def test_packed_pictures_are_read() -> None:
+def test_compressed_images_are_read() -> None:
     packed = io.BytesIO()
     Pictures.fromarray(COLORS).save(packed, "png")
     message = CompressedImage(format="rgb8; png compressed bgr8", data=packed.getvalue())
-    np.testing.assert_array_equal(unpacked(message, whole), COLORS)
+    np.testing.assert_array_equal(decode_compressed(message, whole), COLORS)
     deep = io.BytesIO()
     Pictures.fromarray(np.array([[1000, 3000]], np.uint16)).save(deep, "png")
-    assert unpacked(CompressedImage(data=deep.getvalue()), whole)[0, :, 0].tolist() == [0, 255]
-    with pytest.raises(ValueError, match="not a picture of format 'jpeg'"):
-        unpacked(CompressedImage(format="jpeg", data=b"nothing"), whole)
+    assert decode_compressed(CompressedImage(data=deep.getvalue()), whole)[0, :, 0].tolist() == [0, 255]
+    with pytest.raises(ValueError, match="not an image of format 'jpeg'"):
+        decode_compressed(CompressedImage(format="jpeg", data=b"nothing"), whole)
 
 
-def test_a_picture_gets_no_wider_than_asked() -> None:
-    assert reduced(np.zeros((480, 640, 3), np.uint8), 640).shape == (480, 640, 3)
-    assert reduced(np.zeros((480, 641, 3), np.uint8), 640).shape == (240, 321, 3)
+def test_image_is_scaled_down_to_the_requested_width() -> None:
+    assert downsample(np.zeros((480, 640, 3), np.uint8), 640).shape == (480, 640, 3)
+    assert downsample(np.zeros((480, 641, 3), np.uint8), 640).shape == (240, 321, 3)
 
 
-def test_zoom_magnifies_around_the_middle() -> None:
+def test_zoom_magnifies_around_the_center() -> None:
     wide = np.arange(8, dtype=np.uint8)[None, :, None].repeat(3, axis=2)
-    assert zoomed(wide, 2.0)[0, :, 0].tolist() == [2, 2, 3, 3, 4, 4, 5, 5]
-    assert zoomed(wide + 1, 0.5).shape == wide.shape
-    assert (zoomed(wide + 1, 0.5)[0, [0, 1, 6, 7]] == 0).all()
-    np.testing.assert_array_equal(zoomed(wide, 1.0), wide)
+    assert zoom_image(wide, 2.0)[0, :, 0].tolist() == [2, 2, 3, 3, 4, 4, 5, 5]
+    assert zoom_image(wide + 1, 0.5).shape == wide.shape
+    assert (zoom_image(wide + 1, 0.5)[0, [0, 1, 6, 7]] == 0).all()
+    np.testing.assert_array_equal(zoom_image(wide, 1.0), wide)

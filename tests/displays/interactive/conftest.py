@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from tests.displays.interactive.control_stage import Stage
 from tests.ros.rclpy.conftest import notebook
 

@@ -13,10 +13,10 @@ from visualization_msgs.msg import (
 from visualization_msgs.msg import InteractiveMarkerControl as C
 from visualization_msgs.msg import InteractiveMarkerFeedback as F
 
-from course_lib.displays.interactive.display import InteractiveMarkersDisplay
+from course_lib.displays.interactive import InteractiveMarkersDisplay
 from course_lib.displays.viewer import Viewer
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.driving import spin_for
 from tests.displays.interactive.pointing import order
 
 

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from course_lib.arrays import Floats, Vector
-from course_lib.displays.interactive.motion import Pointer
-from course_lib.displays.panel.controls import UseControl
-from course_lib.viewer.camera import Camera
+from course_lib.displays.interactive_motion import Pointer
+from course_lib.displays.panel.protocol import UseControl
+from course_lib.viewer.drawables import Camera
 
 PIXEL = 0.0015  # [m] at a distance of 1 m
 

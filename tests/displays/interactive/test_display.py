@@ -1,12 +1,12 @@
 """The InteractiveMarkers display: what it shows of a server, and what it sends to it."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from geometry_msgs.msg import Point, Pose, TransformStamped
 from interactive_markers import InteractiveMarkerServer, MenuHandler
+from msgspec.structs import replace
 from rclpy.node import Node
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
@@ -17,11 +17,10 @@ from visualization_msgs.msg import (
 from visualization_msgs.msg import InteractiveMarkerControl as C
 from visualization_msgs.msg import InteractiveMarkerFeedback as F
 
-from course_lib.displays.interactive.display import InteractiveMarkersDisplay
+from course_lib.displays.interactive import InteractiveMarkersDisplay
 from course_lib.errors import CourseError
-from course_lib.ros.driving import spin_for
-from course_lib.viewer.camera import Camera
-from course_lib.viewer.drawables import Lines
+from course_lib.ros.time.driving import spin_for
+from course_lib.viewer.drawables import Camera, Lines
 from tests.displays.bench import Bench
 from tests.displays.interactive.control_stage import Stage, box
 from tests.displays.interactive.pointing import order
@@ -31,7 +30,7 @@ NAME = "rviz_default_plugins/InteractiveMarkers"
 LABEL = "Interactive Marker Client"
 
 
-def test_a_late_display_asks_the_server_and_follows_its_updates(stage: Stage) -> None:
+def test_late_joining_display_requests_the_markers_and_follows_updates(stage: Stage) -> None:
     display = stage.show(box(C.MOVE_AXIS))
     assert stage.told(display, LABEL) == ("ok", "Initialized")
     assert stage.told(display, "box") == ("ok", "Locked to frame map")
@@ -49,9 +48,9 @@ def test_a_late_display_asks_the_server_and_follows_its_updates(stage: Stage) ->
     assert [*display.markers] == ["other"]
 
 
-def test_a_display_that_was_there_first_shows_a_server_that_comes(stage: Stage) -> None:
+def test_display_shows_a_server_that_starts_later(stage: Stage) -> None:
     display = stage.viewer.add("InteractiveMarkers", "/late")
-    assert "No server of interactive markers is in /late." in str(stage.viewer.statuses())
+    assert "There is no server of interactive markers in /late." in str(stage.viewer.statuses())
     server = InteractiveMarkerServer(stage.node, "late")
     server.insert(box(C.MOVE_AXIS))
     server.applyChanges()
@@ -64,7 +63,7 @@ def test_a_display_that_was_there_first_shows_a_server_that_comes(stage: Stage) 
     assert not display.markers
 
 
-def test_a_server_that_is_not_spun_gets_a_hint(stage: Stage) -> None:
+def test_unspun_server_causes_a_hint(stage: Stage) -> None:
     stage.add(box())
     stage.viewer.add("InteractiveMarkers", "/simple")
     spin_for(1.5, Node("other"))
@@ -75,7 +74,7 @@ def test_a_server_that_is_not_spun_gets_a_hint(stage: Stage) -> None:
     assert stage.place() == [0, 0, 0]
 
 
-def test_a_drag_along_an_axis_moves_the_marker_and_the_server_hears_each_step(stage: Stage) -> None:
+def test_drag_along_an_axis_moves_the_marker_and_sends_feedback_for_each_step(stage: Stage) -> None:
     stage.show(box(C.MOVE_AXIS))
     side = Camera(eye=(0.0, -10.0, 0.0))
     stage.use("move", ("down", (0.7, 0.0, 0.0)), ("move", (1.2, 0.0, 0.5)), camera=side)
@@ -92,7 +91,7 @@ def test_a_drag_along_an_axis_moves_the_marker_and_the_server_hears_each_step(st
     assert marker.pose.position.x == pytest.approx(1.0)
 
 
-def test_a_turned_marker_is_seen_turned(stage: Stage) -> None:
+def test_rotated_marker_is_drawn_rotated(stage: Stage) -> None:
     stage.show(box(C.ROTATE_AXIS))
     stage.use("turn", ("down", (0.0, 0.5, 0.0)), ("move", (0.0, 0.0, 0.5)), ("up", (0.0, 0.0, 0.5)))
     turn = stage.heard[-1].pose.orientation
@@ -101,14 +100,14 @@ def test_a_turned_marker_is_seen_turned(stage: Stage) -> None:
     assert stage.viewer.scene.world_transform(path)[:3, 1] == pytest.approx((0, 0, 1), abs=1e-9)
 
 
-def test_a_button_is_clicked_when_it_is_released(stage: Stage) -> None:
+def test_button_is_clicked_on_release(stage: Stage) -> None:
     stage.show(box())
     stage.use("button", ("down", (0.5, 0.0, 0.0)), ("up", (0.5, 0.0, 0.0)))
     events = [feedback.event_type for feedback in stage.heard]
     assert events == [F.POSE_UPDATE, F.MOUSE_DOWN, F.BUTTON_CLICK, F.POSE_UPDATE, F.MOUSE_UP]
 
 
-def test_the_server_corrects_a_drag_at_its_end(stage: Stage) -> None:
+def test_server_corrects_a_drag_on_release(stage: Stage) -> None:
     def to_the_grid(feedback: F) -> None:
         at = Pose(position=Point(x=float(round(feedback.pose.position.x))))
         stage.server.setPose("box", at)
@@ -122,7 +121,7 @@ def test_the_server_corrects_a_drag_at_its_end(stage: Stage) -> None:
     assert stage.place() == [1, 0, 0]
 
 
-def test_a_menu_opens_with_a_right_click_and_a_choice_is_heard(stage: Stage) -> None:
+def test_right_click_opens_a_menu_and_a_selection_sends_feedback(stage: Stage) -> None:
     menu, chosen = MenuHandler(), list[F]()
     for title in ("One", "Two"):
         menu.insert(title, callback=chosen.append)
@@ -146,12 +145,12 @@ def test_a_menu_opens_with_a_right_click_and_a_choice_is_heard(stage: Stage) -> 
     spin_for(0.1, stage.node)
     assert [(f.menu_entry_id, f.control_name, f.mouse_point.x) for f in chosen] == [(2, "button", 0.5)]
     assert display.choose(path, 5).endswith("Run it in a cell: %ros2 run turtlesim turtlesim_node")
-    with pytest.raises(CourseError, match="not in the menu any more"):
+    with pytest.raises(CourseError, match="no longer in the menu"):
         display.choose(path, 9)
     assert len(stage.use("menu", ("down", (0.5, 0.0, 0.0)), ("up", (0.5, 0.0, 0.0)))) == 5  # a left click
 
 
-def test_a_marker_moves_with_the_frame_that_it_is_locked_to_and_reports_in_it(stage: Stage) -> None:
+def test_marker_locked_to_a_frame_moves_and_sends_feedback_in_this_frame(stage: Stage) -> None:
     transform = TransformStamped(header=Header(frame_id="map"), child_frame_id="base")
     transform.transform.translation.y = 3.0
     publish(stage.graph, "/tf_static", TFMessage(transforms=[transform]), LATCHED)
@@ -165,7 +164,7 @@ def test_a_marker_moves_with_the_frame_that_it_is_locked_to_and_reports_in_it(st
     assert stage.place() == pytest.approx([1, 3, 0])
 
 
-def test_a_marker_in_an_unknown_frame_waits_for_it_and_says_so(stage: Stage) -> None:
+def test_marker_in_an_unknown_frame_waits_for_its_transform_and_reports_it(stage: Stage) -> None:
     display = stage.show(box(frame="nowhere"))
     level, text = stage.told(display, LABEL)
     assert level == "ok"
@@ -177,13 +176,13 @@ def test_a_marker_in_an_unknown_frame_waits_for_it_and_says_so(stage: Stage) -> 
     assert stage.place() == [0, 0, 0]
 
 
-def test_what_faces_the_viewer_turns_with_the_view(stage: Stage) -> None:
+def test_view_facing_control_rotates_with_the_view(stage: Stage) -> None:
     control = C(name="face", interaction_mode=C.MOVE_PLANE, orientation_mode=C.VIEW_FACING)
     marker = InteractiveMarker(header=Header(frame_id="map"), name="box", controls=[control])
     stage.show(marker)
     path = "displays/InteractiveMarkers/handles/box/controls/face"
     for eye in ((10.0, 0.0, 0.0), (0.0, 0.0, 10.0)):
-        stage.viewer.session.turned(Camera(eye=eye, up=(0.0, 1.0, 0.0)))
+        stage.viewer.session.on_view_turned(Camera(eye=eye, up=(0.0, 1.0, 0.0)))
         x_axis = stage.viewer.scene.world_transform(path)[:3, 0]
         assert x_axis == pytest.approx(-np.array(eye) / 10, abs=1e-3)
 
@@ -200,7 +199,7 @@ def test_descriptions_axes_and_visual_aids_are_shown_on_request(stage: Stage) ->
     assert f"{node}/controls/move/aid" not in scene.objects()
 
 
-def test_orders_on_what_is_gone_do_nothing(stage: Stage) -> None:
+def test_pointer_events_on_an_erased_marker_have_no_effect(stage: Stage) -> None:
     display = stage.show(box(C.MOVE_AXIS))
     stage.use("move", ("down", (0.7, 0.0, 0.0)))
     stage.server.erase("box")
@@ -210,13 +209,13 @@ def test_orders_on_what_is_gone_do_nothing(stage: Stage) -> None:
     assert not display.markers
 
 
-def test_a_display_without_a_namespace_says_so_in_rviz_words() -> None:
+def test_empty_namespace_is_reported_with_rviz_text() -> None:
     bench = Bench()
     display = bench.session.add(NAME, "Im", {})
     assert bench.said(display, LABEL) == ("error", "Error connecting: empty namespace")
 
 
-def test_a_lost_update_makes_the_client_ask_again(stage: Stage) -> None:
+def test_lost_update_makes_the_client_request_the_markers_again(stage: Stage) -> None:
     display = stage.show(box())
     stage.add(box(name="other"))
     stage.server.seq_num += 1
@@ -229,20 +228,20 @@ def test_a_lost_update_makes_the_client_ask_again(stage: Stage) -> None:
     assert stage.place() == [1, 0, 0]
 
 
-def test_a_frame_in_which_nothing_has_moved_changes_nothing(stage: Stage) -> None:
+def test_frame_without_motion_makes_no_scene_changes(stage: Stage) -> None:
     stage.show(box(C.MOVE_AXIS))
     stage.viewer.look()
     changes: list[str] = []
     stage.viewer.scene.listen(lambda what, path: changes.append(f"{what} {path}"))
     stage.viewer.look()
     assert changes == []
-    stage.viewer.session.turned(Camera(eye=(0.0, 9.0, 4.0)))
+    stage.viewer.session.on_view_turned(Camera(eye=(0.0, 9.0, 4.0)))
     assert any(change.endswith("/title") for change in changes)
 
 
 @pytest.mark.parametrize("wrong", [{"direction": (0.0, 0.0, 0.0)}, {"pixel": 0.0}])
-def test_a_ray_that_points_nowhere_is_refused(stage: Stage, wrong: Any) -> None:
+def test_ray_without_a_direction_is_rejected(stage: Stage, wrong: Any) -> None:
     display = stage.show(box(C.MOVE_AXIS))
     path = f"{display.path}/handles/box/controls/move/0/shaft"
-    with pytest.raises(CourseError, match="points nowhere"):
+    with pytest.raises(CourseError, match="has no direction"):
         display.use(replace(order(path, "down", (0.7, 0.0, 0.0)), **wrong))

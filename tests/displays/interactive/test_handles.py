@@ -5,8 +5,8 @@ import pytest
 from geometry_msgs.msg import Quaternion
 from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, Marker
 
-from course_lib.displays.interactive.handles import complete, title
-from course_lib.displays.marker.drawables import DRAW
+from course_lib.displays.interactive_motion import complete, title
+from course_lib.displays.markers import DRAW
 
 C = InteractiveMarkerControl
 Y_AXIS = Quaternion(z=1.0, w=1.0)  # not of length 1, as in the tutorials
@@ -19,7 +19,7 @@ def completed(mode: int, transparent: bool = True, scale: float = 2.0) -> Intera
     return control
 
 
-def test_a_control_that_moves_along_an_axis_gets_two_arrows_in_its_colour() -> None:
+def test_move_axis_control_has_two_arrows_in_its_color() -> None:
     control = completed(C.MOVE_AXIS)
     assert [(a.points[0].x, a.points[1].x) for a in control.markers] == [(1.0, 1.8), (-1.0, -1.8)]
     arrow = control.markers[0]
@@ -30,7 +30,7 @@ def test_a_control_that_moves_along_an_axis_gets_two_arrows_in_its_colour() -> N
 
 
 @pytest.mark.parametrize("mode", [C.MOVE_PLANE, C.ROTATE_AXIS, C.MOVE_ROTATE])
-def test_controls_that_turn_or_move_in_a_plane_get_a_ring(mode: int) -> None:
+def test_rotate_and_move_plane_controls_have_a_ring(mode: int) -> None:
     (ring,) = completed(mode).markers
     points = np.array([[point.x, point.y, point.z] for point in ring.points])
     assert points.shape == (216, 3)
@@ -44,7 +44,7 @@ def test_controls_that_turn_or_move_in_a_plane_get_a_ring(mode: int) -> None:
     assert DRAW[ring.type](ring).status is None
 
 
-def test_a_menu_is_a_text_and_buttons_get_nothing() -> None:
+def test_menu_control_has_text_and_button_controls_have_no_handle() -> None:
     (text,) = completed(C.MENU).markers
     assert (text.type, text.text, text.scale.z) == (Marker.TEXT_VIEW_FACING, "Menu", 0.5)
     assert text.pose.position.z == pytest.approx(2.4 - 0.05)
@@ -52,11 +52,11 @@ def test_a_menu_is_a_text_and_buttons_get_nothing() -> None:
     assert completed(C.NONE).markers == []
 
 
-def test_without_transparency_handles_are_opaque() -> None:
+def test_handles_are_opaque_without_transparency() -> None:
     assert completed(C.MOVE_AXIS, transparent=False).markers[0].color.a == 1.0
 
 
-def test_sizes_orientations_and_names_that_were_left_out_are_filled_in() -> None:
+def test_missing_sizes_orientations_and_names_get_defaults() -> None:
     box = Marker(type=Marker.CUBE)
     box.pose.orientation.w = 0.0
     controls = [C(name="a", markers=[box]), C(name="a"), C(name="b")]
@@ -68,7 +68,7 @@ def test_sizes_orientations_and_names_that_were_left_out_are_filled_in() -> None
     assert len({control.name for control in controls}) == 3
 
 
-def test_the_description_is_above_the_marker() -> None:
+def test_description_is_drawn_above_the_marker() -> None:
     control = title(InteractiveMarker(description="A box", scale=2.0))
     (text,) = control.markers
     assert (text.text, text.pose.position.z, text.scale.z) == ("A box", 2.8, pytest.approx(0.3))

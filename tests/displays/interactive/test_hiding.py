@@ -3,7 +3,7 @@
 import pytest
 from visualization_msgs.msg import InteractiveMarkerControl as C
 
-from course_lib.displays.panel.orders import OrderDesk
+from course_lib.displays.panel.desk import OrderDesk
 from tests.displays.interactive.control_stage import Stage, box
 from tests.displays.interactive.pointing import order
 
@@ -17,9 +17,7 @@ def shown(stage: Stage) -> list[bool]:
 
 
 @pytest.mark.parametrize("hides", [True, False])
-def test_other_controls_are_hidden_while_one_is_held_but_those_that_are_always_visible(
-    stage: Stage, hides: bool
-) -> None:
+def test_other_controls_are_hidden_during_a_drag_unless_always_visible(stage: Stage, hides: bool) -> None:
     far = box(C.ROTATE_AXIS, name="far")
     far.controls[-1].always_visible = True
     stage.add(far)

@@ -12,7 +12,7 @@ from visualization_msgs.msg import (
 )
 from visualization_msgs.msg import InteractiveMarkerControl as C
 
-from course_lib.displays.interactive.display import InteractiveMarkersDisplay
+from course_lib.displays.interactive import InteractiveMarkersDisplay
 from tests.displays.bench import Bench
 from tests.displays.interactive.control_stage import box
 
@@ -33,7 +33,7 @@ def hear(bench: Bench, number: int, **fields: Any) -> None:
     bench.look()
 
 
-def test_a_recording_shows_the_markers_that_were_recorded(
+def test_recorded_markers_are_shown(
     recording: tuple[Bench, InteractiveMarkersDisplay],
 ) -> None:
     bench, display = recording
@@ -65,7 +65,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("fields", "level", "text"), REFUSED)
-def test_what_rviz_refuses_gets_its_status(
+def test_markers_rejected_by_rviz_have_its_status(
     recording: tuple[Bench, InteractiveMarkersDisplay], fields: Any, level: str, text: str
 ) -> None:
     bench, display = recording

@@ -5,9 +5,8 @@ import pytest
 from map_msgs.msg import OccupancyGridUpdate
 from nav_msgs.msg import OccupancyGrid
 
-from course_lib.displays.display import Display
+from course_lib.displays.display import INVALID, Display
 from course_lib.displays.map import palette
-from course_lib.displays.topic_display import INVALID
 from course_lib.viewer.drawables import Sheet
 from tests.displays.bench import Bench
 
@@ -38,7 +37,7 @@ def sheet(bench: Bench) -> Sheet:
     return found
 
 
-def test_a_map_lies_at_its_origin_in_its_frame_row_by_row_along_y() -> None:
+def test_map_is_placed_at_its_origin_with_rows_along_y() -> None:
     bench = Bench()
     bench.transform("map", "odom", (1.0, 0.0, 0.0))
     add(bench, alpha=1.0)
@@ -52,7 +51,7 @@ def test_a_map_lies_at_its_origin_in_its_frame_row_by_row_along_y() -> None:
     assert bench.scene.world_transform(PATH)[:3, 3].tolist() == [3, 0, 0]
 
 
-def test_its_statuses_and_measures_are_rviz_words() -> None:
+def test_statuses_and_dimensions_have_rviz_text() -> None:
     bench = Bench()
     display = add(bench)
     assert bench.said(display, "Message") == ("warn", "No map received")
@@ -75,9 +74,7 @@ def test_its_statuses_and_measures_are_rviz_words() -> None:
         ({"resolution": np.nan}, INVALID),
     ],
 )
-def test_a_map_that_makes_no_sense_is_refused_and_the_last_one_stays(
-    changes: dict[str, Any], status: str
-) -> None:
+def test_invalid_map_is_rejected_and_the_last_one_is_kept(changes: dict[str, Any], status: str) -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/map", grid((FREE, FREE)))
@@ -91,7 +88,7 @@ def test_a_map_that_makes_no_sense_is_refused_and_the_last_one_stays(
     assert sheet(bench) is before
 
 
-def test_a_map_without_cells_is_hinted_at_where_rviz_is_silent() -> None:
+def test_map_without_cells_causes_a_hint_although_rviz_reports_nothing() -> None:
     bench = Bench()
     display = add(bench)
     empty = OccupancyGrid()
@@ -101,7 +98,7 @@ def test_a_map_without_cells_is_hinted_at_where_rviz_is_silent() -> None:
     assert "no cells" in " ".join(bench.hints(display))
 
 
-def test_updates_come_beside_the_map_and_change_a_part() -> None:
+def test_map_updates_on_a_separate_topic_change_part_of_the_map() -> None:
     bench = Bench()
     display = add(bench, alpha=1.0)
     bench.hear("/map_updates", change(0, 0, (WALL,)))  # before the first map there is nothing to change
@@ -113,7 +110,7 @@ def test_updates_come_beside_the_map_and_change_a_part() -> None:
 
 
 @pytest.mark.parametrize(("x", "y"), [(-1, 0), (2, 0), (0, 1)])
-def test_an_update_outside_of_the_map_is_an_error_and_changes_nothing(x: int, y: int) -> None:
+def test_update_outside_the_map_is_an_error_and_changes_nothing(x: int, y: int) -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/map", grid((FREE, FREE, FREE)))
@@ -123,7 +120,7 @@ def test_an_update_outside_of_the_map_is_an_error_and_changes_nothing(x: int, y:
     assert sheet(bench) is before
 
 
-def test_updates_may_come_from_elsewhere() -> None:
+def test_map_updates_can_use_a_custom_topic() -> None:
     bench = Bench()
     display = add(bench)
     assert display["Update Topic"] == "/map_updates"
@@ -140,7 +137,7 @@ def test_updates_may_come_from_elsewhere() -> None:
     ("label", "value"),
     [("Alpha", 0.2), ("Color Scheme", "raw"), ("Draw Behind", True), ("Binary representation", True)],
 )
-def test_a_changed_property_draws_the_map_anew(label: str, value: Any) -> None:
+def test_changed_property_redraws_the_map(label: str, value: Any) -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/map", grid((FREE, 30, WALL)))
@@ -150,7 +147,7 @@ def test_a_changed_property_draws_the_map_anew(label: str, value: Any) -> None:
     assert (before.colors.tolist(), before.behind) != (after.colors.tolist(), after.behind)
 
 
-def test_the_threshold_of_a_binary_map_is_kept_within_0_and_100() -> None:
+def test_binary_map_threshold_is_limited_to_0_to_100() -> None:
     bench = Bench()
     display = add(bench, binary_representation=True)
     bench.hear("/map", grid((FREE, 30, WALL)))
@@ -161,7 +158,7 @@ def test_the_threshold_of_a_binary_map_is_kept_within_0_and_100() -> None:
     assert display["Binary threshold"] == 100
 
 
-def test_a_map_follows_its_frame_or_stays_where_that_was_at_its_stamp() -> None:
+def test_map_follows_its_frame_or_uses_the_transform_at_its_stamp() -> None:
     bench = Bench()
     display = add(bench)
     message = grid((FREE,), frame="odom")

@@ -7,7 +7,7 @@ MINUS_ONE, MINUS_TWO = 255, 254  # as bytes
 GREY = (0x70, 0x89, 0x86, 255)
 
 
-def test_a_map_goes_from_white_to_black() -> None:
+def test_map_palette_ranges_from_white_to_black() -> None:
     colors = palette("map")
     assert [tuple(colors[value]) for value in (0, 50, 100)] == [
         (255, 255, 255, 255),
@@ -16,7 +16,7 @@ def test_a_map_goes_from_white_to_black() -> None:
     ]
 
 
-def test_a_costmap_shows_nothing_where_it_is_free_and_cyan_and_magenta_where_it_is_not() -> None:
+def test_costmap_is_transparent_if_free_and_cyan_and_magenta_at_obstacles() -> None:
     colors = palette("costmap")
     assert colors[0, 3] == 0
     assert tuple(colors[1]) == (2, 0, 253, 255)
@@ -24,13 +24,13 @@ def test_a_costmap_shows_nothing_where_it_is_free_and_cyan_and_magenta_where_it_
     assert tuple(colors[100]) == (255, 0, 255, 255)
 
 
-def test_raw_is_the_byte_as_grey() -> None:
+def test_raw_scheme_shows_the_byte_as_gray() -> None:
     assert (palette("raw")[:, :3] == np.arange(256)[:, None]).all()
 
 
 @pytest.mark.parametrize("threshold", [None, 50])
 @pytest.mark.parametrize("scheme", ["map", "costmap"])
-def test_what_no_cell_should_have_stands_out(scheme: str, threshold: int | None) -> None:
+def test_invalid_cell_values_have_distinct_colors(scheme: str, threshold: int | None) -> None:
     colors = palette(scheme, threshold)
     assert tuple(colors[MINUS_ONE]) == GREY
     assert tuple(colors[101]) == tuple(colors[127]) == (0, 255, 0, 255)
@@ -39,7 +39,7 @@ def test_what_no_cell_should_have_stands_out(scheme: str, threshold: int | None)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_a_binary_map_changes_at_its_threshold_alone(scheme: str) -> None:
+def test_binary_map_changes_only_at_its_threshold(scheme: str) -> None:
     colors = palette(scheme, 65)
     assert len(np.unique(colors[:65], axis=0)) == 1
     assert len(np.unique(colors[65:101], axis=0)) == 1

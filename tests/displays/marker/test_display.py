@@ -2,7 +2,7 @@ import pytest
 from visualization_msgs.msg import Marker, MarkerArray
 
 from course_lib.displays.display import Display
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.topics import Qos
 from tests.displays.bench import ARRAY, TOPIC, Bench, marker, ns
 
 
@@ -12,7 +12,7 @@ def stamped(at: float, frame: str = "base", number: int = 0) -> Marker:
     return made
 
 
-def test_a_marker_waits_for_the_transform_of_its_stamp() -> None:
+def test_marker_waits_for_the_transform_at_its_stamp() -> None:
     bench = Bench()
     bench.transform("map", "base", at=0.0, static=False)
     bench.hear(TOPIC, stamped(0.5), at=0.5)
@@ -29,7 +29,31 @@ def test_a_marker_waits_for_the_transform_of_its_stamp() -> None:
     assert bench.hints(bench.marker) == []
 
 
-def test_an_array_does_not_wait_and_is_an_error_at_once() -> None:
+def test_hint_about_a_waiting_marker_ends_when_corrected_markers_are_shown() -> None:
+    bench = Bench()
+    bench.hear(TOPIC, stamped(0.0, "wolrd"), at=0.0)
+    bench.look(0.5)
+    bench.hear(TOPIC, stamped(0.9, "map"), at=0.9)
+    bench.look(0.9)
+    assert "wolrd" in bench.hints(bench.marker)[0], "one of two lamps may still be wrong"
+    bench.hear(TOPIC, stamped(1.0, "map"), at=1.0)
+    bench.look(1.0)
+    assert bench.hints(bench.marker) == []
+    bench.hear(TOPIC, stamped(1.5, "wolrd"), at=1.5)
+    bench.look(1.5)
+    assert "wolrd" in bench.hints(bench.marker)[0], "a new mistake gets its hint"
+
+
+def test_hint_about_a_dropped_marker_ends_when_corrected_markers_are_shown() -> None:
+    bench = Bench()
+    bench.hear(TOPIC, stamped(0.0, ""), at=0.0)
+    assert "the frame id of the message is empty" in bench.hints(bench.marker)[0]
+    bench.hear(TOPIC, stamped(2.0, "map"), at=2.0)
+    bench.look(2.0)
+    assert bench.hints(bench.marker) == []
+
+
+def test_marker_array_does_not_wait_and_is_an_error_immediately() -> None:
     bench = Bench()
     bench.transform("map", "base", at=0.0, static=False)
     bench.show(stamped(0.5), at=0.5)
@@ -40,7 +64,7 @@ def test_an_array_does_not_wait_and_is_an_error_at_once() -> None:
     )
 
 
-def test_the_marker_display_also_takes_arrays_beside_its_topic_at_once() -> None:
+def test_marker_display_also_receives_the_array_topic() -> None:
     bench = Bench()
     bench.hear(TOPIC + "_array", MarkerArray(markers=[marker(), stamped(9.0, number=1)]))
     bench.look()
@@ -49,7 +73,7 @@ def test_the_marker_display_also_takes_arrays_beside_its_topic_at_once() -> None
     assert bench.said(bench.marker, "Topic") == ("ok", "OK")
 
 
-def test_only_so_many_markers_wait() -> None:
+def test_number_of_waiting_markers_is_limited() -> None:
     bench = Bench()
     for number in range(12):
         bench.hear(TOPIC, stamped(0.5, number=number), at=0.5)
@@ -61,7 +85,7 @@ def test_only_so_many_markers_wait() -> None:
     assert bench.shown() == sorted(f"n/{number}" for number in range(2, 12))
 
 
-def test_a_marker_without_a_frame_is_dropped_with_a_line_in_rviz_log_only() -> None:
+def test_marker_without_a_frame_is_dropped_with_the_text_of_the_rviz_log() -> None:
     bench = Bench()
     bench.hear(TOPIC, marker(frame=""))
     bench.look()
@@ -74,7 +98,7 @@ def test_a_marker_without_a_frame_is_dropped_with_a_line_in_rviz_log_only() -> N
 
 
 @pytest.mark.parametrize("which", ["marker", "array"])
-def test_another_fixed_frame_clears_all_markers(which: str) -> None:
+def test_changed_fixed_frame_clears_all_markers(which: str) -> None:
     bench = Bench()
     display: Display = getattr(bench, which)
     message = marker() if which == "marker" else MarkerArray(markers=[marker()])
@@ -95,7 +119,7 @@ def test_received_messages_are_counted() -> None:
     assert bench.said(bench.marker, "Topic") == ("ok", "4 messages received at 1.0 hz.")
 
 
-def test_a_namespace_that_a_layout_has_unticked_is_not_shown() -> None:
+def test_namespace_disabled_in_a_layout_is_not_shown() -> None:
     bench = Bench()
     config = {"Topic": {"Value": "/layout"}, "Namespaces": {"hidden": False, "seen": True}}
     bench.session.add("rviz_default_plugins/MarkerArray", "Layout", config)
@@ -104,16 +128,16 @@ def test_a_namespace_that_a_layout_has_unticked_is_not_shown() -> None:
     assert bench.shown() == ["seen/0"]
 
 
-def test_the_default_topics_are_those_of_rviz() -> None:
+def test_default_topics_equal_the_defaults_in_rviz() -> None:
     bench = Bench()
     array = bench.session.add("rviz_default_plugins/MarkerArray", "Default", {})
-    assert [s.topic for s in array.interests] == ["/visualization_marker_array"]
+    assert [s.topic for s in array.subscriptions] == ["/visualization_marker_array"]
     single = bench.session.add("rviz_default_plugins/Marker", "Default", {})
-    assert single.interests == ()
+    assert single.subscriptions == ()
     assert bench.said(single, "Topic") == ("error", "Error subscribing: Empty topic name")
 
 
-def test_a_display_that_is_not_ticked_shows_nothing_and_forgets_what_it_had() -> None:
+def test_disabled_display_shows_no_markers_and_discards_them() -> None:
     bench = Bench()
     bench.hear(TOPIC, marker())
     bench.look()
@@ -127,24 +151,24 @@ def test_a_display_that_is_not_ticked_shows_nothing_and_forgets_what_it_had() ->
     assert bench.shown() == ["n/0"]
 
 
-def test_a_message_of_another_type_is_hinted_at() -> None:
+def test_message_of_another_type_causes_a_hint() -> None:
     bench = Bench()
     bench.hear(TOPIC, MarkerArray(markers=[marker()]))
     bench.look()
     assert bench.shown() == []
     assert bench.hints(bench.marker) == [
         "/markers carries visualization_msgs/msg/MarkerArray; "
-        "this display takes visualization_msgs/msg/Marker."
+        "this display expects visualization_msgs/msg/Marker."
     ]
 
 
-def test_quality_of_service_that_does_not_match_is_hinted_at() -> None:
+def test_incompatible_qos_causes_a_hint() -> None:
     bench = Bench()
     bench.hear(TOPIC, marker(), qos=Qos(reliability="best_effort"))
     bench.look()
     assert bench.shown() == []
     (hint,) = bench.hints(bench.marker)
-    assert hint.startswith("/markers is published with another RELIABILITY than this display asks for")
+    assert hint.startswith("/markers is published with another RELIABILITY than this display requests")
     bench.marker["Reliability Policy"] = "Best Effort"
     bench.hear(TOPIC, marker(), at=1.0, qos=Qos(reliability="best_effort"))
     bench.look(1.0)

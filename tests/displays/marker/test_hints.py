@@ -5,7 +5,7 @@ from geometry_msgs.msg import Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from course_lib.displays.marker.hints import hints
+from course_lib.displays.markers import hints
 from tests.displays.bench import marker, points
 
 TWO = points((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
@@ -53,12 +53,12 @@ FINE: dict[str, tuple[int, dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("name", SILENT)
-def test_where_rviz_is_silent_we_say_what_is_wrong(name: str) -> None:
+def test_markers_that_rviz_silently_ignores_have_a_hint(name: str) -> None:
     kind, fields, text = SILENT[name]
     assert any(text in hint for hint in hints(marker(kind, **fields)))
 
 
 @pytest.mark.parametrize("name", FINE)
-def test_what_is_fine_needs_no_hint(name: str) -> None:
+def test_valid_markers_have_no_hint(name: str) -> None:
     kind, fields = FINE[name]
     assert hints(marker(kind, **fields)) == ()

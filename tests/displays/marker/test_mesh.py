@@ -7,7 +7,7 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from course_lib.displays.marker.drawables import Drawn, mesh
+from course_lib.displays.markers import MarkerDrawing, mesh
 from course_lib.viewer.drawables import Mesh
 from tests.displays.bench import marker
 
@@ -23,19 +23,19 @@ def obj(tmp_path: Path) -> str:
 
 
 def drawn(uri: str, **fields: Any) -> Mesh:
-    part = mesh(marker(Marker.MESH_RESOURCE, mesh_resource=uri, **fields)).parts["mesh"]
+    part = mesh(marker(Marker.MESH_RESOURCE, mesh_resource=uri, **fields)).drawables["mesh"]
     assert isinstance(part, Mesh)
     return part
 
 
-def test_a_mesh_of_a_file_is_drawn_in_the_markers_colour_and_scale(obj: str) -> None:
+def test_mesh_is_drawn_with_the_color_and_scale_of_the_marker(obj: str) -> None:
     part = drawn(obj, scale=Vector3(x=2.0, y=1.0, z=1.0))
     np.testing.assert_array_equal(part.vertices.max(axis=0), [2, 1, 1])
     assert len(part.faces) == 2
     np.testing.assert_array_equal(part.colors, [1, 0, 0, 1])
 
 
-def test_a_mesh_of_the_robot_data_is_found_by_its_package() -> None:
+def test_mesh_of_the_robot_data_is_found_by_its_package() -> None:
     pytest.importorskip("pinocchio", reason="robot data comes with pin, which has no wheels here")
     part = drawn(UPPER_ARM)
     assert len(part.faces) > 1000
@@ -43,7 +43,7 @@ def test_a_mesh_of_the_robot_data_is_found_by_its_package() -> None:
 
 
 @pytest.mark.parametrize("tint", [False, True])
-def test_a_mesh_with_its_own_materials_takes_a_tint_only_if_there_is_one(obj: str, tint: bool) -> None:
+def test_mesh_with_embedded_materials_is_tinted_only_on_request(obj: str, tint: bool) -> None:
     color = ColorRGBA(r=1.0, a=1.0) if tint else ColorRGBA()
     part = drawn(obj, mesh_use_embedded_materials=True, color=color)
     red, green, _, alpha = np.broadcast_to(part.colors, (4, 4))[0]
@@ -55,17 +55,17 @@ def test_a_mesh_with_its_own_materials_takes_a_tint_only_if_there_is_one(obj: st
     "uri",
     ["file:///nowhere.stl", "package://nobody/arm.stl", "https://example.org/a.stl", "arm.stl", "file:///"],
 )
-def test_what_cannot_be_loaded_is_an_error_in_rviz_words(uri: str) -> None:
+def test_unloadable_mesh_is_an_error_with_rviz_text(uri: str) -> None:
     made = mesh(marker(Marker.MESH_RESOURCE, 5, mesh_resource=uri))
     assert made.refused
     assert made.status == ("error", f"Mesh resource marker [n/5] could not load [{uri}]")
 
 
-def test_a_file_that_is_no_mesh_is_an_error(tmp_path: Path) -> None:
+def test_invalid_mesh_file_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "arm.stl"
     path.write_text("not a mesh")
     assert mesh(marker(Marker.MESH_RESOURCE, mesh_resource=f"file://{path}")).refused
 
 
-def test_no_address_draws_nothing_and_says_nothing() -> None:
-    assert mesh(marker(Marker.MESH_RESOURCE)) == Drawn()
+def test_mesh_without_a_resource_is_not_drawn_and_has_no_status() -> None:
+    assert mesh(marker(Marker.MESH_RESOURCE)) == MarkerDrawing()

@@ -9,13 +9,13 @@ from geometry_msgs.msg import Pose, Quaternion
 from tests.displays.bench import Bench, at, marker, ns
 
 
-def test_the_fixed_frame_needs_no_transform() -> None:
+def test_marker_in_the_fixed_frame_requires_no_transform() -> None:
     bench = Bench()
     bench.show(marker(frame="map"), marker(number=1, frame="/map"))
     assert bench.shown() == ["n/0", "n/1"]
 
 
-def test_a_frame_places_its_markers_once() -> None:
+def test_frame_change_places_its_markers_once() -> None:
     bench = Bench()
     bench.transform("map", "base", (1.0, 0.0, 0.0), yaw=pi / 2)
     bench.show(marker(frame="base", pose=at(2.0)))
@@ -25,7 +25,7 @@ def test_a_frame_places_its_markers_once() -> None:
     np.testing.assert_allclose(bench.place("n/0")[:3, 3], [1, 2, 0], atol=1e-12)
 
 
-def test_a_marker_that_its_frame_has_left_is_hinted_at_after_a_while() -> None:
+def test_marker_left_behind_by_its_frame_causes_a_hint() -> None:
     bench = Bench()
     bench.transform("map", "base")
     bench.show(marker(frame="base"), marker(number=1, frame="base", frame_locked=True))
@@ -34,10 +34,10 @@ def test_a_marker_that_its_frame_has_left_is_hinted_at_after_a_while() -> None:
     assert bench.hints(bench.array) == []
     bench.look(1.5)
     (hint,) = bench.hints(bench.array)
-    assert hint.startswith("base has moved since this marker came")
+    assert hint.startswith("base has moved since this marker arrived")
 
 
-def test_a_locked_marker_follows_its_frame_whatever_its_stamp() -> None:
+def test_locked_marker_follows_its_frame_regardless_of_its_stamp() -> None:
     bench = Bench()
     locked = marker(frame="base", pose=at(2.0), frame_locked=True)
     locked.header.stamp.sec = 10**9
@@ -48,7 +48,7 @@ def test_a_locked_marker_follows_its_frame_whatever_its_stamp() -> None:
     np.testing.assert_allclose(bench.place("n/0")[:3, 3], [5, 2, 0], atol=1e-12)
 
 
-def test_a_locked_marker_hides_while_its_frame_is_unknown() -> None:
+def test_locked_marker_is_hidden_while_its_frame_is_unknown() -> None:
     bench = Bench()
     bench.transform("map", "other")
     bench.show(marker(frame="base", frame_locked=True))
@@ -59,7 +59,7 @@ def test_a_locked_marker_hides_while_its_frame_is_unknown() -> None:
     assert bench.shown() == ["n/0"]
 
 
-def test_a_stamp_asks_for_the_transform_of_its_time() -> None:
+def test_stamped_marker_uses_the_transform_at_its_stamp() -> None:
     bench = Bench()
     for second in (0.0, 1.0):
         bench.transform("map", "base", (second, 0.0, 0.0), at=second, static=False)
@@ -83,7 +83,7 @@ ERRORS = {
 
 
 @pytest.mark.parametrize("name", ERRORS)
-def test_a_marker_that_cannot_be_placed_is_hidden_and_an_error(name: str) -> None:
+def test_marker_without_a_transform_is_hidden_and_an_error(name: str) -> None:
     fixed_frame, frame, text = ERRORS[name]
     bench = Bench(fixed_frame)
     bench.transform("map", "odom")
@@ -93,7 +93,7 @@ def test_a_marker_that_cannot_be_placed_is_hidden_and_an_error(name: str) -> Non
     assert bench.shown() == []
 
 
-def test_a_marker_that_is_hidden_comes_back_with_a_message_that_can_be_placed() -> None:
+def test_hidden_marker_is_shown_again_after_a_message_with_a_known_frame() -> None:
     bench = Bench()
     bench.show(marker(pose=at(1.0)))
     bench.show(marker(frame="nowhere"), at=1.0)
@@ -113,7 +113,7 @@ QUATERNIONS = [
 
 
 @pytest.mark.parametrize(("quaternion", "degrees"), QUATERNIONS)
-def test_quaternions_of_another_length_turn_as_in_rviz2(quaternion: Quaternion, degrees: float) -> None:
+def test_non_unit_quaternions_rotate_as_in_rviz2(quaternion: Quaternion, degrees: float) -> None:
     bench = Bench()
     bench.show(marker(pose=Pose(orientation=quaternion)))
     turned = bench.place("n/0")
@@ -122,7 +122,7 @@ def test_quaternions_of_another_length_turn_as_in_rviz2(quaternion: Quaternion, 
 
 
 @pytest.mark.parametrize("locked", [False, True])
-def test_no_rotation_at_all_is_half_a_turn_of_the_fixed_frame_whatever_the_frame(locked: bool) -> None:
+def test_zero_quaternion_is_a_half_turn_of_the_fixed_frame(locked: bool) -> None:
     bench = Bench()
     bench.transform("map", "base", (1.0, 0.0, 0.0), yaw=0.7)
     none = Pose(orientation=Quaternion(x=0.0, y=0.0, z=0.0, w=0.0))

@@ -6,13 +6,13 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from course_lib.displays.marker.drawables import Drawn, arrow, solid, text
+from course_lib.displays.markers import MarkerDrawing, arrow, solid, text
 from course_lib.viewer.drawables import Solids, Text
 from tests.displays.bench import marker, points
 
 
-def part(drawn: Drawn, name: str) -> Solids:
-    found = drawn.parts[name]
+def part(drawn: MarkerDrawing, name: str) -> Solids:
+    found = drawn.drawables[name]
     assert isinstance(found, Solids)
     return found
 
@@ -26,7 +26,7 @@ def ends(solids: Solids) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize(
     ("kind", "shape"), [(Marker.CUBE, "box"), (Marker.SPHERE, "sphere"), (Marker.CYLINDER, "cylinder")]
 )
-def test_the_scale_of_a_solid_is_its_full_extent(kind: int, shape: str) -> None:
+def test_scale_of_a_solid_is_its_full_extent(kind: int, shape: str) -> None:
     drawn = solid(marker(kind, scale=Vector3(x=1.0, y=2.0, z=3.0)))
     assert part(drawn, "body").shape == shape
     np.testing.assert_array_equal(part(drawn, "body").placements[0], np.diag([1.0, 2.0, 3.0, 1.0]))
@@ -34,19 +34,19 @@ def test_the_scale_of_a_solid_is_its_full_extent(kind: int, shape: str) -> None:
 
 
 @pytest.mark.parametrize("kind", [Marker.CUBE, Marker.SPHERE, Marker.CYLINDER, Marker.ARROW])
-def test_a_flat_scale_is_a_warning_in_rviz_words(kind: int) -> None:
+def test_zero_scale_causes_a_warning_with_rviz_text(kind: int) -> None:
     draw = arrow if kind == Marker.ARROW else solid
     drawn = draw(marker(kind, scale=Vector3(x=1.0, y=0.0, z=1.0)))
     assert drawn.status == ("warn", "Scale of 0 in one of x/y/z")
 
 
-def test_colours_are_kept_within_what_can_be_shown() -> None:
+def test_colors_are_clipped_to_the_valid_range() -> None:
     drawn = solid(marker(color=ColorRGBA(r=255.0, g=0.5, b=-1.0, a=1.0)))
     np.testing.assert_array_equal(part(drawn, "body").colors, [1.0, 0.5, 0.0, 1.0])
 
 
 @pytest.mark.parametrize("count", [0, 3])
-def test_an_arrow_without_two_points_goes_from_its_pose_along_x(count: int) -> None:
+def test_arrow_without_two_points_extends_from_its_pose_along_x(count: int) -> None:
     shape = marker(
         Marker.ARROW, scale=Vector3(x=2.0, y=0.2, z=0.4), points=points(*[(1.0, 1.0, 1.0)] * count)
     )
@@ -59,7 +59,7 @@ def test_an_arrow_without_two_points_goes_from_its_pose_along_x(count: int) -> N
     np.testing.assert_allclose(tip[:3], [2, 0, 0], atol=1e-6)
 
 
-def test_an_arrow_is_scaled_in_y_and_z_and_its_head_is_twice_as_wide() -> None:
+def test_arrow_is_scaled_in_y_and_z_and_its_head_is_twice_as_wide() -> None:
     drawn = arrow(marker(Marker.ARROW, scale=Vector3(x=2.0, y=0.2, z=0.4)))
     extents = [np.linalg.norm(part(drawn, name).placements[0][:3, :3], axis=1) for name in ("shaft", "head")]
     np.testing.assert_allclose(extents[0], [0.77 * 2, 0.2, 0.4], atol=1e-6)
@@ -69,7 +69,7 @@ def test_an_arrow_is_scaled_in_y_and_z_and_its_head_is_twice_as_wide() -> None:
 @pytest.mark.parametrize(
     ("head", "length"), [(0.0, 0.23 * 5), (0.5, 0.5), (9.0, 5.0)], ids=["default", "given", "longer than all"]
 )
-def test_an_arrow_of_two_points_has_diameters_and_the_length_of_its_head(head: float, length: float) -> None:
+def test_two_point_arrow_has_diameters_and_a_head_length(head: float, length: float) -> None:
     scale = Vector3(x=0.1, y=0.3, z=head)
     drawn = arrow(marker(Marker.ARROW, scale=scale, points=points((1.0, 0.0, 0.0), (1.0, 3.0, 4.0))))
     tail, neck = ends(part(drawn, "shaft"))
@@ -82,16 +82,16 @@ def test_an_arrow_of_two_points_has_diameters_and_the_length_of_its_head(head: f
     np.testing.assert_allclose(widths, [0.1, 0.3], atol=1e-6)
 
 
-def test_an_arrow_of_two_points_without_diameters_is_a_warning() -> None:
+def test_two_point_arrow_without_diameters_causes_a_warning() -> None:
     shape = marker(Marker.ARROW, scale=Vector3(z=1.0), points=points((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
     assert arrow(shape).status == ("warn", "Scale of 0 in both x and y")
 
 
-def test_an_arrow_from_a_point_to_itself_draws_nothing() -> None:
-    assert arrow(marker(Marker.ARROW, points=points(*[(1.0, 2.0, 3.0)] * 2))).parts == {}
+def test_arrow_with_two_equal_points_is_not_drawn() -> None:
+    assert arrow(marker(Marker.ARROW, points=points(*[(1.0, 2.0, 3.0)] * 2))).drawables == {}
 
 
-def test_an_arrow_of_one_point_is_refused() -> None:
+def test_arrow_with_one_point_is_rejected() -> None:
     drawn = arrow(marker(Marker.ARROW, 7, points=points((1.0, 0.0, 0.0))))
     assert drawn.refused
     assert drawn.status == (
@@ -100,20 +100,20 @@ def test_an_arrow_of_one_point_is_refused() -> None:
     )
 
 
-def test_text_is_as_high_as_z_of_its_scale() -> None:
+def test_text_height_is_the_z_scale() -> None:
     drawn = text(marker(Marker.TEXT_VIEW_FACING, text="Person (0.95)", scale=Vector3(z=0.3)))
-    words = drawn.parts["text"]
+    words = drawn.drawables["text"]
     assert isinstance(words, Text)
     assert words.text == "Person (0.95)"
     assert words.height == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize(("words", "height"), [("", 1.0), ("hello", 0.0)])
-def test_text_without_letters_or_height_draws_nothing_and_says_nothing(words: str, height: float) -> None:
+def test_empty_text_or_text_of_zero_height_is_not_drawn_and_has_no_status(words: str, height: float) -> None:
     drawn = text(marker(Marker.TEXT_VIEW_FACING, text=words, scale=Vector3(z=height)))
-    assert drawn == Drawn()
+    assert drawn == MarkerDrawing()
 
 
-def test_the_shares_of_an_arrow_make_a_whole() -> None:
+def test_proportions_of_an_arrow_add_up_to_its_length() -> None:
     drawn = arrow(marker(Marker.ARROW, scale=Vector3(x=pi, y=1.0, z=1.0)))
     assert ends(part(drawn, "head"))[1][0] == pytest.approx(pi)

@@ -11,7 +11,7 @@ from course_lib.errors import CourseError
 from tests.displays.bench import ARRAY, Bench, at, marker, points
 
 
-def test_the_same_namespace_and_id_is_the_same_marker() -> None:
+def test_marker_is_identified_by_namespace_and_id() -> None:
     bench = Bench()
     bench.show(marker(number=1, pose=at(1.0)))
     bench.show(marker(number=1, pose=at(2.0)), at=1.0)
@@ -19,14 +19,14 @@ def test_the_same_namespace_and_id_is_the_same_marker() -> None:
     assert bench.place("n/1")[0, 3] == 2.0
 
 
-def test_another_type_makes_another_object() -> None:
+def test_changed_type_creates_another_object() -> None:
     bench = Bench()
     bench.show(marker(Marker.CUBE))
     bench.show(marker(Marker.ARROW), at=1.0)
     assert sorted(path.rpartition("/")[2] for path in bench.scene.objects()) == ["head", "shaft"]
 
 
-def test_a_marker_that_only_moves_keeps_its_picture() -> None:
+def test_moved_marker_keeps_its_drawables() -> None:
     bench = Bench()
     bench.show(marker(pose=at(1.0)))
     (before,) = bench.scene.objects().values()
@@ -38,7 +38,7 @@ def test_a_marker_that_only_moves_keeps_its_picture() -> None:
     assert repainted is not before
 
 
-def test_namespaces_with_odd_names_do_not_get_into_each_others_way() -> None:
+def test_namespaces_with_special_characters_do_not_collide() -> None:
     bench = Bench()
     names = ("", "a", "a/0", "/", " ", "ä")
     bench.show(*[marker(ns=name) for name in names])
@@ -47,7 +47,7 @@ def test_namespaces_with_odd_names_do_not_get_into_each_others_way() -> None:
     assert len(bench.scene.objects()) == len(names) - 1
 
 
-def test_delete_removes_one_marker() -> None:
+def test_delete_action_removes_one_marker() -> None:
     bench = Bench()
     bench.show(marker(number=0), marker(number=1))
     bench.show(marker(number=0, action=Marker.DELETE), at=1.0)
@@ -55,14 +55,14 @@ def test_delete_removes_one_marker() -> None:
 
 
 @pytest.mark.parametrize(("namespace", "left"), [("", []), ("a", ["b/0"])])
-def test_delete_all_respects_a_namespace(namespace: str, left: list[str]) -> None:
+def test_delete_all_action_respects_a_namespace(namespace: str, left: list[str]) -> None:
     bench = Bench()
     bench.show(marker(ns="a"), marker(ns="b"))
     bench.show(marker(ns=namespace, action=Marker.DELETEALL), at=1.0)
     assert bench.shown() == left
 
 
-def test_an_unknown_action_changes_nothing() -> None:
+def test_unknown_action_is_ignored() -> None:
     bench = Bench()
     bench.show(marker())
     bench.show(marker(action=1), at=1.0)
@@ -70,7 +70,7 @@ def test_an_unknown_action_changes_nothing() -> None:
     assert "RViz's log: Unknown marker action: 1" in bench.hints(bench.array)
 
 
-def test_a_lifetime_counts_from_reception_and_not_from_the_stamp() -> None:
+def test_lifetime_starts_at_reception_and_not_at_the_stamp() -> None:
     bench = Bench()
     old = marker(lifetime=Duration(sec=1))
     old.header.stamp.sec = 5
@@ -84,14 +84,14 @@ def test_a_lifetime_counts_from_reception_and_not_from_the_stamp() -> None:
 
 
 @pytest.mark.parametrize(("nanosec", "left"), [(0, ["n/0"]), (100_000, ["n/0"]), (100_001, [])])
-def test_a_lifetime_up_to_a_tenth_of_a_millisecond_never_ends(nanosec: int, left: list[str]) -> None:
+def test_lifetime_up_to_a_tenth_of_a_millisecond_never_expires(nanosec: int, left: list[str]) -> None:
     bench = Bench()
     bench.show(marker(lifetime=Duration(nanosec=nanosec)))
     bench.look(3600.0)
     assert bench.shown() == left
 
 
-def test_a_new_message_renews_the_lifetime() -> None:
+def test_new_message_restarts_the_lifetime() -> None:
     bench = Bench()
     for second in range(5):
         bench.show(marker(lifetime=Duration(sec=1)), at=float(second))
@@ -111,7 +111,7 @@ BAD: dict[str, Callable[[], Marker]] = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_a_marker_with_no_number_is_dropped_and_the_old_one_stays(name: str) -> None:
+def test_marker_with_nan_is_dropped_and_the_previous_one_is_kept(name: str) -> None:
     bench = Bench()
     bench.show(marker(pose=at(1.0)))
     bench.show(BAD[name](), at=1.0)
@@ -122,7 +122,7 @@ def test_a_marker_with_no_number_is_dropped_and_the_old_one_stays(name: str) -> 
     assert bench.place("n/0")[0, 3] == 1.0
 
 
-def test_a_good_message_takes_back_the_error_of_a_bad_one() -> None:
+def test_valid_message_clears_the_error_of_an_invalid_one() -> None:
     bench = Bench()
     bench.show(marker(Marker.LINE_LIST, points=points((0.0, 0.0, 0.0))))
     assert bench.said(bench.array, "n/0") is not None
@@ -130,7 +130,7 @@ def test_a_good_message_takes_back_the_error_of_a_bad_one() -> None:
     assert bench.said(bench.array, "n/0") is None
 
 
-def test_a_repeated_name_in_an_array_is_an_error_but_the_last_one_is_shown() -> None:
+def test_duplicate_marker_in_an_array_is_an_error_and_the_last_one_is_shown() -> None:
     bench = Bench()
     bench.show(marker(ns="a", number=1, pose=at(1.0)), marker(ns="a", number=1, pose=at(2.0)))
     assert bench.said(bench.array, "Duplicate Marker Check") == (
@@ -142,7 +142,7 @@ def test_a_repeated_name_in_an_array_is_an_error_but_the_last_one_is_shown() -> 
     assert bench.said(bench.array, "Duplicate Marker Check") is None
 
 
-def test_an_unticked_namespace_loses_its_markers_until_they_are_published_again() -> None:
+def test_disabled_namespace_loses_its_markers_until_they_are_published_again() -> None:
     bench = Bench()
     bench.show(marker(ns="a"), marker(ns="b"))
     bench.array["Namespaces"] = {"a": False}
@@ -157,7 +157,7 @@ def test_an_unticked_namespace_loses_its_markers_until_they_are_published_again(
     assert bench.array["Namespaces"] == {"a": True, "b": True}
 
 
-def test_a_namespace_has_a_label_of_its_own() -> None:
+def test_namespace_has_a_unique_label() -> None:
     bench = Bench()
     bench.show(marker(ns="a"), marker(ns="b/c"))
     assert bench.array["Namespaces/b/c"] is True
@@ -169,7 +169,7 @@ def test_a_namespace_has_a_label_of_its_own() -> None:
         bench.array["Namespaces/a"] = 0
 
 
-def test_markers_that_share_a_name_within_a_moment_are_hinted_at() -> None:
+def test_different_markers_with_one_id_in_quick_succession_cause_a_hint() -> None:
     bench = Bench()
     for x in (1.0, 2.0):
         bench.hear(ARRAY, MarkerArray(markers=[marker(pose=at(x))]))
@@ -183,7 +183,7 @@ def test_markers_that_share_a_name_within_a_moment_are_hinted_at() -> None:
     assert not any("Give each its own id" in hint for hint in bench.hints(bench.array))
 
 
-def test_a_type_that_rviz_does_not_draw_shows_nothing_and_has_no_status() -> None:
+def test_marker_type_unsupported_by_rviz_is_not_drawn_and_has_no_status() -> None:
     bench = Bench()
     bench.show(marker(Marker.ARROW_STRIP, points=points((0.0, 0.0, 0.0))))
     bench.show(marker(Marker.ARROW_STRIP), at=1.0)

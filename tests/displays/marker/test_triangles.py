@@ -6,7 +6,7 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from course_lib.displays.marker.drawables import triangles
+from course_lib.displays.markers import triangles
 from course_lib.viewer.drawables import Mesh
 from tests.displays.bench import marker, points
 
@@ -14,7 +14,7 @@ SIX = points(*[(float(i), float(i % 2), 0.0) for i in range(6)])
 
 
 def drawn(**fields: Any) -> Mesh:
-    part = triangles(marker(Marker.TRIANGLE_LIST, points=SIX, **fields)).parts["mesh"]
+    part = triangles(marker(Marker.TRIANGLE_LIST, points=SIX, **fields)).drawables["mesh"]
     assert isinstance(part, Mesh)
     return part
 
@@ -23,7 +23,7 @@ def clear(alpha: float, count: int) -> list[ColorRGBA]:
     return [ColorRGBA(g=1.0, a=alpha) for _ in range(count)]
 
 
-def test_triangles_without_colours_are_shaded_in_that_of_the_marker() -> None:
+def test_triangles_without_colors_are_shaded_in_the_marker_color() -> None:
     mesh = drawn(scale=Vector3(x=2.0, y=1.0, z=1.0))
     assert mesh.lit
     np.testing.assert_array_equal(mesh.colors, [1, 0, 0, 1])
@@ -31,14 +31,14 @@ def test_triangles_without_colours_are_shaded_in_that_of_the_marker() -> None:
 
 
 @pytest.mark.parametrize("count", [6, 2], ids=["each corner", "each face"])
-def test_triangles_with_colours_are_not_shaded(count: int) -> None:
+def test_triangles_with_colors_are_not_shaded(count: int) -> None:
     mesh = drawn(colors=clear(1.0, count))
     assert not mesh.lit
     np.testing.assert_array_equal(mesh.colors, [[0, 1, 0, 1]] * 6)
 
 
 @pytest.mark.parametrize("count", [1, 3, 5, 7])
-def test_colours_that_fit_neither_corners_nor_faces_are_ignored(count: int) -> None:
+def test_colors_that_match_neither_vertices_nor_faces_are_ignored(count: int) -> None:
     np.testing.assert_array_equal(drawn(colors=clear(1.0, count)).colors, [1, 0, 0, 1])
 
 
@@ -51,7 +51,7 @@ def test_colours_that_fit_neither_corners_nor_faces_are_ignored(count: int) -> N
         (2, 0.5, 0.5, 0.25),
     ],
 )
-def test_triangles_are_blended_as_rviz_decides(count: int, own: float, each: float, alpha: float) -> None:
+def test_triangles_are_blended_as_in_rviz(count: int, own: float, each: float, alpha: float) -> None:
     mesh = drawn(color=ColorRGBA(r=1.0, a=own), colors=clear(each, count))
     np.testing.assert_allclose(mesh.colors[:, 3], alpha)
 
@@ -63,12 +63,12 @@ def test_triangles_are_blended_as_rviz_decides(count: int, own: float, each: flo
         (4, "TriMesh marker [n/0] has a point count which is not divisible by 3 [4]"),
     ],
 )
-def test_points_that_make_no_triangles_are_refused(count: int, text: str) -> None:
+def test_points_that_do_not_form_triangles_are_rejected(count: int, text: str) -> None:
     made = triangles(marker(Marker.TRIANGLE_LIST, points=SIX[:count]))
     assert made.refused
     assert made.status == ("error", text)
 
 
-def test_a_flat_scale_is_a_warning() -> None:
+def test_zero_scale_causes_a_warning() -> None:
     made = triangles(marker(Marker.TRIANGLE_LIST, points=SIX, scale=Vector3(x=1.0, y=1.0)))
     assert made.status == ("warn", "Scale of 0 in one of x/y/z")

@@ -6,8 +6,8 @@ from geometry_msgs.msg import PoseWithCovariance
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_lib.displays.poses.shapes import COVARIANCE_PROPERTIES, covariances, uncertain
 from course_lib.displays.properties import PropertyHolder
+from course_lib.displays.shapes import COVARIANCE_PROPERTIES, draw_covariances, uncertain_pose
 from course_lib.viewer.drawables import Solids
 from tests.displays.poses.test_poses import pose
 
@@ -34,7 +34,7 @@ def drawn(
     for label, value in dict(values).items():
         holder[label] = value
     message = PoseWithCovariance(pose=pose(2.0, turned), covariance=covariance.ravel())
-    parts = covariances([uncertain(message, np.eye(4) if frame is None else frame)], holder)
+    parts = draw_covariances([uncertain_pose(message, np.eye(4) if frame is None else frame)], holder)
     assert all(isinstance(part, Solids) for part in parts.values())
     return {name: part.placements[:, :3].astype(float) for name, part in parts.items()}  # type: ignore[union-attr]  # solids, as was just seen
 
@@ -44,7 +44,7 @@ def blocks(place: np.ndarray, turn: np.ndarray) -> np.ndarray:
 
 
 @given(factor=factors)
-def test_the_ellipsoid_is_one_standard_deviation_along_the_axes_of_the_frame(factor: np.ndarray) -> None:
+def test_position_ellipsoid_is_one_standard_deviation_along_the_frame_axes(factor: np.ndarray) -> None:
     covariance = factor @ factor.T
     frame = turned_frame()
     (body,) = drawn(blocks(covariance, np.eye(3)), frame, turned=True)["place"]
@@ -56,7 +56,7 @@ def test_the_ellipsoid_is_one_standard_deviation_along_the_axes_of_the_frame(fac
 
 @pytest.mark.parametrize(("axis", "angles"), [(0, (2, 1)), (1, (2, 0)), (2, (0, 1))])
 @given(factor=factors)
-def test_a_disc_is_as_wide_as_the_angles_and_stands_across_its_axis(
+def test_orientation_disc_has_the_width_of_the_angles_perpendicular_to_its_axis(
     axis: int, angles: tuple[int, int], factor: np.ndarray
 ) -> None:
     covariance = SMALL * factor @ factor.T
@@ -70,7 +70,7 @@ def test_a_disc_is_as_wide_as_the_angles_and_stands_across_its_axis(
     )
 
 
-def test_large_angles_are_shown_as_their_tangents_and_no_larger_than_89_degrees() -> None:
+def test_large_angles_are_drawn_by_their_tangents_and_limited_to_89_degrees() -> None:
     widths = [
         np.linalg.norm(drawn(blocks(np.eye(3), np.eye(3) * deviation**2))["discs"][0], axis=0)[0]
         for deviation in (0.5, 100.0)
@@ -78,7 +78,7 @@ def test_large_angles_are_shown_as_their_tangents_and_no_larger_than_89_degrees(
     np.testing.assert_allclose(widths, [2 * np.tan(0.5), 2 * np.tan(np.radians(89))], rtol=1e-5)
 
 
-def test_in_the_plane_the_place_is_flat_and_the_yaw_is_a_cone_from_the_pose() -> None:
+def test_planar_covariance_is_a_flat_ellipse_and_a_yaw_cone_from_the_pose() -> None:
     covariance = np.diag([0.25, 1.0, 0, 0, 0, 0.04])
     parts = drawn(covariance)
     assert sorted(parts) == ["cones", "place"]
@@ -90,12 +90,14 @@ def test_in_the_plane_the_place_is_flat_and_the_yaw_is_a_cone_from_the_pose() ->
 
 
 @pytest.mark.parametrize(("frame", "ahead"), [("Local", [0, 1, 0]), ("Fixed", [1, 0, 0])])
-def test_the_turn_is_shown_in_the_axes_of_the_pose_or_of_its_frame(frame: str, ahead: list[float]) -> None:
+def test_orientation_covariance_is_shown_in_the_axes_of_the_pose_or_its_frame(
+    frame: str, ahead: list[float]
+) -> None:
     (first, *_) = drawn(np.eye(6), turned=True, values={f"{TURN}/Frame": frame})["discs"]
     np.testing.assert_allclose(first[:, 3] - [2, 0, 0], ahead, atol=1e-6)
 
 
-def test_a_covariance_with_a_negative_eigenvalue_has_no_extent() -> None:
+def test_covariance_with_a_negative_eigenvalue_has_zero_extent() -> None:
     (body,) = drawn(np.diag([-1.0, 1.0, 1.0, 1.0, 1.0, 1.0]))["place"]
     assert not body[:, :3].any()
 
@@ -104,26 +106,26 @@ def test_a_covariance_with_a_negative_eigenvalue_has_no_extent() -> None:
     ("label", "value", "left"),
     [("Covariance", False, []), (PLACE, False, ["discs"]), (TURN, False, ["place"])],
 )
-def test_parts_can_be_left_out(label: str, value: bool, left: list[str]) -> None:
+def test_position_and_orientation_can_be_hidden(label: str, value: bool, left: list[str]) -> None:
     assert sorted(drawn(np.eye(6), values={label: value})) == left
 
 
 @pytest.mark.parametrize(
     ("label", "part"), [(f"{PLACE}/Scale", "place"), (f"{TURN}/Scale", "discs"), (f"{TURN}/Offset", "discs")]
 )
-def test_scales_and_offset_make_it_larger(label: str, part: str) -> None:
+def test_scales_and_offset_enlarge_the_covariance(label: str, part: str) -> None:
     covariance = np.eye(6) * SMALL
     one, two = (drawn(covariance, values={label: value})[part][0] for value in (1.0, 2.0))
     np.testing.assert_allclose(two[:, :2], 2 * one[:, :2], rtol=1e-3, atol=1e-9)
 
 
-def test_colours_are_one_or_those_of_the_axes() -> None:
+def test_covariance_colors_are_uniform_or_one_per_axis() -> None:
     holder = Holder()
-    shown = [uncertain(PoseWithCovariance(covariance=np.eye(6).ravel()), np.eye(4))]
+    shown = [uncertain_pose(PoseWithCovariance(covariance=np.eye(6).ravel()), np.eye(4))]
     holder[f"{PLACE}/Color"], holder[f"{PLACE}/Alpha"] = (255, 0, 0), 0.25
-    parts: Any = covariances(shown, holder)
+    parts: Any = draw_covariances(shown, holder)
     assert parts["place"].colors.tolist() == [1, 0, 0, 0.25]
     np.testing.assert_allclose(parts["discs"].colors, [[1, 1, 127 / 255, 0.5]] * 3, atol=1e-6)
     holder[f"{TURN}/Color Style"] = "RGB"
-    parts = covariances(shown, holder)
+    parts = draw_covariances(shown, holder)
     assert parts["discs"].colors[:, :3].tolist() == np.eye(3).tolist()

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from nav_msgs.msg import Odometry
 
-from course_lib.displays.topic_display import INVALID
+from course_lib.displays.display import INVALID
 from tests.displays.bench import Bench
 from tests.displays.poses.test_poses import add, drawn, extent
 
@@ -23,7 +23,7 @@ def steps(bench: Bench) -> int:
     return len(drawn(bench)["shaft"].placements)
 
 
-def test_a_pose_is_shown_for_each_step_of_the_tolerances() -> None:
+def test_pose_is_shown_if_it_exceeds_the_tolerances() -> None:
     bench = Bench()
     display = add(bench, "Odometry", position_tolerance=1.0, angle_tolerance=0.5)
     for x, yaw in ((0.0, 0.0), (0.9, 0.4), (1.1, 0.0), (1.1, 0.6), (1.2, 0.6 + 2 * np.pi)):
@@ -34,7 +34,7 @@ def test_a_pose_is_shown_for_each_step_of_the_tolerances() -> None:
     assert steps(bench) == 4
 
 
-def test_the_newest_are_kept_and_0_keeps_all() -> None:
+def test_newest_poses_are_kept_and_0_keeps_all() -> None:
     bench = Bench()
     display = add(bench, "Odometry", keep=3)
     for x in range(5):
@@ -49,7 +49,7 @@ def test_the_newest_are_kept_and_0_keeps_all() -> None:
     assert extent(bench, "shaft", 0)[0].tolist() == [19, 0, 0]
 
 
-def test_the_shape_has_the_properties_below_it() -> None:
+def test_shape_properties_are_nested_below_the_shape() -> None:
     bench = Bench()
     config = {"Topic": "/pose", "Shape": {"Value": "Axes", "Axes Length": 2, "Color": "0; 0; 255"}}
     display = bench.session.add("rviz_default_plugins/Odometry", "Shown", {**config, "Covariance": False})
@@ -61,7 +61,7 @@ def test_the_shape_has_the_properties_below_it() -> None:
     assert drawn(bench)["head"].colors.tolist() == [0, 0, 1, 0.5]
 
 
-def test_a_layout_may_name_what_is_below_a_property_alone() -> None:
+def test_layout_can_set_only_nested_properties() -> None:
     bench = Bench()
     config = {"Topic": {"Depth": 7}, "Covariance": {"Position": {"Scale": 2}}}
     display = bench.session.add("rviz_default_plugins/Odometry", "Shown", config)
@@ -70,7 +70,7 @@ def test_a_layout_may_name_what_is_below_a_property_alone() -> None:
     assert not bench.hints(display)
 
 
-def test_covariances_are_shown_at_each_step() -> None:
+def test_covariances_are_shown_at_each_pose() -> None:
     bench = Bench()
     display = add(bench, "Odometry")
     for x in range(3):
@@ -87,7 +87,7 @@ def test_covariances_are_shown_at_each_step() -> None:
         ("orientation", 3.0, "Message contained unnormalized quaternion (squares of values don't add to 1)"),
     ],
 )
-def test_what_makes_no_sense_is_an_error(field: str, value: float, status: str) -> None:
+def test_invalid_odometry_is_an_error(field: str, value: float, status: str) -> None:
     bench = Bench()
     display: Any = add(bench, "Odometry")
     wrong = message()

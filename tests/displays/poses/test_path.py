@@ -5,8 +5,7 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 
-from course_lib.displays.display import Display
-from course_lib.displays.topic_display import INVALID
+from course_lib.displays.display import INVALID, Display
 from course_lib.viewer.drawables import Lines, Solids
 from tests.displays.bench import Bench
 from tests.displays.poses.test_poses import drawn, extent, pose
@@ -32,7 +31,7 @@ def xs(bench: Bench) -> list[list[float]]:
     return [line.points[:, 0].tolist() for line in lines]
 
 
-def test_a_path_is_a_thin_line_or_a_strip_as_wide_as_asked() -> None:
+def test_path_is_a_thin_line_or_a_strip_of_the_requested_width() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/path", path(*START))
@@ -47,7 +46,7 @@ def test_a_path_is_a_thin_line_or_a_strip_as_wide_as_asked() -> None:
     assert xs(bench) == [[1, 2, 3]]
 
 
-def test_as_many_paths_are_shown_as_the_buffer_holds() -> None:
+def test_buffer_length_limits_the_number_of_paths() -> None:
     bench = Bench()
     display = add(bench, buffer_length=2)
     for first in (0.0, 10.0, 20.0):
@@ -57,7 +56,7 @@ def test_as_many_paths_are_shown_as_the_buffer_holds() -> None:
     assert xs(bench) == []
 
 
-def test_a_path_that_is_not_finite_takes_the_place_of_an_older_one() -> None:
+def test_non_finite_path_replaces_an_older_path() -> None:
     bench = Bench()
     display = add(bench)
     bench.hear("/path", path(*START))
@@ -68,7 +67,7 @@ def test_a_path_that_is_not_finite_takes_the_place_of_an_older_one() -> None:
     assert not drawn(bench)
 
 
-def test_arrows_stand_at_the_poses_with_a_colour_of_their_own() -> None:
+def test_arrows_are_drawn_at_the_poses_in_their_own_color() -> None:
     bench = Bench()
     add(bench, pose_style="Arrows", pose_color=(0, 0, 255), alpha=0.1)
     bench.hear("/path", path(*START, turned=True))
@@ -88,7 +87,7 @@ def test_arrows_stand_at_the_poses_with_a_colour_of_their_own() -> None:
         ("Arrows", "Head Diameter", "head"),
     ],
 )
-def test_what_stands_at_the_poses_has_the_size_that_is_asked_for(style: str, label: str, part: str) -> None:
+def test_shapes_at_the_poses_have_the_requested_size(style: str, label: str, part: str) -> None:
     bench = Bench()
     display = add(bench, pose_style=style)
     bench.hear("/path", path(*START))

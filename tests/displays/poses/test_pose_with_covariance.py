@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
-from course_lib.displays.topic_display import INVALID
+from course_lib.displays.display import INVALID
 from tests.displays.bench import Bench
 from tests.displays.poses.test_poses import add, drawn, extent, pose
 
@@ -17,7 +17,7 @@ def message(x: float = 0.0, **fields: Any) -> PoseWithCovarianceStamped:
     return made
 
 
-def test_the_pose_is_shown_with_its_covariance() -> None:
+def test_pose_is_shown_with_its_covariance() -> None:
     bench = Bench()
     display = add(bench, "PoseWithCovariance")
     bench.hear("/pose", message(2.0))
@@ -31,7 +31,7 @@ def test_the_pose_is_shown_with_its_covariance() -> None:
 
 
 @pytest.mark.parametrize("wrong", [message(np.nan), message(covariance=np.full(36, np.inf))])
-def test_what_is_not_finite_is_an_error(wrong: PoseWithCovarianceStamped) -> None:
+def test_non_finite_pose_is_an_error(wrong: PoseWithCovarianceStamped) -> None:
     bench = Bench()
     display = add(bench, "PoseWithCovariance")
     bench.hear("/pose", wrong)

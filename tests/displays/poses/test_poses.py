@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import Pose, PoseArray, PoseStamped
 
-from course_lib.displays.display import Display
-from course_lib.displays.topic_display import INVALID
+from course_lib.displays.display import INVALID, Display
 from course_lib.viewer.drawables import Lines, Solids
 from tests.displays.bench import Bench
 
@@ -50,7 +49,7 @@ def extent(bench: Bench, name: str, number: int = 0) -> tuple[np.ndarray, np.nda
     return np.round(low, 6), np.round(high, 6)
 
 
-def test_the_arrow_of_a_pose_points_along_its_x() -> None:
+def test_pose_arrow_points_along_its_x_axis() -> None:
     bench = Bench()
     bench.transform("map", "base", (0.0, 0.0, 1.0))
     add(bench, "Pose")
@@ -62,7 +61,7 @@ def test_the_arrow_of_a_pose_points_along_its_x() -> None:
     np.testing.assert_allclose(tip, [2, 1.3, 1], atol=1e-6)
 
 
-def test_a_changed_property_draws_the_pose_anew() -> None:
+def test_changed_property_redraws_the_pose() -> None:
     bench = Bench()
     display = add(bench, "Pose")
     bench.hear("/pose", stamped(pose()))
@@ -79,9 +78,7 @@ def test_a_changed_property_draws_the_pose_anew() -> None:
         ("PoseArray", array(pose(), pose(np.inf)), array(pose(1.0))),
     ],
 )
-def test_poses_that_are_not_finite_are_an_error_and_the_next_ones_are_shown(
-    name: str, wrong: Any, right: Any
-) -> None:
+def test_non_finite_poses_are_an_error_and_the_next_ones_are_shown(name: str, wrong: Any, right: Any) -> None:
     bench = Bench()
     display = add(bench, name)
     bench.hear("/pose", wrong)
@@ -97,7 +94,7 @@ def test_poses_that_are_not_finite_are_an_error_and_the_next_ones_are_shown(
 @pytest.mark.parametrize(
     ("shape", "parts"), [("Arrow (Flat)", ["arrows"]), ("Arrow (3D)", ["head", "shaft"]), ("Axes", ["axes"])]
 )
-def test_an_array_is_shown_in_its_shape(shape: str, parts: list[str]) -> None:
+def test_pose_array_is_shown_in_its_shape(shape: str, parts: list[str]) -> None:
     bench = Bench()
     add(bench, "PoseArray", shape=shape)
     bench.hear("/pose", array(*(pose(float(x)) for x in range(5))))
@@ -105,7 +102,7 @@ def test_an_array_is_shown_in_its_shape(shape: str, parts: list[str]) -> None:
     assert sorted(drawn(bench)) == parts
 
 
-def test_flat_arrows_start_at_their_poses_and_are_as_long_as_asked() -> None:
+def test_flat_arrows_start_at_their_poses_and_have_the_requested_length() -> None:
     bench = Bench()
     add(bench, "PoseArray", arrow_length=2.0)
     bench.hear("/pose", array(pose(1.0), pose(5.0, turned=True)))
@@ -117,7 +114,7 @@ def test_flat_arrows_start_at_their_poses_and_are_as_long_as_asked() -> None:
     assert ends[1, :2].tolist() == [[5, 0, 0], [5, 2, 0]]
 
 
-def test_solid_arrows_and_axes_of_an_array_stand_at_each_pose() -> None:
+def test_solid_arrows_and_axes_of_an_array_are_drawn_at_each_pose() -> None:
     bench = Bench()
     display = add(bench, "PoseArray", shape="Arrow (3D)")
     bench.hear("/pose", array(pose(1.0), pose(5.0, turned=True)))
@@ -128,7 +125,7 @@ def test_solid_arrows_and_axes_of_an_array_stand_at_each_pose() -> None:
     np.testing.assert_allclose(extent(bench, "axes", 3)[1], [5, 0.3, 0], atol=1e-6)  # x of the second
 
 
-def test_an_empty_array_shows_nothing() -> None:
+def test_empty_array_is_not_drawn() -> None:
     bench = Bench()
     add(bench, "PoseArray")
     bench.hear("/pose", array(pose()))

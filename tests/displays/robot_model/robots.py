@@ -5,7 +5,7 @@ from typing import Any
 from std_msgs.msg import String
 
 from course_lib.displays.display import Display
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.topics import Qos
 from course_lib.viewer.drawables import Drawable
 from tests.displays.bench import Bench
 

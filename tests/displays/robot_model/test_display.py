@@ -7,21 +7,21 @@ import pytest
 from std_msgs.msg import String
 
 from course_lib.displays.viewer import Viewer
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.topics import Qos
 from tests.displays.bench import START_NS, Bench
 from tests.displays.robot_model.robots import ARM, CYLINDER, LATCHED, MISSING, ROBOT, drawn, robot, standing
 
 
-def test_a_latched_description_arrives_although_the_property_says_volatile() -> None:
+def test_latched_description_is_received_even_with_volatile_durability() -> None:
     display = Bench().session.add(ROBOT, "Robot", {"Description Topic": "/robot_description"})
     assert display["Description Topic/Durability Policy"] == "Volatile"
-    assert display.interests[0].qos == LATCHED
+    assert display.subscriptions[0].qos == LATCHED
     display["Description Topic/Depth"] = 7
-    assert display.interests[0].qos == Qos(depth=7)
+    assert display.subscriptions[0].qos == Qos(depth=7)
 
 
 @pytest.mark.parametrize("text", ["", "hello", "<robot", "<robot name='r'/>", "<html><body/></html>"])
-def test_what_is_no_robot_is_an_error_in_rviz_words_with_the_reason_as_a_hint(text: str) -> None:
+def test_invalid_description_is_an_error_with_rviz_text_and_a_hint(text: str) -> None:
     bench = Bench()
     display = standing(bench)
     bench.hear("/robot_description", String(data=text), qos=LATCHED)
@@ -32,7 +32,7 @@ def test_what_is_no_robot_is_an_error_in_rviz_words_with_the_reason_as_a_hint(te
     assert [prop.label for prop in display.properties if prop.path[:2] == ("Links", "arm")] == []
 
 
-def test_a_missing_mesh_is_an_error_and_all_else_is_shown() -> None:
+def test_missing_mesh_is_an_error_and_other_shapes_are_shown() -> None:
     bench = Bench()
     bench.transform("map", "base")
     bench.transform("map", "arm")
@@ -46,7 +46,7 @@ def test_a_missing_mesh_is_an_error_and_all_else_is_shown() -> None:
     assert list(drawn(bench)) == ["base/visual/0"]
 
 
-def test_a_file_that_is_no_mesh_is_the_same_error(tmp_path: Path) -> None:
+def test_invalid_mesh_file_is_reported_as_in_rviz(tmp_path: Path) -> None:
     (tmp_path / "arm.stl").write_text("not a mesh")
     bench = Bench()
     display = robot(bench, f'<mesh filename="file://{tmp_path}/arm.stl"/>')
@@ -56,7 +56,7 @@ def test_a_file_that_is_no_mesh_is_the_same_error(tmp_path: Path) -> None:
     )
 
 
-def test_a_layout_keeps_what_it_says_of_links_until_they_are_known() -> None:
+def test_link_settings_of_a_layout_are_kept_until_the_links_are_loaded() -> None:
     bench = Bench()
     for child in ("base", "arm"):
         bench.transform("map", child)
@@ -69,7 +69,7 @@ def test_a_layout_keeps_what_it_says_of_links_until_they_are_known() -> None:
     assert list(drawn(bench)) == ["arm/visual/0"]
 
 
-def test_a_prefix_stands_before_the_frames_so_that_robots_can_be_many() -> None:
+def test_tf_prefix_is_prepended_to_frames_so_that_several_robots_can_be_shown() -> None:
     bench = Bench()
     bench.transform("map", "left/base")
     bench.transform("map", "right/base", (0.0, 5.0, 0.0))
@@ -82,14 +82,14 @@ def test_a_prefix_stands_before_the_frames_so_that_robots_can_be_many() -> None:
     assert bench.said(left, "left/base") is None
 
 
-def test_a_description_may_come_from_a_file(tmp_path: Path) -> None:
+def test_robot_description_can_be_read_from_a_file(tmp_path: Path) -> None:
     file = tmp_path / "arm.urdf"
     bench = Bench()
     bench.transform("map", "base")
     config = {"Description Source": "File", "Description File": str(file)}
     display = bench.session.add(ROBOT, "Robot", config)
     assert bench.said(display, "URDF") == ("error", "URDF is empty")
-    assert not display.interests
+    assert not display.subscriptions
     file.write_text(ARM.format(arm=CYLINDER))
     display["Enabled"] = False
     display["Enabled"] = True
@@ -108,7 +108,7 @@ def test_links_are_placed_once_per_update_interval() -> None:
         assert bench.scene.transform(node)[0, 3] == x
 
 
-def test_another_fixed_frame_keeps_the_robot() -> None:
+def test_changed_fixed_frame_keeps_the_robot() -> None:
     bench = Bench()
     display = standing(bench)
     bench.session.fixed_frame = "base"
@@ -116,7 +116,7 @@ def test_another_fixed_frame_keeps_the_robot() -> None:
     assert bench.said(display, "arm") == ("ok", "Transform OK")
 
 
-def test_frames_without_news_tell_the_page_nothing() -> None:
+def test_unchanged_frames_send_no_scene_changes() -> None:
     bench = Bench()
     standing(bench)
     bench.look(0.1)
@@ -126,7 +126,7 @@ def test_frames_without_news_tell_the_page_nothing() -> None:
     assert told == []
 
 
-def test_a_robot_that_is_not_ticked_leaves_nothing() -> None:
+def test_disabled_robot_removes_its_objects() -> None:
     bench = Bench()
     display = standing(bench)
     display["Enabled"] = False
@@ -134,7 +134,7 @@ def test_a_robot_that_is_not_ticked_leaves_nothing() -> None:
     assert not display.rows()
 
 
-def test_a_loop_in_tf_is_an_error_of_the_links_in_it() -> None:
+def test_tf_loop_is_an_error_of_its_links() -> None:
     bench = Bench()
     bench.transform("arm", "base", at=0.1, static=False)
     bench.transform("base", "arm", at=0.1, static=False)
@@ -142,7 +142,7 @@ def test_a_loop_in_tf_is_an_error_of_the_links_in_it() -> None:
     assert bench.said(display, "base") == ("error", "No transform from [base] to [map]")
 
 
-def test_a_transform_that_is_no_number_leaves_the_link_where_it_was_and_is_named() -> None:
+def test_nan_transform_keeps_the_link_pose_and_is_reported() -> None:
     bench = Bench()
     display = standing(bench)
     bench.transform("map", "base", (float("nan"), 0.0, 0.0), at=0.1)
@@ -154,6 +154,6 @@ def test_a_transform_that_is_no_number_leaves_the_link_where_it_was_and_is_named
     assert any("nan" in text and "base" in text for text in hints)
 
 
-def test_the_viewer_adds_it_by_its_topic() -> None:
+def test_viewer_adds_a_robot_model_by_topic() -> None:
     display = Viewer("map").add("RobotModel", "/robot_description")
     assert display["Description Topic"] == "/robot_description"

@@ -11,7 +11,7 @@ from tests.displays.bench import Bench
 from tests.displays.robot_model.robots import drawn, robot, standing
 
 
-def test_links_are_drawn_where_tf_has_them() -> None:
+def test_links_are_drawn_at_their_tf_frames() -> None:
     bench = Bench()
     display = standing(bench)
     box, tube = drawn(bench)["base/visual/0"], drawn(bench)["arm/visual/0"]
@@ -26,7 +26,7 @@ def test_links_are_drawn_where_tf_has_them() -> None:
     assert bench.said(display, "arm") == ("ok", "Transform OK")
 
 
-def test_the_first_material_of_a_link_paints_it_and_what_has_none_is_red() -> None:
+def test_first_material_colors_the_link_and_a_link_without_material_is_red() -> None:
     bench = Bench()
     standing(bench)
     box, tube = drawn(bench)["base/visual/0"], drawn(bench)["arm/visual/0"]
@@ -36,7 +36,7 @@ def test_the_first_material_of_a_link_paints_it_and_what_has_none_is_red() -> No
     np.testing.assert_allclose(tube.colors, [1, 0, 0, 1])
 
 
-def test_alphas_of_robot_link_and_material_multiply() -> None:
+def test_alphas_of_robot_link_and_material_are_multiplied() -> None:
     bench = Bench()
     display = standing(bench, Alpha=0.5)
     display["Links/base/Alpha"] = 0.5
@@ -46,7 +46,7 @@ def test_alphas_of_robot_link_and_material_multiply() -> None:
     assert box.colors[3] == pytest.approx(0.5**3)
 
 
-def test_a_link_without_a_transform_is_white_unshaded_and_an_error() -> None:
+def test_link_without_a_transform_is_white_unshaded_and_an_error() -> None:
     bench = Bench()
     bench.transform("map", "base")
     display = robot(bench)
@@ -63,7 +63,7 @@ def test_a_link_without_a_transform_is_white_unshaded_and_an_error() -> None:
     assert bench.said(display, "arm") == ("ok", "Transform OK")
 
 
-def test_stl_takes_the_links_color_and_other_formats_have_their_own(tmp_path: Path) -> None:
+def test_stl_uses_the_link_color_and_other_formats_use_their_own(tmp_path: Path) -> None:
     obj = "mtllib m.mtl\nusemtl green\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
     (tmp_path / "arm.obj").write_text(obj)
     (tmp_path / "m.mtl").write_text("newmtl green\nKd 0 1 0\n")
@@ -90,7 +90,7 @@ def test_stl_takes_the_links_color_and_other_formats_have_their_own(tmp_path: Pa
         ("Links/tool/Show Axes", "tool/axes/axes"),
     ],
 )
-def test_a_switch_shows_more_and_hides_it_again(label: str, expected: str) -> None:
+def test_display_properties_show_and_hide_their_drawables(label: str, expected: str) -> None:
     bench = Bench()
     display = standing(bench)
     before = drawn(bench).keys()
@@ -102,7 +102,7 @@ def test_a_switch_shows_more_and_hides_it_again(label: str, expected: str) -> No
     assert drawn(bench).keys() == before
 
 
-def test_a_mass_is_a_ball_of_lead() -> None:
+def test_mass_is_drawn_as_a_ball_of_lead() -> None:
     bench = Bench()
     standing(bench, Mass=True)
     ball = drawn(bench)["base/mass/mass"]
@@ -111,7 +111,7 @@ def test_a_mass_is_a_ball_of_lead() -> None:
     assert 4 / 3 * np.pi * radius**3 * 11340 == pytest.approx(11340)
 
 
-def test_links_are_hidden_one_by_one_and_all_at_once() -> None:
+def test_links_are_hidden_individually_and_together() -> None:
     bench = Bench()
     display = standing(bench)
     display["Links/base"] = False
@@ -123,13 +123,13 @@ def test_links_are_hidden_one_by_one_and_all_at_once() -> None:
     assert not drawn(bench)
 
 
-def test_a_link_without_shapes_cannot_be_ticked() -> None:
+def test_link_without_shapes_cannot_be_enabled() -> None:
     display = robot(Bench())
     with pytest.raises(CourseError, match="no property 'Links/tool'"):
         display["Links/tool"] = False
 
 
-def test_a_trail_follows_two_metres_of_the_way() -> None:
+def test_trail_follows_the_last_two_meters_of_the_link() -> None:
     bench = Bench()
     bench.transform("map", "base", at=0.0, static=False)
     display = robot(bench)

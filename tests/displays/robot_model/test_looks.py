@@ -6,32 +6,32 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_lib.displays.robot_model.links import Looks, inertia
+from course_lib.displays.robot_model import LinkShapes, inertia
 from course_lib.robots.urdf import Geometry, Inertial, Link, Material
 from course_lib.viewer.drawables import Solids
 
 BOX = Geometry("box", np.eye(4), (1.0, 1.0, 1.0))
 
 
-def test_a_texture_counts_with_its_mean_color(tmp_path: Path) -> None:
+def test_texture_is_drawn_in_its_mean_color(tmp_path: Path) -> None:
     picture = Image.new("RGB", (2, 1), (255, 0, 0))
     picture.putpixel((1, 0), (0, 0, 255))
     picture.save(tmp_path / "half.png")
     material = Material((1.0, 1.0, 1.0, 1.0), f"file://{tmp_path}/half.png")
-    drawn = Looks(Link("a", (BOX,), (), material, None), None).drawn(BOX, 1.0, False)
+    drawn = LinkShapes(Link("a", (BOX,), (), material, None), None).drawn(BOX, 1.0, False)
     assert isinstance(drawn, Solids)
     np.testing.assert_allclose(drawn.colors, [0.5, 0, 0.5, 1])
 
 
-def test_a_texture_that_is_not_there_is_white() -> None:
+def test_missing_texture_is_white() -> None:
     material = Material((1.0, 1.0, 1.0, 1.0), "file:///nowhere.png")
-    drawn = Looks(Link("a", (BOX,), (), material, None), None).drawn(BOX, 0.5, False)
+    drawn = LinkShapes(Link("a", (BOX,), (), material, None), None).drawn(BOX, 0.5, False)
     assert isinstance(drawn, Solids)
     np.testing.assert_allclose(drawn.colors, [1, 1, 1, 0.5])
 
 
 @pytest.mark.parametrize("size", [(1.0, 2.0, 3.0), (0.1, 0.1, 5.0)])
-def test_the_box_of_an_inertia_is_the_body_that_has_it(size: tuple[float, float, float]) -> None:
+def test_inertia_box_has_the_inertia_of_the_link(size: tuple[float, float, float]) -> None:
     mass, squares = 3.0, np.square(size)
     turned, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
     moments = turned @ np.diag(mass / 12 * (squares.sum() - squares)) @ turned.T
@@ -43,5 +43,5 @@ def test_the_box_of_an_inertia_is_the_body_that_has_it(size: tuple[float, float,
 
 
 @pytest.mark.parametrize("moments", [(0, 0, 0), (1, 1, 3), (-1, 1, 1), (np.nan, 1, 1)])
-def test_an_inertia_that_no_body_has_is_not_drawn(moments: tuple[float, ...]) -> None:
+def test_physically_impossible_inertia_is_not_drawn(moments: tuple[float, ...]) -> None:
     assert inertia(Inertial(1.0, np.diag(moments).astype(float), np.eye(4))) is None

@@ -22,7 +22,7 @@ def said(bench: Bench) -> str:
 
 
 @pytest.mark.parametrize("arm", [CYLINDER, MISSING, KNOWN, "broken"])
-def test_a_robot_that_nobody_sees_says_the_same_and_draws_nothing(arm: str, tmp_path: Path) -> None:
+def test_invisible_robot_has_the_same_statuses_without_drawing(arm: str, tmp_path: Path) -> None:
     broken = tmp_path / "broken.stl"
     broken.write_text("no mesh")
     shape = f'<mesh filename="{broken.as_uri()}"/>' if arm == "broken" else arm
@@ -33,14 +33,14 @@ def test_a_robot_that_nobody_sees_says_the_same_and_draws_nothing(arm: str, tmp_
     assert (bool(drawn(benches[0])), drawn(benches[1])) == (True, {})
 
 
-def test_meshes_of_the_kit_are_not_read_for_the_statuses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delattr("course_lib.displays.robot_model.links.load_mesh")
+def test_bundled_meshes_are_not_read_for_the_statuses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr("course_lib.displays.robot_model.load_mesh")
     bench = unseen()
     standing(bench, arm=KNOWN)
     assert "could not load" not in said(bench).lower()
 
 
-def test_a_robot_is_drawn_where_it_is_once_somebody_asks_for_the_scene() -> None:
+def test_robot_is_drawn_at_its_current_pose_on_the_first_scene_request() -> None:
     benches = [Bench(), unseen()]
     for bench in benches:
         robot(bench)

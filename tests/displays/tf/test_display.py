@@ -37,7 +37,7 @@ def test_frames_have_axes_and_arrows_to_their_parents() -> None:
     assert bench.said(display, "camera") == ("ok", "Transform OK")
 
 
-def test_an_arrow_reaches_from_child_to_parent_with_its_head_there() -> None:
+def test_arrow_extends_from_child_to_parent_with_its_head_at_the_parent() -> None:
     bench = Bench()
     chain(bench)
     tail = np.array([[0, 0, -0.5, 1], [0, 0, 0.5, 1]])
@@ -46,7 +46,7 @@ def test_an_arrow_reaches_from_child_to_parent_with_its_head_there() -> None:
     np.testing.assert_allclose(head[:, :3], np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.0]]), atol=1e-6)
 
 
-def test_switches_show_and_hide_all_of_a_kind() -> None:
+def test_show_properties_toggle_all_drawables_of_one_kind() -> None:
     bench = Bench()
     display = chain(bench, show_axes=False, show_arrows=False, show_names=True)
     assert shown(bench) == {"names/map", "names/base", "names/camera"}
@@ -57,7 +57,7 @@ def test_switches_show_and_hide_all_of_a_kind() -> None:
     assert not shown(bench)
 
 
-def test_marker_scale_scales_everything_about_the_frame() -> None:
+def test_marker_scale_scales_all_drawables_of_the_frame() -> None:
     bench = Bench()
     chain(bench, marker_scale=2.0)
     drawn = bench.scene.node("displays/TF/axes/base").object
@@ -65,7 +65,7 @@ def test_marker_scale_scales_everything_about_the_frame() -> None:
     np.testing.assert_allclose(np.linalg.norm(drawn.placements[0, :3, :3], axis=0), [0.04, 0.04, 0.4])
 
 
-def test_frames_are_ticked_one_by_one_and_all_at_once() -> None:
+def test_frames_are_enabled_individually_and_together() -> None:
     bench = Bench()
     display = chain(bench, show_arrows=False)
     display["Frames/base"] = False
@@ -75,7 +75,7 @@ def test_frames_are_ticked_one_by_one_and_all_at_once() -> None:
     assert shown(bench) == {"axes/map", "axes/base", "axes/camera"}
 
 
-def test_a_layout_ticks_frames_before_they_are_known_even_with_a_slash() -> None:
+def test_layout_enables_frames_before_they_are_known_even_with_a_slash() -> None:
     bench = Bench()
     config = {"Frames": {"robot/base": {"Value": False}}, "Show Arrows": False}
     display = bench.session.add(TF, "TF", config)
@@ -95,14 +95,16 @@ def test_a_layout_ticks_frames_before_they_are_known_even_with_a_slash() -> None
         ("a", "b", {"map", "camera"}),
     ],
 )
-def test_filters_search_for_regular_expressions(whitelist: str, blacklist: str, expected: set[str]) -> None:
+def test_filters_are_searched_as_regular_expressions(
+    whitelist: str, blacklist: str, expected: set[str]
+) -> None:
     bench = Bench()
     display = chain(bench, show_arrows=False)
     display["Filter (whitelist)"], display["Filter (blacklist)"] = whitelist, blacklist
     assert shown(bench) == {f"axes/{name}" for name in expected}
 
 
-def test_a_filter_that_is_no_regular_expression_says_where() -> None:
+def test_invalid_regular_expression_is_reported_with_its_position() -> None:
     with pytest.raises(CourseError, match=r"'Filter \(whitelist\)' is '\(', expected a regular expression;"):
         Bench().session.add(TF, "TF", {})["Filter (whitelist)"] = "("
 
@@ -118,9 +120,7 @@ def test_a_filter_that_is_no_regular_expression_says_where() -> None:
         (15.5, None),
     ],
 )
-def test_what_nobody_publishes_any_more_goes_grey_fades_and_is_gone(
-    age: float, color: list[float] | None
-) -> None:
+def test_stale_frame_turns_gray_fades_and_is_removed(age: float, color: list[float] | None) -> None:
     bench = Bench()
     bench.session.add(TF, "TF", {})
     bench.transform("map", "base", static=False)
@@ -134,7 +134,7 @@ def test_what_nobody_publishes_any_more_goes_grey_fades_and_is_gone(
     np.testing.assert_allclose(drawn.colors[0], color, atol=0.05)
 
 
-def test_static_frames_and_published_ones_stay_fresh() -> None:
+def test_static_frames_and_republished_frames_stay_fresh() -> None:
     bench = Bench()
     display = bench.session.add(TF, "TF", {})
     bench.transform("map", "fixed")
@@ -145,7 +145,7 @@ def test_static_frames_and_published_ones_stay_fresh() -> None:
     assert bench.said(display, "base") == ("ok", "Transform OK")
 
 
-def test_a_frame_of_another_tree_is_a_warning_and_hidden() -> None:
+def test_frame_in_another_tree_is_hidden_and_causes_a_warning() -> None:
     bench = Bench()
     display = chain(bench)
     bench.transform("moon", "rover")
@@ -154,7 +154,7 @@ def test_a_frame_of_another_tree_is_a_warning_and_hidden() -> None:
     assert "axes/rover" not in shown(bench)
 
 
-def test_a_loop_is_a_warning_of_its_frames_and_all_else_is_shown() -> None:
+def test_loop_causes_a_warning_for_its_frames_and_others_are_shown() -> None:
     bench = Bench()
     display = chain(bench, show_arrows=False)
     bench.transform("b", "a", static=False)
@@ -165,7 +165,7 @@ def test_a_loop_is_a_warning_of_its_frames_and_all_else_is_shown() -> None:
     assert display["Tree"] == {"map": {"base": {"camera": {}}}}
 
 
-def test_what_rviz_measures_can_be_read_and_not_written() -> None:
+def test_measured_properties_are_read_only() -> None:
     bench = Bench()
     display = chain(bench)
     assert display["Frames/camera/Parent"] == "base"
@@ -174,11 +174,11 @@ def test_what_rviz_measures_can_be_read_and_not_written() -> None:
     assert display["Frames/camera/Orientation"] == (0.0, 0.0, 0.0, 1.0)
     assert display["Frames/map/Relative Position"] == ""
     assert display["Tree"] == {"map": {"base": {"camera": {}}}}
-    with pytest.raises(CourseError, match="only shows what is there"):
+    with pytest.raises(CourseError, match="the property is read-only"):
         display["Frames/camera/Position"] = (0, 0, 0)
 
 
-def test_frames_without_news_tell_the_page_nothing() -> None:
+def test_unchanged_frames_send_no_scene_changes() -> None:
     bench = Bench()
     chain(bench, show_names=True)
     bench.look(0.1)

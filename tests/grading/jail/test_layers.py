@@ -13,11 +13,15 @@ import pytest
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
 from course_lib.grading.jail import filters, launch
-from course_lib.grading.jail.isolation import LAYERS, Isolation
-from course_lib.grading.jail.launch import KilledStartError, TemplateProcess, WorkerError, shared_template
-from course_lib.grading.jail.place import works
-from course_lib.grading.run.job import Job, Step
-from course_lib.grading.run.run import make_ready, run
+from course_lib.grading.jail.filters import LAYERS, Isolation
+from course_lib.grading.jail.launch import (
+    KilledStartError,
+    TemplateProcess,
+    WorkerError,
+    shared_template,
+    works,
+)
+from course_lib.grading.run.run import Job, Step, prepare, run
 from course_lib.grading.run.submission_run import SubmissionRun
 from course_lib.grading.task import Scenario, Task
 
@@ -88,8 +92,12 @@ def places(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, objec
         yield {"file": str(folder / "file"), "folder": str(folder), "port": port, "pid": os.getpid()}
 
 
+@pytest.mark.slow
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("off", OPEN, ids=lambda off: "without " + " ".join(off) if off else "everything")
-def test_what_a_submission_can_do(off: tuple[str, ...], places: dict[str, object]) -> None:
+def test_disabled_isolation_layers_permit_only_the_expected_attacks(
+    off: tuple[str, ...], places: dict[str, object]
+) -> None:
     with closing(TemplateProcess(off)) as template:
         unused = {BUBBLEWRAP} if "namespaces" not in off else set[str]()
         if missing := set(LAYERS) - set(off) - set(template.isolation.layers) - unused:
@@ -100,8 +108,8 @@ def test_what_a_submission_can_do(off: tuple[str, ...], places: dict[str, object
             came = session.run(ANSWER, ANSWER.scenarios[0])
         assert session.log.errors == []
         assert set(came.returns[0]) <= OPEN[off]
-        assert template.isolation.protects == (not (FILES - SEEN) & OPEN[off])
-        assert template.isolation.hides == (not SEEN & OPEN[off])
+        assert template.isolation.is_protective == (not (FILES - SEEN) & OPEN[off])
+        assert template.isolation.hides_names == (not SEEN & OPEN[off])
 
 
 @pytest.fixture
@@ -120,27 +128,28 @@ def start_killed_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("start_killed_once")
-def test_a_template_that_is_killed_while_it_starts_is_not_followed_by_one_of_fewer_layers() -> None:
+def test_killed_template_start_does_not_fall_back_to_fewer_layers() -> None:
     with pytest.raises(KilledStartError, match="killed while it started"):
         TemplateProcess()
 
 
-def test_grading_tries_a_killed_start_again_and_says_so(request: pytest.FixtureRequest) -> None:
+@pytest.mark.slow
+def test_killed_worker_start_is_retried_with_a_notice(request: pytest.FixtureRequest) -> None:
     shared_template().close()
     request.getfixturevalue("start_killed_once")
-    assert make_ready("any", ()) == ["Tried again: a worker was killed while it started"]
+    assert prepare("any", ()) == ["Tried again: a worker was killed while it started"]
 
 
-def test_grading_ends_after_a_second_killed_start_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_second_killed_worker_start_ends_grading_with_advice(monkeypatch: pytest.MonkeyPatch) -> None:
     def kill(*_: Any) -> None:
         raise KilledStartError("a worker was killed while it started")
 
     monkeypatch.setattr("course_lib.grading.run.run.shared_template", kill)
     with pytest.raises(WorkerError, match=r"started, 2 times\. .* --jobs 1\. Nothing is lost"):
-        make_ready("any", ())
+        prepare("any", ())
 
 
-def test_a_layer_whose_trial_is_killed_is_tried_again(tmp_path: Path) -> None:
+def test_layer_with_one_killed_trial_is_tried_again(tmp_path: Path) -> None:
     def layer() -> None:
         if not (tmp_path / "tried").exists():
             (tmp_path / "tried").touch()
@@ -149,11 +158,12 @@ def test_a_layer_whose_trial_is_killed_is_tried_again(tmp_path: Path) -> None:
     assert works(layer)
 
 
-def test_a_layer_whose_trials_are_all_killed_does_not_work() -> None:
+def test_layer_with_all_trials_killed_does_not_work() -> None:
     assert not works(lambda: os.kill(os.getpid(), signal.SIGKILL))
 
 
-def test_a_template_that_is_killed_while_it_starts_costs_no_evidence(
+@pytest.mark.slow
+def test_killed_template_start_does_not_change_the_evidence(
     request: pytest.FixtureRequest,
 ) -> None:
     job = Job(("answer = 1",), None, (Step(ANSWER, ANSWER.scenarios[0]),), Limits())
@@ -163,18 +173,21 @@ def test_a_template_that_is_killed_while_it_starts_costs_no_evidence(
     assert run(job).evidence == undisturbed
 
 
-def test_courses_outside_of_what_python_needs_share_one_template(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_courses_outside_the_python_paths_share_one_template_process(tmp_path: Path) -> None:
     one, other = (shared_template((str(tmp_path / name),)) for name in ("one", "other"))
     assert one is other
 
 
-def test_the_end_of_one_template_leaves_that_which_is_shared() -> None:
+@pytest.mark.slow
+def test_closing_one_template_process_keeps_the_shared_template() -> None:
     shared = shared_template()
     TemplateProcess((BUBBLEWRAP, "namespaces")).close()
     assert shared_template() is shared
 
 
-def test_folders_in_folders_are_cleared_away() -> None:
+@pytest.mark.slow
+def test_deeply_nested_scratch_folders_are_removed() -> None:
     cells = ["import os\nfor _ in range(1200): os.mkdir('d'); os.chdir('d')\nanswer = 1"]
     with closing(TemplateProcess((BUBBLEWRAP, "namespaces"))) as template:
         with closing(SubmissionRun(cells, {ANSWER.id: {}}, Limits(), template)) as session:
@@ -182,7 +195,8 @@ def test_folders_in_folders_are_cleared_away() -> None:
         assert template.is_sound
 
 
-def test_files_on_a_disk_are_bounded_all_together() -> None:
+@pytest.mark.slow
+def test_total_size_of_scratch_files_is_limited() -> None:
     cells = ["for n in range(10**5): open(str(n), 'wb').write(bytes(10**6))", "answer = 1"]
     limits = Limits(scratch_megabytes=16)
     with closing(TemplateProcess((BUBBLEWRAP, "namespaces"))) as template:
@@ -198,32 +212,34 @@ def test_files_on_a_disk_are_bounded_all_together() -> None:
         (LAYERS[1:], "full", ""),
         (LAYERS[:1] + LAYERS[2:], "full", "--require-sandbox"),
         (LAYERS[2:], "partial", ""),
-        (("limits",), "partial", "type --i-trust-these-submissions"),
-        ((), "partial", "type --i-trust-these-submissions"),
+        (("limits",), "partial", "add --i-trust-these-submissions"),
+        ((), "partial", "add --i-trust-these-submissions"),
         ((), "any", ""),
     ],
 )
-def test_too_little_is_refused_with_what_to_type(layers: tuple[str, ...], need: str, refused: str) -> None:
+def test_insufficient_isolation_is_rejected_with_the_option_to_pass(
+    layers: tuple[str, ...], need: str, refused: str
+) -> None:
     isolation = Isolation(layers)
     if not refused:
-        isolation.demand(need)  # type: ignore[arg-type]  # one of the three
+        isolation.require(need)  # type: ignore[arg-type]  # one of the three
         return
     with pytest.raises(CourseError, match=refused):
-        isolation.demand(need)  # type: ignore[arg-type]
+        isolation.require(need)  # type: ignore[arg-type]
 
 
-def test_what_is_missing_is_said() -> None:
+def test_missing_isolation_layers_are_listed() -> None:
     said = str(Isolation(("limits", "Landlock", "seccomp")))
     assert said == (
         "partial sandbox (has limits, Landlock, seccomp; lacks namespaces, process limit"
-        "; which files there are is not hidden)"
+        "; file names are not hidden)"
     )
     assert str(Isolation()).startswith("no sandbox (lacks")
 
 
 @pytest.mark.parametrize(("column", "machine"), filters.MACHINES.values(), ids=filters.MACHINES)
-def test_every_jump_of_the_filter_ends_inside_it(column: int, machine: int) -> None:
-    code = filters.program(column, machine)
+def test_every_jump_of_the_seccomp_filter_stays_inside_the_program(column: int, machine: int) -> None:
+    code = filters.filter_program(column, machine)
     steps = [code[i : i + 8] for i in range(0, len(code), 8)]
     assert len(steps) < 4096  # what the kernel takes
     for index, step in enumerate(steps):

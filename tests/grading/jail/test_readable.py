@@ -13,10 +13,17 @@ import pytest
 
 import course_lib
 from course_lib.errors import CourseError
-from course_lib.grading.jail.isolation import Isolation
-from course_lib.grading.jail.launch import TemplateProcess, shared_template
-from course_lib.grading.jail.readable import Readable, allow, links_on, readable
+from course_lib.grading.jail.filters import Isolation
+from course_lib.grading.jail.launch import (
+    Readable,
+    TemplateProcess,
+    readable,
+    select_readable,
+    shared_template,
+    symlinks_on,
+)
 from tests.grading.conftest import RIGHT, write_course
+from tests.patience import PATIENCE
 
 COURSE = ("exercises/course.toml", "solutions/checks/week01.py", "in/bob/week01.ipynb", "out/gradebook.csv")
 LAYOUTS = {  # where the checkout is, and where Python has its own modules and packages
@@ -43,7 +50,9 @@ def is_open(path: str, files: Readable) -> bool:
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_the_course_is_closed_and_python_open_in_every_layout(layout: str, tmp_path: Path) -> None:
+def test_course_is_unreadable_and_python_readable_in_every_installation_layout(
+    layout: str, tmp_path: Path
+) -> None:
     checkout, modules, packages = (tmp_path / folder for folder in LAYOUTS[layout])
     closed = [written(checkout / name) for name in COURSE]
     closed += [written(packages / name) for name in ("private/__init__.py", "private.py")]
@@ -51,45 +60,45 @@ def test_the_course_is_closed_and_python_open_in_every_layout(layout: str, tmp_p
     open_ += [written(packages / "numpy/core/x.so"), written(checkout / "course_lib/grading/worker.py")]
     refused = [str(checkout / name.split("/")[0]) for name in COURSE]
     needed = [str(modules), str(packages), str(packages / "numpy"), str(checkout / "course_lib")]
-    files = allow(needed, [str(modules), str(packages)], refused)
+    files = select_readable(needed, [str(modules), str(packages)], refused)
     assert [path for path in closed if is_open(path, files)] == []
     assert [path for path in open_ if not is_open(path, files)] == []
     listed = [folder for folder in files.listed if any(path.startswith(folder + "/") for path in refused)]
     assert listed == []
 
 
-def test_a_result_folder_that_is_made_later_is_closed(tmp_path: Path) -> None:
+def test_result_folder_created_later_is_not_readable(tmp_path: Path) -> None:
     written(tmp_path / "lib/os.py")
-    files = allow([str(tmp_path / "lib")], [], [str(tmp_path / "lib/out")])
+    files = select_readable([str(tmp_path / "lib")], [], [str(tmp_path / "lib/out")])
     assert not is_open(written(tmp_path / "lib/out/gradebook.csv"), files)
-    assert files.torn == str(tmp_path / "lib/out")
+    assert files.conflict == str(tmp_path / "lib/out")
 
 
-def test_what_a_link_leads_to_is_not_open_for_that(tmp_path: Path) -> None:
+def test_target_of_a_link_in_a_readable_folder_is_not_readable(tmp_path: Path) -> None:
     secret = written(tmp_path / "solutions/week01.ipynb")
     written(tmp_path / "lib/out/x")
     (tmp_path / "lib/link").symlink_to(Path(secret).parent)
-    files = allow([str(tmp_path / "lib")], [], [str(tmp_path / "lib/out")])
+    files = select_readable([str(tmp_path / "lib")], [], [str(tmp_path / "lib/out")])
     assert not is_open(secret, files)
     assert not is_open(str(tmp_path / "lib/link/week01.ipynb"), files)
 
 
-def test_links_on_the_way_to_a_needed_file_are_known(tmp_path: Path) -> None:
+def test_symlinks_on_the_path_of_a_required_file_are_resolved(tmp_path: Path) -> None:
     written(tmp_path / "usr/lib/a/x.so")
     (tmp_path / "lib").symlink_to("usr/lib")
     (tmp_path / "usr/lib/b").symlink_to(tmp_path / "lib/a")
-    links = dict(links_on(str(tmp_path / "lib/b/x.so")))
+    links = dict(symlinks_on(str(tmp_path / "lib/b/x.so")))
     lib = str(tmp_path / "lib")
     assert links == {lib: "usr/lib", str(tmp_path / "usr/lib/b"): f"{lib}/a"}
 
 
-def test_a_needed_folder_that_is_the_course_itself_is_an_error(tmp_path: Path) -> None:
+def test_required_folder_that_is_the_course_itself_is_an_error(tmp_path: Path) -> None:
     written(tmp_path / "lib/os.py")
-    with pytest.raises(CourseError, match=r"submissions must not read .*lib, and Python needs it"):
-        allow([str(tmp_path / "lib")], [], [str(tmp_path / "lib")])
+    with pytest.raises(CourseError, match=r"submissions must not read .*lib, but Python needs it"):
+        select_readable([str(tmp_path / "lib")], [], [str(tmp_path / "lib")])
 
 
-def test_only_declared_distributions_are_open() -> None:
+def test_only_declared_distributions_are_readable() -> None:
     packages = [folder for folder in readable().listed if folder.endswith("site-packages")]
     for name, wanted in {"numpy": True, "yaml": True, "mypy": False, "pytest": False}.items():
         found = [path for folder in packages if os.path.exists(path := os.path.join(folder, name))]
@@ -97,16 +106,18 @@ def test_only_declared_distributions_are_open() -> None:
         assert is_open(found[0], readable()) is wanted, name
 
 
-def test_without_namespaces_a_course_inside_a_needed_folder_is_refused(
+@pytest.mark.slow
+def test_course_inside_a_required_folder_is_rejected_without_namespaces(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    torn = Readable(**{**vars(readable()), "torn": "/usr/lib/submissions"})
-    monkeypatch.setattr("course_lib.grading.jail.launch.readable", lambda _: torn)
-    with pytest.raises(CourseError, match="/usr/lib/submissions lies in a folder that Python needs"):
+    conflict = Readable(**{**vars(readable()), "conflict": "/usr/lib/submissions"})
+    monkeypatch.setattr("course_lib.grading.jail.launch.readable", lambda _: conflict)
+    with pytest.raises(CourseError, match="/usr/lib/submissions is in a folder that Python needs"):
         TemplateProcess(("bubblewrap", "namespaces")).close()
 
 
-def test_a_template_changes_no_mode_of_a_file() -> None:
+@pytest.mark.slow
+def test_template_process_does_not_change_file_modes() -> None:
     def modes() -> list[int]:
         return [os.stat(path).st_mode for path in (*readable().listed, *readable().paths)]
 
@@ -134,7 +145,7 @@ def checkout(tmp_path: Path) -> Path:
     source = Path(course_lib.__file__).parent
     shutil.copytree(source, top / "course_lib", ignore=shutil.ignore_patterns("__pycache__", "_course"))
     base = os.path.join(sys.base_prefix, "bin", "python3")
-    subprocess.run([base, "-m", "venv", "--without-pip", str(top)], check=True)
+    subprocess.run([base, "-m", "venv", "--without-pip", str(top)], check=True, timeout=PATIENCE)
     (packages,) = top.glob("lib/python*/site-packages")
     (packages / "of_this_environment.pth").write_text(
         "\n".join(p for p in sys.path if p.endswith("-packages"))
@@ -143,7 +154,8 @@ def checkout(tmp_path: Path) -> Path:
     return top
 
 
-def test_a_submission_finds_nothing_of_a_course_in_an_environment(
+@pytest.mark.slow
+def test_submission_cannot_read_a_course_installed_in_an_environment(
     checkout: Path, write_notebook: Callable[..., Path]
 ) -> None:
     names = (
@@ -157,15 +169,17 @@ def test_a_submission_finds_nothing_of_a_course_in_an_environment(
     attack = f"{ATTACK.format(paths=paths)}\n# next cell\n{RIGHT}"
     write_notebook(checkout / "in/eve/week01_exercise.ipynb", attack, student="eve")
     grade = "from pathlib import Path; from course_lib.grading.grade import grade\n"
-    grade += "from course_lib.grading.records import Course\n"
+    grade += "from course_lib.grading.store import Course\n"
     grade += "grade(Path('in'), Path('out'), jobs=1, course=Course(Path('exercises'), Path('solutions')))"
     command = [str(checkout / "bin/python"), "-c", grade]
     environment = {**os.environ, "PYTHONPATH": str(checkout)}
-    done = subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=checkout, env=environment, capture_output=True, text=True, check=False, timeout=PATIENCE
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     eve = json.loads((checkout / "out/results/eve/week01_exercise.json").read_text())
-    assert [task["score"] for task in eve["tasks"]] == [60.0, 40.0, 10.0]
-    hidden = Isolation(shared_template().isolation.layers).hides
-    reached = [line for line in eve["output"].splitlines() if "REACHED" in line]
+    assert [task["score"] for task in eve["judgement"]["tasks"]] == [60.0, 40.0, 10.0]
+    hidden = Isolation(shared_template().isolation.layers).hides_names
+    reached = [line for line in eve["judgement"]["output"].splitlines() if "REACHED" in line]
     allowed = () if hidden else ("stat", "chdir")  # what Landlock does not refuse
     assert [line for line in reached if line.split()[1] not in allowed] == []

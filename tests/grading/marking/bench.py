@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -14,13 +13,20 @@ from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
 from course_lib.grading.catalog import Catalog
-from course_lib.grading.handin.received import Received
-from course_lib.grading.handin.submission import Submission, content_hash
-from course_lib.grading.judge import CheckResult, Judgement, TaskResult
-from course_lib.grading.marks.mark import Result
-from course_lib.grading.records import Course, catalog_of
+from course_lib.grading.records import (
+    Attempt,
+    CheckResult,
+    Judgement,
+    Received,
+    Result,
+    Submission,
+    TaskResult,
+)
 from course_lib.grading.reports.report import report
 from course_lib.grading.reports.tables import write_tables
+from course_lib.grading.store import Course, catalog_of
+from course_lib.grading.submissions.submission import content_hash
+from tests.processes import Program
 
 POINTS = """
 title = "A course"
@@ -49,11 +55,11 @@ SERVE = """
 import sys
 from pathlib import Path
 from course_lib.grading.marking.server import serve
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
 top, out = Path(sys.argv[1]), Path(sys.argv[2])
 serve(out, port=int(sys.argv[3]), browser=False, course=Course(top / "exercises", top / "solutions"))
 """
-ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/[\w-]+/")
+ADDRESS = r"http://127\.0\.0\.1:\d+/[\w-]+/"
 
 
 def write_kinds(top: Path, tasks: str = TASKS) -> Course:
@@ -83,9 +89,8 @@ def write_results(
         submission = Submission(
             student, "week05_exercise", path, received, sha256=content_hash(data, {}), key="none"
         )
-        result = Result(
-            submission, "graded", judgement=_judgement(catalog), attempts=({"key": "none"},), digest="d"
-        )
+        attempts, judgement = (Attempt("none", received),), _judgement(catalog)
+        result = Result(submission, "graded", judgement=judgement, attempts=attempts, digest="d")
         result.write(out)
         report(result, out, catalog)
     write_tables(out, catalog.course.zone)
@@ -122,12 +127,8 @@ class Served:
     def __init__(self, course: Course, out: Path, port: int = 0) -> None:
         words = (str(course.exercises.parent), str(out), str(port))
         self.out = out
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", SERVE, *words], stdout=subprocess.PIPE, text=True, env=os.environ
-        )
-        assert self.process.stdout
-        found = next(filter(None, map(ADDRESS.search, self.process.stdout)))
-        self.address = found[0]
+        self.process = Program([sys.executable, "-c", SERVE, *words], stdout=subprocess.PIPE, env=os.environ)
+        self.address = self.process.find(ADDRESS)
 
     @property
     def port(self) -> int:

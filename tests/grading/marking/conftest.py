@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.grading.records import Course
+from course_lib.grading.store import Course
 from tests.grading.marking.bench import Served, served, write_kinds, write_results
 
 

@@ -9,11 +9,10 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.grading.marking.follow import stale
-from course_lib.grading.marking.server import ADDRESS, serve
-from course_lib.grading.marks.by_hand import mark_by_hand
-from course_lib.grading.marks.marks import read_marks
-from course_lib.grading.records import Course, marks_path, report_path
+from course_lib.grading.marking.marking_queue import mark_by_hand
+from course_lib.grading.marking.server import ADDRESS, find_stale, serve
+from course_lib.grading.marks import read_marks
+from course_lib.grading.store import Course, marks_path, report_path
 from tests.browser.waiting import wait_until
 from tests.grading.marking.bench import ESSAY, MOTTO, Served, save, served, write_results
 
@@ -25,13 +24,13 @@ def of(server: Served, student: str, task: str) -> Any:
     return item
 
 
-def test_on_a_hub_the_page_for_marking_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_marking_server_is_rejected_on_jupyterhub(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
     with pytest.raises(CourseError, match="not served on a JupyterHub"):
         serve(tmp_path)
 
 
-def test_a_mark_is_on_the_disk_when_it_is_acknowledged(server: Served, tmp_path: Path) -> None:
+def test_mark_is_stored_on_disk_before_it_is_acknowledged(server: Served, tmp_path: Path) -> None:
     item = of(server, "ada", ESSAY)
     answer = server.ask(f"api/item/{item['key']}", save(item, 5, "Ann", "clear", row="1"))
     server.kill()
@@ -40,7 +39,8 @@ def test_a_mark_is_on_the_disk_when_it_is_acknowledged(server: Served, tmp_path:
     assert (mark.by, mark.points, mark.row, mark.comment) == ("Ann", 5, "names the parts", "clear")
 
 
-def test_reports_and_gradebook_follow_the_page(server: Served, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_marks_on_the_page_update_reports_and_gradebook(server: Served, tmp_path: Path) -> None:
     item = of(server, "bob", MOTTO)
     server.ask(f"api/item/{item['key']}", save(item, 60, "Ann", "now it is kind"))
     report = tmp_path / "out/reports/bob/week05_exercise.html"
@@ -49,7 +49,8 @@ def test_reports_and_gradebook_follow_the_page(server: Served, tmp_path: Path) -
     wait_until(lambda: "up to date" in server.ask("api/queue?since=0").content["state"])
 
 
-def test_ctrl_c_ends_the_server_after_reports_have_followed(server: Served, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_ctrl_c_stops_the_server_after_reports_are_updated(server: Served, tmp_path: Path) -> None:
     assert (tmp_path / "out" / ADDRESS).stat().st_mode & 0o777 == 0o600
     item = of(server, "bob", MOTTO)
     server.ask(f"api/item/{item['key']}", save(item, 60, "Ann", "now it is kind"))
@@ -59,8 +60,9 @@ def test_ctrl_c_ends_the_server_after_reports_have_followed(server: Served, tmp_
     assert not (tmp_path / "out" / ADDRESS).exists()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("path", ["", "marking.js", "api/queue?since=0", "api/item/{key}"])
-def test_without_the_token_there_is_nothing(unmarked: Served, path: str) -> None:
+def test_request_without_the_token_is_rejected(unmarked: Served, path: str) -> None:
     path = path.format(key=unmarked.items()[0]["key"])
     token = unmarked.address.split("/")[3]
     for other in ("", "x" * len(token), token[:-1], token.upper(), "%ff", "..", "%2e%2e"):
@@ -69,7 +71,7 @@ def test_without_the_token_there_is_nothing(unmarked: Served, path: str) -> None
         assert "ada" not in answer.text
 
 
-def test_a_name_that_leads_to_this_machine_from_outside_is_refused(unmarked: Served) -> None:
+def test_request_with_a_foreign_host_name_is_rejected(unmarked: Served) -> None:
     assert unmarked.ask("api/queue?since=0", Host=f"evil.example:{unmarked.port}").code == 403
     assert unmarked.ask("api/queue?since=0", Host=f"localhost:{unmarked.port}").code == 200
 
@@ -84,7 +86,7 @@ def test_a_name_that_leads_to_this_machine_from_outside_is_refused(unmarked: Ser
         {"Content_Type": "application/x-www-form-urlencoded"},
     ],
 )
-def test_only_the_page_itself_saves(unmarked: Served, headers: dict[str, str]) -> None:
+def test_save_request_from_another_origin_is_rejected(unmarked: Served, headers: dict[str, str]) -> None:
     item = of(unmarked, "ada", ESSAY)
     answer = unmarked.ask(f"api/item/{item['key']}", save(item, 5, "Ann", row="1"), **headers)
     assert answer.code in (403, 415)
@@ -94,8 +96,8 @@ def test_only_the_page_itself_saves(unmarked: Served, headers: dict[str, str]) -
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        (b"{", "the page sent no JSON"),
-        (b"[" * 100_000, "the page sent no JSON"),
+        (b"{", "the page sent invalid JSON"),
+        (b"[" * 100_000, "the page sent invalid JSON"),
         (b'{"by": "a", "revision": "r", "marks": []}', "the page sent no marks"),
         ({"by": 1}, "the page sent no marks"),
         ({"points": "5"}, "expected row, points and comment"),
@@ -108,7 +110,7 @@ def test_only_the_page_itself_saves(unmarked: Served, headers: dict[str, str]) -
         ({"comment": "x" * 10_001}, "10001 characters"),
     ],
 )
-def test_a_bad_save_is_refused_in_words(unmarked: Served, changes: Any, said: str) -> None:
+def test_invalid_save_request_is_rejected_with_a_message(unmarked: Served, changes: Any, said: str) -> None:
     item = of(unmarked, "ada", ESSAY)
     body = changes
     if isinstance(changes, dict):
@@ -125,13 +127,14 @@ def test_a_bad_save_is_refused_in_words(unmarked: Served, changes: Any, said: st
     assert not (unmarked.out / "marks").exists()
 
 
-def test_a_second_grader_gets_a_conflict(server: Served) -> None:
+@pytest.mark.slow
+def test_outdated_save_of_a_second_grader_is_a_conflict(server: Served) -> None:
     item = of(server, "ada", ESSAY)
     path = f"api/item/{item['key']}"
     assert server.ask(path, save(item, 5, "Ann", row="1")).code == 200
     answer = server.ask(path, save(item, 3, "Ben", row="1"))
     assert answer.code == 409
-    assert "Ann has marked week05.essay meanwhile" in answer.content["error"]
+    assert "Ann has marked week05.essay in the meantime" in answer.content["error"]
 
 
 @pytest.mark.parametrize(
@@ -145,11 +148,11 @@ def test_a_second_grader_gets_a_conflict(server: Served) -> None:
         "api/item/ada",
     ],
 )
-def test_no_path_leads_to_other_files(unmarked: Served, path: str) -> None:
+def test_request_path_cannot_reach_other_files(unmarked: Served, path: str) -> None:
     assert unmarked.ask(path).code == 404
 
 
-def test_a_scene_has_its_own_secret_no_rights_and_no_name(unmarked: Served) -> None:
+def test_scene_page_is_sandboxed_anonymous_and_has_its_own_token(unmarked: Served) -> None:
     item, other = of(unmarked, "ada", ESSAY), of(unmarked, "bob", ESSAY)
     scene = unmarked.ask(f"api/item/{item['key']}").content["scene"]
     base = f"http://127.0.0.1:{unmarked.port}"
@@ -164,7 +167,7 @@ def test_a_scene_has_its_own_secret_no_rights_and_no_name(unmarked: Served) -> N
     assert unmarked.ask_plainly(base + scene.replace(item["key"], other["key"])).code == 403
 
 
-def test_the_page_runs_nothing_but_its_own_files(unmarked: Served) -> None:
+def test_content_security_policy_allows_only_the_files_of_the_page(unmarked: Served) -> None:
     for path in ("", "marking.js", "api/queue?since=0"):
         headers = unmarked.ask(path).headers
         assert "script-src 'self'; style-src 'self'" in headers["Content-Security-Policy"]
@@ -174,7 +177,8 @@ def test_the_page_runs_nothing_but_its_own_files(unmarked: Served) -> None:
         assert headers["Referrer-Policy"] == "no-referrer"
 
 
-def test_hostile_names_and_code_arrive_as_data(kinds: Course, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_hostile_student_data_and_code_are_served_as_plain_data(kinds: Course, tmp_path: Path) -> None:
     name = f"cleo {SCRIPT}".replace("/", "")
     undecodable = os.fsdecode(b"d\xffn")
     code = f"essay = '''{SCRIPT}\u202e'''\n" + "(" * 5000
@@ -193,7 +197,7 @@ def test_hostile_names_and_code_arrive_as_data(kinds: Course, tmp_path: Path) ->
     assert (mark.by, mark.comment) == ("?Ann", "?")
 
 
-def test_marks_of_a_student_whose_name_is_no_text_reach_report_and_index(
+def test_marks_of_a_student_with_an_undecodable_name_reach_report_and_index(
     kinds: Course, tmp_path: Path
 ) -> None:
     out, student = tmp_path / "out", os.fsdecode(b"d\xffn")
@@ -201,10 +205,11 @@ def test_marks_of_a_student_whose_name_is_no_text_reach_report_and_index(
     mark_by_hand(out, student, "week05_exercise", ESSAY, "5", row="1", comment="Well read.", course=kinds)
     assert "Well read." in report_path(out, student, "week05_exercise").read_text("utf-8")
     assert 'href="d%FFn/week05_exercise.html"' in (out / "reports/index.html").read_text("utf-8")
-    assert stale(out) == []
+    assert find_stale(out) == []
 
 
-def test_code_that_has_changed_since_or_is_gone_is_named(server: Served, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_changed_or_missing_submission_code_is_reported(server: Served, tmp_path: Path) -> None:
     path = tmp_path / "in/ada/week05_exercise.ipynb"
     item = of(server, "ada", ESSAY)
     notebook = json.loads(path.read_text())
@@ -217,10 +222,11 @@ def test_code_that_has_changed_since_or_is_gone_is_named(server: Served, tmp_pat
     assert "The code can't be shown" in server.ask(f"api/item/{item['key']}").content["code"]["problem"]
 
 
-def test_a_folder_without_results_and_a_taken_port_are_refused(
+@pytest.mark.slow
+def test_folder_without_results_and_occupied_port_are_rejected(
     server: Served, kinds: Course, tmp_path: Path
 ) -> None:
     with pytest.raises(CourseError, match="has no results"):
         serve(tmp_path / "in", course=kinds)
-    with pytest.raises(CourseError, match=f"Port {server.port} cannot be had"):
+    with pytest.raises(CourseError, match=f"Port {server.port} is not available"):
         serve(tmp_path / "out", port=server.port, browser=False, course=kinds)

@@ -3,9 +3,9 @@ from collections.abc import Iterator
 import pytest
 import rclpy
 
-from course_lib.robots.turtlesim.simulator import TurtlesimNode
-from course_lib.ros import virtual_time
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.robots.turtlesim import TurtlesimNode
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time import virtual_time
 from tests.robots.turtlesim.student import Student
 
 

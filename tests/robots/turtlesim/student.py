@@ -7,9 +7,8 @@ from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
 from turtlesim.msg import Color, Pose
 
-from course_lib.robots.turtlesim.canvas import SIZE
-from course_lib.robots.turtlesim.simulator import TurtlesimNode
-from course_lib.ros.driving import spin_for
+from course_lib.robots.turtlesim import SIZE, TurtlesimNode
+from course_lib.ros.time.driving import spin_for
 
 MIDDLE = float(np.float32(SIZE / 2))
 

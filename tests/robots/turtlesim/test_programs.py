@@ -5,13 +5,13 @@ import rclpy
 from turtlesim.srv import Spawn
 
 from course_lib.robots.teleop import key_buttons
-from course_lib.robots.turtlesim.programs import KEYS, DrawSquare, TurtleMimic, TurtleTeleop
-from course_lib.robots.turtlesim.simulator import TurtlesimNode
-from course_lib.ros.driving import spin_for
+from course_lib.robots.turtlesim import KEYS, DrawSquare, TurtleMimic, TurtlesimNode, TurtleTeleop
+from course_lib.ros.time.driving import spin_for
 from tests.robots.turtlesim.student import MIDDLE, Student
 
 
-def test_draw_square_comes_back_to_its_corner(
+@pytest.mark.slow
+def test_draw_square_returns_to_its_start(
     run: tuple[TurtlesimNode, Student], capfd: pytest.CaptureFixture[str]
 ) -> None:
     simulator, student = run
@@ -26,7 +26,7 @@ def test_draw_square_comes_back_to_its_corner(
     assert said.count("Reached goal") >= 7
 
 
-def test_mimic_moves_one_turtle_as_another(run: tuple[TurtlesimNode, Student]) -> None:
+def test_mimic_moves_one_turtle_like_another(run: tuple[TurtlesimNode, Student]) -> None:
     rclpy.shutdown()
     rules = ("input/pose:=turtle1/pose", "output/cmd_vel:=leo/cmd_vel")
     rclpy.init(args=["--ros-args", *(word for rule in rules for word in ("-r", rule))])
@@ -43,7 +43,7 @@ def test_mimic_moves_one_turtle_as_another(run: tuple[TurtlesimNode, Student]) -
     ("keys", "place"),
     [("↑", (7.54, 5.54, 0.0)), ("↓", (3.54, 5.54, 0.0)), ("←", (5.54, 5.54, 2.0)), ("R", (5.54, 5.54, 1.57))],
 )
-def test_keys_steer_the_first_turtle(
+def test_arrow_keys_steer_the_first_turtle(
     run: tuple[TurtlesimNode, Student], keys: str, place: tuple[float, float, float]
 ) -> None:
     simulator, student = run
@@ -53,7 +53,7 @@ def test_keys_steer_the_first_turtle(
     assert student.place == pytest.approx(place, abs=0.06)
 
 
-def test_the_key_f_cancels_a_rotation(run: tuple[TurtlesimNode, Student]) -> None:
+def test_key_f_cancels_a_rotation(run: tuple[TurtlesimNode, Student]) -> None:
     simulator, student = run
     teleop = TurtleTeleop()
     buttons = {button.description: button for button in key_buttons(teleop.press, KEYS).children}

@@ -16,14 +16,13 @@ from turtlesim.msg import Color, Pose
 from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute, TeleportRelative
 
 from course_lib.displays.turtle_view import TurtleView
-from course_lib.robots.turtlesim.canvas import SIZE
-from course_lib.robots.turtlesim.simulator import TurtlesimNode
-from course_lib.ros.driving import spin_for
+from course_lib.robots.turtlesim import SIZE, TurtlesimNode
+from course_lib.ros.time.driving import spin_for
 from course_lib.viewer.drawables import Lines, Solids
 from tests.robots.turtlesim.student import MIDDLE, Student
 
 
-def test_a_turtle_starts_in_the_middle_and_says_so_60_times_a_second(
+def test_turtle_starts_in_the_center_and_publishes_its_pose_at_60_hz(
     capfd: pytest.CaptureFixture[str], run: tuple[TurtlesimNode, Student]
 ) -> None:
     _, student = run
@@ -36,7 +35,7 @@ def test_a_turtle_starts_in_the_middle_and_says_so_60_times_a_second(
     )
 
 
-def test_a_command_counts_for_a_second_and_leaves_a_line(run: tuple[TurtlesimNode, Student]) -> None:
+def test_command_lasts_one_second_and_draws_a_line(run: tuple[TurtlesimNode, Student]) -> None:
     simulator, student = run
     student.drive(2.0, math.pi / 2)
     student.wait(3.0)
@@ -60,7 +59,7 @@ def test_only_a_holonomic_turtle_moves_sideways(run: tuple[TurtlesimNode, Studen
     assert (x, y, theta) == pytest.approx((5.54, 6.54, 0.0), abs=0.04)
 
 
-def test_a_turtle_stops_at_the_wall(
+def test_turtle_stops_at_the_wall(
     run: tuple[TurtlesimNode, Student], capfd: pytest.CaptureFixture[str]
 ) -> None:
     _, student = run
@@ -86,7 +85,7 @@ def test_services_move_turtles_and_change_pens(run: tuple[TurtlesimNode, Student
     assert simulator.canvas.strips == []
 
 
-def test_turtles_come_and_go_under_names_of_their_own(
+def test_turtles_are_spawned_and_killed_by_name(
     run: tuple[TurtlesimNode, Student], capfd: pytest.CaptureFixture[str]
 ) -> None:
     simulator, student = run
@@ -107,7 +106,7 @@ def test_turtles_come_and_go_under_names_of_their_own(
 
 
 @pytest.mark.parametrize(("interrupt", "status"), [(None, 4), ("cancel", 5), ("drive", 6), ("again", 6)])
-def test_a_rotation_succeeds_or_ends_as_its_client_or_a_command_wants(
+def test_rotation_succeeds_or_is_ended_by_its_client_or_a_command(
     run: tuple[TurtlesimNode, Student], interrupt: str | None, status: int
 ) -> None:
     _, student = run
@@ -171,7 +170,8 @@ class Follower(Node):
         self.twists.publish(Twist(linear=Vector3(x=forward), angular=Vector3(z=turn)))
 
 
-def test_a_second_turtle_follows_the_first_over_tf2(run: tuple[TurtlesimNode, Student]) -> None:
+@pytest.mark.slow
+def test_second_turtle_follows_the_first_over_tf2(run: tuple[TurtlesimNode, Student]) -> None:
     simulator, student = run
     nodes = [Broadcaster("turtle1"), Broadcaster("turtle2"), Follower()]
     student.call(TeleportAbsolute, "turtle1/teleport_absolute", x=9.0, y=8.0)
@@ -180,7 +180,8 @@ def test_a_second_turtle_follows_the_first_over_tf2(run: tuple[TurtlesimNode, St
     assert math.dist((one.x, one.y), (two.x, two.y)) < 0.3
 
 
-def test_the_view_shows_turtles_where_they_are_and_their_lines(run: tuple[TurtlesimNode, Student]) -> None:
+@pytest.mark.slow
+def test_view_shows_turtles_at_their_poses_with_their_lines(run: tuple[TurtlesimNode, Student]) -> None:
     simulator, student = run
     view = TurtleView(simulator)
     student.drive(1.0)

@@ -4,8 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from diagnostic_aggregator.aggregator_node import Aggregator
-from diagnostic_aggregator.analyzers import without_prefix
+from diagnostic_aggregator.aggregator_node import Aggregator, without_prefix
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -80,7 +79,7 @@ def levels(tree: dict[str, Any]) -> dict[str, bytes]:
     return {name: status.level for name, status in tree.items()}
 
 
-def test_statuses_appear_below_every_analyzer_that_matches(robot: Bench) -> None:
+def test_statuses_appear_below_every_matching_analyzer(robot: Bench) -> None:
     tree = robot.after(1, __arms__left__motor=OK, __arms__right__motor=WARN, __legs__left__motor=ERROR)
     assert levels(tree) == {
         "/Robot/Arms": WARN,
@@ -108,14 +107,14 @@ def test_statuses_appear_below_every_analyzer_that_matches(robot: Bench) -> None
     assert robot.tops[-1] == ERROR
 
 
-def test_what_nobody_wants_is_under_other_and_what_is_discarded_nowhere(robot: Bench) -> None:
+def test_unmatched_statuses_are_grouped_under_other_and_discarded_ones_are_omitted(robot: Bench) -> None:
     tree = robot.after(1, foo__bar=OK, noise=ERROR)
     assert {name for name in tree if "Other" in name} == {"/Robot/Other", "/Robot/Other/foo bar"}
     assert not any("noise" in name for name in tree)
     assert "/Robot/Other" not in robot.after(6)  # it goes after five seconds without it
 
 
-def test_who_falls_silent_is_stale_and_an_error_of_the_whole(robot: Bench) -> None:
+def test_silent_component_becomes_stale_and_its_group_an_error(robot: Bench) -> None:
     assert levels(robot.after(1, __arms__left__motor=OK, __arms__right__motor=OK))["/Robot/Arms"] == OK
     tree = robot.after(2, __arms__right__motor=OK)
     assert tree["/Robot/Arms/ arms left motor"].level == STALE
@@ -148,7 +147,9 @@ def test_missing_items_are_an_error(
         assert (tree["/Arms/b"].level, tree["/Arms/b"].message) == (STALE, "Missing")
 
 
-def test_without_analyzers_everything_is_other_and_the_group_an_error(begun: object, tmp_path: Path) -> None:
+def test_without_analyzers_all_statuses_are_in_the_group_other_which_is_an_error(
+    begun: object, tmp_path: Path
+) -> None:
     tree = Bench("/**: {ros__parameters: {other_as_errors: true}}", tmp_path).after(1, cam=OK)
     assert tree["/AnalyzerGroup"].message == "No analyzers"
     assert tree["/Other"].message == 'Unanalyzed items found in "Other"'
@@ -167,7 +168,7 @@ def test_without_analyzers_everything_is_other_and_the_group_an_error(begun: obj
         ("type: diagnostic_aggregator/AnalyzerGroup", "Analyzer init failed", "No analyzers initialized"),
     ],
 )
-def test_an_analyzer_that_cannot_be_made_is_logged_and_shown(
+def test_invalid_analyzer_is_logged_and_shown(
     begun: object,
     tmp_path: Path,
     capfd: pytest.CaptureFixture[str],
@@ -189,7 +190,7 @@ def test_an_analyzer_that_cannot_be_made_is_logged_and_shown(
     assert (status.level, status.message) == (STALE, message)
 
 
-def test_a_setting_of_another_type_says_how_it_is_written(begun: object, tmp_path: Path) -> None:
+def test_parameter_of_wrong_type_is_rejected_with_the_correct_syntax(begun: object, tmp_path: Path) -> None:
     yaml = "analyzers: {ros__parameters: {a: {type: diagnostic_aggregator/GenericAnalyzer, path: A, %s}}}"
     with pytest.raises(
         CourseError, match=r"^expected \[string_array\] got \[string\]\nhint: .*startswith: \['x'\]"
@@ -201,13 +202,13 @@ def test_a_setting_of_another_type_says_how_it_is_written(begun: object, tmp_pat
         Bench(yaml % "startswith: [x], timeout: 5", tmp_path)
 
 
-def test_a_critical_error_is_known_at_once(begun: object, tmp_path: Path) -> None:
+def test_critical_error_is_published_immediately(begun: object, tmp_path: Path) -> None:
     bench = Bench("/**: {ros__parameters: {critical: true, pub_rate: 0.9}}", tmp_path)
     bench.after(2, cam=ERROR)
     assert bench.tops == [ERROR] * 2  # at once, and after 1.1 s
 
 
-def test_a_missing_stamp_is_warned_of_once(robot: Bench, capfd: pytest.CaptureFixture[str]) -> None:
+def test_missing_stamp_is_warned_about_once(robot: Bench, capfd: pytest.CaptureFixture[str]) -> None:
     publisher = robot.node.create_publisher(DiagnosticArray, "/diagnostics", 10)
     for _ in range(2):
         publisher.publish(DiagnosticArray(status=[DiagnosticStatus(name="a"), DiagnosticStatus(name="b")]))
@@ -225,5 +226,5 @@ def test_a_missing_stamp_is_warned_of_once(robot: Bench, capfd: pytest.CaptureFi
         ("/arm/arm: x", "arm", "/arm/arm: x"),  # ROS looks for the first place where the prefix occurs
     ],
 )
-def test_prefixes_go_from_the_last_part_of_a_path(name: str, prefix: str, short: str) -> None:
+def test_prefix_is_stripped_from_the_last_path_component(name: str, prefix: str, short: str) -> None:
     assert without_prefix(name, prefix) == short

@@ -65,7 +65,7 @@ def values(status: Any) -> dict[str, str]:
         ((ERROR, ""), (WARN, "b"), (ERROR, "b")),
     ],
 )
-def test_merging_keeps_the_worse_level_and_joins_messages_of_a_kind(
+def test_merge_summary_keeps_the_worse_level_and_joins_messages_of_equal_kind(
     first: tuple[bytes, str], second: tuple[bytes, str], merged: tuple[bytes, str]
 ) -> None:
     status = DiagnosticStatusWrapper()
@@ -80,12 +80,12 @@ def test_merging_keeps_the_worse_level_and_joins_messages_of_a_kind(
     assert (status.level, status.message) == (OK, "")
 
 
-def test_a_value_that_is_no_string_is_refused_as_it_aborts_on_a_robot() -> None:
+def test_non_string_value_is_rejected_as_it_aborts_on_a_robot() -> None:
     with pytest.raises(AssertionError, match="The 'value' field must be of type 'str'"):
         DiagnosticStatusWrapper().add("Battery", 12.5)  # type: ignore[arg-type]
 
 
-def test_an_updater_says_that_the_node_starts_up_and_then_reports_once_per_period(node: Node) -> None:
+def test_updater_reports_node_starting_up_and_then_publishes_once_per_period(node: Node) -> None:
     statuses = heard(node)
     updater = Updater(node, period=2.0)
     updater.setHardwareID("cam-1")
@@ -99,7 +99,7 @@ def test_an_updater_says_that_the_node_starts_up_and_then_reports_once_per_perio
     assert values(statuses[1]) == {"dusty": "1"}
 
 
-def test_the_period_is_a_parameter(begun: object) -> None:
+def test_period_is_set_by_a_parameter(begun: object) -> None:
     node = Node("talker", parameter_overrides=[Parameter("diagnostic_updater.period", value=4.0)])
     updater = Updater(node)
     updater.add(Heartbeat())
@@ -109,7 +109,7 @@ def test_the_period_is_a_parameter(begun: object) -> None:
     assert [s.message for s in statuses] == ["Alive"] * 2
 
 
-def test_the_full_name_stands_before_the_task_if_asked_for(begun: object) -> None:
+def test_full_node_name_precedes_the_task_name_if_enabled(begun: object) -> None:
     node = Node(
         "cam",
         namespace="/left",
@@ -121,7 +121,7 @@ def test_the_full_name_stands_before_the_task_if_asked_for(begun: object) -> Non
     assert statuses[0].name == "/left/cam: Heartbeat"
 
 
-def test_a_task_that_sets_nothing_is_an_error(node: Node) -> None:
+def test_task_without_a_summary_is_an_error(node: Node) -> None:
     updater = Updater(node)
     updater.add("lazy", lambda stat: stat)
     statuses = heard(node)
@@ -130,20 +130,20 @@ def test_a_task_that_sets_nothing_is_an_error(node: Node) -> None:
     assert (statuses[0].level, statuses[0].message) == (ERROR, "No message was set")
 
 
-def test_a_task_that_forgets_to_return_the_status_is_told_so(node: Node) -> None:
+def test_task_without_a_returned_status_raises_with_a_hint(node: Node) -> None:
     updater = Updater(node)
     updater.add("forgetful", lambda stat: stat.summary(OK, "fine"))  # type: ignore[arg-type,return-value]
     with pytest.raises(AttributeError, match=r"^'NoneType' object has no attribute 'level'$") as raised:
         updater.update()
-    assert hint(raised.value) == "end the task's function with: return stat."
+    assert hint(raised.value) == "end the task's function with `return stat`."
 
 
-def test_a_task_without_its_function_is_refused(node: Node) -> None:
+def test_task_without_a_function_is_rejected(node: Node) -> None:
     with pytest.raises(TypeError, match=r"add\('Lens'\): give the task's function, too"):
         Updater(node).add("Lens")
 
 
-def test_a_missing_hardware_id_is_warned_of_once_when_all_is_well(
+def test_missing_hardware_id_is_warned_about_once_if_all_statuses_are_ok(
     node: Node, capfd: pytest.CaptureFixture[str]
 ) -> None:
     updater = Updater(node)
@@ -158,7 +158,7 @@ def test_a_missing_hardware_id_is_warned_of_once_when_all_is_well(
     assert capfd.readouterr().err.count(f"No HW_ID was set. This is probably{gap}a bug. Please") == 1
 
 
-def test_a_broadcast_speaks_for_every_task(node: Node) -> None:
+def test_broadcast_sets_the_status_of_every_task(node: Node) -> None:
     updater = Updater(node)
     updater.add("a", saying(OK, "fine"))
     updater.add("b", saying(OK, "fine"))
@@ -171,7 +171,7 @@ def test_a_broadcast_speaks_for_every_task(node: Node) -> None:
     ]
 
 
-def test_a_composite_task_is_the_worst_of_its_parts() -> None:
+def test_composite_task_has_the_worst_status_of_its_tasks() -> None:
     both = CompositeDiagnosticTask("Bounds")
     both.addTask(FunctionDiagnosticTask("low", saying(OK, "low is fine")))
     both.addTask(FunctionDiagnosticTask("high", saying(WARN, "too high")))
@@ -190,7 +190,7 @@ def test_a_composite_task_is_the_worst_of_its_parts() -> None:
         (12, WARN, "Frequency too high."),
     ],
 )
-def test_a_rate_is_judged_by_its_bounds_and_the_tolerance(
+def test_frequency_is_compared_with_its_bounds_and_tolerance(
     node: Node, rate: int, level: bytes, message: str
 ) -> None:
     updater = Updater(node)
@@ -217,7 +217,7 @@ def test_a_rate_is_judged_by_its_bounds_and_the_tolerance(
     }
 
 
-def test_bounds_are_read_anew_and_need_no_maximum(node: Node) -> None:
+def test_frequency_bounds_may_change_at_run_time_and_lack_a_maximum(node: Node) -> None:
     bounds = {"min": 1.0}
     topic = HeaderlessTopicDiagnostic("scan", Updater(node), FrequencyStatusParam(bounds, 0.0, 2))
     topic.tick()
@@ -242,7 +242,9 @@ def test_bounds_are_read_anew_and_need_no_maximum(node: Node) -> None:
         ([-1.1, 5.1], ERROR, "Timestamps too far in past seen."),
     ],
 )
-def test_the_age_of_stamps_is_judged(node: Node, ages: list[float], level: bytes, message: str) -> None:
+def test_stamp_age_is_compared_with_its_limits(
+    node: Node, ages: list[float], level: bytes, message: str
+) -> None:
     task = TimeStampStatus()
     now = node.get_clock().now().nanoseconds
     for age in ages:
@@ -261,14 +263,14 @@ def test_the_age_of_stamps_is_judged(node: Node, ages: list[float], level: bytes
     assert result(task).message == "No data since last update."
 
 
-def test_a_stamp_that_was_never_set_is_an_error(node: Node) -> None:
+def test_unset_stamp_is_an_error(node: Node) -> None:
     task = TimeStampStatus(TimeStampStatusParam(-1, 5))
     task.tick(node.get_clock().now().nanoseconds * 1e-9)
     task.tick(0.0)
     assert result(task).message == "Zero timestamp seen."
 
 
-def test_a_diagnosed_publisher_checks_rate_and_stamps(node: Node) -> None:
+def test_diagnosed_publisher_checks_rate_and_stamps(node: Node) -> None:
     images: list[Any] = []
     node.create_subscription(Image, "/cam/image", images.append, 10)
     publisher = DiagnosedPublisher(
@@ -287,9 +289,9 @@ def test_a_diagnosed_publisher_checks_rate_and_stamps(node: Node) -> None:
     assert result(publisher).message == "Desired frequency met; Timestamps are reasonable."
 
 
-def test_a_stamp_message_is_no_time_here_as_in_ros(node: Node) -> None:
+def test_stamp_message_is_rejected_as_a_time_with_a_hint(node: Node) -> None:
     bounds = FrequencyStatusParam({"min": 1.0})
     topic = TopicDiagnostic("scan", Updater(node), bounds, TimeStampStatusParam())
     with pytest.raises(AttributeError, match=r"^'Time' object has no attribute 'nanoseconds'$") as raised:
         topic.tick(TimeMessage())  # type: ignore[arg-type]
-    assert hint(raised.value) == "write Time.from_msg(stamp), with rclpy's Time."
+    assert hint(raised.value) == "write `Time.from_msg(stamp)`, with rclpy's Time."

@@ -69,7 +69,7 @@ def x_of(server: InteractiveMarkerServer) -> float:
     return marker.pose.position.x
 
 
-def test_changes_are_published_together_when_they_are_applied(client: Client) -> None:
+def test_marker_changes_are_published_together_on_apply(client: Client) -> None:
     server = client.server
     server.insert(box("other"))
     assert server.setPose("box", Pose(position=Point(x=2.0)))
@@ -84,7 +84,7 @@ def test_changes_are_published_together_when_they_are_applied(client: Client) ->
     assert [(p.name, p.header.frame_id, p.pose.position.x) for p in second.poses] == [("box", "map", 2.0)]
 
 
-def test_a_late_client_asks_for_all_markers_and_their_number(client: Client) -> None:
+def test_late_client_requests_all_markers_and_the_sequence_number(client: Client) -> None:
     asked = client.node.create_client(GetInteractiveMarkers, "simple/get_interactive_markers")
     future = asked.call_async(GetInteractiveMarkers.Request())
     client.wait()
@@ -93,7 +93,7 @@ def test_a_late_client_asks_for_all_markers_and_their_number(client: Client) -> 
     assert (response.sequence_number, [marker.name for marker in response.markers]) == (1, ["box"])
 
 
-def test_feedback_moves_the_marker_calls_back_and_reaches_other_clients(client: Client) -> None:
+def test_feedback_moves_the_marker_calls_the_callback_and_reaches_other_clients(client: Client) -> None:
     heard: list[float] = []
     client.server.setCallback("box", lambda feedback: heard.append(feedback.pose.position.x))
     for step in (0.5, 1.0, 1.5):
@@ -103,7 +103,7 @@ def test_feedback_moves_the_marker_calls_back_and_reaches_other_clients(client: 
     assert [update.poses[0].pose.position.x for update in client.updates[1:]] == heard
 
 
-def test_a_callback_corrects_the_pose_that_it_hears(client: Client) -> None:
+def test_feedback_callback_can_correct_the_received_pose(client: Client) -> None:
     def to_the_grid(feedback: InteractiveMarkerFeedback) -> None:
         pose = Pose(position=Point(x=float(round(feedback.pose.position.x))))
         client.server.setPose(feedback.marker_name, pose)
@@ -113,7 +113,7 @@ def test_a_callback_corrects_the_pose_that_it_hears(client: Client) -> None:
     assert [update.poses[0].pose.position.x for update in client.updates[1:]] == [3.0]
 
 
-def test_one_client_at_a_time_moves_a_marker(client: Client) -> None:
+def test_marker_is_moved_by_one_client_at_a_time(client: Client) -> None:
     client.send(POSE_UPDATE, x=1.0)
     client.send(POSE_UPDATE, x=2.0, client="second")
     assert x_of(client.server) == 1.0
@@ -122,7 +122,7 @@ def test_one_client_at_a_time_moves_a_marker(client: Client) -> None:
     assert x_of(client.server) == 3.0
 
 
-def test_a_callback_for_one_type_of_event_comes_before_that_for_all(client: Client) -> None:
+def test_feedback_callback_for_one_event_type_overrides_the_default_callback(client: Client) -> None:
     heard: list[str] = []
     click = InteractiveMarkerFeedback.BUTTON_CLICK
     client.server.insert(box(), feedback_callback=lambda feedback: heard.append("any"))
@@ -135,7 +135,7 @@ def test_a_callback_for_one_type_of_event_comes_before_that_for_all(client: Clie
     assert heard == ["click", "any", "any"]
 
 
-def test_erased_markers_are_gone_and_feedback_on_them_is_ignored(client: Client) -> None:
+def test_erased_markers_are_removed_and_their_feedback_is_ignored(client: Client) -> None:
     assert client.server.erase("box")
     assert client.server.get("box") is None
     assert not client.server.erase("nothing")
@@ -145,7 +145,7 @@ def test_erased_markers_are_gone_and_feedback_on_them_is_ignored(client: Client)
     assert not client.server.setPose("box", Pose())
 
 
-def test_a_server_that_shuts_down_erases_its_markers_and_leaves_the_topics(client: Client) -> None:
+def test_server_shutdown_erases_its_markers_and_removes_its_topics(client: Client) -> None:
     client.server.shutdown()
     client.server.shutdown()
     client.wait()
@@ -153,7 +153,9 @@ def test_a_server_that_shuts_down_erases_its_markers_and_leaves_the_topics(clien
     assert client.node.count_publishers("/simple/update") == 0
 
 
-def test_a_menu_has_boxes_submenus_and_hidden_entries_and_calls_what_is_chosen(client: Client) -> None:
+def test_menu_has_check_boxes_submenus_and_hidden_entries_and_calls_the_selected_callback(
+    client: Client,
+) -> None:
     menu, chosen = MenuHandler(), list[int]()
     for title in ("First", "Second"):
         menu.insert(title, callback=lambda feedback: chosen.append(feedback.menu_entry_id))
@@ -178,7 +180,7 @@ def test_a_menu_has_boxes_submenus_and_hidden_entries_and_calls_what_is_chosen(c
     assert [entry.id for entry in marker_now.menu_entries] == [1, 2]
 
 
-def test_a_menu_names_an_unknown_parent_and_forgets_markers_that_are_gone(
+def test_menu_reports_an_unknown_parent_and_drops_erased_markers(
     client: Client, capsys: pytest.CaptureFixture[str]
 ) -> None:
     menu = MenuHandler()

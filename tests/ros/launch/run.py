@@ -3,15 +3,17 @@
 from pathlib import Path
 
 from course_lib.recording import Recording, record
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.program import run_files
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.programs.program import run_files
 from course_lib.tools.ros2 import EXECUTABLES
 
 
-def recorded(file: Path, *args: str, seconds: float | None = 1.0) -> tuple[Recording, int]:
+def recorded(
+    file: Path, *args: str, seconds: float | None = 1.0, is_strict: bool = False
+) -> tuple[Recording, int]:
     """Run a file for so much robot time [s], or to its end; gives what was published and its exit code."""
     graph = Graph()
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     with use_graph(graph), record(graph) as recorder:
-        code = run_files([file], seed=0, args=args, own=EXECUTABLES)
+        code = run_files([file], seed=0, args=args, own=EXECUTABLES, is_strict=is_strict)
     return recorder.recording(), code

@@ -23,7 +23,7 @@ def said(launch_file: Write, capsys: pytest.CaptureFixture[str]) -> Callable[...
     return run
 
 
-def test_the_end_of_an_action_is_an_event(said: Callable[..., list[str]]) -> None:
+def test_end_of_an_action_emits_an_event(said: Callable[..., list[str]]) -> None:
     complete = (
         "RegisterEventHandler(OnExecutionComplete(target_action={}, on_completion=[LogInfo(msg='{}')]))"
     )
@@ -37,7 +37,7 @@ def test_the_end_of_an_action_is_an_event(said: Callable[..., list[str]]) -> Non
     ) == ["variable", "node", "timer", "timer is over"]
 
 
-def test_what_a_process_writes_is_an_event(said: Callable[..., list[str]]) -> None:
+def test_process_output_triggers_on_process_io(said: Callable[..., list[str]]) -> None:
     heard = "lambda event: LogInfo(msg=event.text.decode().strip() + ' of ' + event.process_name)"
     assert said(
         f"RegisterEventHandler(OnProcessIO(on_stdout={heard}))",
@@ -55,7 +55,7 @@ def test_echo_and_sleep_run_on_robot_time(launch_file: Write, capsys: pytest.Cap
     assert out.index("still asleep") < out.index("[echo-2] well rested")
 
 
-def test_an_event_ends_only_the_processes_that_it_means(said: Callable[..., list[str]]) -> None:
+def test_process_event_ends_only_the_matching_processes(said: Callable[..., list[str]]) -> None:
     talker = "Node(**TALKER, name='{}', on_exit=LogInfo(msg='end of {}'))"
     end = "EmitEvent(event={}(process_matcher=matches_action(a){}))"
     for event, more in (("ShutdownProcess", ""), ("SignalProcess", ", signal_number='SIGINT'")):
@@ -67,7 +67,7 @@ def test_an_event_ends_only_the_processes_that_it_means(said: Callable[..., list
         ) == ["end of a", "later", "end of b"]
 
 
-def test_other_signals_end_nothing(said: Callable[..., list[str]]) -> None:
+def test_signals_other_than_termination_signals_end_no_process(said: Callable[..., list[str]]) -> None:
     signal = "SignalProcess(process_matcher=matches_action(a), signal_number='SIGUSR1')"
     assert said(
         "(a := Node(**TALKER, on_exit=LogInfo(msg='end')))",
@@ -76,7 +76,7 @@ def test_other_signals_end_nothing(said: Callable[..., list[str]]) -> None:
     ) == ["later", "end"]
 
 
-def test_the_locals_of_a_handler_have_its_event(said: Callable[..., list[str]]) -> None:
+def test_event_is_in_the_locals_of_its_handler(said: Callable[..., list[str]]) -> None:
     code = "LogInfo(msg=['code ', LocalSubstitution('event.returncode')])"
     fail = "(fail := Node(package='my_robot', executable='fail'))"
     assert said(f"RegisterEventHandler(OnProcessExit(on_exit=[{code}]))", fail) == ["code 1"]
@@ -92,7 +92,7 @@ async def waits(name):
 """
 
 
-def test_a_coroutine_runs_on_robot_time_beside_the_processes(
+def test_coroutine_runs_on_robot_time_concurrently_with_processes(
     launch_file: Write, robot: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (robot / "my_robot" / "waits.py").write_text(WAITS)
@@ -109,7 +109,7 @@ def test_a_coroutine_runs_on_robot_time_beside_the_processes(
     assert [text for line in out.splitlines() for text in texts if text in line] == [*texts]
 
 
-def test_a_process_that_was_required_ends_the_launch(said: Callable[..., list[str]]) -> None:
+def test_exit_of_a_required_process_ends_the_launch(said: Callable[..., list[str]]) -> None:
     node = "Node(package='my_robot', executable='once', on_exit=Shutdown())"
     texts = said("Node(**TALKER)", node, only="[launch]")
     assert texts[-1] == "process[once-2] was required: shutting down launched system"
@@ -118,7 +118,7 @@ def test_a_process_that_was_required_ends_the_launch(said: Callable[..., list[st
 COMPONENT = "ComposableNode(package='my_robot', plugin='{}', name='c', parameters=[{{'word': 'x'}}])"
 
 
-def test_a_component_in_python_is_started_and_one_of_cpp_is_left_out_with_a_line(
+def test_python_component_is_started_and_cpp_component_is_skipped_with_a_notice(
     launch_file: Write, robot: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     setup = (robot / "setup.py").read_text()
@@ -142,7 +142,7 @@ def test_a_component_in_python_is_started_and_one_of_cpp_is_left_out_with_a_line
         ("nowhere", "nowhere::Node", "it is a C++ plugin, and this kit runs Python only"),
     ],
 )
-def test_a_component_of_a_package_that_is_not_there_is_left_out_with_a_line(
+def test_component_of_a_missing_package_is_skipped_with_a_notice(
     launch_file: Write, capsys: pytest.CaptureFixture[str], package: str, plugin: str, why: str
 ) -> None:
     load = f"[ComposableNode(package='{package}', plugin='{plugin}')]"
@@ -157,7 +157,7 @@ def test_a_component_of_a_package_that_is_not_there_is_left_out_with_a_line(
     assert "[launch.user]: on" in out
 
 
-def test_the_kit_s_own_nodes_are_started_where_a_file_loads_them_as_components(launch_file: Write) -> None:
+def test_kit_nodes_loaded_as_components_are_started(launch_file: Write) -> None:
     plugin = "robot_state_publisher::RobotStatePublisher"
     urdf = '<robot name="r"><link name="a"/></robot>'
     component = (
@@ -170,7 +170,7 @@ def test_the_kit_s_own_nodes_are_started_where_a_file_loads_them_as_components(l
     assert "/robot_description" in {sample.topic for sample in recorded(file)[0].samples}
 
 
-def test_another_launch_reads_a_changed_module_again(
+def test_second_launch_reloads_a_changed_module(
     launch_file: Write, robot: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     module = robot / "my_robot" / "words.py"
@@ -189,7 +189,7 @@ def test_another_launch_reads_a_changed_module_again(
         ("cwd='/tmp'", True),
     ],
 )
-def test_an_option_without_effect_here_is_named(
+def test_option_without_effect_in_the_kit_is_reported(
     launch_file: Write, option: str, says: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     recorded(launch_file(f"ExecuteProcess(cmd=['echo', 'hello'], {option})"), seconds=None)

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from course_lib.ros.launch_program import arguments_of
 from course_lib.ros.messages import deserialize, message_class
+from course_lib.ros.programs.launch_program import arguments_of
 from tests.ros.launch.run import recorded
 
 Write = Callable[..., Path]
@@ -67,13 +67,13 @@ TALKER = '<node pkg="my_robot" exec="talker"'
          '<param name="word" value="$(env ROBOT none)"/></node>', {"/chatter 'none' --ros-args": 1}),
     ],
 )  # fmt: skip
-def test_an_xml_file_s_nodes_run_as_it_describes_them(
+def test_nodes_of_an_xml_launch_file_run_as_described(
     words: Write, inner: str, expected: dict[str, int]
 ) -> None:
     assert heard(words(f"<launch>{inner}</launch>")) == expected
 
 
-def test_parameters_come_from_a_file_with_its_substitutions_and_from_nested_elements(
+def test_parameters_are_read_from_a_file_with_substitutions_and_from_nested_elements(
     words: Write, robot: Path
 ) -> None:
     (robot / "config" / "p.yaml").write_text("talker:\n  ros__parameters: {rate: 4.0, word: '$(var w)'}\n")
@@ -85,7 +85,7 @@ def test_parameters_come_from_a_file_with_its_substitutions_and_from_nested_elem
     assert heard(file) == {"/chatter 'file' --ros-args": 4, "/chatter 'hi' --ros-args": 1}
 
 
-def test_a_yaml_file_s_nodes_run_as_it_describes_them(words: Write) -> None:
+def test_nodes_of_a_yaml_launch_file_run_as_described(words: Write) -> None:
     file = words(
         """
 launch:
@@ -114,7 +114,7 @@ launch:
     ]
 
 
-def test_files_of_all_languages_include_one_another(words: Write, launch_file: Write) -> None:
+def test_python_xml_and_yaml_launch_files_include_each_other(words: Write, launch_file: Write) -> None:
     included = '<include file="$(dirname)/inner.launch.{}"><arg name="word" value="{}"/></include>'
     words(f'<launch><arg name="word"/>{TALKER}><param name="word" value="$(var word)"/></node></launch>',
           "inner.launch.xml")  # fmt: skip
@@ -131,7 +131,9 @@ def test_files_of_all_languages_include_one_another(words: Write, launch_file: W
     assert heard(outer) == {"/chatter 'from xml y' --ros-args": 3}
 
 
-def test_a_file_may_say_that_it_is_deprecated(words: Write, capsys: pytest.CaptureFixture[str]) -> None:
+def test_deprecated_attribute_of_a_launch_file_logs_a_warning(
+    words: Write, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = words('<launch deprecated="use the other"><log message="hi $(filename)"/></launch>')
     assert recorded(file)[1] == 0
     assert capsys.readouterr().out.splitlines()[1:] == [
@@ -193,7 +195,7 @@ DEEP = f"<launch>{'<group>' * 60}{'</group>' * 60}</launch>"
         ("x.launch.yaml", "launch: &a\n- group: *a\n", "nested elements, with all aliases followed."),
     ],
 )  # fmt: skip
-def test_a_mistake_is_one_line_with_the_file_the_line_and_what_was_expected(
+def test_launch_file_error_is_one_line_with_file_line_number_and_expected_value(
     words: Write, name: str, text: str, said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = words(text, name)

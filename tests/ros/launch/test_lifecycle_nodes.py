@@ -81,7 +81,7 @@ def demo(robot: Path) -> Any:
 
 
 @pytest.mark.parametrize("namespace", ["", "front"])
-def test_a_launch_brings_its_node_from_state_to_state(
+def test_launch_drives_a_lifecycle_node_through_its_states(
     demo: Any, capsys: pytest.CaptureFixture[str], namespace: str
 ) -> None:
     file = demo("change(Transition.TRANSITION_ACTIVATE)", namespace)
@@ -109,7 +109,7 @@ def generate_launch_description():
 
 
 @pytest.mark.parametrize("fails", [False, True])
-def test_a_row_of_transitions_is_gone_through_until_a_node_has_an_error(
+def test_transitions_are_requested_in_sequence_until_a_node_fails(
     demo: Any, robot: Path, fails: bool
 ) -> None:
     demo("").write_text(ROW)
@@ -126,20 +126,20 @@ def test_a_row_of_transitions_is_gone_through_until_a_node_has_an_error(
     )
 
 
-def test_a_transition_that_the_node_refuses_is_logged(demo: Any, capsys: pytest.CaptureFixture[str]) -> None:
+def test_transition_rejected_by_the_node_is_logged(demo: Any, capsys: pytest.CaptureFixture[str]) -> None:
     recorded(demo("change(Transition.TRANSITION_CLEANUP)"), seconds=0.5)
     text = "Failed to make transition 'TRANSITION_CLEANUP' for LifecycleNode '/lc_talker'"
     assert f"[ERROR] [launch_ros.actions.lifecycle_node]: {text}\n" in capsys.readouterr().out
 
 
-def test_a_launch_ends_although_its_node_never_came_up(robot: Path, demo: Any) -> None:
+def test_launch_ends_if_its_node_never_started(robot: Path, demo: Any) -> None:
     file = demo("change(Transition.TRANSITION_ACTIVATE)")
     (robot / "my_robot" / "lc_talker.py").write_text("def main():\n    return 3\n")
     _, code = recorded(file, seconds=None)
     assert code == 3
 
 
-def test_events_and_handlers_are_compared_as_in_launch_ros() -> None:
+def test_events_and_handlers_are_matched_as_in_launch_ros() -> None:
     given = {"name": "a", "namespace": "", "package": "p", "executable": "e"}
     node, other = LifecycleNode(**given), LifecycleNode(**given)
     node.node_name = "/a"
@@ -157,7 +157,7 @@ def test_events_and_handlers_are_compared_as_in_launch_ros() -> None:
     assert not matches_node_name("/a")(other)
 
 
-def test_wrong_targets_and_transitions_are_refused_in_ros_s_words() -> None:
+def test_invalid_targets_and_transitions_are_rejected_with_the_error_text_of_ros() -> None:
     node: Any = NodeAction(package="p", executable="e")
     with pytest.raises(RuntimeError, match="requires a 'LifecycleNode' action as the target"):
         OnStateTransition(entities=[], target_lifecycle_node=node)

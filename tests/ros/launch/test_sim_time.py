@@ -60,7 +60,7 @@ def spoken(recording: Recording) -> int:
 
 
 @pytest.mark.parametrize(("words", "times"), [((), 10), (("use_sim_time:=false",), 2)])
-def test_the_nodes_of_a_launch_file_follow_its_simulation(
+def test_nodes_of_a_launch_file_follow_its_simulation_clock(
     simulation: Path, words: tuple[str, ...], times: int
 ) -> None:
     recording, code = recorded(simulation, *words, seconds=2.1)

@@ -51,7 +51,9 @@ def context() -> LaunchContext:
     return context
 
 
-def test_each_gives_its_text(context: LaunchContext, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_substitution_returns_its_string(
+    context: LaunchContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("ROBOT", "ur10")
     use = LaunchConfiguration("use")
     for substitution, text in (
@@ -78,14 +80,14 @@ def test_each_gives_its_text(context: LaunchContext, monkeypatch: pytest.MonkeyP
         Command("false"),
     ],
 )
-def test_what_is_not_there_is_a_failure(
+def test_substitution_of_an_undefined_value_is_a_failure(
     context: LaunchContext, substitution: LaunchConfiguration | Command
 ) -> None:
     with pytest.raises(SubstitutionFailure):
         substitution.perform(context)
 
 
-def test_replace_string_gives_a_copy_with_the_texts_replaced(context: LaunchContext, tmp_path: Path) -> None:
+def test_replace_string_returns_a_copy_with_replaced_strings(context: LaunchContext, tmp_path: Path) -> None:
     source = tmp_path / "layout.rviz"
     source.write_text("Topic: <robot_namespace>/scan")
     copy = ReplaceString(str(source), {"<robot_namespace>": ("/", LaunchConfiguration("n"))}).perform(context)
@@ -94,7 +96,7 @@ def test_replace_string_gives_a_copy_with_the_texts_replaced(context: LaunchCont
     Path(copy).unlink()
 
 
-def test_joined_parts_are_one_text(context: LaunchContext) -> None:
+def test_concatenated_substitutions_form_one_string(context: LaunchContext) -> None:
     assert text_of(context, ["a", TextSubstitution(text="b"), Path("c")]) == "abc"
 
 
@@ -109,7 +111,7 @@ def test_joined_parts_are_one_text(context: LaunchContext) -> None:
         ("other", None, True),
     ],
 )
-def test_the_value_of_an_argument_is_a_condition(
+def test_launch_argument_value_is_usable_as_a_condition(
     context: LaunchContext, name: str, expected: Any, equal: bool
 ) -> None:
     assert LaunchConfigurationEquals(name, expected).evaluate(context) is equal
@@ -142,7 +144,7 @@ V = LaunchConfiguration
         (Parameter("q", default="none"), "none"),
     ],
 )
-def test_truths_choices_and_parameters_give_their_texts(
+def test_boolean_choice_and_parameter_substitutions_return_strings(
     context: LaunchContext, substitution: Substitution, text: str
 ) -> None:
     SetParameter("p", 5).visit(context)
@@ -150,21 +152,23 @@ def test_truths_choices_and_parameters_give_their_texts(
 
 
 @pytest.mark.parametrize("substitution", [NotSubstitution("maybe"), IfElseSubstitution("2"), Parameter("q")])
-def test_what_is_neither_true_nor_false_is_a_failure(
+def test_substitution_of_a_non_boolean_or_undefined_parameter_is_a_failure(
     context: LaunchContext, substitution: Substitution
 ) -> None:
     with pytest.raises(SubstitutionFailure):
         substitution.perform(context)
 
 
-def test_an_empty_variable_of_the_environment_is_not_its_default(
+def test_empty_environment_variable_does_not_use_its_default(
     context: LaunchContext, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROBOT", "")
     assert EnvironmentVariable("ROBOT", default_value="none").perform(context) == ""
 
 
-def test_a_file_s_content_and_names_of_their_own(context: LaunchContext, tmp_path: Path) -> None:
+def test_file_content_and_anonymous_name_substitutions_return_strings(
+    context: LaunchContext, tmp_path: Path
+) -> None:
     (tmp_path / "robot.urdf").write_text("<robot/>")
     assert FileContent([str(tmp_path), "/robot.urdf"]).perform(context) == "<robot/>"
     with pytest.raises(SubstitutionFailure, match="File not found"):
@@ -178,7 +182,7 @@ def test_a_file_s_content_and_names_of_their_own(context: LaunchContext, tmp_pat
 @pytest.mark.parametrize(
     ("on_stderr", "expected"), [("ignore", "out\n"), ("warn", "out\n"), ("capture", "out\nerr\n")]
 )
-def test_what_a_command_writes_to_standard_error_is_ignored_shown_or_captured(
+def test_standard_error_of_a_command_is_ignored_shown_or_captured(
     context: LaunchContext, on_stderr: str, expected: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     command = Command(["sh -c 'echo out; echo err >&2'"], on_stderr=on_stderr)
@@ -186,7 +190,7 @@ def test_what_a_command_writes_to_standard_error_is_ignored_shown_or_captured(
     assert ("showed stderr output" in capsys.readouterr().out) == (on_stderr == "warn")
 
 
-def test_the_environment_and_the_arguments_are_changed_kept_and_brought_back(
+def test_environment_and_arguments_are_changed_pushed_and_restored(
     context: LaunchContext, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("A_PATH", "b")
@@ -234,7 +238,7 @@ class Note(Action):
         self.notes.append(perform_substitutions(context, self.text))
 
 
-def test_own_actions_and_substitutions_are_done(context: LaunchContext) -> None:
+def test_custom_actions_and_substitutions_are_executed(context: LaunchContext) -> None:
     Note(Shout("a"), condition=IfCondition("true")).visit(context)
     Note(Shout("b"), condition=IfCondition("false")).visit(context)
     assert Note.notes == ["a!"]
@@ -243,7 +247,7 @@ def test_own_actions_and_substitutions_are_done(context: LaunchContext) -> None:
 NAV = "amcl:\n  ros__parameters:\n    rate: 5.0\n    names: [a, b]\n    deep: {rate: 1}\nother: {x: 1}\n"
 
 
-def test_yaml_is_rewritten_as_nav2_does(context: LaunchContext, tmp_path: Path) -> None:
+def test_yaml_is_rewritten_as_in_nav2(context: LaunchContext, tmp_path: Path) -> None:
     (tmp_path / "nav.yaml").write_text(NAV)
     rewrites: dict[str, Some] = {
         "rate": V("n"),
@@ -264,6 +268,10 @@ def test_yaml_is_rewritten_as_nav2_does(context: LaunchContext, tmp_path: Path) 
             "another": {"x": 1},
         }
     }  # fmt: skip
+    others = RewrittenYaml(str(tmp_path / "nav.yaml"), {}, value_rewrites={"a": "7"}, convert_types=True)
+    assert (
+        yaml.safe_load(Path(others.perform(context)).read_text())["amcl"]["ros__parameters"]["names"][0] == 7
+    )
     plain = RewrittenYaml(str(tmp_path / "nav.yaml"), {"x": "2"}).perform(context)
     assert yaml.safe_load(Path(plain).read_text())["other"] == {"x": "2"}
     assert [HasNodeParams(str(tmp_path / "nav.yaml"), node).perform(context) for node in ("amcl", "x")] == [

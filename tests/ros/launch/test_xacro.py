@@ -1,5 +1,7 @@
 """xacro itself is tested by its project; here it meets the kit's packages, launch files and robots."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -10,8 +12,9 @@ from launch_ros.substitutions import FindPackageShare
 
 from course_lib.errors import CourseError
 from course_lib.robots import load_robot
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.tools.notebook import register
+from tests.patience import PATIENCE
 from tests.ros.launch.run import recorded
 
 XACRO = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -67,7 +70,7 @@ def context() -> LaunchContext:
     return LaunchContext()
 
 
-def test_find_names_the_package_that_launch_files_find(arm: Path, context: LaunchContext) -> None:
+def test_find_in_xacro_resolves_the_same_package_as_launch(arm: Path, context: LaunchContext) -> None:
     share = PathJoinSubstitution([FindPackageShare("tiny_arm"), "urdf", "arm.urdf.xacro"])
     for program in ("xacro", FindExecutable(name="xacro")):
         text = Command([program, " ", share, " tip:=given"]).perform(context)
@@ -75,7 +78,7 @@ def test_find_names_the_package_that_launch_files_find(arm: Path, context: Launc
         assert '<box size="0.25 0.1 0.1"/>' in text
 
 
-def test_a_launched_robot_state_publisher_gets_what_xacro_makes(arm: Path, tmp_path: Path) -> None:
+def test_launched_robot_state_publisher_publishes_the_xacro_output(arm: Path, tmp_path: Path) -> None:
     file = tmp_path / "arm.launch.py"
     file.write_text(LAUNCH)
     recording, code = recorded(file)
@@ -84,20 +87,22 @@ def test_a_launched_robot_state_publisher_gets_what_xacro_makes(arm: Path, tmp_p
     assert '<link name="launched">' in description
 
 
-def test_a_fault_in_the_file_is_a_failure_with_xacro_s_words(arm: Path, context: LaunchContext) -> None:
+def test_xacro_error_is_reported_with_the_error_text_of_xacro(arm: Path, context: LaunchContext) -> None:
     arm.write_text(ARM.replace("${length / 2}", "${width}"))
     with pytest.raises(SubstitutionFailure, match="name 'width' is not defined"):
         Command(["xacro ", str(arm)]).perform(context)
 
 
-def test_what_xacro_warns_of_fails_unless_that_is_allowed(arm: Path, context: LaunchContext) -> None:
+def test_xacro_warning_fails_the_command_unless_on_stderr_is_ignore(
+    arm: Path, context: LaunchContext
+) -> None:
     arm.write_text(ARM.replace("radians(90)", "sorted([1, 2])[0]"))
     with pytest.raises(SubstitutionFailure, match="showed stderr output"):
         Command(["xacro ", str(arm)]).perform(context)
     assert "<robot" in Command(["xacro ", str(arm)], on_stderr="ignore").perform(context)
 
 
-def test_ros2_run_prints_into_a_file(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_ros2_run_output_can_be_redirected_into_a_file(arm: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shell = InteractiveShell.instance()
     register(shell)
     line = f"import rclpy\nrclpy.init()\n%ros2 run xacro xacro {arm} tip:=printed > made.urdf"
@@ -112,7 +117,24 @@ def test_robots_are_loaded_from_xacro_files(arm: Path) -> None:
     assert [shape.geometry.halfSide[0] for shape in robot.visual_model.geometryObjects] == [0.25, 0.125]
 
 
-def test_a_xacro_file_that_is_wrong_is_one_error(arm: Path) -> None:
+@pytest.mark.parametrize("file", ["missing.xacro", "empty.xacro"])
+def test_unreadable_xacro_file_is_an_error_without_a_traceback(file: str, tmp_path: Path) -> None:
+    (tmp_path / "empty.xacro").touch()
+    done = subprocess.run(
+        [sys.executable, "-m", "course_lib", "ros2", "run", "xacro", "xacro", file],
+        cwd=tmp_path, capture_output=True, text=True,
+        timeout=PATIENCE,
+    )  # fmt: skip
+    assert done.returncode
+    assert "Traceback" not in done.stderr
+    assert file in done.stderr
+    with pytest.raises(CourseError, match=file):
+        load_robot(tmp_path / file)
+
+
+def test_invalid_xacro_file_is_one_error(arm: Path) -> None:
     arm.write_text(ARM.replace("xacro:bar", "xacro:beam"))
-    with pytest.raises(CourseError, match=r"xacro cannot expand .*arm\.urdf\.xacro: .*xacro:beam"):
+    with pytest.raises(
+        CourseError, match=r"xacro cannot expand .*arm\.urdf\.xacro, line \d+\): .*xacro:beam"
+    ):
         load_robot(arm)

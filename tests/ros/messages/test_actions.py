@@ -10,14 +10,14 @@ from unique_identifier_msgs.msg import UUID
 from course_lib.ros.messages import action_class, deserialize, serialize
 
 
-def test_the_parts_look_as_in_ros() -> None:
+def test_action_goal_result_and_feedback_agree_with_ros() -> None:
     goal = Fibonacci.Goal(order=5)
     assert repr(goal) == "example_interfaces.action.Fibonacci_Goal(order=5)"
     assert Fibonacci.Goal.__module__ == Fibonacci.__module__ == "example_interfaces.action._fibonacci"
     assert repr(Fibonacci.Feedback(sequence=[0, 1]).sequence) == "array('i', [0, 1])"
 
 
-def test_the_types_that_an_action_travels_with_are_those_of_rosidl() -> None:
+def test_generated_types_of_an_action_agree_with_rosidl() -> None:
     request = Fibonacci.Impl.SendGoalService.Request(goal=Fibonacci.Goal(order=3))
     assert repr(request).startswith("example_interfaces.action.Fibonacci_SendGoal_Request(goal_id=")
     assert Fibonacci.Impl.GetResultService.Response.get_fields_and_field_types() == {
@@ -30,11 +30,11 @@ def test_the_types_that_an_action_travels_with_are_those_of_rosidl() -> None:
     assert Fibonacci.Impl.GoalStatusMessage is GoalStatusArray
 
 
-def test_an_action_itself_has_no_objects() -> None:
+def test_action_class_cannot_be_instantiated() -> None:
     with pytest.raises(NotImplementedError, match=r"^Action classes can not be instantiated$"):
         Fibonacci()
 
 
-def test_constants_belong_to_their_part() -> None:
+def test_constants_belong_to_their_goal_result_or_feedback() -> None:
     assert FollowJointTrajectory.Result.GOAL_TOLERANCE_VIOLATED == -5
     assert action_class("control_msgs/action/FollowJointTrajectory") is FollowJointTrajectory

@@ -42,11 +42,10 @@ REFUSED = [
     (
         DOUBLES,
         "data",
-        [1],
+        ["1"],
         "The 'data' field must be a set or sequence and each value of type 'float' and each double in "
         + DOUBLE_RANGE,
     ),
-    (DOUBLES, "data", array("f"), "The 'data' array.array() must have the type code of 'd'"),
     (
         IMAGE,
         "data",
@@ -64,7 +63,7 @@ REFUSED = [
     (
         COVARIANCE,
         "covariance",
-        np.zeros(36, np.float32),
+        np.zeros(36, complex),
         "The 'covariance' numpy.ndarray() must have the dtype of 'numpy.float64'",
     ),
     (
@@ -105,9 +104,7 @@ TAKEN = [
 
 
 @pytest.mark.parametrize(("type_name", "field", "value", "text"), REFUSED)
-def test_a_value_that_does_not_fit_is_refused_with_ros_text(
-    type_name: str, field: str, value: Any, text: str
-) -> None:
+def test_invalid_value_is_rejected_with_ros_text(type_name: str, field: str, value: Any, text: str) -> None:
     message = message_class(type_name)()
     with pytest.raises(AssertionError) as raised:
         setattr(message, field, value)
@@ -115,18 +112,18 @@ def test_a_value_that_does_not_fit_is_refused_with_ros_text(
 
 
 @pytest.mark.parametrize(("type_name", "field", "value"), TAKEN)
-def test_a_value_that_fits_is_taken(type_name: str, field: str, value: Any) -> None:
+def test_valid_value_is_accepted(type_name: str, field: str, value: Any) -> None:
     message = message_class(type_name)()
     setattr(message, field, value)
     assert len(repr(getattr(message, field))) > 0
 
 
 @pytest.mark.parametrize("value", [np.array([256]), np.array([[1]]), np.array([0.5])])
-def test_a_numpy_array_that_does_not_fit_is_refused(value: Any) -> None:
+def test_invalid_numpy_array_is_rejected(value: Any) -> None:
     with pytest.raises(AssertionError, match="'data' field must be a set or sequence"):
         setattr(message_class(IMAGE)(), "data", value)  # noqa: B010  # mypy would refuse the plain form
 
 
-def test_constructors_check_too() -> None:
+def test_constructors_check_values() -> None:
     with pytest.raises(AssertionError, match=r"^The 'x' field must be of type 'float'$"):
         message_class(POINT)(x=1)

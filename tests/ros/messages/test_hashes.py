@@ -5,7 +5,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages.definitions import type_names
-from course_lib.ros.messages.hashes import described, is_known, type_hash
+from course_lib.ros.messages.hashes import describe_type, is_known, type_hash
 
 # From real ROS 2: the docs of rmw_zenoh, `ros2 topic info -v` in public logs, and the .json files of Jazzy's
 # and Lyrical's packages, as other implementations cite them.
@@ -37,13 +37,13 @@ PUBLISHED = {
 
 
 @pytest.mark.parametrize("type_name", PUBLISHED)
-def test_hashes_are_those_that_ros_publishes(type_name: str) -> None:
+def test_type_hashes_equal_the_published_ones(type_name: str) -> None:
     assert type_hash(type_name) == f"RIHS01_{PUBLISHED[type_name]}"
 
 
-def test_descriptions_are_what_hashes_are_made_of() -> None:
+def test_type_hash_is_the_sha256_of_the_type_description() -> None:
     for name in [*(name for name in type_names() if "/msg/" in name), *PUBLISHED]:
-        others = described(name)
+        others = describe_type(name)
         first = others.pop(name)
         whole = {
             "type_description": first,
@@ -52,7 +52,7 @@ def test_descriptions_are_what_hashes_are_made_of() -> None:
         assert type_hash(name) == f"RIHS01_{hashlib.sha256(json.dumps(whole).encode()).hexdigest()}", name
 
 
-def test_a_type_that_is_not_here_has_no_hash() -> None:
+def test_unknown_type_has_no_hash() -> None:
     assert not is_known("secret_msgs/msg/Plan")
     assert not is_known("secret_msgs/srv/Plan")
     with pytest.raises(CourseError, match="No message type 'secret_msgs/msg/Plan' here"):

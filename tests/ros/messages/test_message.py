@@ -16,10 +16,10 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from course_lib.ros.messages import RosMessage
 from course_lib.ros.messages.definitions import DEFAULTS
-from course_lib.ros.messages.registry import message_class
+from course_lib.ros.messages.message import message_class
 
 
-def test_defaults_are_those_of_the_msg_files() -> None:
+def test_default_values_agree_with_the_msg_files() -> None:
     assert (Quaternion().x, Quaternion().w) == (0.0, 1.0)
     assert NavSatStatus().status == NavSatStatus.STATUS_UNKNOWN == -2
     assert ParameterDescriptor().read_only is False
@@ -28,40 +28,40 @@ def test_defaults_are_those_of_the_msg_files() -> None:
 
 
 @pytest.mark.parametrize(("type_name", "field"), DEFAULTS)
-def test_every_default_names_a_field_and_has_its_type(type_name: str, field: str) -> None:
+def test_every_default_value_belongs_to_a_field_and_has_its_type(type_name: str, field: str) -> None:
     message = message_class(type_name)()
     setattr(message, field, getattr(message, field))
     assert getattr(message, field) == DEFAULTS[type_name, field]
 
 
-def test_fields_are_given_by_keyword_only() -> None:
+def test_fields_are_passed_by_keyword_only() -> None:
     assert Point(x=1.0, z=3.0) == Point(x=1.0, y=0.0, z=3.0)
     text = r"Point.__init__\(\) takes 1 positional argument but 3 were given"
     with pytest.raises(TypeError, match=text):
         Point(1.0, 2.0)  # type: ignore[call-arg]
 
 
-def test_an_unknown_field_is_refused_with_ros_text() -> None:
+def test_unknown_field_is_rejected_with_ros_text() -> None:
     with pytest.raises(AttributeError, match=r"^'String' object has no attribute 'dat'"):
         String().dat = "x"  # type: ignore[attr-defined]
     with pytest.raises(AssertionError, match=r"^Invalid arguments passed to constructor: dat, zap$"):
         String(zap=1, dat="x")  # type: ignore[call-arg]
 
 
-def test_unchecked_messages_take_anything_as_jazzy_does() -> None:
+def test_unchecked_messages_accept_any_value_as_in_jazzy() -> None:
     point = Point(check_fields=False, x=1)
     point.y = 2
     assert (point.x, point.y) == (1, 2)
 
 
-def test_constants_are_on_class_and_instance() -> None:
+def test_constants_are_available_on_class_and_instance() -> None:
     assert (Marker.CUBE, Marker().CUBE, Marker.DELETEALL) == (1, 1, 3)
     assert ParameterType.PARAMETER_STRING == 4
     with pytest.raises(AttributeError):
         Marker().CUBE = 5  # type: ignore[misc]
 
 
-def test_repr_is_ros_own() -> None:
+def test_repr_agrees_with_ros() -> None:
     assert repr(String(data="x")) == "std_msgs.msg.String(data='x')"
     stamp = "builtin_interfaces.msg.Time(sec=1, nanosec=2)"
     header = Header(stamp=Time(sec=1, nanosec=2), frame_id="map")
@@ -85,7 +85,7 @@ def test_messages_are_unhashable() -> None:
         hash(Point())
 
 
-def test_field_types_are_named_as_in_ros() -> None:
+def test_field_types_are_spelled_as_in_ros() -> None:
     assert String.get_fields_and_field_types() == {"data": "string"}
     types = Marker.get_fields_and_field_types()
     assert types["points"] == "sequence<geometry_msgs/Point>"
@@ -100,16 +100,16 @@ def test_field_types_are_named_as_in_ros() -> None:
     ] == ("string<256>")
 
 
-def test_the_signature_names_the_fields_for_completion() -> None:
+def test_signature_lists_the_fields_for_completion() -> None:
     assert list(signature(String).parameters) == ["data"]
 
 
-def test_slots_are_rosidl_s() -> None:
+def test_slots_agree_with_rosidl() -> None:
     assert list(ColorRGBA.__slots__) == ["_r", "_g", "_b", "_a", "_check_fields"]
     assert not hasattr(ColorRGBA(), "__dict__")
 
 
-def test_a_class_lives_in_the_module_of_rosidl() -> None:
+def test_class_has_the_module_name_of_rosidl() -> None:
     assert str(String) == "<class 'std_msgs.msg._string.String'>"
     assert message_class("std_msgs/msg/UInt8MultiArray").__module__ == "std_msgs.msg._u_int8_multi_array"
 
@@ -122,7 +122,7 @@ def test_deepcopy_and_pickle_give_equal_independent_messages() -> None:
         assert marker.points[0].x == 1.0
 
 
-def test_a_deep_copy_has_what_a_subclass_added_and_shares_what_was_shared() -> None:
+def test_deepcopy_keeps_subclass_attributes_and_shared_references() -> None:
     class Named(Point):
         pass
 
@@ -135,12 +135,12 @@ def test_a_deep_copy_has_what_a_subclass_added_and_shares_what_was_shared() -> N
     assert vars(twins[0])["notes"] is not vars(named)["notes"]
 
 
-def test_a_deep_copy_takes_no_way_through_pickling(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_deepcopy_does_not_use_pickle(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(RosMessage, "__reduce_ex__", lambda *_: pytest.fail("pickled"))
     assert copy.deepcopy(Marker(points=[Point(x=1.0)])) == Marker(points=[Point(x=1.0)])
 
 
-def test_constructors_copy_numbers_and_keep_messages_and_lists() -> None:
+def test_constructors_copy_arrays_of_numbers_and_keep_messages_and_lists() -> None:
     values, covariance = array("d", [1.0]), np.zeros(36)
     points = [Point()]
     message = Float64MultiArray(data=values)
@@ -151,14 +151,14 @@ def test_constructors_copy_numbers_and_keep_messages_and_lists() -> None:
     assert Marker(points=points).points is points
 
 
-def test_setters_keep_the_array_that_is_assigned() -> None:
+def test_setters_keep_the_assigned_array() -> None:
     values = array("d", [1.0])
     message = Float64MultiArray()
     message.data = values
     assert message.data is values
 
 
-def test_sequences_of_numbers_become_array_array() -> None:
+def test_numeric_sequences_become_array_array() -> None:
     image = Image(data=b"\x01\x02")
     assert image.data == array("B", [1, 2])
     image.data = [3, 4]
@@ -173,11 +173,11 @@ def test_defaults_are_not_shared() -> None:
     assert other.markers == []
 
 
-def test_a_field_that_is_called_type_does_not_hide_python_s_own() -> None:
+def test_field_named_type_does_not_hide_the_builtin() -> None:
     assert Marker(type=2, ns="a", frame_locked=True).type == 2
 
 
-def test_what_needs_no_check_is_kept_and_the_rest_goes_through_the_setters() -> None:
+def test_constructor_checks_values_in_the_setters_unless_check_fields_is_false() -> None:
     assert Point(x=math.inf, y=-0.0).x == math.inf
     with pytest.raises(AssertionError, match="'z' field must be of type 'float'"):
         Point(x=1.0, z=1)

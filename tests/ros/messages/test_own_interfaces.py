@@ -44,7 +44,7 @@ def write(folder: Path, **files: str) -> None:
         path.write_text(text)
 
 
-def test_all_three_kinds_can_be_imported_and_sent(folder: Path) -> None:
+def test_custom_messages_services_and_actions_can_be_imported_and_sent(folder: Path) -> None:
     write(
         folder,
         Limit_msg=LIMIT,
@@ -62,12 +62,65 @@ def test_all_three_kinds_can_be_imported_and_sent(folder: Path) -> None:
     assert importlib.import_module(f"{folder.name}.action").Go.Feedback(limit=limit).limit is limit
 
 
-def test_a_type_is_found_by_its_name_alone(folder: Path) -> None:
+@pytest.mark.parametrize(
+    ("line", "default"),
+    [
+        ("byte value 50", b"2"),
+        ("byte[] value [0, 0x10]", [b"\0", b"\x10"]),
+        ("byte[2] value [3, 4]", [b"\3", b"\4"]),
+        ("char value 65", 65),
+        (r"string value 'Hello\'world!'", "Hello'world!"),
+        (r'string value "a \"b\" c"', 'a "b" c'),
+        ("string value 1", "1"),
+        ("string value no", "no"),
+        ("string[] value ['x, y', \"z\", 1]", ["x, y", "z", "1"]),
+        ("string[] value []", []),
+        ("bool value 1", True),
+        ("bool value False", False),
+        ("float64 value 1e3", 1000.0),
+        ("int16[<=3] value [-1, 2]", [-1, 2]),
+    ],
+)
+def test_default_is_a_value_of_its_type(folder: Path, line: str, default: object) -> None:
+    write(folder, Limit_msg=line)
+    limit = importlib.import_module(f"{folder.name}.msg").Limit
+    value = limit().value
+    assert (list(value) if isinstance(default, list) else value) == default
+    assert type(value) is type(default) or isinstance(default, list)
+    assert deserialize(serialize(limit()), limit) == limit()
+
+
+@pytest.mark.parametrize(
+    ("line", "error"),
+    [
+        ("byte value 256", "'256' is not a value of the type byte"),
+        ("string<=2 value 'abc'", "\"'abc'\" is not a value of the type string<=2"),
+        ("int32[2] value [1]", r"'\[1\]' is not a value of the type int32\[2\]"),
+        ("int32[] value 1", r"'1' is not a value of the type int32\[\]"),
+        ("geometry_msgs/Point value 1", "'1' is not a value of the type geometry_msgs/Point"),
+    ],
+)
+def test_default_of_another_type_is_rejected_with_its_line(folder: Path, line: str, error: str) -> None:
+    write(folder, Limit_msg=line)
+    with pytest.raises(CourseError, match=rf"Limit\.msg, line 1: {error}"):
+        add_package(folder)
+
+
+def test_array_of_int64_is_printed_without_its_dtype_as_in_ros(folder: Path) -> None:
+    write(folder, Limit_msg="int64[2] a\nuint64[1] b\nfloat64[1] c")
+    limit = importlib.import_module(f"{folder.name}.msg").Limit()
+    assert repr(limit).partition(".msg.")[2] == (
+        "Limit(a=array([0, 0]), b=array([0], dtype=uint64), c=array([0.]))"
+    )
+
+
+def test_type_from_an_added_package_can_be_looked_up_by_its_name(folder: Path) -> None:
     write(folder, Range_msg="float64 width")
     assert message_class(f"{folder.name}/msg/Range")().width == 0.0  # type: ignore[attr-defined]  # made above
 
 
-def test_a_program_imports_the_package_beside_it(folder: Path) -> None:
+@pytest.mark.slow
+def test_program_imports_an_interface_package_in_its_folder(folder: Path) -> None:
     write(folder, Range_msg="float64 width")
     program = folder.parent / "program.py"
     program.write_text(f"from {folder.name}.msg import Range\nprint(Range(width=2.0))")
@@ -86,15 +139,20 @@ def test_a_program_imports_the_package_beside_it(folder: Path) -> None:
             {"Limit_msg": "sensor_msgs/Imag image"},
             "field image: No message type 'sensor_msgs/msg/Imag'",
         ),
-        ({"Limit_msg": "Rang range"}, "Limit.msg, field range: No message type"),
+        ({"Limit_msg": "Rang range"}, "Limit.msg, line 1, field range: No message type"),
         ({"Limit_msg": "wstring name"}, "field name: the kit has no wide strings (wstring). Write string:"),
         ({"Limit_msg": "wstring[3] name"}, "field name: the kit has no wide strings"),
-        ({"limit_msg": "float64 low"}, "limit.msg: a type's name is written like JointLimit, so 'limit'"),
+        (
+            {"limit_msg": "float64 low"},
+            "limit.msg: the file name must be a type name like JointLimit, not 'limit'",
+        ),
         ({"Ask_srv": "float64 low"}, "Ask.srv: a .srv file has 2 parts with --- between them, not 1."),
         ({"Go_action": "---\n"}, "Go.action: a .action file has 3 parts with --- between them, not 2."),
     ],
 )
-def test_a_malformed_file_is_named_with_its_line(folder: Path, files: dict[str, Any], said: str) -> None:
+def test_malformed_interface_file_is_reported_with_its_line(
+    folder: Path, files: dict[str, Any], said: str
+) -> None:
     write(folder, **files)
     with pytest.raises(CourseError) as raised:
         add_package(folder)
@@ -102,7 +160,7 @@ def test_a_malformed_file_is_named_with_its_line(folder: Path, files: dict[str, 
     assert str(folder) in str(raised.value)
 
 
-def test_a_changed_file_asks_for_a_new_kernel(folder: Path) -> None:
+def test_changed_interface_file_requires_a_new_kernel(folder: Path) -> None:
     write(folder, Range_msg="float64 width")
     add_package(folder)
     add_package(folder)  # the same again

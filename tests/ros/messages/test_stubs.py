@@ -4,15 +4,15 @@ from pathlib import Path
 
 from course_lib.ros.messages.definitions import type_names
 from course_lib.ros.messages.stubs import stubs, write_stubs
-from course_lib.ros.standin_path import STANDIN, provided
+from course_lib.ros.programs.import_path import STANDIN, provided_packages
 
 
-def test_the_installed_stubs_are_what_the_types_of_rosbags_say() -> None:
+def test_installed_stubs_agree_with_the_rosbags_types() -> None:
     stale = [path for path, text in stubs().items() if (STANDIN / path).read_text("utf-8") != text]
     assert not stale, "install the kit again: pip install -e ."
 
 
-def test_stubs_are_written_once(tmp_path: Path) -> None:
+def test_stubs_are_written_only_once(tmp_path: Path) -> None:
     first = write_stubs(tmp_path)
     assert tmp_path / "std_msgs" / "msg" / "__init__.pyi" in first
     assert write_stubs(tmp_path) == []
@@ -20,7 +20,7 @@ def test_stubs_are_written_once(tmp_path: Path) -> None:
 
 def test_every_package_with_stubs_is_provided_and_can_be_imported() -> None:
     packages = {path.parts[0] for path in stubs()}
-    assert packages <= set(provided())
+    assert packages <= set(provided_packages())
     assert all(import_module(name).__path__ == [str(STANDIN / name)] for name in packages)
 
 

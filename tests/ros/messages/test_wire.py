@@ -20,14 +20,14 @@ from visualization_msgs.msg import Marker
 from course_lib.errors import CourseError
 from course_lib.ros.messages import RosMessage, deserialize, message_class, serialize
 from course_lib.ros.messages.definitions import (
-    FOLDERS,
     PRIMITIVES,
     FieldDefinition,
     definition,
     type_names,
     typestore,
 )
-from course_lib.ros.messages.interface_files import read_interface
+from course_lib.ros.messages.interface_files import kit_files, parse_interface
+from tests.patience import PATIENCE
 
 
 def random_value(field: FieldDefinition, rng: random.Random) -> Any:
@@ -60,7 +60,7 @@ def random_message(type_name: str, rng: random.Random) -> RosMessage:
 
 
 @pytest.mark.parametrize("type_name", type_names())
-def test_every_type_survives_the_wire(type_name: str) -> None:
+def test_every_type_survives_serialization(type_name: str) -> None:
     rng = random.Random(type_name)
     for _ in range(5):
         message = random_message(type_name, rng)
@@ -73,19 +73,19 @@ def test_every_type_survives_the_wire(type_name: str) -> None:
 def rosbags_own() -> Typestore:
     """Return a store with rosbags' own classes, also of the kit's files."""
     store = get_typestore(Stores.ROS2_JAZZY)
-    for path in FOLDERS[0].glob("*/*/*.*"):
-        store.register(read_interface(path))
+    for file, text in kit_files().items():
+        store.register(parse_interface(text, file))
     return store
 
 
 @pytest.mark.parametrize("type_name", type_names())
-def test_bytes_equal_those_of_rosbags_own_classes(type_name: str) -> None:
+def test_serialized_bytes_equal_rosbags_output(type_name: str) -> None:
     cdr = serialize(random_message(type_name, random.Random(type_name)))
     store = rosbags_own()
     assert bytes(store.serialize_cdr(store.deserialize_cdr(cdr, type_name), type_name)) == cdr
 
 
-def test_known_bytes() -> None:
+def test_serialized_bytes_equal_known_bytes() -> None:
     assert serialize(String(data="hi")) == b"\x00\x01\x00\x00\x03\x00\x00\x00hi\x00"
     assert serialize(Bool(data=True)) == b"\x00\x01\x00\x00\x01"
     assert serialize(Empty()) == b"\x00\x01\x00\x00\x00"
@@ -102,7 +102,7 @@ def test_big_endian_bytes_are_read() -> None:
     )
 
 
-def test_received_values_are_ros_own_kinds_and_writable() -> None:
+def test_received_values_have_the_types_of_ros_and_are_writable() -> None:
     received = deserialize(serialize(PoseWithCovariance()), PoseWithCovariance)
     received.covariance[0] = 1.0
     assert isinstance(deserialize(serialize(Float64MultiArray(data=[1.0])), Float64MultiArray).data, array)
@@ -110,11 +110,11 @@ def test_received_values_are_ros_own_kinds_and_writable() -> None:
     assert deserialize(serialize(DiagnosticStatus(level=b"\x02")), DiagnosticStatus).level == b"\x02"
 
 
-def test_a_float32_field_loses_what_float32_lacks() -> None:
+def test_float32_field_is_rounded_to_single_precision() -> None:
     assert deserialize(serialize(ColorRGBA(r=0.1)), ColorRGBA).r == float(np.float32(0.1))
 
 
-def test_what_slipped_past_the_setters_is_refused_when_sent() -> None:
+def test_invalid_value_that_bypassed_the_setters_is_rejected_by_serialize() -> None:
     marker = Marker()
     marker.points.append(Vector3())  # type: ignore[arg-type]
     with pytest.raises(AssertionError, match=r"The 'points' field .* each value of type 'Point'"):
@@ -126,7 +126,7 @@ def test_what_slipped_past_the_setters_is_refused_when_sent() -> None:
 
 
 UNCHECKED = """
-from course_lib.ros import standin_path; standin_path.install()
+from course_lib.ros.programs import import_path; import_path.install()
 from course_lib.ros.messages import deserialize, serialize
 from std_msgs.msg import Int32
 message = Int32(data="three")
@@ -137,21 +137,23 @@ serialize(message)
 """
 
 
-def test_the_kit_s_early_check_can_be_left_to_publishing_as_in_jazzy() -> None:
+def test_early_check_of_the_kit_can_be_deferred_to_publish_as_in_jazzy() -> None:
     environment = os.environ | {"ROS_PYTHON_CHECK_FIELDS": "0"}
     command = [sys.executable, "-c", UNCHECKED]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, env=environment, capture_output=True, text=True, check=False, timeout=PATIENCE
+    )
     assert done.stdout == "three four\n"
     assert done.stderr.endswith("AssertionError: The 'data' field must be of type 'int'\n")
 
 
-def test_a_strided_array_is_sent() -> None:
+def test_strided_array_is_serialized() -> None:
     message = PoseWithCovariance()
     message.covariance = np.arange(72.0)[::2]
     assert deserialize(serialize(message), PoseWithCovariance).covariance[1] == 2.0
 
 
-def test_an_array_can_grow_after_it_was_sent() -> None:
+def test_array_can_grow_after_serialization() -> None:
     message = Float64MultiArray(data=[1.0])
     serialize(message)
     message.data.extend([2.0])
@@ -159,11 +161,11 @@ def test_an_array_can_grow_after_it_was_sent() -> None:
 
 
 @pytest.mark.parametrize("cdr", [b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00\xff\xff\xff\xff", b"\x09" * 40])
-def test_bytes_that_are_no_such_message_are_refused(cdr: bytes) -> None:
-    with pytest.raises(CourseError, match="bytes are no visualization_msgs/msg/Marker"):
+def test_invalid_cdr_bytes_are_rejected(cdr: bytes) -> None:
+    with pytest.raises(CourseError, match="bytes are not a valid visualization_msgs/msg/Marker"):
         deserialize(cdr, Marker)
 
 
-def test_an_unknown_type_is_answered_with_close_names() -> None:
+def test_unknown_type_error_suggests_close_names() -> None:
     with pytest.raises(CourseError, match="Did you mean visualization_msgs/msg/Marker"):
         message_class("visualization_msgs/msg/Marke")

@@ -7,10 +7,9 @@ import rclpy
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-from course_lib.ros import virtual_time
-from course_lib.ros.baton import baton
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.time_lock import time_lock
 from tests.ros.rclpy.simulator import SIM
 
 END_NS = START_NS + 10 * 10**9
@@ -20,11 +19,11 @@ END_NS = START_NS + 10 * 10**9
 def graph() -> Iterator[Graph]:
     """A run that has not been begun by `rclpy.init()`."""
     virtual_time.install()
-    with use_graph(Graph(end_ns=END_NS)) as graph, baton.known():
+    with use_graph(Graph(end_ns=END_NS)) as graph, time_lock.hold():
         yield graph
         uninstall_signal_handlers()
         graph.end_ns = graph.now_ns
-        baton.let_others_finish()
+        time_lock.finish_other_threads()
 
 
 @pytest.fixture

@@ -45,7 +45,7 @@ def spin(until: Callable[[], bool] | float, *nodes: Node) -> None:
             executor.spin_once()
     else:
         end_ns = nodes[0].handle.graph.now_ns + round(until * 1e9)
-        executor.spin_until(end_ns)
+        executor._course_spin_until(end_ns)
     for node in nodes:
         executor.remove_node(node)
 

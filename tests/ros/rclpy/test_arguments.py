@@ -11,7 +11,7 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 
 
 def begin(*args: str) -> None:
@@ -39,13 +39,13 @@ def begin(*args: str) -> None:
         ("[a, 'b']", ["a", "b"]),
     ],
 )
-def test_a_value_has_the_type_that_rcl_gives_it(text: str, value: Any) -> None:
+def test_command_line_values_have_the_types_of_rcl(text: str, value: Any) -> None:
     found = parse(["--ros-args", "-p", f"x:={text}"]).parameters("/any/node")["x"]
     assert found.value == value
     assert type(found.value) is type(value)
 
 
-def test_parameters_from_the_command_line_count_more_than_defaults(graph: Graph) -> None:
+def test_command_line_parameters_override_defaults(graph: Graph) -> None:
     begin("-p", "speed:=2", "--param", "talker:name:=left", "-p", "other:name:=right")
     node = Node("talker")
     assert node.declare_parameter("speed", 1).value == 2
@@ -74,7 +74,9 @@ robot:
     ("node", "speed"),
     [("/talker", 2.0), ("/robot/talker", 3.0), ("/robot/listener", 4.0), ("/a/b/listener", 1.0)],
 )
-def test_a_file_names_nodes_by_name_namespace_and_wildcard(tmp_path: Path, node: str, speed: float) -> None:
+def test_parameter_file_selects_nodes_by_name_namespace_and_wildcard(
+    tmp_path: Path, node: str, speed: float
+) -> None:
     file = tmp_path / "params.yaml"
     file.write_text(PARAMETERS)
     found = parse(["--ros-args", "--params-file", str(file)]).parameters(node)
@@ -83,7 +85,7 @@ def test_a_file_names_nodes_by_name_namespace_and_wildcard(tmp_path: Path, node:
     assert (node == "/talker") == ("arm.joints" in found)
 
 
-def test_of_two_values_the_later_one_counts(tmp_path: Path) -> None:
+def test_later_value_of_a_parameter_wins(tmp_path: Path) -> None:
     file = tmp_path / "params.yaml"
     file.write_text(PARAMETERS)
     from_file, given = ["--params-file", str(file)], ["-p", "speed:=9.0"]
@@ -105,7 +107,7 @@ def test_of_two_values_the_later_one_counts(tmp_path: Path) -> None:
         ("a: &x {}\nb: *x\n", "Will not support aliasing at line 2"),
     ],
 )
-def test_a_wrong_file_is_refused_with_its_line(tmp_path: Path, text: str, complaint: str) -> None:
+def test_invalid_parameter_file_is_rejected_with_its_line(tmp_path: Path, text: str, complaint: str) -> None:
     file = tmp_path / "params.yaml"
     file.write_text(text)
     with pytest.raises(RCLInvalidROSArgsError) as caught:
@@ -131,19 +133,19 @@ def test_a_wrong_file_is_refused_with_its_line(tmp_path: Path, text: str, compla
         (["--log-level", "loud"], "Couldn't parse log level: '--log-level loud'. Error: 'loud' is none of"),
     ],
 )
-def test_a_wrong_argument_is_refused(words: list[str], complaint: str) -> None:
+def test_invalid_argument_is_rejected(words: list[str], complaint: str) -> None:
     with pytest.raises(RCLInvalidROSArgsError) as caught:
         parse(["--ros-args", *words])
     assert str(caught.value).startswith(f"Failed to parse ROS arguments: {complaint}")
 
 
-def test_an_unknown_argument_is_named_and_those_for_the_program_are_left_alone() -> None:
+def test_unknown_ros_argument_is_reported_and_user_arguments_are_ignored() -> None:
     with pytest.raises(UnknownROSArgsError, match=r"^\['--fast'\]$"):
         parse(["program", "--slow", "--ros-args", "--fast"])
     assert parse(["program", "--slow", "--ros-args", "-p", "x:=1", "--", "--fast"]).remaps == []
 
 
-def test_topics_and_services_get_other_names(graph: Graph) -> None:
+def test_topics_and_services_are_remapped(graph: Graph) -> None:
     begin("-r", "chatter:=/robot/talk", "-r", "~/go:=start", "-r", "listener:chatter:=hear")
     talker, listener = Node("talker"), Node("listener")
     assert talker.create_publisher(String, "chatter", 1).topic_name == "/robot/talk"
@@ -152,13 +154,13 @@ def test_topics_and_services_get_other_names(graph: Graph) -> None:
     assert listener.resolve_topic_name("chatter", only_expand=True) == "/chatter"
 
 
-def test_a_rule_may_be_for_nodes_of_one_name(graph: Graph) -> None:
+def test_remapping_rule_can_be_limited_to_a_node_name(graph: Graph) -> None:
     begin("-r", "listener:chatter:=hear")
     assert Node("listener").resolve_topic_name("chatter") == "/hear"
     assert Node("talker").resolve_topic_name("chatter") == "/chatter"
 
 
-def test_a_node_gets_another_name_and_namespace(graph: Graph) -> None:
+def test_node_and_namespace_remapping_rules_rename_a_node(graph: Graph) -> None:
     begin("-r", "__node:=speaker", "-r", "__ns:=/robot")
     node = Node("talker")
     assert node.get_fully_qualified_name() == "/robot/speaker"
@@ -166,7 +168,7 @@ def test_a_node_gets_another_name_and_namespace(graph: Graph) -> None:
     assert node.resolve_topic_name("x") == "/robot/x"
 
 
-def test_a_nodes_own_arguments_count_more_and_it_may_do_without_the_others(graph: Graph) -> None:
+def test_node_arguments_override_global_arguments_which_can_be_disabled(graph: Graph) -> None:
     begin("-p", "x:=1", "-r", "a:=b")
     own = ["--ros-args", "-p", "x:=2", "-r", "a:=c"]
     node = Node("own", cli_args=own)
@@ -175,7 +177,7 @@ def test_a_nodes_own_arguments_count_more_and_it_may_do_without_the_others(graph
     assert (alone.declare_parameter("x", 0).value, alone.resolve_topic_name("a")) == (0, "/a")
 
 
-def test_log_levels_are_for_all_loggers_or_for_one(graph: Graph) -> None:
+def test_log_level_is_set_for_all_loggers_or_for_one(graph: Graph) -> None:
     begin("--log-level", "warn", "--log-level", "talker:=debug")
     assert Node("talker").get_logger().get_effective_level() == LoggingSeverity.DEBUG
     assert Node("other").get_logger().get_effective_level() == LoggingSeverity.WARN

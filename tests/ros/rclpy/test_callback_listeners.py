@@ -5,11 +5,10 @@ import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph
 
 
-def test_a_listener_hears_who_waited_since_when_and_when_it_began(begun: Graph, node: Node) -> None:
+def test_callback_listener_receives_entity_ready_time_and_start_time(begun: Graph, node: Node) -> None:
     heard: list[tuple[str, float, float]] = []
 
     def listen(entity: Any, since_ns: int, start_ns: int, processor: float) -> None:

@@ -8,17 +8,16 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.node import Node
 from rclpy.time import Time
 
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph
 
 
-def test_all_clocks_show_robot_time(node: Node, begun: Graph) -> None:
+def test_all_clocks_return_robot_time(node: Node, begun: Graph) -> None:
     clocks = [Clock(), Clock(clock_type=ClockType.STEADY_TIME), ROSClock(), node.get_clock()]
     node.get_clock().sleep_for(Duration(seconds=2))
     assert {clock.now().nanoseconds for clock in clocks} == {START_NS + 2 * 10**9}
 
 
-def test_a_clock_of_ros_time_is_a_ros_clock() -> None:
+def test_clock_with_ros_time_is_a_ros_clock() -> None:
     clock = Clock(clock_type=ClockType.ROS_TIME)
     assert isinstance(clock, ROSClock)
     assert not clock.ros_time_is_active
@@ -28,7 +27,7 @@ def test_a_clock_of_ros_time_is_a_ros_clock() -> None:
         Clock(clock_type=2)  # type: ignore[arg-type]  # the mistake under test
 
 
-def test_sleeping_is_true_unless_the_end_comes_first(node: Node, begun: Graph) -> None:
+def test_sleep_returns_true_unless_the_run_ends_during_it(node: Node, begun: Graph) -> None:
     clock = node.get_clock()
     assert clock.sleep_until(clock.now() + Duration(seconds=1))
     assert clock.sleep_until(clock.now())
@@ -37,7 +36,7 @@ def test_sleeping_is_true_unless_the_end_comes_first(node: Node, begun: Graph) -
     assert not clock.sleep_for(Duration(seconds=1))
 
 
-def test_a_shutdown_wakes_sleepers(node: Node, begun: Graph) -> None:
+def test_shutdown_wakes_sleeping_threads(node: Node, begun: Graph) -> None:
     slept: list[bool] = []
     sleeper = threading.Thread(target=lambda: slept.append(node.get_clock().sleep_for(Duration(seconds=5))))
     sleeper.start()
@@ -47,17 +46,17 @@ def test_a_shutdown_wakes_sleepers(node: Node, begun: Graph) -> None:
     assert (slept, begun.now_ns) == ([False], START_NS + 10**9)
 
 
-def test_a_time_of_another_clock_is_refused(begun: Graph) -> None:
+def test_time_of_another_clock_type_is_rejected(begun: Graph) -> None:
     with pytest.raises(ValueError, match=r"^until's clock type does not match this clock's type$"):
         ROSClock().sleep_until(Time())
 
 
-def test_sleeping_before_init_is_refused(graph: Graph) -> None:
+def test_sleep_before_init_is_rejected(graph: Graph) -> None:
     with pytest.raises(NotInitializedException):
         Clock().sleep_for(Duration(seconds=1))
 
 
-def test_a_loop_over_now_lets_time_pass(node: Node, begun: Graph) -> None:
+def test_polling_loop_over_now_advances_time(node: Node, begun: Graph) -> None:
     clock, start = node.get_clock(), node.get_clock().now()
     while clock.now() - start < Duration(seconds=1):
         pass

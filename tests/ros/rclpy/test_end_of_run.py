@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, Sample, use_graph
-from course_lib.ros.program import run_files
+from course_lib.ros.graph.graph import START_NS, Graph, Sample, use_graph
+from course_lib.ros.programs.program import run_files
+from tests.patience import PATIENCE
 
 CLIENT = """
 import rclpy
@@ -20,8 +20,7 @@ while not client.wait_for_service(timeout_sec=1.0):
 print("found")
 """
 IN_MAIN = """
-import rclpy, time
-from rclpy.executors import ExternalShutdownException
+import rclpy, rclpy.exceptions, time
 from rclpy.node import Node
 rclpy.init()
 node = Node("talker")
@@ -33,10 +32,10 @@ except KeyboardInterrupt:
 print(rclpy.ok())
 try:
     rclpy.spin_once(node)
-except ExternalShutdownException:
-    print("ExternalShutdownException")
+except rclpy.exceptions.RCLError as error:
+    print(type(error).__name__)
 node.destroy_node()
-rclpy.shutdown()
+rclpy.try_shutdown()
 print("left")
 """
 IN_A_THREAD = """
@@ -109,19 +108,18 @@ while True:
 """
 
 
-def run(folder: Path, *sources: str, seconds: int = 3) -> list[Sample]:
+def run(folder: Path, *sources: str, seconds: int = 3, exit_code: int = 0) -> list[Sample]:
     samples: list[Sample] = []
     for number, source in enumerate(sources):
         (folder / f"program{number}.py").write_text(source)
     with use_graph(Graph(end_ns=START_NS + seconds * 10**9)) as graph:
         graph.tap(samples.append)
-        assert run_files([folder / f"program{number}.py" for number in range(len(sources))], seed=1) == 0
+        files = [folder / f"program{number}.py" for number in range(len(sources))]
+        assert run_files(files, seed=1) == exit_code
     return samples
 
 
-def test_a_client_without_its_server_ends_in_silence(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_client_without_a_server_ends_silently(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, CLIENT)
     assert capfd.readouterr() == ("waiting\n" * 3, "")
 
@@ -141,11 +139,11 @@ def test_a_client_without_its_server_ends_in_silence(
     ],
 )
 @pytest.mark.parametrize("beside", [(), (STUBBORN,)])
-def test_a_blocked_call_of_the_main_thread_raises_keyboard_interrupt(
+def test_blocked_call_in_the_main_thread_raises_keyboard_interrupt(
     wait: str, beside: tuple[str, ...], tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     run(tmp_path, IN_MAIN.format(wait=wait), *beside)
-    expected = ["KeyboardInterrupt", "False", "ExternalShutdownException", "left"]
+    expected = ["KeyboardInterrupt", "False", "RCLError", "left"]
     assert capfd.readouterr().out.split() == expected
 
 
@@ -156,10 +154,14 @@ def test_a_blocked_call_of_the_main_thread_raises_keyboard_interrupt(
         ("while True:\n        time.sleep(2.0)\n        print('beat')", ["beat", "beat"]),
         ("rclpy.spin(node)\n    print('returned')", []),
         ("try: rclpy.spin(node)\n    except ExternalShutdownException: print('raised')", ["raised"]),
-        ("rate = node.create_rate(1.0)\n    while rclpy.ok(): rate.sleep()", []),
+        (
+            "threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()\n"
+            "    rate = node.create_rate(1.0)\n    while rclpy.ok(): rate.sleep()",
+            [],
+        ),
     ],
 )
-def test_other_threads_come_to_their_ends_in_silence(
+def test_other_threads_end_silently_at_the_end_of_a_run(
     lines: str, shown: list[str], tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     run(tmp_path, IN_A_THREAD.format(lines=lines))
@@ -167,19 +169,20 @@ def test_other_threads_come_to_their_ends_in_silence(
     assert (out.split(), err) == ([*shown, "main"], "")
 
 
-def test_a_callback_in_a_thread_of_its_own_ends_where_it_waits(
+def test_callback_in_a_separate_thread_ends_in_its_wait(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     run(tmp_path, LATE_SERVER)
     assert capfd.readouterr() == ("feedback 0\nfeedback 1\nfeedback 2\n", "")
 
 
-def test_nothing_is_published_after_the_end(tmp_path: Path) -> None:
-    beats = [sample for sample in run(tmp_path, PUBLISHES_LATE) if sample.topic == "/beat"]
+def test_publishing_after_the_end_of_a_run_raises(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    beats = [sample for sample in run(tmp_path, PUBLISHES_LATE, exit_code=1) if sample.topic == "/beat"]
     assert [(sample.stamp_ns - START_NS) / 1e9 for sample in beats] == [0.5, 1.0, 1.5, 2.0, 2.5, 3.0]
+    assert "RCLError: Failed to publish: publisher's context is invalid" in capfd.readouterr().err
 
 
-def test_a_program_may_sleep_while_it_cleans_up(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_program_can_sleep_during_its_cleanup(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, CLEANS_UP)
     assert capfd.readouterr() == ("stopped the motors\n", "")
 
@@ -205,7 +208,7 @@ print("spun")
 @pytest.mark.parametrize(
     ("last", "rest"), [("sys.exit(0)", []), ("rclpy.shutdown()", ["spun"]), ("pass", [])]
 )
-def test_the_end_of_a_run_calls_a_program_s_own_handler_of_ctrl_c(
+def test_end_of_a_run_calls_the_sigint_handler_of_the_program(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], last: str, rest: list[str], beside: bool
 ) -> None:
     (tmp_path / "robot.py").write_text(HANDLER.format(last=last))
@@ -216,11 +219,11 @@ def test_the_end_of_a_run_calls_a_program_s_own_handler_of_ctrl_c(
     assert capsys.readouterr().out.splitlines() == ["True True", "stopped by SIGINT", *rest]
 
 
-def test_ctrl_c_calls_the_handlers_of_programs_that_run_beside_each_other(tmp_path: Path) -> None:
+def test_ctrl_c_calls_the_handlers_of_concurrent_programs(tmp_path: Path) -> None:
     (tmp_path / "robot.py").write_text(HANDLER.format(last="rclpy.shutdown()"))
     (tmp_path / "killer.py").write_text(
         "import os, signal, time\ntime.sleep(1.0)\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(1.0)"
     )
     words = [sys.executable, "-m", "course_lib", "run", "robot.py", "killer.py"]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=PATIENCE)
     assert done.stdout.splitlines() == ["True True", "stopped by SIGINT", "spun"]

@@ -1,6 +1,7 @@
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 import rclpy
@@ -11,9 +12,9 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Int32
 
-from course_lib.ros.baton import DeadlockError
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
+from course_lib.ros.programs.program import run_files
+from course_lib.ros.time.time_lock import DeadlockError
 
 
 def since_start(node: Node) -> float:
@@ -41,7 +42,7 @@ def test_spin_once_runs_exactly_one_callback(node: Node) -> None:
     assert since_start(node) == 1.0
 
 
-def test_spin_once_gives_up_at_its_time_limit(node: Node) -> None:
+def test_spin_once_returns_at_its_timeout(node: Node) -> None:
     node.create_timer(5.0, lambda: None)
     rclpy.spin_once(node, timeout_sec=2.0)
     assert since_start(node) == 2.0
@@ -49,7 +50,7 @@ def test_spin_once_gives_up_at_its_time_limit(node: Node) -> None:
     assert since_start(node) == 2.0
 
 
-def test_a_loop_that_polls_lets_time_pass(node: Node) -> None:
+def test_polling_loop_advances_time(node: Node) -> None:
     calls: list[float] = []
     node.create_timer(1.0, lambda: calls.append(since_start(node)))
     while len(calls) < 2:
@@ -57,7 +58,7 @@ def test_a_loop_that_polls_lets_time_pass(node: Node) -> None:
     assert calls == pytest.approx([1.0, 2.0])
 
 
-def test_callbacks_come_in_the_order_of_events_over_all_nodes(begun: Graph) -> None:
+def test_callbacks_run_in_event_order_across_all_nodes(begun: Graph) -> None:
     calls: list[str] = []
     executor = SingleThreadedExecutor()
     nodes = [Node(name) for name in ("first", "second")]
@@ -70,7 +71,7 @@ def test_callbacks_come_in_the_order_of_events_over_all_nodes(begun: Graph) -> N
     assert calls == ["second 0.5", "first 1.0", "second 1.0", "second 0.5"]
 
 
-def test_what_is_ready_in_a_node_waits_until_it_is_added(node: Node) -> None:
+def test_ready_callback_waits_until_its_node_is_added(node: Node) -> None:
     got: list[int] = []
     node.create_subscription(Int32, "x", lambda m: got.append(m.data), 10)
     node.create_publisher(Int32, "x", 10).publish(Int32(data=7))
@@ -81,7 +82,7 @@ def test_what_is_ready_in_a_node_waits_until_it_is_added(node: Node) -> None:
     assert got == [7]
 
 
-def test_what_a_callback_raises_comes_out_of_spin_and_the_node_goes_on(node: Node) -> None:
+def test_callback_exception_propagates_from_spin_and_the_node_remains_usable(node: Node) -> None:
     calls: list[float] = []
 
     def fail() -> None:
@@ -95,7 +96,7 @@ def test_what_a_callback_raises_comes_out_of_spin_and_the_node_goes_on(node: Nod
     assert calls == [1.0, 2.0]
 
 
-def test_a_shutdown_in_a_callback_ends_spin_quietly(node: Node) -> None:
+def test_shutdown_in_a_callback_ends_spin_silently(node: Node) -> None:
     node.create_timer(1.0, rclpy.shutdown)
     rclpy.spin(node)
     assert not rclpy.ok()
@@ -104,7 +105,7 @@ def test_a_shutdown_in_a_callback_ends_spin_quietly(node: Node) -> None:
 @pytest.mark.parametrize(
     ("make", "ends"), [(SingleThreadedExecutor, "raises"), (MultiThreadedExecutor, "returns")]
 )
-def test_a_shutdown_elsewhere_ends_a_waiting_spin(
+def test_shutdown_in_another_thread_ends_a_waiting_spin(
     node: Node, make: Callable[[], SingleThreadedExecutor], ends: str
 ) -> None:
     executor = make()
@@ -125,7 +126,7 @@ def test_a_shutdown_elsewhere_ends_a_waiting_spin(
     assert how == ends
 
 
-def test_an_executor_in_a_with_statement_is_shut_down_and_its_spin_ends(node: Node) -> None:
+def test_executor_in_a_with_statement_is_shut_down_and_its_spin_ends(node: Node) -> None:
     with SingleThreadedExecutor() as executor:
         assert executor.add_node(node)
         assert not executor.add_node(node)
@@ -138,19 +139,19 @@ def test_an_executor_in_a_with_statement_is_shut_down_and_its_spin_ends(node: No
     assert rclpy.ok()
 
 
-def test_a_node_belongs_to_the_executor_it_was_added_to_last(node: Node) -> None:
+def test_node_belongs_to_the_executor_that_added_it_last(node: Node) -> None:
     first, second = SingleThreadedExecutor(), SingleThreadedExecutor()
     first.add_node(node)
     second.add_node(node)
     assert (first.get_nodes(), second.get_nodes()) == ([], [node])
 
 
-def test_an_executor_before_init_is_refused(graph: Graph) -> None:
+def test_executor_before_init_is_rejected(graph: Graph) -> None:
     with pytest.raises(NotInitializedException):
         SingleThreadedExecutor()
 
 
-def test_a_spin_that_nothing_can_ever_wake_is_named() -> None:
+def test_spin_without_any_possible_event_raises_deadlock_error() -> None:
     with use_graph(Graph()):
         rclpy.init(args=[], signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
         node = Node("listener")
@@ -159,7 +160,7 @@ def test_a_spin_that_nothing_can_ever_wake_is_named() -> None:
             rclpy.spin(node)
 
 
-def test_in_a_single_thread_a_callback_that_sleeps_holds_up_the_others(node: Node) -> None:
+def test_sleeping_callback_blocks_others_in_a_single_threaded_executor(node: Node) -> None:
     calls: list[float] = []
     sleep_once(node)
     node.create_timer(1.0, lambda: calls.append(since_start(node)))
@@ -171,7 +172,7 @@ def test_in_a_single_thread_a_callback_that_sleeps_holds_up_the_others(node: Nod
     ("group", "expected"),
     [(ReentrantCallbackGroup, [1.0, 2.0, 3.0]), (MutuallyExclusiveCallbackGroup, [4.0, 5.0, 6.0])],
 )
-def test_in_several_threads_the_callback_group_decides(
+def test_callback_group_determines_concurrency_in_a_multi_threaded_executor(
     node: Node, group: type[CallbackGroup], expected: list[float]
 ) -> None:
     calls: list[float] = []
@@ -182,7 +183,7 @@ def test_in_several_threads_the_callback_group_decides(
     assert calls[:3] == pytest.approx(expected)
 
 
-def test_no_more_callbacks_are_under_way_than_there_are_threads(node: Node) -> None:
+def test_number_of_concurrent_callbacks_is_limited_by_the_number_of_threads(node: Node) -> None:
     under_way: list[int] = []
     most: list[int] = []
 
@@ -198,13 +199,13 @@ def test_no_more_callbacks_are_under_way_than_there_are_threads(node: Node) -> N
     assert max(most) == 2
 
 
-def test_what_a_callback_raises_in_a_thread_comes_out_of_spin(node: Node) -> None:
+def test_callback_exception_in_a_worker_thread_propagates_from_spin(node: Node) -> None:
     node.create_timer(1.0, lambda: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         rclpy.spin(node, MultiThreadedExecutor(2))
 
 
-def test_shutting_down_several_threads_waits_for_their_callbacks(node: Node) -> None:
+def test_shutdown_of_a_multi_threaded_executor_waits_for_its_callbacks(node: Node) -> None:
     ended: list[float] = []
 
     def work() -> None:
@@ -220,7 +221,8 @@ def test_shutting_down_several_threads_waits_for_their_callbacks(node: Node) -> 
     assert ended == [4.0]
 
 
-def test_ten_thousand_messages_take_seconds_at_most(node: Node) -> None:
+@pytest.mark.slow
+def test_ten_thousand_messages_are_delivered_within_seconds(node: Node) -> None:
     got: list[int] = []
     node.create_subscription(Int32, "x", lambda m: got.append(m.data), QoSProfile(depth=10_000))
     publisher = node.create_publisher(Int32, "x", 10)
@@ -228,3 +230,126 @@ def test_ten_thousand_messages_take_seconds_at_most(node: Node) -> None:
         publisher.publish(Int32(data=number))
     rclpy.spin(node)
     assert got == list(range(10_000))
+
+
+TWO_SPINNERS = """
+import threading
+import time
+
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("n")
+calls = []
+node.create_timer(0.1, lambda: calls.append(threading.current_thread().name))
+for name in ("first", "second"):
+    threading.Thread(target=rclpy.spin, args=(node,), name=name, daemon=True).start()
+time.sleep(1.05)
+print(len(calls))
+"""
+
+
+def test_second_thread_that_spins_the_same_executor_ends_with_an_error_and_a_hint(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "program.py").write_text(TWO_SPINNERS)
+    with use_graph(Graph(end_ns=START_NS + 2 * 10**9)):
+        assert run_files([tmp_path / "program.py"], seed=1) == 0
+    out, err = capfd.readouterr()
+    # The failed spin has removed the node from the executor that both share.
+    assert out == "0\n"
+    assert err.startswith("Exception in thread second:\n")
+    assert "ValueError: generator already executing\nhint: another thread spins this executor" in err
+
+
+ALONE = """
+import rclpy
+from std_srvs.srv import Trigger
+
+rclpy.init()
+node = rclpy.create_node("n")
+client = node.create_client(Trigger, "s")
+"""
+SPUN = f"""
+import threading
+{ALONE}
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+rate = node.create_rate(2)
+while rclpy.ok():
+    rate.sleep()
+"""
+
+
+@pytest.mark.parametrize(
+    ("lines", "hint"),
+    [
+        ("rate = node.create_rate(10)\nrate.sleep()", "rate.sleep(): the tick does not come, as no thread"),
+        (
+            "rate = node.create_rate(10)\n"
+            "while rclpy.ok():\n    rclpy.spin_once(node, timeout_sec=0)\n    rate.sleep()",
+            "rate.sleep(): the tick does not come, as no thread spins /n.",
+        ),
+        (
+            "node.create_service(Trigger, 's', print)\nclient.call(Trigger.Request())",
+            "client.call(Trigger.Request()): it waited in vain for another thread that spins",
+        ),
+        (
+            "client.wait_for_service()",
+            "client.wait_for_service(): it waited for the service /s, which is not",
+        ),
+        (
+            "import time\nfuture = client.call_async(Trigger.Request())\n"
+            "while not future.done():\n    time.sleep(0.1)",
+            "time.sleep(0.1): the future is done only after /n has been spun",
+        ),
+        (
+            "future = client.call_async(Trigger.Request())\nwhile not future.done():\n    pass",
+            "the future is done only after /n has been spun",
+        ),
+        (
+            "import time\nwhile rclpy.ok() and not client.service_is_ready():\n    time.sleep(0.5)",
+            "time.sleep(0.5): it waited for the service /s, which is not there.",
+        ),
+        (
+            "import time\npublisher = node.create_publisher(Trigger.Event, 't', 1)\n"
+            "while publisher.get_subscription_count() == 0:\n    time.sleep(0.5)",
+            "time.sleep(0.5): no subscription to /t matches.",
+        ),
+        (
+            "import asyncio\nasync def main():\n    await client.call_async(Trigger.Request())\n"
+            "asyncio.run(main())",
+            "asyncio.run(main()): the future is done only after /n has been spun",
+        ),
+    ],
+)
+def test_endless_wait_is_reported_with_its_line(
+    lines: str, hint: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "program.py").write_text(ALONE + lines)
+    with use_graph(Graph(end_ns=START_NS + 5 * 10**9)):
+        assert run_files([tmp_path / "program.py"], seed=1) == 0
+    (line,) = capfd.readouterr().out.splitlines()
+    assert line.startswith("hint: ")
+    assert "program.py, line " in line
+    assert hint in line
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        SPUN,
+        f"{ALONE}rclpy.spin(node)",
+        f"{ALONE}\nwhile rclpy.ok():\n    client.wait_for_service(timeout_sec=1.0)",
+        # Its last call before the sleep is not a poll.
+        f"{ALONE}\nimport time\npublisher = node.create_publisher(Trigger.Event, 't', 1)\n"
+        "while rclpy.ok():\n    publisher.get_subscription_count()\n    publisher.publish(Trigger.Event())\n"
+        "    time.sleep(0.5)",
+    ],
+)
+def test_end_of_a_finite_wait_has_no_hint(
+    program: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "program.py").write_text(program)
+    with use_graph(Graph(end_ns=START_NS + 5 * 10**9)):
+        assert run_files([tmp_path / "program.py"], seed=1) == 0
+    assert capfd.readouterr() == ("", "")

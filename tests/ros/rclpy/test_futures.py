@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 from pathlib import Path
 
 import pytest
@@ -8,9 +10,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_msgs.msg import String
 
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, use_graph
-from course_lib.ros.program import run_files
+from course_lib.ros.graph.graph import START_NS, Graph, use_graph
+from course_lib.ros.programs.program import run_files
 
 LOOPS_OVER_DONE = """
 import threading
@@ -34,7 +35,7 @@ print(future.result().message)
 """
 
 
-def test_a_future_brings_a_result_or_an_exception() -> None:
+def test_future_returns_its_result_or_raises_its_exception() -> None:
     future: Future[int] = Future()
     assert not future.done()
     assert future.result() is None
@@ -47,7 +48,7 @@ def test_a_future_brings_a_result_or_an_exception() -> None:
         failed.result()
 
 
-def test_done_callbacks_are_called_once_and_at_once_if_it_is_done() -> None:
+def test_done_callbacks_are_called_once_and_immediately_if_the_future_is_done() -> None:
     future: Future[int] = Future()
     seen: list[object] = []
     future.add_done_callback(lambda f: seen.append(f.result()))
@@ -56,7 +57,7 @@ def test_done_callbacks_are_called_once_and_at_once_if_it_is_done() -> None:
     assert seen == [1, "late"]
 
 
-def test_a_done_callback_that_fails_does_not_keep_the_others_from_being_called() -> None:
+def test_failing_done_callback_does_not_prevent_other_callbacks() -> None:
     future: Future[int] = Future()
     seen: list[object] = []
     future.add_done_callback(lambda f: 1 / 0)
@@ -66,13 +67,13 @@ def test_a_done_callback_that_fails_does_not_keep_the_others_from_being_called()
     assert seen == [future]
 
 
-def test_a_cancelled_future_is_not_done() -> None:
+def test_canceled_future_is_not_done() -> None:
     future: Future[int] = Future()
     future.cancel()
     assert (future.cancelled(), future.done()) == (True, False)
 
 
-def test_an_executor_runs_tasks_and_their_done_callbacks(begun: Graph) -> None:
+def test_executor_runs_tasks_and_their_done_callbacks(begun: Graph) -> None:
     executor = SingleThreadedExecutor()
     seen: list[object] = []
     task = executor.create_task(lambda a, b: a + b, 1, b=2)
@@ -83,7 +84,7 @@ def test_an_executor_runs_tasks_and_their_done_callbacks(begun: Graph) -> None:
     assert seen == [3]
 
 
-def test_a_coroutine_callback_waits_for_a_future_while_other_callbacks_run(node: Node) -> None:
+def test_coroutine_callback_awaits_a_future_while_other_callbacks_run(node: Node) -> None:
     answer: Future[str] = Future()
     seen: list[object] = []
 
@@ -102,7 +103,7 @@ def test_a_coroutine_callback_waits_for_a_future_while_other_callbacks_run(node:
     assert node.get_clock().now().nanoseconds == START_NS + 2_500_000_000
 
 
-def test_a_mutually_exclusive_group_rests_while_its_coroutine_waits(node: Node) -> None:
+def test_mutually_exclusive_group_is_blocked_while_its_coroutine_awaits(node: Node) -> None:
     forever: Future[None] = Future()
     calls: list[str] = []
 
@@ -119,7 +120,7 @@ def test_a_mutually_exclusive_group_rests_while_its_coroutine_waits(node: Node) 
     assert calls == ["one"]
 
 
-def test_spin_until_future_complete_stops_at_its_time_limit(node: Node) -> None:
+def test_spin_until_future_complete_returns_at_its_timeout(node: Node) -> None:
     never: Future[None] = Future()
     node.create_timer(0.3, lambda: None)
     rclpy.spin_until_future_complete(node, never, timeout_sec=2.0)
@@ -128,7 +129,7 @@ def test_spin_until_future_complete_stops_at_its_time_limit(node: Node) -> None:
     node.get_clock().sleep_for(Duration(seconds=1))
 
 
-def test_what_a_coroutine_raises_comes_out_of_spin(node: Node) -> None:
+def test_coroutine_exception_propagates_from_spin(node: Node) -> None:
     async def fail() -> None:
         raise ValueError("out of range")
 
@@ -137,7 +138,7 @@ def test_what_a_coroutine_raises_comes_out_of_spin(node: Node) -> None:
         rclpy.spin(node)
 
 
-def test_a_loop_over_done_lets_another_thread_spin(
+def test_polling_loop_over_done_lets_another_thread_spin(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "asks.py").write_text(LOOPS_OVER_DONE)

@@ -4,7 +4,7 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
 
 
-def test_a_trigger_calls_back_once_however_often_it_came(node: Node) -> None:
+def test_repeated_triggers_call_the_callback_once(node: Node) -> None:
     calls: list[int] = []
     guard = node.create_guard_condition(lambda: calls.append(1))
     assert list(node.guards) == [guard]
@@ -18,7 +18,7 @@ def test_a_trigger_calls_back_once_however_often_it_came(node: Node) -> None:
     assert calls == [1, 1]
 
 
-def test_a_destroyed_one_calls_nobody(node: Node) -> None:
+def test_destroyed_guard_condition_does_not_call_its_callback(node: Node) -> None:
     guard = node.create_guard_condition(lambda: pytest.fail("it was destroyed"))
     guard.trigger()
     node.destroy_guard_condition(guard)

@@ -4,27 +4,27 @@ from rclpy.context import Context
 from rclpy.exceptions import NotInitializedException, RCLError
 from rclpy.node import Node
 
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 
 
-def test_init_twice_is_refused(begun: Graph) -> None:
+def test_second_init_is_rejected(begun: Graph) -> None:
     with pytest.raises(RuntimeError, match=r"^Context.init\(\) must only be called once$"):
         rclpy.init()
 
 
-def test_a_node_before_init_is_refused(graph: Graph) -> None:
+def test_node_before_init_is_rejected(graph: Graph) -> None:
     text = r"^rclpy.init\(\) has not been called. msg:cannot create node$"
     with pytest.raises(NotInitializedException, match=text):
         Node("talker")
 
 
-def test_shutdown_before_init_is_refused_and_try_shutdown_is_not(graph: Graph) -> None:
+def test_shutdown_before_init_is_rejected_but_try_shutdown_is_not(graph: Graph) -> None:
     rclpy.try_shutdown()
     with pytest.raises(RuntimeError, match=r"^Context must be initialized before it can be shutdown$"):
         rclpy.shutdown()
 
 
-def test_a_spent_context_cannot_be_shut_down_again(graph: Graph) -> None:
+def test_context_cannot_be_shut_down_twice(graph: Graph) -> None:
     context = Context()
     rclpy.init(context=context)
     rclpy.shutdown(context=context)
@@ -42,7 +42,7 @@ def test_ok_is_true_between_init_and_shutdown(graph: Graph) -> None:
     assert (before, between, rclpy.ok()) == (False, True, False)
 
 
-def test_after_a_shutdown_init_begins_anew(begun: Graph) -> None:
+def test_init_after_a_shutdown_creates_a_new_context(begun: Graph) -> None:
     rclpy.shutdown()
     rclpy.init(args=[])
     assert rclpy.ok()
@@ -58,14 +58,14 @@ def test_init_in_a_with_statement_shuts_down_at_the_end(graph: Graph) -> None:
     assert not context.ok()
 
 
-def test_a_shutdown_calls_who_asked_for_it(begun: Graph) -> None:
+def test_shutdown_calls_the_on_shutdown_callbacks(begun: Graph) -> None:
     called: list[str] = []
     rclpy.get_default_context().on_shutdown(lambda: called.append("called"))
     rclpy.shutdown()
     assert called == ["called"]
 
 
-def test_a_shutdown_takes_the_nodes_out_of_the_graph(node: Node, begun: Graph) -> None:
+def test_shutdown_removes_the_nodes_from_the_graph(node: Node, begun: Graph) -> None:
     publisher = node.create_publisher(type(node.get_clock().now().to_msg()), "now", 10)
     rclpy.shutdown()
     assert (begun.nodes(), begun.endpoints()) == ([], [])
@@ -74,7 +74,7 @@ def test_a_shutdown_takes_the_nodes_out_of_the_graph(node: Node, begun: Graph) -
     node.destroy_node()
 
 
-def test_the_end_of_the_run_ends_ok_and_a_shutdown_after_it_is_fine(node: Node, begun: Graph) -> None:
+def test_ok_is_false_after_the_end_of_a_run_and_shutdown_is_allowed(node: Node, begun: Graph) -> None:
     rclpy.spin(node)
     assert begun.ended
     assert not rclpy.ok()
@@ -83,7 +83,7 @@ def test_the_end_of_the_run_ends_ok_and_a_shutdown_after_it_is_fine(node: Node, 
     rclpy.shutdown()
 
 
-def test_a_fresh_graph_starts_clean(begun: Graph) -> None:
+def test_new_graph_has_no_nodes(begun: Graph) -> None:
     with use_graph(Graph()):
         assert not rclpy.ok()
         rclpy.init(args=[])
@@ -92,18 +92,18 @@ def test_a_fresh_graph_starts_clean(begun: Graph) -> None:
     assert rclpy.ok()
 
 
-def test_negative_domains_are_refused(graph: Graph) -> None:
+def test_negative_domain_ids_are_rejected(graph: Graph) -> None:
     with pytest.raises(RuntimeError, match=r"^Domain id \(-1\) should not be lower than zero.$"):
         rclpy.init(domain_id=-1)
 
 
-def test_the_parts_that_programs_name_in_full_are_there_with_a_node() -> None:
+def test_submodules_used_by_their_full_name_are_available_with_a_node() -> None:
     assert rclpy.Parameter.Type.STRING is rclpy.parameter.Parameter.Type.STRING
     assert issubclass(rclpy.executors.ExternalShutdownException, Exception)
     assert rclpy.time.Time().nanoseconds == rclpy.duration.Duration().nanoseconds == 0
 
 
-def test_arguments_for_ros_can_be_taken_out() -> None:
+def test_ros_arguments_can_be_removed() -> None:
     from rclpy.utilities import remove_ros_args
 
     given = ["me", "--speed", "1", "--ros-args", "-r", "a:=b", "--", "--more"]

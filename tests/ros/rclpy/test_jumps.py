@@ -14,7 +14,7 @@ from tests.ros.rclpy.simulator import ROBOT, SIM, say_time, seconds
 BACK = JumpThreshold(min_forward=None, min_backward=Duration(seconds=-1), on_clock_change=False)
 
 
-def test_jump_callbacks_hear_the_jumps_beyond_their_threshold(follower: Node) -> None:
+def test_jump_callbacks_are_called_for_jumps_beyond_their_threshold(follower: Node) -> None:
     heard: list[tuple[str, float, object]] = []
     clock = follower.get_clock()
 
@@ -37,7 +37,7 @@ def test_jump_callbacks_hear_the_jumps_beyond_their_threshold(follower: Node) ->
     assert len(heard) == 3
 
 
-def test_jump_callbacks_hear_when_the_source_of_time_changes(node: Node) -> None:
+def test_jump_callbacks_are_called_when_the_time_source_changes(node: Node) -> None:
     changes: list[tuple[ClockChange, Duration]] = []
     on_change = JumpThreshold(min_forward=None, min_backward=None)
     with node.get_clock().create_jump_callback(
@@ -52,7 +52,7 @@ def test_jump_callbacks_hear_when_the_source_of_time_changes(node: Node) -> None
     ]
 
 
-def test_a_jump_callback_that_raises_prevents_those_after_it_but_not_the_jump() -> None:
+def test_exception_in_a_jump_callback_skips_later_callbacks_but_not_the_jump() -> None:
     heard: list[str] = []
     clock = ROSClock()
     clock._set_ros_time_is_active(True)
@@ -118,7 +118,7 @@ def test_a_jump_callback_that_raises_prevents_those_after_it_but_not_the_jump() 
         ),
     ],
 )
-def test_mistakes_are_refused_in_rclpys_words(
+def test_invalid_arguments_are_rejected_with_the_error_text_of_rclpy(
     error: type[Exception], text: str, make: Callable[[], object]
 ) -> None:
     with pytest.raises(error) as raised:

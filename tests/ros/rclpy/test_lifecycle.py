@@ -14,9 +14,9 @@ from rclpy.lifecycle.managed_entity import ManagedEntity
 from std_msgs.msg import String
 
 from course_lib.recording import record
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.ros.messages import deserialize
-from course_lib.ros.program import run_files
+from course_lib.ros.programs.program import run_files
 
 TALKER = """
 import rclpy
@@ -120,7 +120,7 @@ def state(node: LifecycleNode) -> tuple[int, str]:
 
 @pytest.mark.usefixtures("begun")
 class TestLifecycleNode:
-    def test_a_node_goes_through_the_states_of_rcl(self) -> None:
+    def test_lifecycle_node_passes_through_the_states_of_rcl(self) -> None:
         node = Talker()
         seen = [state(node)]
         for go in ("configure", "activate", "deactivate", "cleanup", "shutdown"):
@@ -147,14 +147,14 @@ class TestLifecycleNode:
             ({"configure": ERROR, "error": ERROR}, ERROR, "finalized"),
         ],
     )
-    def test_the_next_state_follows_from_what_the_callback_returns(
+    def test_next_state_depends_on_the_return_value_of_the_callback(
         self, results: Any, returned: Any, label: str
     ) -> None:
         node = Talker(**results)
         assert node.trigger_configure() is returned
         assert state(node)[1] == label
 
-    def test_an_exception_of_a_callback_is_an_error_and_is_named(
+    def test_callback_exception_is_logged_and_counts_as_transition_error(
         self, capsys: pytest.CaptureFixture[str]
     ) -> None:
         node = Talker(configure=ValueError("no laser"))
@@ -166,9 +166,7 @@ class TestLifecycleNode:
         assert told.endswith(": raise result)\n")
         assert node.befores == [State("unconfigured", 1)] * 2
 
-    def test_a_transition_that_the_state_does_not_have_raises_rcls_error(
-        self, capsys: pytest.CaptureFixture[str]
-    ) -> None:
+    def test_unavailable_transition_raises_the_error_of_rcl(self, capsys: pytest.CaptureFixture[str]) -> None:
         node = Talker()
         with pytest.raises(RCLError, match="Transition is not registered"):
             node.trigger_activate()
@@ -176,7 +174,7 @@ class TestLifecycleNode:
             capsys.readouterr().err
         )
 
-    def test_a_managed_publisher_publishes_only_while_its_node_is_active(self) -> None:
+    def test_managed_publisher_publishes_only_while_its_node_is_active(self) -> None:
         node = Talker()
         heard: list[str] = []
         node.create_subscription(String, "chatter", lambda message: heard.append(message.data), 10)
@@ -191,7 +189,7 @@ class TestLifecycleNode:
         assert node.destroy_lifecycle_publisher(node.out)
         assert not node.destroy_lifecycle_publisher(node.out)
 
-    def test_each_step_is_an_event_on_the_topic(self) -> None:
+    def test_each_transition_is_published_as_an_event(self) -> None:
         node = Talker()
         heard: list[tuple[str, str]] = []
 
@@ -204,7 +202,7 @@ class TestLifecycleNode:
             rclpy.spin_once(node)
         assert heard == [("unconfigured", "configuring"), ("configuring", "inactive")]
 
-    def test_other_nodes_change_the_state_by_number_or_label(self) -> None:
+    def test_other_nodes_change_the_state_by_transition_id_or_label(self) -> None:
         node = Talker()
         wanted = Transition(id=Transition.TRANSITION_CONFIGURE)
         assert asked(node, ChangeState, "change_state", transition=wanted).success
@@ -212,7 +210,7 @@ class TestLifecycleNode:
         assert not asked(node, ChangeState, "change_state", transition=Transition(label="cleanup")).success
         assert state(node) == (3, "active")
 
-    def test_other_nodes_see_all_states_and_transitions_in_rcls_order(self) -> None:
+    def test_other_nodes_receive_all_states_and_transitions_in_the_order_of_rcl(self) -> None:
         node = Talker()
         states = asked(node, GetAvailableStates, "get_available_states").available_states
         graph = asked(node, GetAvailableTransitions, "get_transition_graph").available_transitions
@@ -228,7 +226,7 @@ class TestLifecycleNode:
         ]
         assert now[0].goal_state == StateMsg(id=10, label="configuring")
 
-    def test_entities_follow_the_node_up_to_the_first_that_fails(self) -> None:
+    def test_managed_entities_follow_the_node_up_to_the_first_failure(self) -> None:
         class Refusing(ManagedEntity):
             def on_activate(self, state: State) -> TransitionCallbackReturn:
                 return FAILURE
@@ -242,7 +240,7 @@ class TestLifecycleNode:
         with pytest.raises(TypeError, match=r"Expected a rclpy.lifecycle.ManagedEntity instance"):
             node.add_managed_entity("camera")  # type: ignore[arg-type]
 
-    def test_a_method_may_be_replaced_while_its_entity_is_not_enabled(self) -> None:
+    def test_method_can_be_replaced_while_its_entity_is_not_enabled(self) -> None:
         calls: list[str] = []
 
         class Light(SimpleManagedEntity):
@@ -256,13 +254,13 @@ class TestLifecycleNode:
         light.blink("b")
         assert calls == ["off", "b"]
 
-    def test_without_services_the_node_changes_its_own_state(self) -> None:
+    def test_node_without_lifecycle_services_changes_its_own_state(self) -> None:
         node = LifecycleNode("lc_talker", enable_communication_interface=False)
         assert not [name for name, _ in node.get_service_names_and_types() if "state" in name]
         assert node.trigger_configure() is SUCCESS
 
 
-def test_the_demos_talker_is_silent_until_a_client_has_activated_it(tmp_path: Path) -> None:
+def test_talker_of_the_demo_is_silent_until_a_client_activates_it(tmp_path: Path) -> None:
     files = [tmp_path / "lc_talker.py", tmp_path / "lc_service_client.py"]
     for file, text in zip(files, (TALKER, CLIENT), strict=True):
         file.write_text(text)

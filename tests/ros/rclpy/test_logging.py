@@ -12,20 +12,22 @@ from rclpy.logging import LoggingSeverity, get_logger
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 
 Captured = pytest.CaptureFixture[str]
 
 
 @pytest.mark.parametrize("level", ["info", "warning", "warn", "error", "fatal"])
-def test_a_message_is_a_line_on_stderr_as_ros_writes_it(node: Node, capsys: Captured, level: str) -> None:
+def test_log_message_is_one_line_on_stderr_in_the_format_of_ros(
+    node: Node, capsys: Captured, level: str
+) -> None:
     node.get_clock().sleep_for(Duration(nanoseconds=123_456_789))
     assert getattr(node.get_logger(), level)("hello")
     name = level.upper().replace("WARNING", "WARN")
     assert capsys.readouterr().err == f"[{name}] [1700000000.123456789] [talker]: hello\n"
 
 
-def test_children_carry_the_name_of_their_parent(node: Node, capsys: Captured) -> None:
+def test_child_loggers_have_the_name_of_their_parent_as_prefix(node: Node, capsys: Captured) -> None:
     node.get_logger().get_child("arm").info("up")
     assert "[talker.arm]: up" in capsys.readouterr().err
     with pytest.raises(ValueError, match=r"^Child logger name must not be empty.$"):
@@ -34,7 +36,7 @@ def test_children_carry_the_name_of_their_parent(node: Node, capsys: Captured) -
         get_logger("")
 
 
-def test_debug_is_silent_until_the_level_allows_it(graph: Graph, capsys: Captured) -> None:
+def test_debug_messages_are_hidden_until_the_level_allows_them(graph: Graph, capsys: Captured) -> None:
     logger = get_logger("a")
     assert not logger.debug("hidden")
     logger.set_level(LoggingSeverity.DEBUG)
@@ -42,7 +44,7 @@ def test_debug_is_silent_until_the_level_allows_it(graph: Graph, capsys: Capture
     assert capsys.readouterr().err == "[DEBUG] [1700000000.000000000] [a]: shown\n"
 
 
-def test_levels_are_inherited(graph: Graph) -> None:
+def test_log_levels_are_inherited(graph: Graph) -> None:
     rclpy.logging.set_logger_level("a", LoggingSeverity.ERROR)
     assert get_logger("a.b.c").get_effective_level() is LoggingSeverity.ERROR
     assert not get_logger("a.b").is_enabled_for(LoggingSeverity.WARN)
@@ -51,7 +53,7 @@ def test_levels_are_inherited(graph: Graph) -> None:
     assert rclpy.logging.get_logger_effective_level("a.b") is LoggingSeverity.INFO
 
 
-def test_a_message_that_is_no_text_is_an_error(node: Node) -> None:
+def test_non_string_log_message_is_an_error(node: Node) -> None:
     with pytest.raises(TypeError, match="the message must be a str, not int; write str"):
         node.get_logger().info(42)  # type: ignore[arg-type]  # the mistake under test
 
@@ -74,7 +76,7 @@ def log_five_times(node: Node, **options: Any) -> None:
         ({"once": False}, "01234"),
     ],
 )
-def test_options_choose_among_the_calls_of_one_place(
+def test_logging_options_filter_repeated_calls_from_one_line(
     node: Node, capsys: Captured, options: dict[str, Any], logged: str
 ) -> None:
     log_five_times(node, **options)
@@ -82,14 +84,14 @@ def test_options_choose_among_the_calls_of_one_place(
     assert "".join(line[-1] for line in lines) == logged
 
 
-def test_two_calls_in_one_line_are_two_places(node: Node, capsys: Captured) -> None:
+def test_two_calls_on_one_line_are_filtered_separately(node: Node, capsys: Captured) -> None:
     logger = node.get_logger()
     for _ in range(2):
         logger.info("a", once=True), logger.info("b", once=True)
     assert [line[-1] for line in capsys.readouterr().err.splitlines()] == ["a", "b"]
 
 
-def test_one_place_cannot_change_what_it_asks_for(node: Node) -> None:
+def test_log_call_cannot_change_its_severity_name_or_filters(node: Node) -> None:
     def log(severity: LoggingSeverity, **options: Any) -> None:
         node.get_logger().log("hello", severity, **options)
 
@@ -102,7 +104,7 @@ def test_one_place_cannot_change_what_it_asks_for(node: Node) -> None:
         log(LoggingSeverity.INFO, once=True)
 
 
-def test_throttling_cannot_change_its_time(node: Node) -> None:
+def test_throttled_call_cannot_change_its_duration(node: Node) -> None:
     def log(seconds: float) -> None:
         node.get_logger().info("hello", throttle_duration_sec=seconds)
 
@@ -111,7 +113,7 @@ def test_throttling_cannot_change_its_time(node: Node) -> None:
         log(2.0)
 
 
-def test_unknown_and_incomplete_options_are_refused_as_in_ros(node: Node) -> None:
+def test_unknown_and_incomplete_options_are_rejected_as_in_ros(node: Node) -> None:
     with pytest.raises(TypeError, match=r'^parameter "twice" is not one of the recognized logging options'):
         node.get_logger().info("hello", twice=True)
     with pytest.raises(TypeError, match=r'^required parameter "throttle_duration_sec" not specified'):
@@ -122,7 +124,7 @@ def test_unknown_and_incomplete_options_are_refused_as_in_ros(node: Node) -> Non
         node.get_logger().info("hello", throttle_duration_sec=1.0, throttle_time_source_type="wall")
 
 
-def test_what_a_node_and_its_children_log_is_published_on_rosout(node: Node) -> None:
+def test_log_messages_of_a_node_and_its_children_are_published_on_rosout(node: Node) -> None:
     node.get_logger().get_child("arm").error("ouch")
     got: list[Log] = []
     latched = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -132,12 +134,12 @@ def test_what_a_node_and_its_children_log_is_published_on_rosout(node: Node) -> 
     assert (log.name, log.msg, log.level, log.stamp.sec) == ("talker.arm", "ouch", 40, 1_700_000_000)
     assert (log.file, log.function) == (
         "test_logging.py",
-        "test_what_a_node_and_its_children_log_is_published_on_rosout",
+        "test_log_messages_of_a_node_and_its_children_are_published_on_rosout",
     )
     assert log.line > 0
 
 
-def test_the_place_of_a_cells_code_is_the_same_on_all_machines(node: Node, begun: Graph) -> None:
+def test_location_of_cell_code_is_equal_on_all_machines(node: Node, begun: Graph) -> None:
     exec(compile("logger.info('hello')", "/tmp/ipykernel_42/1234.py", "exec"), {"logger": node.get_logger()})
     got: list[Log] = []
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -152,7 +154,7 @@ def call(executor: SingleThreadedExecutor, node: Node, kind: Any, verb: str, req
     return future.result()
 
 
-def test_other_nodes_see_and_set_the_levels_of_a_node_that_serves_them(node: Node) -> None:
+def test_logger_services_of_a_node_report_and_set_its_levels(node: Node) -> None:
     server = Node("chatty", namespace="robot", enable_logger_service=True)
     executor = SingleThreadedExecutor()
     executor.add_node(server)
@@ -167,6 +169,14 @@ def test_other_nodes_see_and_set_the_levels_of_a_node_that_serves_them(node: Nod
     assert get_logger("chatty.arm").debug("shown")
 
 
-def test_levels_are_not_served_by_default(node: Node) -> None:
+def test_logger_services_are_disabled_by_default(node: Node) -> None:
     names = [name for name, _ in node.get_service_names_and_types()]
     assert [name for name in names if "logger_levels" in name] == []
+
+
+def test_console_format_of_rcutils_is_ignored(
+    node: Node, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RCUTILS_CONSOLE_OUTPUT_FORMAT", "{message}")
+    node.get_logger().info("hello")
+    assert capfd.readouterr().err.startswith("[INFO] [1700000000.000000000] [talker]: hello")

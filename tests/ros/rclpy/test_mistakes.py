@@ -11,14 +11,16 @@ from geometry_msgs.msg import TransformStamped
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.time_lock import time_lock
 from course_lib.ros.tracebacks import print_error
 from tests.ros.rclpy.mistakes.frames import FRAMES
 from tests.ros.rclpy.mistakes.imports import IMPORTS
 from tests.ros.rclpy.mistakes.messages import MESSAGES
+from tests.ros.rclpy.mistakes.names import NAMES
 from tests.ros.rclpy.mistakes.nodes import NODES
 from tests.ros.rclpy.mistakes.parameters import PARAMETERS
+from tests.ros.rclpy.mistakes.plain_python import PLAIN_PYTHON
 from tests.ros.rclpy.mistakes.services import SERVICES
 from tests.ros.rclpy.mistakes.times import TIMES
 from tests.ros.rclpy.mistakes.topics import TOPICS
@@ -41,7 +43,8 @@ from visualization_msgs.msg import Marker
 """
 CODE = compile(PROGRAM, "program", "exec")
 # (program, the last line of what it says, the hint below it)
-MISTAKES = [*NODES, *TOPICS, *MESSAGES, *PARAMETERS, *SERVICES, *TIMES, *FRAMES, *IMPORTS]
+OF_ROS = [*NODES, *TOPICS, *MESSAGES, *PARAMETERS, *SERVICES, *TIMES, *FRAMES]
+MISTAKES = [*OF_ROS, *IMPORTS, *NAMES, *PLAIN_PYTHON]
 
 
 def transform(parent: str, child: str, second: int) -> TransformStamped:
@@ -59,18 +62,18 @@ def robot(graph: Graph) -> Iterator[Node]:
     rclpy.try_shutdown()
 
 
-def test_there_are_sixty_of_them_most_with_a_hint() -> None:
+def test_table_has_sixty_mistakes_mostly_with_a_hint() -> None:
     assert len(MISTAKES) >= 60
     assert sum(bool(hint) for _, _, hint in MISTAKES) >= 60
 
 
 @pytest.mark.parametrize(("program", "said", "hint"), MISTAKES)
-def test_a_mistake_gets_ros_2_s_words_and_a_hint(
+def test_mistake_raises_the_error_of_ros_with_a_hint(
     robot: Node, capfd: pytest.CaptureFixture[str], program: str, said: str, hint: str
 ) -> None:
     names = {"__name__": "__main__", "rclpy": rclpy, "node": robot, "transform": transform}
     exec(CODE, names)
-    with baton.known():
+    with time_lock.hold():
         try:
             exec(compile(program, "program.py", "exec"), names)
         except Exception as error:

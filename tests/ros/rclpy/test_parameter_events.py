@@ -1,5 +1,7 @@
 """AsyncParameterClient and ParameterEventHandler."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +32,7 @@ def result(node: Node, future: Future[Any]) -> Any:
     return future.result()
 
 
-def test_a_client_asks_and_sets_another_node_s_parameters(
+def test_parameter_client_gets_and_sets_parameters_of_another_node(
     node: Node, robot: Node, client: AsyncParameterClient
 ) -> None:
     assert client.wait_for_services(timeout_sec=1.0)
@@ -50,7 +52,7 @@ def test_a_client_asks_and_sets_another_node_s_parameters(
     assert not result(node, client.delete_parameters(["speed"])).results[0].successful
 
 
-def test_files_are_read_with_wildcards_if_wanted(tmp_path: Path) -> None:
+def test_parameter_files_are_read_with_wildcards_on_request(tmp_path: Path) -> None:
     file = tmp_path / "robot.yaml"
     file.write_text("/**:\n  ros__parameters: {speed: 7}\n/other:\n  ros__parameters: {arm: {length: 2.0}}\n")
     assert list(parameter_dict_from_yaml_file(str(file))) == ["arm.length"]
@@ -59,7 +61,19 @@ def test_files_are_read_with_wildcards_if_wanted(tmp_path: Path) -> None:
         parameter_dict_from_yaml_file(str(file), target_nodes=["/x"])
 
 
-def test_handlers_are_told_of_one_parameter_or_of_all(node: Node, robot: Node) -> None:
+def test_parameters_of_a_file_are_set_in_another_node(
+    tmp_path: Path, node: Node, robot: Node, client: AsyncParameterClient
+) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text("/robot:\n  ros__parameters: {speed: 7}\n")
+    assert [one.successful for one in result(node, client.load_parameter_file(str(file))).results] == [True]
+    assert robot.get_parameter("speed").value == 7
+    file.write_text("/robot:\n  ros__parameters: {speed: fast}\n")
+    assert not result(node, client.load_parameter_file_atomically(str(file))).result.successful
+    assert robot.get_parameter("speed").value == 7
+
+
+def test_parameter_and_event_callbacks_are_called_until_removed(node: Node, robot: Node) -> None:
     handler = ParameterEventHandler(node)
     said: list[Any] = []
     one = handler.add_parameter_callback("speed", "robot", lambda p: said.append(p.value.integer_value))
@@ -78,7 +92,9 @@ def test_handlers_are_told_of_one_parameter_or_of_all(node: Node, robot: Node) -
     handler.destroy()
 
 
-def test_a_client_hears_events_too(node: Node, robot: Node, client: AsyncParameterClient) -> None:
+def test_parameter_client_receives_parameter_events(
+    node: Node, robot: Node, client: AsyncParameterClient
+) -> None:
     said: list[str] = []
     client.on_parameter_event(lambda event: said.append(event.changed_parameters[0].name))
     robot.set_parameters([Parameter("speed", value=5)])

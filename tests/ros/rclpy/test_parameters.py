@@ -29,7 +29,7 @@ from rclpy.exceptions import (
 from rclpy.node import Node, OwnNodes
 from rclpy.parameter import Parameter
 
-from course_lib.ros.graph import Graph, current_graph
+from course_lib.ros.graph.graph import Graph, current_graph
 
 OK = SetParametersResult(successful=True)
 
@@ -44,7 +44,7 @@ def in_range(low: float, high: float, step: float) -> ParameterDescriptor:
     )
 
 
-def test_a_parameter_keeps_its_type(node: Node) -> None:
+def test_parameter_keeps_its_type(node: Node) -> None:
     node.declare_parameter("speed", 1)
     assert node.set_parameters([Parameter("speed", value=2)]) == [OK]
     (result,) = node.set_parameters([Parameter("speed", value="fast")])
@@ -53,7 +53,7 @@ def test_a_parameter_keeps_its_type(node: Node) -> None:
     assert node.get_parameter_type("speed") == Parameter.Type.INTEGER.value
 
 
-def test_a_dynamically_typed_parameter_may_change_its_type_and_go_away(node: Node) -> None:
+def test_dynamically_typed_parameter_can_change_its_type_and_be_undeclared(node: Node) -> None:
     node.declare_parameter("x", 1, ParameterDescriptor(dynamic_typing=True))
     assert node.set_parameters([Parameter("x", value="y")]) == [OK]
     assert node.set_parameters([Parameter("x")]) == [OK]
@@ -83,7 +83,7 @@ def test_a_dynamically_typed_parameter_may_change_its_type_and_go_away(node: Nod
         (ParameterDescriptor(read_only=True), 3, "Trying to set a read-only parameter: p."),
     ],
 )
-def test_a_descriptor_refuses_values_in_rclpys_words(
+def test_descriptor_rejects_values_with_the_error_text_of_rclpy(
     node: Node, descriptor: ParameterDescriptor, value: float, reason: str
 ) -> None:
     node.declare_parameter("p", type(value)(), descriptor)
@@ -92,13 +92,13 @@ def test_a_descriptor_refuses_values_in_rclpys_words(
 
 
 @pytest.mark.parametrize("value", [0, 3, 10])
-def test_steps_and_both_ends_of_a_range_are_allowed(node: Node, value: int) -> None:
+def test_range_allows_its_steps_and_both_bounds(node: Node, value: int) -> None:
     steps = [IntegerRange(from_value=0, to_value=10, step=3)]
     node.declare_parameter("p", 0, ParameterDescriptor(integer_range=steps))
     assert node.set_parameters([Parameter("p", value=value)]) == [OK]
 
 
-def test_a_default_outside_its_range_is_refused(node: Node) -> None:
+def test_default_outside_its_range_is_rejected(node: Node) -> None:
     with pytest.raises(InvalidParameterValueException) as caught:
         node.declare_parameter("p", 2.0, in_range(0.0, 1.0, 0.0))
     assert str(caught.value) == (
@@ -107,7 +107,7 @@ def test_a_default_outside_its_range_is_refused(node: Node) -> None:
     )
 
 
-def test_mistakes_in_declaring_have_rclpys_classes_and_texts(node: Node) -> None:
+def test_invalid_declarations_raise_the_errors_of_rclpy(node: Node) -> None:
     node.declare_parameter("x", 1)
     for wrong, error, text in (
         (("x", 1), ParameterAlreadyDeclaredException, "Parameter(s) already declared: ['x']"),
@@ -126,7 +126,7 @@ def test_mistakes_in_declaring_have_rclpys_classes_and_texts(node: Node) -> None
         assert node.declare_parameter("nothing").value is None
 
 
-def test_mistakes_in_reading_have_rclpys_classes_and_texts(node: Node) -> None:
+def test_invalid_reads_raise_the_errors_of_rclpy(node: Node) -> None:
     node.declare_parameter("typed", Parameter.Type.STRING)
     with pytest.raises(ParameterUninitializedException) as empty:
         node.get_parameter("typed")
@@ -140,14 +140,14 @@ def test_mistakes_in_reading_have_rclpys_classes_and_texts(node: Node) -> None:
     assert str(unset.value) == "Invalid access to undeclared parameter(s): []"
 
 
-def test_undeclared_parameters_may_be_allowed(begun: Graph) -> None:
+def test_undeclared_parameters_can_be_allowed(begun: Graph) -> None:
     node = Node("free", allow_undeclared_parameters=True)
     assert node.get_parameter("x").type_ is Parameter.Type.NOT_SET
     assert node.set_parameters([Parameter("x", value=1.5)]) == [OK]
     assert node.get_parameter("x").value == 1.5
 
 
-def test_a_read_only_parameter_cannot_be_undeclared(node: Node) -> None:
+def test_read_only_parameter_cannot_be_undeclared(node: Node) -> None:
     node.declare_parameter("x", 1, ParameterDescriptor(read_only=True))
     with pytest.raises(ParameterImmutableException) as caught:
         node.undeclare_parameter("x")
@@ -157,7 +157,7 @@ def test_a_read_only_parameter_cannot_be_undeclared(node: Node) -> None:
     assert not node.has_parameter("y")
 
 
-def test_several_are_declared_in_a_namespace_and_found_by_it(node: Node) -> None:
+def test_several_parameters_are_declared_in_a_namespace_and_found_by_its_prefix(node: Node) -> None:
     node.declare_parameters("arm", [("speed", 1.5), ("name", "left"), ("joint.limit", 2)])
     arm = node.get_parameters_by_prefix("arm")
     assert {name: p.value for name, p in arm.items()} == {"speed": 1.5, "name": "left", "joint.limit": 2}
@@ -170,7 +170,7 @@ def test_several_are_declared_in_a_namespace_and_found_by_it(node: Node) -> None
     assert node.list_parameters([], 1).names == ["use_sim_time", "start_type_description_service"]
 
 
-def test_overrides_count_more_than_defaults_unless_they_are_ignored(begun: Graph) -> None:
+def test_overrides_take_precedence_over_defaults_unless_ignored(begun: Graph) -> None:
     given = [Parameter("x", value=5), Parameter("word", value="hi")]
     node = Node("over", parameter_overrides=given)
     assert node.declare_parameter("x", 1).value == 5
@@ -185,7 +185,7 @@ def test_overrides_count_more_than_defaults_unless_they_are_ignored(begun: Graph
     assert auto.get_parameter("x").value == 5
 
 
-def test_callbacks_run_pre_on_post_the_newest_first(node: Node) -> None:
+def test_pre_on_and_post_set_callbacks_run_in_this_order_newest_first(node: Node) -> None:
     node.declare_parameters("", [("a", 1), ("b", 1)])
     calls: list[str] = []
 
@@ -210,7 +210,7 @@ def test_callbacks_run_pre_on_post_the_newest_first(node: Node) -> None:
     assert "parameter list cannot be empty" in node.set_parameters([Parameter("a", value=9)])[0].reason
 
 
-def test_a_callback_may_refuse_and_then_nothing_is_set(node: Node) -> None:
+def test_on_set_callback_can_reject_the_change_atomically(node: Node) -> None:
     node.declare_parameters("", [("a", 1), ("b", 1)])
     no = refused("not today")
     node.add_on_set_parameters_callback(lambda parameters: no)
@@ -218,7 +218,7 @@ def test_a_callback_may_refuse_and_then_nothing_is_set(node: Node) -> None:
     assert [p.value for p in node.get_parameters(["a", "b"])] == [1, 1]
 
 
-def test_what_changes_is_told_on_parameter_events(node: Node) -> None:
+def test_parameter_changes_are_published_on_parameter_events(node: Node) -> None:
     events: list[ParameterEvent] = []
     watcher = Node("watcher")
     watcher.create_subscription(ParameterEvent, "/parameter_events", events.append, 10)
@@ -243,7 +243,7 @@ def asked(node: Node, kind: Any, name: str, **request: Any) -> Any:
     return future.result()
 
 
-def test_other_nodes_see_and_change_parameters_by_the_six_services(node: Node) -> None:
+def test_other_nodes_get_and_set_parameters_with_the_six_services(node: Node) -> None:
     node.declare_parameter("speed", 1, ParameterDescriptor(description="how fast"))
     names = asked(node, ListParameters, "list_parameters").result.names
     assert names == ["use_sim_time", "start_type_description_service", "speed"]
@@ -260,7 +260,7 @@ def test_other_nodes_see_and_change_parameters_by_the_six_services(node: Node) -
     assert asked(node, GetParameters, "get_parameters", names=["speed", "no"]).values == []
 
 
-def test_a_node_may_do_without_parameter_services(begun: Graph) -> None:
+def test_parameter_services_can_be_disabled(begun: Graph) -> None:
     quiet, open_ = Node("quiet", start_parameter_services=False), Node("open")
-    assert [service.srv_name for service in quiet.services] == ["~/get_type_description"]
+    assert [service.srv_name for service in quiet.services] == ["quiet/get_type_description"]
     assert len(list(open_.services)) == 7

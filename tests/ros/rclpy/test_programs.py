@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from rclpy.signals import uninstall_signal_handlers
 
-from course_lib.ros.baton import DeadlockError
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph, Sample, use_graph
-from course_lib.ros.program import run_files
+from course_lib.ros.graph.graph import START_NS, Graph, Sample, use_graph
+from course_lib.ros.programs.program import run_files
+from course_lib.ros.time.time_lock import DeadlockError
+from tests.processes import Program
 
 MANY_THREADS = """
 import time, random, threading
@@ -62,13 +62,13 @@ def run(tmp_path: Path, *sources: str) -> list[Sample]:
     return samples
 
 
-def test_a_program_with_many_threads_does_the_same_each_time(tmp_path: Path) -> None:
+def test_program_with_many_threads_is_deterministic(tmp_path: Path) -> None:
     runs = [run(tmp_path, MANY_THREADS) for _ in range(5)]
     assert len(runs[0]) > 50
     assert all(samples == runs[0] for samples in runs)
 
 
-def test_two_programs_each_have_their_own_init_and_hear_of_incompatible_partners(
+def test_two_programs_have_separate_contexts_and_report_incompatible_qos(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     talker = ENDPOINT.format(
@@ -94,17 +94,57 @@ except KeyboardInterrupt:
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_every_program_of_a_run_even_of_the_same_file(tmp_path: Path) -> None:
     talker = tmp_path / "talker.py"
     talker.write_text(TALKER)
     command = [sys.executable, "-m", "course_lib", "run", str(talker), str(talker), "--real-time"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        assert [process.stdout.readline() for _ in range(2)] == ["ready\n"] * 2
+    with Program(command, stdout=subprocess.PIPE) as process:
+        assert [process.read_line() for _ in range(2)] == ["ready\n"] * 2
         time.sleep(0.2)  # [s] to come into its wait
         process.send_signal(signal.SIGINT)
         assert process.communicate(timeout=120)[0] == "left by Ctrl+C\n" * 2
         assert process.returncode == 0
+
+
+WAITING = """
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+
+rclpy.init({options})
+node = rclpy.create_node("n")
+node.create_timer(0.1, lambda: None)
+print("ready", flush=True)
+try:
+    rclpy.spin(node)
+except {error}:
+    node.get_logger().info("after")
+"""
+
+
+def _interrupted(program: Path, text: str) -> tuple[str, int]:
+    """Return stderr and the exit code of a program that gets Ctrl+C while it waits."""
+    program.write_text(text)
+    command = [sys.executable, "-m", "course_lib", "run", str(program), "--real-time"]
+    with Program(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.read_line() == "ready\n"
+        time.sleep(0.3)  # [s] to come into its wait
+        process.send_signal(signal.SIGINT)
+        return process.communicate(timeout=120)[1], process.returncode
+
+
+@pytest.mark.parametrize("options", ["", "signal_handler_options=SignalHandlerOptions.NO"])
+def test_ctrl_c_ends_a_program_without_a_traceback(options: str, tmp_path: Path) -> None:
+    text = WAITING.format(options=options, error="ValueError")
+    assert _interrupted(tmp_path / "program.py", text) == ("", 130)
+
+
+def test_logging_after_ctrl_c_writes_only_the_log_line(tmp_path: Path) -> None:
+    err, code = _interrupted(tmp_path / "program.py", WAITING.format(options="", error="KeyboardInterrupt"))
+    assert code == 0
+    assert err.startswith("[INFO] [")
+    assert err.endswith("] [n]: after\n")
+    assert err.count("\n") == 1
 
 
 STUCK = """
@@ -115,14 +155,14 @@ threading.Thread(target=os.read, args=(os.pipe()[0], 1)).start()
 """
 
 
-def test_a_second_ctrl_c_ends_at_once_what_hangs_outside_the_kit(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_second_ctrl_c_ends_a_program_blocked_outside_the_kit(tmp_path: Path) -> None:
     program = tmp_path / "stuck.py"
     program.write_text(STUCK)
     command = [sys.executable, "-m", "course_lib", "run", str(program)]
-    pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, start_new_session=True, **pipes) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready\n"
+    pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with Program(command, start_new_session=True, **pipes) as process:
+        assert process.read_line() == "ready\n"
         for _ in range(2):
             time.sleep(0.5)  # [s] as a person does
             if process.poll() is None:
@@ -145,7 +185,7 @@ while True:
 """
 
 
-def test_a_program_that_goes_on_waiting_after_the_end_is_stopped_and_that_is_said(
+def test_program_still_waiting_after_the_end_of_a_run_is_stopped_with_a_notice(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     program = tmp_path / "waiter.py"
@@ -166,7 +206,7 @@ rclpy.spin(node)
 """
 
 
-def test_a_traceback_shows_the_programs_lines_and_not_the_kits(
+def test_traceback_shows_program_lines_and_not_kit_lines(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     program = tmp_path / "fails.py"
@@ -179,7 +219,7 @@ def test_a_traceback_shows_the_programs_lines_and_not_the_kits(
     assert last in shown
 
 
-def test_programs_that_wait_for_each_other_for_ever_are_named_and_ended(tmp_path: Path) -> None:
+def test_deadlocked_programs_raise_deadlock_error_and_end(tmp_path: Path) -> None:
     files = [tmp_path / "a.py", tmp_path / "b.py"]
     for file in files:
         file.write_text(ENDPOINT.format(name=file.stem, create=""))
@@ -187,7 +227,7 @@ def test_programs_that_wait_for_each_other_for_ever_are_named_and_ended(tmp_path
         run_files(files, seed=1)
 
 
-def test_a_text_given_to_sys_exit_is_shown_and_means_1(
+def test_string_passed_to_sys_exit_is_shown_and_exits_with_code_1(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "leaving.py"
@@ -197,7 +237,7 @@ def test_a_text_given_to_sys_exit_is_shown_and_means_1(
     assert capsys.readouterr().err == "no robot here\n"
 
 
-def test_a_program_that_never_shuts_down_leaves_no_signal_handler_behind(tmp_path: Path) -> None:
+def test_program_without_a_shutdown_leaves_no_signal_handler_behind(tmp_path: Path) -> None:
     before = signal.getsignal(signal.SIGINT)
     run(tmp_path, "import rclpy; rclpy.init()")
     uninstall_signal_handlers()  # as the next program does
@@ -213,7 +253,7 @@ def test_a_program_that_never_shuts_down_leaves_no_signal_handler_behind(tmp_pat
         ("def start():\n    return 6\n", 0),
     ],
 )
-def test_a_file_that_only_defines_main_runs_it_as_its_console_script_would(
+def test_main_of_a_file_without_a_call_runs_like_a_console_script(
     source: str, code: int, tmp_path: Path
 ) -> None:
     file = tmp_path / "program.py"
@@ -231,7 +271,7 @@ print(asyncio.get_event_loop().run_until_complete(main()))
 """
 
 
-def test_each_of_several_programs_has_an_event_loop_of_asyncio(
+def test_each_concurrent_program_has_an_asyncio_event_loop(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run(tmp_path, ASYNC, ASYNC)

@@ -20,13 +20,13 @@ from rclpy.qos import (
     qos_profile_system_default,
 )
 
-from course_lib.ros.qos import Qos, incompatible
+from course_lib.ros.graph.topics import Qos, find_incompatible_policy
 
 BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-def test_a_profile_needs_a_depth_or_a_history() -> None:
+def test_profile_requires_a_depth_or_a_history() -> None:
     with pytest.raises(InvalidQoSProfileException) as caught:
         QoSProfile()
     assert caught.value.args == ("Invalid QoSProfile", "History and/or depth settings are required.")
@@ -36,7 +36,7 @@ def test_a_profile_needs_a_depth_or_a_history() -> None:
     assert QoSProfile(history=HistoryPolicy.KEEP_ALL).depth == 10
 
 
-def test_a_profile_is_reliable_and_volatile_unless_told_otherwise() -> None:
+def test_qos_profile_defaults_to_reliable_and_volatile() -> None:
     profile = QoSProfile(depth=7)
     assert profile.history is HistoryPolicy.KEEP_LAST
     assert profile.reliability is ReliabilityPolicy.RELIABLE
@@ -45,7 +45,7 @@ def test_a_profile_is_reliable_and_volatile_unless_told_otherwise() -> None:
     assert profile != QoSProfile(depth=8)
 
 
-def test_unknown_and_wrongly_typed_arguments_are_refused() -> None:
+def test_unknown_and_wrongly_typed_arguments_are_rejected() -> None:
     with pytest.raises(
         AssertionError, match=r"^Invalid arguments passed to constructor: dict_keys\(\['dept'\]\)$"
     ):
@@ -56,20 +56,20 @@ def test_unknown_and_wrongly_typed_arguments_are_refused() -> None:
         QoSProfile(depth=1).deadline = 1.0  # type: ignore[assignment]  # the mistake under test
 
 
-def test_numbers_become_policies() -> None:
+def test_integers_become_policies() -> None:
     profile = QoSProfile(depth=1)
     profile.reliability = 2  # type: ignore[assignment]  # allowed in ROS
     assert profile.reliability is ReliabilityPolicy.BEST_EFFORT
 
 
-def test_depth_zero_is_warned_of() -> None:
+def test_depth_zero_causes_a_warning() -> None:
     with pytest.warns(
         UserWarning, match="A zero depth with KEEP_LAST doesn't make sense; no data could be stored"
     ):
         QoSProfile(depth=0)
 
 
-def test_long_and_short_names_are_the_same_policies() -> None:
+def test_long_policy_class_name_is_an_alias_of_the_short_one() -> None:
     assert (QoSHistoryPolicy, QoSReliabilityPolicy) == (HistoryPolicy, ReliabilityPolicy)
     assert QoSDurabilityPolicy is DurabilityPolicy
     assert QoSLivelinessPolicy is LivelinessPolicy
@@ -87,7 +87,7 @@ def test_long_and_short_names_are_the_same_policies() -> None:
         ("system_default", 0, "SYSTEM_DEFAULT", "SYSTEM_DEFAULT"),
     ],
 )
-def test_presets_are_those_of_ros(name: str, depth: int, reliability: str, durability: str) -> None:
+def test_qos_presets_agree_with_ros(name: str, depth: int, reliability: str, durability: str) -> None:
     profile = QoSPresetProfiles[name.upper()].value
     assert (profile.depth, profile.reliability.name, profile.durability.name) == (
         depth,
@@ -114,13 +114,13 @@ def test_presets_are_those_of_ros(name: str, depth: int, reliability: str, durab
         ),
     ],
 )
-def test_incompatible_profiles_are_named(
+def test_incompatible_qos_policy_is_returned(
     publisher: QoSProfile, subscription: QoSProfile, policy: str
 ) -> None:
-    assert incompatible(to_qos(publisher, "pub"), to_qos(subscription, "sub")) == policy
+    assert find_incompatible_policy(to_qos(publisher, "pub"), to_qos(subscription, "sub")) == policy
 
 
-def test_a_profile_becomes_what_the_graph_works_with_and_back() -> None:
+def test_qos_profile_converts_to_graph_qos_and_back() -> None:
     qos = to_qos(qos_profile_sensor_data, "sub")
     assert qos == Qos(depth=5, reliability="best_effort")
     profile = to_profile(qos)
@@ -130,16 +130,25 @@ def test_a_profile_becomes_what_the_graph_works_with_and_back() -> None:
     assert to_qos(limited, "pub") == Qos(depth=1, deadline_ns=10**9)
 
 
-def test_system_default_is_what_dds_does_by_default() -> None:
-    assert to_qos(qos_profile_system_default, "pub") == Qos(depth=1)
+def test_system_default_profile_resolves_to_the_dds_defaults() -> None:
+    assert to_qos(qos_profile_system_default, "pub") == Qos(depth=1, durability="transient_local")
     assert to_qos(qos_profile_system_default, "sub") == Qos(depth=1, reliability="best_effort")
+
+
+AUTOMATIC = {"liveliness": LivelinessPolicy.AUTOMATIC}
 
 
 @pytest.mark.parametrize(
     ("offered", "requested", "level", "reason"),
     [
-        ({}, {}, "OK", ""),
-        ({"durability": DurabilityPolicy.TRANSIENT_LOCAL}, {}, "OK", ""),
+        (
+            {},
+            {},
+            "WARNING",
+            "WARNING: Publisher liveliness is system_default and subscription liveliness is system_default;",
+        ),
+        (AUTOMATIC, AUTOMATIC, "OK", ""),
+        ({"durability": DurabilityPolicy.TRANSIENT_LOCAL}, AUTOMATIC, "OK", ""),
         (
             {"durability": DurabilityPolicy.VOLATILE},
             {"durability": DurabilityPolicy.TRANSIENT_LOCAL, "deadline": Duration(seconds=1)},
@@ -153,23 +162,23 @@ def test_system_default_is_what_dds_does_by_default() -> None:
             "ERROR",
             "ERROR: Subscription liveliness lease duration is less than publisher;",
         ),
-        ({"deadline": Duration(seconds=1)}, {"deadline": Duration(seconds=2)}, "OK", ""),
+        ({"deadline": Duration(seconds=1)}, {"deadline": Duration(seconds=2)} | AUTOMATIC, "OK", ""),
         (
             {"reliability": ReliabilityPolicy.SYSTEM_DEFAULT},
-            {"reliability": ReliabilityPolicy.RELIABLE},
+            {"reliability": ReliabilityPolicy.RELIABLE} | AUTOMATIC,
             "WARNING",
-            "WARNING: Reliable subscription, but publisher is system default;",
+            "WARNING: Reliable subscription, but publisher is system_default;",
         ),
     ],
 )
-def test_two_profiles_are_compared_as_ros_compares_them(
+def test_profiles_are_compared_as_in_ros(
     offered: dict[str, object], requested: dict[str, object], level: str, reason: str
 ) -> None:
     profiles = QoSProfile(depth=1, **offered), QoSProfile(depth=1, **requested)
     assert qos_check_compatible(*profiles) == (QoSCompatibility[level], reason)
 
 
-def test_sensor_data_does_not_reach_a_reliable_subscription() -> None:
+def test_best_effort_publisher_does_not_reach_a_reliable_subscription() -> None:
     assert qos_check_compatible(qos_profile_sensor_data, qos_profile_parameter_events) == (
         QoSCompatibility.ERROR,
         "ERROR: Best effort publisher and reliable subscription;",

@@ -9,22 +9,21 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_lib.ros.baton import baton
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph
+from course_lib.ros.time.time_lock import time_lock
 from tests.patience import PATIENCE
 
 Captured = pytest.CaptureFixture[str]
 
 
-def test_init_again_is_noted_in_one_line(notebook: Graph, capsys: Captured) -> None:
+def test_second_init_prints_a_one_line_notice(notebook: Graph, capsys: Captured) -> None:
     rclpy.init()
     rclpy.init()
     out = capsys.readouterr().out
-    assert out == "rclpy.init() was called before, and what it began goes on.\n"
+    assert out == "rclpy.init() was already called; everything keeps running.\n"
 
 
-def test_a_new_node_of_the_same_name_replaces_the_old_one_and_says_so(
+def test_new_node_of_the_same_name_replaces_the_old_one_and_prints_a_notice(
     notebook: Graph, capsys: Captured
 ) -> None:
     rclpy.init()
@@ -38,15 +37,15 @@ def test_a_new_node_of_the_same_name_replaces_the_old_one_and_says_so(
     assert list(old.publishers) == []
 
 
-def test_a_replacement_logs_on_rosout(notebook: Graph, capsys: Captured) -> None:
+def test_replaced_node_logs_on_rosout(notebook: Graph, capsys: Captured) -> None:
     rclpy.init()
     Node("talker")
     new = Node("talker")
     new.get_logger().info("hello")
-    assert [sample.topic for sample in notebook.latched()] == ["/rosout"]
+    assert [sample.topic for sample in notebook.latched_samples()] == ["/rosout"]
 
 
-def test_spin_in_a_cell_that_nobody_watches_stops_after_five_seconds(
+def test_spin_in_a_notebook_without_a_page_stops_after_five_seconds(
     notebook: Graph, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "fast")
@@ -59,7 +58,7 @@ def test_spin_in_a_cell_that_nobody_watches_stops_after_five_seconds(
     assert rclpy.ok()
 
 
-def test_an_executor_that_spins_in_a_cell_is_treated_likewise(
+def test_executor_spin_in_a_notebook_without_a_page_stops_after_five_seconds(
     notebook: Graph, capsys: Captured, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "fast")
@@ -100,7 +99,7 @@ def test_no_signal_handlers_are_installed_in_a_kernel(notebook: Graph) -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_a_thread_that_spins_in_a_kernel_runs_while_a_cell_waits(notebook: Graph) -> None:
+def test_thread_spinning_in_a_kernel_runs_while_a_cell_waits(notebook: Graph) -> None:
     rclpy.init()
     node, calls = Node("talker"), []
     node.create_timer(1.0, lambda: calls.append("tick"))
@@ -109,7 +108,7 @@ def test_a_thread_that_spins_in_a_kernel_runs_while_a_cell_waits(notebook: Graph
     node.get_clock().sleep_for(rclpy.duration.Duration(seconds=3))
     rclpy.shutdown()
     assert len(calls) == 3
-    with baton.known():
-        baton.sleep_until(notebook.now_ns + 10**7, "the end of the thread")
+    with time_lock.hold():
+        time_lock.sleep_until(notebook.now_ns + 10**7, "the end of the thread")
     thread.join(PATIENCE)
     assert not thread.is_alive()

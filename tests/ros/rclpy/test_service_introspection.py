@@ -13,8 +13,7 @@ from rclpy.service_introspection import ServiceIntrospectionState
 from service_msgs.msg import ServiceEventInfo
 
 from course_lib.recording import record
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph
 from course_lib.ros.messages.hashes import type_hash
 
 KINDS = [
@@ -52,7 +51,7 @@ def called(node: Node, ends: Ends, state: ServiceIntrospectionState) -> list[Any
     return heard
 
 
-def test_each_step_of_a_call_is_an_event_with_its_number_and_time(node: Node, ends: Ends) -> None:
+def test_each_step_of_a_call_is_an_event_with_a_sequence_number_and_time(node: Node, ends: Ends) -> None:
     heard = called(node, ends, ServiceIntrospectionState.METADATA)
     assert [event.info.event_type for event in heard] == KINDS
     assert {event.info.sequence_number for event in heard} == {1}
@@ -62,14 +61,16 @@ def test_each_step_of_a_call_is_an_event_with_its_number_and_time(node: Node, en
     assert [(len(event.request), len(event.response)) for event in heard] == [(0, 0)] * 4
 
 
-def test_contents_are_added_when_they_are_wanted(node: Node, ends: Ends) -> None:
+def test_contents_are_included_on_request(node: Node, ends: Ends) -> None:
     heard = called(node, ends, ServiceIntrospectionState.CONTENTS)
     asked = AddTwoInts.Request(a=2, b=3)
     assert [list(event.request) for event in heard] == [[asked], [asked], [], []]
     assert [[one.sum for one in event.response] for event in heard] == [[], [], [5], [5]]
 
 
-def test_nothing_is_published_when_it_is_off_or_was_destroyed(node: Node, ends: Ends, begun: Graph) -> None:
+def test_disabled_or_destroyed_introspection_publishes_no_events(
+    node: Node, ends: Ends, begun: Graph
+) -> None:
     assert called(node, ends, ServiceIntrospectionState.OFF) == []
     for end in ends:
         end.configure_introspection(
@@ -83,7 +84,7 @@ def test_nothing_is_published_when_it_is_off_or_was_destroyed(node: Node, ends: 
     assert node.count_publishers(TOPIC) == 0
 
 
-def test_events_are_recorded_and_hashed_as_rosidl_does(node: Node, ends: Ends, begun: Graph) -> None:
+def test_service_events_are_recorded_and_hashed_as_in_rosidl(node: Node, ends: Ends, begun: Graph) -> None:
     with record(begun) as recorder:
         called(node, ends, ServiceIntrospectionState.CONTENTS)
     samples = [sample for sample in recorder.recording().samples if sample.topic == TOPIC]
@@ -91,7 +92,7 @@ def test_events_are_recorded_and_hashed_as_rosidl_does(node: Node, ends: Ends, b
     assert type_hash(samples[0].type_name).startswith("RIHS01_")
 
 
-def test_only_services_have_events() -> None:
+def test_only_service_types_have_event_types() -> None:
     kind: Any = AddTwoInts
     assert kind.Event.__name__ == "AddTwoInts_Event"
     with pytest.raises(AttributeError, match="has no attribute 'Events'"):

@@ -1,3 +1,5 @@
+from __future__ import annotations
+
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -14,9 +16,8 @@ from rclpy.task import Future
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from course_lib.ros.baton import DeadlockError
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph
+from course_lib.ros.time.time_lock import DeadlockError
 
 MS = 10**6  # [ns]
 
@@ -43,14 +44,12 @@ def ask(node: Node, client: Client, a: int, b: int) -> Any:
     return future.result()
 
 
-def test_a_request_is_answered_after_two_delays_of_the_transport(
-    begun: Graph, adder: Node, client: Client
-) -> None:
+def test_request_is_answered_after_two_transport_delays(begun: Graph, adder: Node, client: Client) -> None:
     assert ask(adder, client, 2, 3) == AddTwoInts.Response(sum=5)
     assert begun.now_ns - START_NS == 2 * MS
 
 
-def test_each_client_gets_the_answers_to_its_own_requests(adder: Node, client: Client) -> None:
+def test_each_client_receives_the_responses_to_its_own_requests(adder: Node, client: Client) -> None:
     other = Node("other").create_client(AddTwoInts, "/add")
     futures = [one.call_async(AddTwoInts.Request(a=n)) for n, one in enumerate((client, other, client))]
     rclpy.spin_until_future_complete(adder, futures[2])
@@ -58,7 +57,7 @@ def test_each_client_gets_the_answers_to_its_own_requests(adder: Node, client: C
     assert [futures[0].result(), futures[2].result()] == [AddTwoInts.Response(sum=n) for n in (0, 2)]
 
 
-def test_done_callbacks_run_in_the_executor_and_what_they_raise_comes_out_of_spin(
+def test_done_callbacks_run_in_the_executor_and_their_exceptions_propagate_from_spin(
     adder: Node, client: Client
 ) -> None:
     def fail(future: Future[Any]) -> None:
@@ -69,7 +68,7 @@ def test_done_callbacks_run_in_the_executor_and_what_they_raise_comes_out_of_spi
         rclpy.spin(adder)
 
 
-def test_without_a_service_the_future_is_never_done(node: Node) -> None:
+def test_future_is_never_done_without_a_service(node: Node) -> None:
     client = node.create_client(AddTwoInts, "add")
     assert not client.service_is_ready()
     future = client.call_async(AddTwoInts.Request())
@@ -77,7 +76,7 @@ def test_without_a_service_the_future_is_never_done(node: Node) -> None:
     assert not future.done()
 
 
-def test_a_request_that_nobody_waits_for_any_more_stays_undone(adder: Node, client: Client) -> None:
+def test_future_of_a_removed_request_is_never_completed(adder: Node, client: Client) -> None:
     future = client.call_async(AddTwoInts.Request())
     client.remove_pending_request(future)
     rclpy.spin_until_future_complete(adder, future, timeout_sec=1.0)
@@ -85,22 +84,20 @@ def test_a_request_that_nobody_waits_for_any_more_stays_undone(adder: Node, clie
 
 
 @pytest.mark.parametrize("wrong", [None, 5, AddTwoInts.Request()])
-def test_a_callback_that_returns_no_response_raises_a_bare_type_error_out_of_spin(
-    node: Node, wrong: object
-) -> None:
+def test_service_callback_without_a_response_raises_a_type_error_from_spin(node: Node, wrong: object) -> None:
     node.create_service(AddTwoInts, "add", lambda request, response: wrong)
     node.create_client(AddTwoInts, "add").call_async(AddTwoInts.Request())
     with pytest.raises(TypeError, match=r"^$"):
         rclpy.spin(node)
 
 
-def test_a_wrong_request_is_a_bare_type_error(client: Client) -> None:
+def test_invalid_request_type_raises_a_type_error(client: Client) -> None:
     for call in (client.call, client.call_async):
         with pytest.raises(TypeError, match=r"^$"):
             call(Trigger.Request())
 
 
-def test_a_service_may_be_a_coroutine_that_asks_another_service(adder: Node, client: Client) -> None:
+def test_service_callback_can_be_a_coroutine_that_calls_another_service(adder: Node, client: Client) -> None:
     async def double(request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         answer = await client.call_async(AddTwoInts.Request(a=4, b=4))
         response.message = str(answer.sum if answer else None)
@@ -114,7 +111,7 @@ def test_a_service_may_be_a_coroutine_that_asks_another_service(adder: Node, cli
     assert future.result() == Trigger.Response(message="8")
 
 
-def test_wait_for_service_looks_every_quarter_of_a_second(begun: Graph, node: Node) -> None:
+def test_wait_for_service_polls_every_quarter_of_a_second(begun: Graph, node: Node) -> None:
     client = Node("client").create_client(AddTwoInts, "add")
     node.create_timer(0.3, lambda: node.create_service(AddTwoInts, "add", add))
     spinner = threading.Thread(target=rclpy.spin, args=(node,), daemon=True)
@@ -132,7 +129,7 @@ def test_call_waits_while_another_thread_spins(adder: Node, client: Client) -> N
     assert lonely.call(Trigger.Request(), timeout_sec=1.0) is None
 
 
-def test_call_where_nobody_spins_is_named(client: Client) -> None:
+def test_call_without_a_spinning_executor_raises_deadlock_error(client: Client) -> None:
     with pytest.raises(
         DeadlockError, match="/add waited in vain for another thread that spins the client's node"
     ):
@@ -148,7 +145,7 @@ def calls_in_a_timer(node: Node, client: Client, answers: list[Any], **options: 
 
 
 @pytest.mark.parametrize("executor", [SingleThreadedExecutor, MultiThreadedExecutor])
-def test_call_in_a_callback_that_holds_up_its_own_response_is_named(
+def test_call_in_a_callback_that_blocks_its_own_response_raises_deadlock_error(
     adder: Node, client: Client, executor: Callable[[], SingleThreadedExecutor]
 ) -> None:
     calls_in_a_timer(adder, client, [])
@@ -156,14 +153,16 @@ def test_call_in_a_callback_that_holds_up_its_own_response_is_named(
         rclpy.spin(adder, executor())
 
 
-def test_call_in_a_callback_works_with_several_threads_and_groups(adder: Node, client: Client) -> None:
+def test_call_in_a_callback_succeeds_with_a_multi_threaded_executor_and_separate_groups(
+    adder: Node, client: Client
+) -> None:
     answers: list[Any] = []
     calls_in_a_timer(adder, client, answers, callback_group=MutuallyExclusiveCallbackGroup())
     rclpy.spin(adder, MultiThreadedExecutor(2))
     assert answers == [AddTwoInts.Response(sum=1)]
 
 
-def test_services_and_clients_are_listed_as_services_not_as_topics(adder: Node, client: Client) -> None:
+def test_services_and_clients_are_not_listed_as_topics(adder: Node, client: Client) -> None:
     asker = Node("asker", namespace="/robot")
     asker.create_client(Trigger, "go")
     added = ("/add", ["example_interfaces/srv/AddTwoInts"])
@@ -174,14 +173,14 @@ def test_services_and_clients_are_listed_as_services_not_as_topics(adder: Node, 
     assert client.srv_name == "add"
 
 
-def test_a_recording_holds_no_requests_as_in_ros(begun: Graph, adder: Node, client: Client) -> None:
+def test_recording_contains_no_service_requests_as_in_ros(begun: Graph, adder: Node, client: Client) -> None:
     topics = set[str]()
     begun.tap(lambda sample: topics.add(sample.topic))
     ask(adder, client, 1, 2)
     assert all(topic.startswith("/") for topic in topics)
 
 
-def test_what_was_destroyed_is_gone(adder: Node, client: Client) -> None:
+def test_destroyed_services_and_clients_are_unusable(adder: Node, client: Client) -> None:
     (service,) = [service for service in adder.services if service.srv_name == "add"]
     assert adder.destroy_service(service)
     assert not adder.destroy_service(service)
@@ -193,7 +192,7 @@ def test_what_was_destroyed_is_gone(adder: Node, client: Client) -> None:
     assert [*adder.services, *adder.clients] == []
 
 
-def test_a_class_that_is_no_service_is_refused_in_rclpys_words(node: Node) -> None:
+def test_invalid_service_type_is_rejected_with_the_error_of_rclpy(node: Node) -> None:
     with pytest.raises(RuntimeError, match=r"The service type provided is not valid \(<class .*String'>\)"):
         node.create_client(String, "x")
     with pytest.raises(RuntimeError, match=r"The message type .*, this might be a service or action"):
@@ -202,7 +201,7 @@ def test_a_class_that_is_no_service_is_refused_in_rclpys_words(node: Node) -> No
         node.create_service(int, "x", add)
 
 
-def test_a_bad_service_name_is_refused_with_a_caret(node: Node) -> None:
+def test_invalid_service_name_is_rejected_with_a_caret(node: Node) -> None:
     with pytest.raises(InvalidServiceNameException) as caught:
         node.create_client(Trigger, "x y")
     assert str(caught.value).startswith("Invalid service name: topic name must not contain characters")

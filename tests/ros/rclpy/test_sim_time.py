@@ -16,11 +16,11 @@ from rclpy.time_source import TimeSource
 from std_msgs.msg import String
 
 from course_lib.recording import record
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
 from tests.ros.rclpy.simulator import ROBOT, SIM, Simulator, say_time, seconds, spin
 
 
-def test_a_clock_stands_at_zero_until_clock_is_heard_and_then_follows_it(follower: Node) -> None:
+def test_sim_time_is_zero_until_the_first_clock_message_and_then_follows_it(follower: Node) -> None:
     clock, simulator = follower.get_clock(), Simulator(speed=2.0, delay=1.0)
     assert isinstance(clock, ROSClock)
     assert clock.ros_time_is_active
@@ -30,14 +30,14 @@ def test_a_clock_stands_at_zero_until_clock_is_heard_and_then_follows_it(followe
     assert seconds(clock) == 102.0
 
 
-def test_without_the_parameter_a_clock_on_the_topic_changes_nothing(node: Node) -> None:
+def test_clock_topic_is_ignored_without_the_parameter(node: Node) -> None:
     before = node.get_clock().now()
     spin(1.0, node, Simulator(speed=5.0))
     assert node.get_clock().now() - before == Duration(seconds=1)
     assert [s.topic_name for s in node.subscriptions] == []
 
 
-def test_the_parameter_on_the_command_line_counts(graph: Graph) -> None:
+def test_use_sim_time_can_be_set_on_the_command_line(graph: Graph) -> None:
     rclpy.init(args=["--ros-args", "-p", "use_sim_time:=true"])
     clock = Node("follower").get_clock()
     assert isinstance(clock, ROSClock)
@@ -45,7 +45,7 @@ def test_the_parameter_on_the_command_line_counts(graph: Graph) -> None:
     assert seconds(clock) == 0
 
 
-def test_a_timer_stands_still_without_clock_and_then_keeps_its_period_in_sim_time(follower: Node) -> None:
+def test_timer_waits_for_the_clock_topic_and_then_keeps_its_period_in_sim_time(follower: Node) -> None:
     calls: list[float] = []
     follower.create_timer(1.0, lambda: calls.append(seconds(follower.get_clock())))
     simulator = Simulator(speed=2.0, delay=5.0)
@@ -55,7 +55,7 @@ def test_a_timer_stands_still_without_clock_and_then_keeps_its_period_in_sim_tim
     assert calls == [100.2, 101.0, 102.0, 103.0, 104.0, 105.0, 106.0]
 
 
-def test_timers_of_other_clocks_keep_robot_time(follower: Node) -> None:
+def test_timers_with_other_clocks_use_robot_time(follower: Node) -> None:
     called = dict.fromkeys(ClockType, 0)
 
     def count(kind: ClockType) -> None:
@@ -68,7 +68,7 @@ def test_timers_of_other_clocks_keep_robot_time(follower: Node) -> None:
     assert list(called.values()) == [0, 3, 3, 3]
 
 
-def test_a_jump_forward_calls_a_timer_once_and_keeps_its_phase(follower: Node) -> None:
+def test_forward_jump_calls_a_timer_once_and_keeps_its_phase(follower: Node) -> None:
     calls: list[float] = []
     say_time(follower, 10.0)
     timer = follower.create_timer(1.0, lambda: calls.append(seconds(follower.get_clock())))
@@ -78,7 +78,7 @@ def test_a_jump_forward_calls_a_timer_once_and_keeps_its_phase(follower: Node) -
     assert timer.time_until_next_call() == 10**9
 
 
-def test_after_a_jump_back_a_timer_waits_one_period(follower: Node) -> None:
+def test_timer_waits_one_period_after_a_backward_jump(follower: Node) -> None:
     calls: list[float] = []
     say_time(follower, 50.0)
     timer = follower.create_timer(1.0, lambda: calls.append(seconds(follower.get_clock())))
@@ -88,7 +88,7 @@ def test_after_a_jump_back_a_timer_waits_one_period(follower: Node) -> None:
     assert timer.time_since_last_call() == 0
 
 
-def test_a_timer_that_is_due_rests_when_time_jumps_back_before_its_call(follower: Node) -> None:
+def test_due_timer_is_not_called_after_a_backward_time_jump(follower: Node) -> None:
     calls: list[float] = []
     clock = follower.get_clock()
     assert isinstance(clock, ROSClock)
@@ -102,7 +102,7 @@ def test_a_timer_that_is_due_rests_when_time_jumps_back_before_its_call(follower
     assert calls == []
 
 
-def test_a_cancelled_timer_does_not_follow_the_clock_until_its_reset(follower: Node) -> None:
+def test_canceled_timer_ignores_the_clock_until_its_reset(follower: Node) -> None:
     calls: list[float] = []
     say_time(follower, 10.0)
     timer = follower.create_timer(1.0, lambda: calls.append(seconds(follower.get_clock())))
@@ -117,14 +117,14 @@ def test_a_cancelled_timer_does_not_follow_the_clock_until_its_reset(follower: N
     assert calls == [13.0]
 
 
-def test_a_timer_of_period_zero_is_always_ready(follower: Node) -> None:
+def test_timer_with_period_zero_is_always_ready(follower: Node) -> None:
     calls: list[float] = []
     follower.create_timer(0.0, lambda: calls.append(0.0))
     spin(0.1, follower)
     assert len(calls) == 100
 
 
-def test_switching_at_run_time_switches_clock_timers_and_back(node: Node) -> None:
+def test_use_sim_time_can_be_switched_on_and_off_at_run_time(node: Node) -> None:
     calls: list[float] = []
     clock, robot_time = node.get_clock(), Clock()
     node.create_timer(1.0, lambda: calls.append(seconds(clock)))
@@ -142,14 +142,14 @@ def test_switching_at_run_time_switches_clock_timers_and_back(node: Node) -> Non
     assert len(calls) == 4
 
 
-def test_the_parameter_service_switches_the_clock(node: Node) -> None:
+def test_parameter_service_sets_use_sim_time(node: Node) -> None:
     client = node.create_client(SetParameters, "/talker/set_parameters")
     future = client.call_async(SetParameters.Request(parameters=[SIM.to_parameter_msg()]))
     spin(future.done, node)
     assert node.get_clock().now().nanoseconds == 0
 
 
-def test_a_value_that_is_not_a_bool_is_refused(begun: Graph, capfd: pytest.CaptureFixture[str]) -> None:
+def test_non_boolean_value_is_rejected(begun: Graph, capfd: pytest.CaptureFixture[str]) -> None:
     node = Node("follower", automatically_declare_parameters_from_overrides=True, parameter_overrides=[SIM])
     source = TimeSource(node=node)
     result = source._on_parameter_event([Parameter("use_sim_time", value=1)])
@@ -160,7 +160,7 @@ def test_a_value_that_is_not_a_bool_is_refused(begun: Graph, capfd: pytest.Captu
     assert "[follower]: use_sim_time parameter set to something besides a bool" in capfd.readouterr().err
 
 
-def test_a_node_that_hears_no_clock_gets_a_hint(follower: Node, capsys: pytest.CaptureFixture[str]) -> None:
+def test_node_without_clock_messages_gets_a_hint(follower: Node, capsys: pytest.CaptureFixture[str]) -> None:
     Node("early", parameter_overrides=[SIM]).set_parameters([ROBOT])
     Node("gone", parameter_overrides=[SIM]).destroy_node()
     spin(3.0, follower)
@@ -170,12 +170,12 @@ def test_a_node_that_hears_no_clock_gets_a_hint(follower: Node, capsys: pytest.C
     )
 
 
-def test_a_paused_simulation_gets_no_hint(follower: Node, capsys: pytest.CaptureFixture[str]) -> None:
+def test_paused_simulation_gets_no_hint(follower: Node, capsys: pytest.CaptureFixture[str]) -> None:
     spin(3.0, follower, Simulator(delay=9.0))
     assert capsys.readouterr().out == ""
 
 
-def test_a_rate_follows_the_clock(follower: Node) -> None:
+def test_rate_follows_the_sim_clock(follower: Node) -> None:
     simulator = Simulator(speed=2.0)
     thread = threading.Thread(target=spin, args=(9.0, follower, simulator), daemon=True)
     thread.start()
@@ -187,7 +187,7 @@ def test_a_rate_follows_the_clock(follower: Node) -> None:
 
 
 @pytest.mark.parametrize(("speed", "robot_seconds"), [(0.5, 4.0), (10.0, 0.2)])
-def test_sleeping_takes_the_time_of_the_clock(follower: Node, speed: float, robot_seconds: float) -> None:
+def test_sleep_uses_the_time_of_its_clock(follower: Node, speed: float, robot_seconds: float) -> None:
     simulator, clock = Simulator(speed=speed), follower.get_clock()
     thread = threading.Thread(target=spin, args=(9.0, follower, simulator), daemon=True)
     thread.start()
@@ -198,7 +198,7 @@ def test_sleeping_takes_the_time_of_the_clock(follower: Node, speed: float, robo
     assert (Clock().now() - began).nanoseconds * 1e-9 == pytest.approx(robot_seconds, abs=0.1)
 
 
-def test_a_switch_of_the_clock_ends_a_sleep_with_false(follower: Node) -> None:
+def test_time_source_change_ends_a_sleep_with_false(follower: Node) -> None:
     slept: list[bool] = []
     sleeper = threading.Thread(
         target=lambda: slept.append(follower.get_clock().sleep_for(Duration(seconds=5)))
@@ -210,7 +210,7 @@ def test_a_switch_of_the_clock_ends_a_sleep_with_false(follower: Node) -> None:
     assert slept == [False]
 
 
-def test_a_time_source_of_ones_own_sets_the_clocks_that_are_attached(node: Node) -> None:
+def test_custom_time_source_sets_the_attached_clocks(node: Node) -> None:
     source, early, late = TimeSource(node=node), ROSClock(), ROSClock()
     source.attach_clock(early)
     late._set_ros_time_is_active(True)
@@ -254,7 +254,7 @@ def talked() -> tuple[list[str], str]:
     return [message.data for message in texts], recording.digest()
 
 
-def test_the_same_run_under_sim_time_gives_the_same_recording_twice(graph: Graph) -> None:
+def test_repeated_run_in_sim_time_gives_an_equal_recording(graph: Graph) -> None:
     first, second = talked(), talked()
     assert first[0][:3] == [
         "Hello World: 0 at 100.300000000",

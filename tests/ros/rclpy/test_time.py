@@ -6,14 +6,14 @@ from rclpy.duration import Duration, Infinite
 from rclpy.time import Time
 
 
-def test_times_and_durations_add_up() -> None:
+def test_times_and_durations_can_be_added() -> None:
     assert Time(seconds=1) + Duration(seconds=0.5) == Time(nanoseconds=1_500_000_000)
     assert Duration(seconds=0.5) + Time(seconds=1) == Time(nanoseconds=1_500_000_000)
     assert Time(seconds=2) - Duration(seconds=0.5) == Time(seconds=1.5)
     assert Time(seconds=1) - Time(seconds=3) == Duration(seconds=-2)
 
 
-def test_times_of_different_clocks_do_not_mix() -> None:
+def test_times_of_different_clocks_cannot_be_mixed() -> None:
     ours, theirs = Time(), Time(clock_type=ClockType.ROS_TIME)
     with pytest.raises(TypeError, match=r"^Can't subtract times with different clock types$"):
         ours - theirs
@@ -22,7 +22,7 @@ def test_times_of_different_clocks_do_not_mix() -> None:
             getattr(ours, compare)(theirs)
 
 
-def test_a_time_without_a_clock_type_is_system_time_but_one_from_a_message_is_ros_time() -> None:
+def test_time_has_system_time_by_default_and_ros_time_if_made_from_a_message() -> None:
     assert Time().clock_type is ClockType.SYSTEM_TIME
     assert Time.from_msg(TimeMsg()).clock_type is ClockType.ROS_TIME
 
@@ -38,7 +38,7 @@ def test_times_compare_and_print_as_in_ros() -> None:
     assert late.seconds_nanoseconds() == (2, 0)
 
 
-def test_times_that_ros_cannot_store_are_refused() -> None:
+def test_out_of_range_times_are_rejected() -> None:
     with pytest.raises(ValueError, match="Seconds value must not be negative"):
         Time(seconds=-1)
     with pytest.raises(ValueError, match="Nanoseconds value must not be negative"):
@@ -53,7 +53,7 @@ def test_times_that_ros_cannot_store_are_refused() -> None:
         Time(clock_type=1)  # type: ignore[arg-type]  # the mistake under test
 
 
-def test_durations_compare_but_do_not_add_up_in_jazzy() -> None:
+def test_durations_can_be_compared_but_not_added_in_jazzy() -> None:
     assert Duration(seconds=1) < Duration(seconds=2) <= Duration(seconds=2)
     assert Duration(seconds=1) == Duration(nanoseconds=10**9)
     assert Duration() != 0
@@ -69,7 +69,7 @@ def test_durations_print_as_in_ros() -> None:
         Duration(nanoseconds=2**63)
 
 
-def test_messages_and_back() -> None:
+def test_times_convert_to_messages_and_back() -> None:
     assert Time(nanoseconds=1_000_000_002).to_msg() == TimeMsg(sec=1, nanosec=2)
     assert Duration(nanoseconds=-1).to_msg() == DurationMsg(sec=-1, nanosec=999_999_999)
     assert Duration.from_msg(DurationMsg(sec=-1, nanosec=999_999_999)) == Duration(nanoseconds=-1)

@@ -6,15 +6,14 @@ from rclpy.duration import Duration
 from rclpy.exceptions import InvalidHandle, RCLError
 from rclpy.node import Node
 
-from course_lib.ros.clock import START_NS
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph
 
 
 def since_start(node: Node) -> float:
     return (node.get_clock().now().nanoseconds - START_NS) * 1e-9
 
 
-def test_a_timer_first_calls_after_one_full_period(node: Node) -> None:
+def test_timer_is_called_first_after_one_full_period(node: Node) -> None:
     calls: list[float] = []
     node.create_timer(2.5, lambda: calls.append(since_start(node)))
     rclpy.spin(node)
@@ -34,7 +33,7 @@ def test_missed_periods_are_skipped_and_the_phase_is_kept(node: Node) -> None:
     assert calls[:4] == pytest.approx([1.0, 3.5, 4.0, 5.0])
 
 
-def test_a_timer_that_nobody_spins_does_not_pile_up_calls(node: Node) -> None:
+def test_timer_without_spin_does_not_accumulate_calls(node: Node) -> None:
     calls: list[float] = []
     node.create_timer(1.0, lambda: calls.append(since_start(node)))
     node.get_clock().sleep_for(Duration(seconds=3.5))
@@ -43,7 +42,7 @@ def test_a_timer_that_nobody_spins_does_not_pile_up_calls(node: Node) -> None:
     assert calls == pytest.approx([3.5, 4.0])
 
 
-def test_a_cancelled_timer_rests_until_it_is_reset(node: Node) -> None:
+def test_canceled_timer_is_inactive_until_it_is_reset(node: Node) -> None:
     calls: list[float] = []
     timer = node.create_timer(1.0, lambda: calls.append(since_start(node)))
     timer.cancel()
@@ -55,7 +54,7 @@ def test_a_cancelled_timer_rests_until_it_is_reset(node: Node) -> None:
     assert calls == pytest.approx([3.2])
 
 
-def test_a_timer_that_is_due_and_then_cancelled_does_not_call(node: Node) -> None:
+def test_due_timer_is_not_called_after_it_is_canceled(node: Node) -> None:
     calls: list[float] = []
     timer = node.create_timer(1.0, lambda: calls.append(since_start(node)))
     node.get_clock().sleep_for(Duration(seconds=1.5))
@@ -66,7 +65,7 @@ def test_a_timer_that_is_due_and_then_cancelled_does_not_call(node: Node) -> Non
     assert calls == []
 
 
-def test_a_timer_tells_its_times_in_nanoseconds(node: Node) -> None:
+def test_timer_reports_its_period_and_times_in_nanoseconds(node: Node) -> None:
     timer = node.create_timer(1.0, print)
     node.get_clock().sleep_for(Duration(seconds=0.25))
     assert timer.timer_period_ns == 10**9
@@ -74,7 +73,7 @@ def test_a_timer_tells_its_times_in_nanoseconds(node: Node) -> None:
     assert timer.time_until_next_call() == 750_000_000
 
 
-def test_a_timer_without_autostart_waits_for_its_reset(node: Node) -> None:
+def test_timer_without_autostart_waits_for_reset(node: Node) -> None:
     calls: list[float] = []
     timer = node.create_timer(1.0, lambda: calls.append(since_start(node)), autostart=False)
     rclpy.spin_once(node, timeout_sec=3.0)
@@ -84,7 +83,7 @@ def test_a_timer_without_autostart_waits_for_its_reset(node: Node) -> None:
     assert calls == pytest.approx([4.0])
 
 
-def test_period_zero_is_as_fast_as_possible_and_time_goes_on(node: Node, begun: Graph) -> None:
+def test_timer_with_period_zero_is_always_ready_and_time_advances(node: Node, begun: Graph) -> None:
     calls: list[float] = []
     timer = node.create_timer(0, lambda: calls.append(since_start(node)))
     assert timer.is_ready()
@@ -93,12 +92,12 @@ def test_period_zero_is_as_fast_as_possible_and_time_goes_on(node: Node, begun: 
     assert begun.ended
 
 
-def test_a_negative_period_is_refused_as_in_ros(node: Node) -> None:
+def test_negative_period_is_rejected_as_in_ros(node: Node) -> None:
     with pytest.raises(RCLError, match=r"^failed to create timer: timer period must be non-negative"):
         node.create_timer(-1.0, print)
 
 
-def test_a_destroyed_timer_calls_no_more_and_cannot_be_used(node: Node) -> None:
+def test_destroyed_timer_is_not_called_and_cannot_be_used(node: Node) -> None:
     calls: list[float] = []
     timer = node.create_timer(1.0, lambda: calls.append(0.0))
     assert node.destroy_timer(timer)
@@ -108,7 +107,7 @@ def test_a_destroyed_timer_calls_no_more_and_cannot_be_used(node: Node) -> None:
         timer.cancel()
 
 
-def test_a_rate_keeps_a_loop_at_its_frequency_while_another_thread_spins(node: Node) -> None:
+def test_rate_keeps_a_loop_at_its_frequency_while_another_thread_spins(node: Node) -> None:
     thread = threading.Thread(target=rclpy.spin, args=(node,), daemon=True)
     thread.start()
     rate = node.create_rate(2.0)
@@ -119,7 +118,7 @@ def test_a_rate_keeps_a_loop_at_its_frequency_while_another_thread_spins(node: N
     assert times == pytest.approx([0.5, 1.0, 1.5])
 
 
-def test_a_destroyed_rate_does_not_sleep(node: Node) -> None:
+def test_destroyed_rate_does_not_sleep(node: Node) -> None:
     rate = node.create_rate(1.0)
     node.destroy_rate(rate)
     with pytest.raises(RuntimeError, match=r"^Rate cannot sleep because it has been destroyed$"):

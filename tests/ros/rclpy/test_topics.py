@@ -4,25 +4,27 @@ from typing import Any
 
 import pytest
 import rclpy
+from rclpy.context import Context
 from rclpy.event_handler import (
     PublisherEventCallbacks,
     QoSRequestedIncompatibleQoSInfo,
+    RmwPolicyKind,
     SubscriptionEventCallbacks,
 )
 from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.subscription import MessageInfo
 from std_msgs.msg import Int32, Int32MultiArray, String
 
-from course_lib.ros.clock import START_NS
+from course_lib.ros.graph.graph import START_NS
 
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(depth=2, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-def test_a_message_arrives_one_millisecond_later(node: Node) -> None:
+def test_message_arrives_one_millisecond_after_publishing(node: Node) -> None:
     arrived: list[tuple[str, int]] = []
     node.create_subscription(
         String, "x", lambda m: arrived.append((m.data, node.get_clock().now().nanoseconds)), 10
@@ -32,7 +34,7 @@ def test_a_message_arrives_one_millisecond_later(node: Node) -> None:
     assert arrived == [("hello", START_NS + 1_000_000)]
 
 
-def test_changing_a_message_after_publishing_changes_nothing_and_each_receiver_has_its_own(
+def test_later_changes_of_a_published_message_have_no_effect_and_receivers_get_copies(
     node: Node,
 ) -> None:
     got: list[Int32MultiArray] = []
@@ -47,14 +49,14 @@ def test_changing_a_message_after_publishing_changes_nothing_and_each_receiver_h
     assert [list(m.data) for m in got] == [[1, 2, 3], [1, 2]]
 
 
-def test_a_message_of_another_type_is_refused_as_in_ros(node: Node) -> None:
+def test_message_of_another_type_is_rejected_as_in_ros(node: Node) -> None:
     publisher = node.create_publisher(String, "x", 10)
     text = "^Expected <class 'std_msgs.msg._string.String'>, got <class 'std_msgs.msg._int32.Int32'>$"
     with pytest.raises(TypeError, match=text):
         publisher.publish(Int32())  # type: ignore[arg-type]  # the mistake under test
 
 
-def test_bytes_are_published_as_they_are_and_raw_subscriptions_get_bytes(node: Node) -> None:
+def test_serialized_bytes_are_published_unchanged_and_raw_subscriptions_receive_bytes(node: Node) -> None:
     got: list[Any] = []
     node.create_subscription(String, "x", got.append, 10)
     node.create_subscription(String, "x", got.append, 10, raw=True)
@@ -66,7 +68,7 @@ def test_bytes_are_published_as_they_are_and_raw_subscriptions_get_bytes(node: N
     assert deserialize_message(raw, String) == got[0]
 
 
-def test_a_callback_with_two_arguments_learns_when_the_message_came(node: Node) -> None:
+def test_callback_with_two_arguments_receives_the_message_info(node: Node) -> None:
     infos: list[MessageInfo] = []
     node.create_subscription(String, "x", lambda _, info: infos.append(info), 10)
     node.create_publisher(String, "x", 10).publish(String())
@@ -75,13 +77,13 @@ def test_a_callback_with_two_arguments_learns_when_the_message_came(node: Node) 
     assert infos[0]["received_timestamp"] == START_NS + 1_000_000
 
 
-def test_a_callback_that_takes_no_message_is_refused_as_in_ros(node: Node) -> None:
+def test_callback_without_a_message_argument_is_rejected_as_in_ros(node: Node) -> None:
     with pytest.raises(RuntimeError, match="callback should be either be callable with one argument"):
         node.create_subscription(String, "x", lambda: None, 10)  # type: ignore[arg-type]  # the mistake under test
     assert node.count_subscribers("x") == 0
 
 
-def test_a_full_queue_loses_its_oldest_message(node: Node) -> None:
+def test_full_queue_drops_its_oldest_message(node: Node) -> None:
     got: list[int] = []
     node.create_subscription(Int32, "x", lambda m: got.append(m.data), 2)
     publisher = node.create_publisher(Int32, "x", 10)
@@ -93,21 +95,23 @@ def test_a_full_queue_loses_its_oldest_message(node: Node) -> None:
     assert got == [3, 4]
 
 
-def test_publishers_and_subscriptions_count_each_other(node: Node) -> None:
+def test_publishers_and_subscriptions_count_their_matches(node: Node) -> None:
     publisher = node.create_publisher(String, "x", BEST_EFFORT)
     subscription = node.create_subscription(String, "x", print, BEST_EFFORT)
-    node.create_subscription(Int32, "x", print, BEST_EFFORT)
+    elsewhere = Context()
+    elsewhere.init(args=[])
+    Node("other", context=elsewhere).create_subscription(Int32, "/x", print, BEST_EFFORT)
     assert (publisher.get_subscription_count(), subscription.get_publisher_count()) == (1, 1)
 
 
-def test_what_was_destroyed_cannot_be_used(node: Node) -> None:
+def test_destroyed_publisher_raises_invalid_handle(node: Node) -> None:
     publisher = node.create_publisher(String, "x", 10)
     node.destroy_publisher(publisher)
     with pytest.raises(InvalidHandle, match=r"^cannot use Destroyable because destruction was requested$"):
         publisher.publish(String())
 
 
-def test_a_destroyed_subscription_gets_nothing_more(node: Node) -> None:
+def test_destroyed_subscription_receives_no_messages(node: Node) -> None:
     got: list[String] = []
     subscription = node.create_subscription(String, "x", got.append, 10)
     publisher = node.create_publisher(String, "x", 10)
@@ -118,7 +122,7 @@ def test_a_destroyed_subscription_gets_nothing_more(node: Node) -> None:
     assert got == []
 
 
-def test_late_subscriptions_get_what_latched_publishers_keep(node: Node) -> None:
+def test_late_joining_subscription_receives_the_messages_of_a_transient_local_publisher(node: Node) -> None:
     latched, volatile = node.create_publisher(Int32, "x", LATCHED), node.create_publisher(Int32, "y", 10)
     for number in range(3):
         latched.publish(Int32(data=number))
@@ -130,7 +134,7 @@ def test_late_subscriptions_get_what_latched_publishers_keep(node: Node) -> None
     assert got == [1, 2]
 
 
-def test_incompatible_partners_are_warned_of_on_both_sides(
+def test_incompatible_endpoints_cause_a_warning_on_both_sides(
     node: Node, capsys: pytest.CaptureFixture[str]
 ) -> None:
     listener = Node("listener")
@@ -144,7 +148,7 @@ def test_incompatible_partners_are_warned_of_on_both_sides(
     ]
 
 
-def test_a_program_can_be_told_of_incompatible_partners_instead(
+def test_incompatible_qos_callback_replaces_the_default_warning(
     node: Node, capsys: pytest.CaptureFixture[str]
 ) -> None:
     told: list[QoSRequestedIncompatibleQoSInfo] = []
@@ -154,5 +158,5 @@ def test_a_program_can_be_told_of_incompatible_partners_instead(
     silent = PublisherEventCallbacks(use_default_callbacks=False)
     node.create_publisher(String, "x", 10, event_callbacks=silent)
     rclpy.spin_once(node, timeout_sec=0)
-    assert told == [QoSRequestedIncompatibleQoSInfo(1, 1, QoSPolicyKind.DURABILITY)]
+    assert told == [QoSRequestedIncompatibleQoSInfo(1, 1, RmwPolicyKind.DURABILITY)]
     assert capsys.readouterr().err == ""

@@ -14,7 +14,7 @@ from type_description_interfaces.msg import IndividualTypeDescription
 from type_description_interfaces.srv import GetTypeDescription
 from visualization_msgs.msg import Marker
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from course_lib.ros.messages.hashes import type_hash
 
 
@@ -49,7 +49,7 @@ def plain(description: IndividualTypeDescription) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", ["visualization_msgs/msg/Marker", "std_srvs/srv/Trigger"])
-def test_the_description_has_the_hash_that_was_asked_for(used: Node, name: str) -> None:
+def test_type_description_has_the_requested_hash(used: Node, name: str) -> None:
     answer = ask(used, type_name=name, type_hash=type_hash(name))
     assert answer.successful
     described = answer.type_description
@@ -62,7 +62,17 @@ def test_the_description_has_the_hash_that_was_asked_for(used: Node, name: str) 
     assert f"RIHS01_{hashlib.sha256(text.encode()).hexdigest()}" == type_hash(name)
 
 
-def test_the_sources_come_with_it_where_they_are_wanted(used: Node) -> None:
+def test_service_whose_event_type_is_in_use_is_described(used: Node) -> None:
+    # The first use of the event type adds it to the known definitions.
+    Trigger.Event()
+    name = "std_srvs/srv/Trigger"
+    answer = ask(used, type_name=name, type_hash=type_hash(name))
+    assert {"std_srvs/srv/Trigger_Request", "std_srvs/srv/Trigger_Response"} <= {
+        one.type_name for one in answer.type_sources
+    }
+
+
+def test_type_sources_are_included_on_request(used: Node) -> None:
     wanted = {
         "type_name": "visualization_msgs/msg/Marker",
         "type_hash": type_hash("visualization_msgs/msg/Marker"),
@@ -80,12 +90,12 @@ def test_the_sources_come_with_it_where_they_are_wanted(used: Node) -> None:
         (type_hash("std_msgs/msg/Bool"), "Type not currently in use by this node"),
     ],
 )
-def test_a_refusal_says_why_in_the_words_of_rcl(used: Node, asked: str, reason: str) -> None:
+def test_failure_reason_has_the_text_of_rcl(used: Node, asked: str, reason: str) -> None:
     answer = ask(used, type_name="std_msgs/msg/Bool", type_hash=asked)
     assert (answer.successful, answer.failure_reason) == (False, reason)
 
 
-def test_a_parameter_leaves_the_service_out_and_can_not_be_set_later(begun: Graph) -> None:
+def test_parameter_disables_the_service_and_is_read_only(begun: Graph) -> None:
     name = "start_type_description_service"
     quiet = Node("quiet", parameter_overrides=[Parameter(name, value=False)])
     quiet.create_publisher(String, "words", 1)

@@ -12,7 +12,7 @@ FIELDS = [
 HEADER = Header(frame_id="lidar")
 
 
-def test_points_come_back_as_they_were() -> None:
+def test_points_survive_a_round_trip_through_a_point_cloud() -> None:
     points = np.random.default_rng(0).normal(size=(20, 3)).astype(np.float32)
     for given in (points, points.tolist()):
         cloud = point_cloud2.create_cloud_xyz32(HEADER, given)
@@ -25,7 +25,7 @@ def test_points_come_back_as_they_were() -> None:
     assert point_cloud2.read_points_list(cloud, ["x"])[4].x == points[4, 0]
 
 
-def test_fields_of_many_types_and_without_names_have_columns() -> None:
+def test_fields_of_many_types_and_unnamed_fields_become_columns() -> None:
     cloud = point_cloud2.create_cloud(HEADER, FIELDS, [(1.0, 2, 3, 4), (5.0, 6, 7, 8)])
     read = point_cloud2.read_points(cloud)
     assert read.dtype.names == ("x", "ring", "unnamed_field_2_0", "unnamed_field_2_1")
@@ -37,21 +37,21 @@ def test_fields_of_many_types_and_without_names_have_columns() -> None:
         point_cloud2.read_points(cloud, ["y"])
 
 
-def test_points_without_a_place_are_left_out_if_wanted() -> None:
+def test_non_finite_points_are_skipped_on_request() -> None:
     cloud = point_cloud2.create_cloud_xyz32(HEADER, [(0, 0, 1), (np.nan, 0, 2), (0, 0, 3)])
     assert point_cloud2.read_points(cloud, skip_nans=True)["z"].tolist() == [1, 3]
     cloud.is_dense = True
     assert len(point_cloud2.read_points(cloud, skip_nans=True)) == 3
 
 
-def test_the_other_byte_order_is_understood() -> None:
+def test_big_endian_points_are_read() -> None:
     data = np.array([1.5, -2.0], ">f4").tobytes()
     x = PointField(name="x", offset=0, datatype=PointField.FLOAT32, count=1)
     cloud = PointCloud2(width=2, height=1, fields=[x], point_step=4, row_step=8, is_bigendian=True, data=data)
     assert point_cloud2.read_points(cloud)["x"].tolist() == [1.5, -2.0]
 
 
-def test_rows_are_kept_as_in_ros() -> None:
+def test_rows_of_an_organized_cloud_are_kept_as_in_ros() -> None:
     points = np.zeros((4, 2, 3), np.float32)
     cloud = point_cloud2.create_cloud_xyz32(HEADER, points)
     assert (cloud.width, cloud.height) == (4, 2)

@@ -4,18 +4,18 @@ from rclpy.node import Node
 from rclpy.time import Time
 from tf2_ros import Buffer, StaticTransformBroadcaster, TransformBroadcaster, TransformListener
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from tests.ros.tf2.stamped import stamped
 
 
 def spun(node: Node) -> None:
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    while executor.can_work() or node.handle.graph.advance():
+    while executor._course_can_work() or node.handle.graph.advance():
         executor.spin_once(timeout_sec=0)
 
 
-def test_one_or_several_transforms_are_sent(node: Node) -> None:
+def test_one_or_several_transforms_can_be_sent(node: Node) -> None:
     buffer = Buffer()
     TransformListener(buffer, node)
     broadcaster = TransformBroadcaster(node)
@@ -25,7 +25,7 @@ def test_one_or_several_transforms_are_sent(node: Node) -> None:
     assert buffer.can_transform("map", "c", Time(nanoseconds=5))
 
 
-def test_static_transforms_reach_a_listener_that_comes_late(node: Node) -> None:
+def test_late_joining_listener_receives_static_transforms(node: Node) -> None:
     broadcaster = StaticTransformBroadcaster(node)
     broadcaster.sendTransform(stamped("map", "a", x=1.0))
     broadcaster.sendTransform([stamped("map", "b", x=2.0)])
@@ -36,7 +36,7 @@ def test_static_transforms_reach_a_listener_that_comes_late(node: Node) -> None:
 
 
 @pytest.mark.parametrize("same_object", [False, True])
-def test_a_static_transform_is_replaced_by_the_same_object_only(node: Node, same_object: bool) -> None:
+def test_static_transform_is_replaced_only_by_the_same_broadcaster(node: Node, same_object: bool) -> None:
     broadcaster, buffer = StaticTransformBroadcaster(node), Buffer()
     TransformListener(buffer, node)
     first = stamped("map", "a", x=1.0)
@@ -49,7 +49,7 @@ def test_a_static_transform_is_replaced_by_the_same_object_only(node: Node, same
     assert x == (2.0 if same_object else 1.0)
 
 
-def test_a_listener_that_unregistered_hears_nothing(node: Node) -> None:
+def test_unregistered_listener_receives_no_transforms(node: Node) -> None:
     buffer = Buffer()
     listener = TransformListener(buffer, node)
     listener.unregister()
@@ -58,7 +58,7 @@ def test_a_listener_that_unregistered_hears_nothing(node: Node) -> None:
     assert buffer.all_frames_as_yaml() == "[]"
 
 
-def test_the_qualities_of_service_are_those_of_ros(begun: Graph, node: Node) -> None:
+def test_qos_of_tf_topics_agrees_with_ros(begun: Graph, node: Node) -> None:
     TransformBroadcaster(node)
     StaticTransformBroadcaster(node)
     TransformListener(Buffer(), node)
@@ -75,7 +75,7 @@ def test_the_qualities_of_service_are_those_of_ros(begun: Graph, node: Node) -> 
     }
 
 
-def test_names_that_tf2_ros_has_from_its_modules_can_be_imported_from_it() -> None:
+def test_names_in_the_submodules_of_tf2_ros_can_be_imported_from_tf2_ros() -> None:
     import geometry_msgs.msg
     import rclpy.time
     import tf2_ros

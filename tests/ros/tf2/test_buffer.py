@@ -16,7 +16,7 @@ from tf2_msgs.srv import FrameGraph
 from tf2_ros import Buffer, TransformListener
 from tf2_ros.buffer_interface import TypeException
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from tests.ros.tf2.stamped import stamped
 
 S = 10**9  # [ns]
@@ -31,14 +31,14 @@ def filled() -> Buffer:
     return buffer
 
 
-def test_a_lookup_gives_a_message_with_frames_stamp_and_transform() -> None:
+def test_lookup_returns_a_message_with_frames_stamp_and_transform() -> None:
     found = filled().lookup_transform("map", "tool", Time(nanoseconds=2 * S))
     assert (found.header.frame_id, found.child_frame_id, found.header.stamp.sec) == ("map", "tool", 2)
     assert found.transform.translation.x == pytest.approx(2.5)
     assert found.transform.rotation.z == pytest.approx(2**-0.5)
 
 
-def test_times_of_any_clock_and_messages_are_taken() -> None:
+def test_times_of_any_clock_and_time_messages_are_accepted() -> None:
     buffer = filled()
     for time in (Time(seconds=3), Time(seconds=3).to_msg(), Time()):
         assert buffer.lookup_transform("map", "base", time).header.stamp.sec == 3
@@ -47,26 +47,26 @@ def test_times_of_any_clock_and_messages_are_taken() -> None:
         buffer.lookup_transform("map", "base", wrong)
 
 
-def test_an_older_place_is_seen_from_now_by_way_of_what_rests() -> None:
+def test_lookup_transform_full_relates_two_times_through_a_fixed_frame() -> None:
     found = filled().lookup_transform_full("base", Time(seconds=3), "base", Time(seconds=1), "map")
     assert found.transform.translation.x == pytest.approx(-2.0)
 
 
-def test_the_reason_is_told_when_asked_for() -> None:
+def test_can_transform_returns_the_reason_with_return_debug_tuple() -> None:
     ok, reason = filled().can_transform("map", "base", Time(seconds=9), return_debug_tuple=True)
     assert not ok
     assert reason.startswith("Lookup would require extrapolation into the future.  Requested time 9.000000")
     assert filled().can_transform("map", "base", Time(), return_debug_tuple=True) == (True, "")
 
 
-def test_exceptions_have_one_base_and_tf2s_module() -> None:
+def test_exceptions_have_one_base_class_and_the_module_of_tf2() -> None:
     with pytest.raises(tf2_ros.TransformException) as caught:
         filled().lookup_transform("map", "nowhere", Time())
     assert isinstance(caught.value, tf2_ros.LookupException)
     assert type(caught.value).__module__ == "tf2"
 
 
-def test_a_stamped_point_is_carried_at_its_stamp() -> None:
+def test_stamped_point_is_transformed_at_its_stamp() -> None:
     point = PointStamped(header=Header(frame_id="tool", stamp=Time(seconds=1).to_msg()))
     point.point.x = 1.0
     carried = filled().transform(point, "map")
@@ -74,7 +74,7 @@ def test_a_stamped_point_is_carried_at_its_stamp() -> None:
     assert carried.header.frame_id == "map"
 
 
-def test_a_type_that_nobody_has_taught_is_named() -> None:
+def test_transform_of_an_unregistered_type_is_rejected() -> None:
     expected = f"Type {String} is not loaded or supported"
     with pytest.raises(TypeException, match=re.escape(expected)):
         filled().transform(String(), "map")
@@ -92,7 +92,7 @@ def test_rejected_transforms_are_logged_and_ignored(begun: Graph, capfd: pytest.
     assert "TF_OLD_DATA ignoring data from the past for frame base at time 5.000000" in lines[1]
 
 
-def test_all_frames_are_described() -> None:
+def test_all_frames_are_listed() -> None:
     assert filled().all_frames_as_string() == (
         "Frame base exists with parent map.\nFrame tool exists with parent base.\n"
     )
@@ -108,7 +108,7 @@ def test_all_frames_are_described() -> None:
     assert Buffer().all_frames_as_yaml() == "[]"
 
 
-def test_a_wait_in_the_spinning_thread_ends_with_its_timeout(begun: Graph, node: Node) -> None:
+def test_wait_in_the_spinning_thread_ends_at_its_timeout(begun: Graph, node: Node) -> None:
     buffer, waits = Buffer(), list[tuple[bool, int]]()
     TransformListener(buffer, node)
     sender = Node("sender")
@@ -129,7 +129,7 @@ def test_a_wait_in_the_spinning_thread_ends_with_its_timeout(begun: Graph, node:
     assert waits == [(False, 2 * S)]
 
 
-def test_a_thread_of_the_listeners_own_lets_the_wait_succeed(begun: Graph, node: Node) -> None:
+def test_wait_succeeds_if_the_listener_spins_in_its_own_thread(begun: Graph, node: Node) -> None:
     buffer = Buffer()
     TransformListener(buffer, Node("listener"), spin_thread=True)
     broadcaster = tf2_ros.TransformBroadcaster(node)
@@ -140,7 +140,7 @@ def test_a_thread_of_the_listeners_own_lets_the_wait_succeed(begun: Graph, node:
     assert begun.now_ns - start_ns == 1_000_000  # the delivery
 
 
-def test_a_coroutine_awaits_a_transform(begun: Graph, node: Node) -> None:
+def test_coroutine_can_await_a_transform(begun: Graph, node: Node) -> None:
     buffer = Buffer()
     TransformListener(buffer, node)
     broadcaster = tf2_ros.TransformBroadcaster(node)
@@ -157,20 +157,20 @@ def test_a_coroutine_awaits_a_transform(begun: Graph, node: Node) -> None:
     assert known.done()
 
 
-def test_a_timeout_in_seconds_is_refused_with_how_to_write_it() -> None:
+def test_timeout_in_seconds_is_rejected_with_the_correct_type() -> None:
     wrong: Any = 1.0
     with pytest.raises(TypeError, match=r"like Duration\(seconds=1.0\), not 1.0"):
         filled().lookup_transform("map", "base", Time(), wrong)
 
 
-def test_clear_forgets_what_moves() -> None:
+def test_clear_removes_dynamic_transforms_and_keeps_static_ones() -> None:
     buffer = filled()
     buffer.clear()
     assert not buffer.can_transform("map", "base", Time())
     assert buffer.can_transform("base", "tool", Time())
 
 
-def test_a_buffer_with_a_node_answers_the_service_tf2_frames(begun: Graph, node: Node) -> None:
+def test_buffer_with_a_node_offers_the_service_tf2_frames(begun: Graph, node: Node) -> None:
     buffer = Buffer(node=node)
     buffer.set_transform(stamped("map", "base", 5), "me")
     asked = node.create_client(FrameGraph, "tf2_frames").call_async(FrameGraph.Request())
@@ -196,13 +196,13 @@ class OnlyUp(tf2_ros.BufferInterface):
         return transform
 
 
-def test_a_buffer_of_a_programs_own_transforms_by_its_own_lookup() -> None:
+def test_custom_buffer_transforms_with_its_own_lookup() -> None:
     moved = OnlyUp().transform(PointStamped(header=Header(frame_id="a")), "b")
     assert (moved.header.frame_id, moved.point.z) == ("b", 1.0)
     assert isinstance(Buffer(), tf2_ros.BufferInterface)
 
 
-def test_a_buffer_without_a_lookup_says_so() -> None:
+def test_buffer_interface_without_lookup_raises_not_implemented() -> None:
     with pytest.raises(tf2_ros.NotImplementedException, match="LookupTransform not implemented"):
         tf2_ros.BufferInterface().transform(PointStamped(), "b")
     with pytest.raises(tf2_ros.NotImplementedException, match="CanTransform"):

@@ -53,8 +53,9 @@ def matrix(shift: Numbers, turn: Numbers) -> Any:
     return compose(shift, quat2mat(np.roll(turn, 1)), np.ones(3))
 
 
+@pytest.mark.slow
 @given(places, turns, places)
-def test_points_vectors_and_polygons_go_where_matrices_take_them(
+def test_points_vectors_and_polygons_agree_with_matrix_products(
     shift: Numbers, turn: Numbers, place: Numbers
 ) -> None:
     point, polygon, vector = PointStamped(), PolygonStamped(), Vector3Stamped()
@@ -70,6 +71,7 @@ def test_points_vectors_and_polygons_go_where_matrices_take_them(
     np.testing.assert_allclose([arrow.x, arrow.y, arrow.z], matrix(shift, turn)[:3, :3] @ place, atol=1e-9)
 
 
+@pytest.mark.slow
 @given(places, turns, places, turns)
 def test_poses_are_composed_and_their_quaternions_have_a_positive_w(
     shift: Numbers,
@@ -90,8 +92,9 @@ def test_poses_are_composed_and_their_quaternions_have_a_positive_w(
         np.testing.assert_allclose([q.w, q.x, q.y, q.z], mat2quat(expected[:3, :3]), atol=1e-7)
 
 
+@pytest.mark.slow
 @given(turns)
-def test_a_covariance_turns_with_its_pose(turn: Numbers) -> None:
+def test_covariance_is_rotated_with_its_pose(turn: Numbers) -> None:
     half = np.random.default_rng(1).normal(size=(6, 6))
     covariance = half @ half.T
     found = transform_covariance(covariance.reshape(36), transform((1.0, 2.0, 3.0), _unit(turn))).reshape(
@@ -108,7 +111,7 @@ def _unit(turn: Numbers) -> Numbers:
     return tuple(np.array(turn) / np.linalg.norm(turn))
 
 
-def test_results_have_the_transforms_header() -> None:
+def test_results_have_the_header_of_the_transform() -> None:
     moving = transform((1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
     assert do_transform_pose_stamped(PoseStamped(), moving).header is moving.header
     with_covariance = do_transform_pose_with_covariance_stamped(PoseWithCovarianceStamped(), moving)
@@ -116,27 +119,27 @@ def test_results_have_the_transforms_header() -> None:
     assert with_covariance.pose.pose.position.x == 1.0
 
 
-def test_transforming_a_vector_empties_the_translation_that_was_passed_in_as_in_ros() -> None:
+def test_transforming_a_vector_clears_the_translation_of_the_passed_transform_as_in_ros() -> None:
     moving = transform((1.0, 2.0, 3.0), (0.0, 0.0, 0.0, 1.0))
     do_transform_vector3(Vector3Stamped(), moving)
     assert moving.transform.translation.x == 0.0
 
 
-def test_a_quaternion_of_zeros_is_no_turn() -> None:
+def test_zero_quaternion_is_treated_as_the_identity_rotation() -> None:
     pose = Pose()
     turned(pose.orientation, (0.0, 0.0, 0.0, 0.0))
     moved = do_transform_pose(pose, transform((1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)))
     assert (moved.position.x, moved.orientation.w) == (1.0, 1.0)
 
 
-def test_the_import_path_of_the_module_is_there() -> None:
+def test_module_can_be_imported_by_its_path_in_ros() -> None:
     from tf2_geometry_msgs.tf2_geometry_msgs import do_transform_point as same
 
     assert same is do_transform_point
 
 
 @pytest.mark.parametrize("length", [0.5, 2.0])
-def test_the_length_of_a_quaternion_does_not_scale(length: float) -> None:
+def test_quaternion_norm_does_not_scale_the_result(length: float) -> None:
     point = PointStamped()
     point.point.x = 1.0
     moved = do_transform_point(point, transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, length)))

@@ -11,9 +11,9 @@ from rclpy.parameter import Parameter
 from rclpy.time import Time
 from tf2_ros import Buffer
 
-from course_lib.ros import virtual_time
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.time_lock import time_lock
 
 WARNING = "[WARN] [1700000000.000000000] [tf2_buffer]: Detected jump back in time. Clearing tf buffer."
 
@@ -21,7 +21,7 @@ WARNING = "[WARN] [1700000000.000000000] [tf2_buffer]: Detected jump back in tim
 @pytest.fixture
 def node() -> Iterator[Node]:
     virtual_time.install()
-    with use_graph(Graph()), baton.known():
+    with use_graph(Graph()), time_lock.hold():
         rclpy.init(args=["--ros-args", "-p", "use_sim_time:=true"])
         yield Node("listener")
         rclpy.shutdown()
@@ -48,7 +48,7 @@ def knows(buffer: Buffer, frame: str) -> bool:
 
 
 @pytest.mark.parametrize(("to", "is_kept"), [(20.0, True), (9.001, True), (9.0, False)])
-def test_a_jump_back_by_a_second_clears_what_moves(
+def test_backward_jump_of_a_second_clears_dynamic_transforms(
     node: Node, capfd: pytest.CaptureFixture[str], to: float, is_kept: bool
 ) -> None:
     set_time(node, 10.0)
@@ -59,13 +59,13 @@ def test_a_jump_back_by_a_second_clears_what_moves(
     assert capfd.readouterr().err == ("" if is_kept else f"{WARNING}\n")
 
 
-def test_a_switch_of_the_clock_clears_what_moves(node: Node) -> None:
+def test_switch_of_the_time_source_clears_dynamic_transforms(node: Node) -> None:
     buffer = stored(node)
     node.set_parameters([Parameter("use_sim_time", value=False)])
     assert not knows(buffer, "base")
 
 
-def test_a_buffer_without_a_node_keeps_its_transforms_as_in_tf2_ros(node: Node) -> None:
+def test_buffer_without_a_node_keeps_its_transforms_as_in_tf2_ros(node: Node) -> None:
     set_time(node, 10.0)
     buffer = stored(None)
     set_time(node, 1.0)

@@ -11,11 +11,12 @@ from pathlib import Path
 import pytest
 import zenoh
 
-from course_lib.ros import wall
-from course_lib.ros.zenoh.link import RobotLink
-from course_lib.ros.zenoh.robot_graph import RobotGraph
-from course_lib.ros.zenoh.sending import Allowed
+from course_lib.ros.robot.robot_graph import RobotGraph
+from course_lib.ros.robot.sending import Permissions
+from course_lib.ros.time import wall
+from course_lib.ros.zenoh.link import ZenohLink
 from tests.patience import PATIENCE
+from tests.processes import LIMIT_OF_A_SERVER, Program
 
 ROOT = Path(__file__).parents[3]
 ROUTER = """
@@ -50,6 +51,12 @@ def open_router(port: int) -> zenoh.Session:
     return zenoh.open(config)
 
 
+def zenoh_link(graph: RobotGraph) -> ZenohLink:
+    """Return the link of a graph."""
+    assert isinstance(graph.link, ZenohLink)
+    return graph.link
+
+
 class Routers:
     """A router in its own process, which can be killed and started again."""
 
@@ -60,9 +67,8 @@ class Routers:
     def start(self) -> None:
         command = [sys.executable, "-c", ROUTER, str(self.port)]
         pipe = subprocess.PIPE
-        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, cwd=ROOT)
-        assert self._process.stdout is not None
-        assert self._process.stdout.readline() == "up\n"
+        self._process = Program(command, limit=LIMIT_OF_A_SERVER, stdin=pipe, stdout=pipe, cwd=ROOT)
+        assert self._process.read_line() == "up\n"
 
     @property
     def pid(self) -> int:
@@ -83,8 +89,8 @@ class Kits:
 
     def join(self, *, domain: int = 0, send: str = "", call: str = "") -> RobotGraph:
         """Link one more graph."""
-        allowed = Allowed.of(send.split(), call.split())
-        self.graphs.append(RobotGraph(RobotLink(self.address, domain), allowed, self.lines.append))
+        allowed = Permissions.from_names(send.split(), call.split())
+        self.graphs.append(RobotGraph(ZenohLink(self.address, domain), allowed, self.lines.append))
         return self.graphs[-1]
 
     def until(self, ready: Callable[[], object], what: str) -> None:

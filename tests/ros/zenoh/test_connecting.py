@@ -10,14 +10,15 @@ import pytest
 from course_lib import Viewer, connect, disconnect
 from course_lib.errors import CourseError
 from course_lib.recording import read_bag
-from course_lib.ros.graph import Graph, current_graph, use_graph
-from course_lib.ros.zenoh import connect as connecting
-from course_lib.ros.zenoh.connect import RobotAddress, link_to
-from course_lib.ros.zenoh.sending import HeldBack
+from course_lib.ros.graph.graph import Graph, current_graph, use_graph
+from course_lib.ros.robot import connect as connecting
+from course_lib.ros.robot.connect import RobotAddress, link_to
+from course_lib.ros.robot.sending import BlockedTraffic
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.run import run
 from course_lib.tools.sources import GraphSource
 from tests.patience import PATIENCE
+from tests.processes import Program
 from tests.ros.zenoh.conftest import Kits, free_port
 from tests.ros.zenoh.test_two_kits import listener, talker
 
@@ -57,17 +58,17 @@ while not heard:
 """
 
 
-def course(*words: str) -> subprocess.Popen[str]:
+def course(*words: str) -> Program:
     command = [sys.executable, "-m", "course_lib", *words]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return Program(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
-def test_programs_and_tools_meet_over_a_router(router: str, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_programs_and_tools_connect_through_a_router(router: str, tmp_path: Path) -> None:
     (tmp_path / "talker.py").write_text(TALKER)
     (tmp_path / "listener.py").write_text(LISTENER)
     robot = course("run", str(tmp_path / "talker.py"), "--robot", router, "--send", "/chatter")
-    assert robot.stdout is not None
-    assert robot.stdout.readline() == "up\n"
+    assert robot.read_line() == "up\n"
     tool = course("ros2", "--robot", router.removeprefix("tcp/"), "topic", "echo", "--once", "/chatter")
     assert tool.communicate(timeout=PATIENCE) == ("data: hello\n---\n", "")
     code = run(
@@ -85,13 +86,15 @@ def test_programs_and_tools_meet_over_a_router(router: str, tmp_path: Path) -> N
     robot.communicate(timeout=PATIENCE)
 
 
-def test_doctor_listens_for_a_moment_and_measures_the_robots_clock(router: str, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_doctor_listens_briefly_and_measures_the_clock_offset_of_the_robot(
+    router: str, tmp_path: Path
+) -> None:
     joints = TALKER.replace("std_msgs", "sensor_msgs").replace("String(data=", "JointState(name=[")
     joints = joints.replace('"hello")', '"hello"])').replace("String", "JointState")
     (tmp_path / "joints.py").write_text(joints)
     robot = course("run", str(tmp_path / "joints.py"), "--robot", router, "--send", "/chatter")
-    assert robot.stdout is not None
-    assert robot.stdout.readline() == "up\n"
+    assert robot.read_line() == "up\n"
     said = course("ros2", "--robot", router, "doctor").communicate(timeout=PATIENCE)[0]
     assert "s from this computer's" in said
     assert re.search(r"/chatter +: \d+\.\d Hz", said)
@@ -99,7 +102,8 @@ def test_doctor_listens_for_a_moment_and_measures_the_robots_clock(router: str, 
     robot.communicate(timeout=PATIENCE)
 
 
-def test_a_pair_that_dds_would_refuse_counts_over_a_link_without_a_warning(
+@pytest.mark.slow
+def test_qos_incompatible_in_dds_is_accepted_over_a_link_without_a_warning(
     kits: Kits, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     listener(kits.join(), "/chatter")
@@ -119,6 +123,7 @@ def test_a_pair_that_dds_would_refuse_counts_over_a_link_without_a_warning(
     assert "/chatter: publisher and subscription have incompatible QoS (RELIABILITY)" in said.err
 
 
+@pytest.mark.slow
 def test_goals_of_two_runs_have_different_ids(
     router: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -136,37 +141,66 @@ def test_goals_of_two_runs_have_different_ids(
     assert len(set(capsys.readouterr().out.split())) == 2
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("address", "line"),
     [
-        ("robot:port", "'robot:port' is not an address of a robot: write it like tcp/192.168.1.5:7447."),
+        (
+            "robot:port",
+            "'robot:port' is not an address of a robot: write it like tcp/192.168.1.5:7447 or dds/",
+        ),
         ("", "'' is not an address of a robot"),
+        ("dds/", "'dds/' is not an address of a robot: write it like dds/192.168.1.5."),
+        ("dds/no such host", "'dds/no such host' is not an address of a robot"),
+        ("dds", "'dds' is not an address of a robot: write it like dds/192.168.1.5."),
+        (
+            "dds://10.88.0.1",
+            "'dds://10.88.0.1' is not an address of a robot: write it without a port or other ",
+        ),
+        (
+            "dds:/lab",
+            "'dds:/lab' is not an address of a robot: write it without a port or other signs, dds/lab.",
+        ),
+        ("DDS/10.88.0.1", "'DDS/10.88.0.1' is not an address of a robot: write it without a port or other "),
+        (
+            "dds/lab:7400",
+            "'dds/lab:7400' is not an address of a robot: write it without a port or other signs, ",
+        ),
+        (
+            "dds/fd00::5",
+            "'dds/fd00::5' is not an address of a robot: a link over DDS needs the robot's IPv4 ",
+        ),
+        ("dds/[::1]", "'dds/[::1]' is not an address of a robot: a link over DDS needs the robot's IPv4 "),
+        ("dds/10.88.0", "'dds/10.88.0' is not an address of a robot: an IPv4 address has four numbers"),
+        ("dds/10.88.0.300", "There is no computer '10.88.0.300' in this network"),
+        ("dds/no.such.host.invalid", "There is no computer 'no.such.host.invalid' in this network"),
         ("127.0.0.1:{port}", "No Zenoh router answers at tcp/127.0.0.1:"),
     ],
 )
-def test_a_robot_that_cannot_be_reached_is_one_line(address: str, line: str) -> None:
+def test_unreachable_robot_is_a_one_line_error(address: str, line: str) -> None:
     with pytest.raises(CourseError) as error:
         link_to(RobotAddress(address.format(port=free_port())))
     assert str(error.value).startswith(line)
 
 
-def test_a_domain_is_a_small_number(router: str) -> None:
+def test_out_of_range_domain_is_rejected(router: str) -> None:
     with pytest.raises(CourseError, match="'300' is not a domain: give a number from 0 to 232"):
         link_to(RobotAddress(router, 300))
 
 
-def test_without_the_extra_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_robot_extra_is_reported_with_the_install_command(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(connecting, "find_spec", lambda name: None)
     with pytest.raises(CourseError, match=r'pip install "course-lib\[robot\]"'):
         link_to(RobotAddress("tcp/127.0.0.1:7447"))
 
 
-def test_options_of_a_robot_without_a_robot_are_refused(tmp_path: Path) -> None:
+def test_robot_options_without_a_robot_are_rejected(tmp_path: Path) -> None:
     result = course("run", str(tmp_path / "x.py"), "--send", "/cmd_vel").communicate(timeout=PATIENCE)
-    assert "add --robot tcp/HOST:7447" in result[1]
+    assert "add --robot dds/HOST or --robot tcp/HOST:7447" in result[1]
 
 
-def test_a_notebook_is_linked_and_unlinked(kits: Kits, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.slow
+def test_notebook_can_be_connected_and_disconnected(kits: Kits, capsys: pytest.CaptureFixture[str]) -> None:
     robot = kits.join(send="/chatter")
     talker(robot, "/chatter")
     with use_graph(Graph(notebook=True)):
@@ -179,7 +213,7 @@ def test_a_notebook_is_linked_and_unlinked(kits: Kits, capsys: pytest.CaptureFix
         ros2(["doctor"], GraphSource(current_graph()), output.append)
         assert f"{kits.address}, connected" in "".join(output)
         disconnect()
-        assert not current_graph().about_link()
+        assert not current_graph().link_report()
         assert current_graph().notebook
         with pytest.raises(CourseError, match="is not linked"):
             disconnect()
@@ -187,20 +221,21 @@ def test_a_notebook_is_linked_and_unlinked(kits: Kits, capsys: pytest.CaptureFix
 
 
 @pytest.mark.parametrize(("notebook", "end"), [(False, "--send /cmd_vel"), (True, 'or send=["/cmd_vel"]')])
-def test_what_is_held_back_names_what_lets_it_out(notebook: bool, end: str) -> None:
+def test_notice_of_a_withheld_topic_includes_the_option_that_allows_it(notebook: bool, end: str) -> None:
     lines: list[str] = []
-    HeldBack(lines.append, notebook=notebook).note("/cmd_vel", "--send")
+    BlockedTraffic(lines.append, notebook=notebook).add("/cmd_vel", "--send")
     assert lines[0].endswith(end)
 
 
-def test_a_notebook_with_nodes_is_not_linked(router: str) -> None:
+def test_notebook_with_nodes_cannot_be_connected(router: str) -> None:
     graph = Graph(notebook=True)
     graph.add_node("mine", "/")
     with use_graph(graph), pytest.raises(CourseError, match=r"nodes already \(/mine\): restart the kernel"):
         connect(router)
 
 
-def test_a_notebook_with_a_viewer_is_not_linked_until_the_viewer_is_closed(kits: Kits) -> None:
+@pytest.mark.slow
+def test_notebook_with_a_viewer_cannot_be_connected_until_the_viewer_is_closed(kits: Kits) -> None:
     kits.join()
     with use_graph(Graph(notebook=True)):
         viewer = Viewer()
@@ -211,12 +246,13 @@ def test_a_notebook_with_a_viewer_is_not_linked_until_the_viewer_is_closed(kits:
         disconnect()
 
 
-def test_what_is_graded_is_not_linked(router: str) -> None:
+def test_graded_run_cannot_connect_to_a_robot(router: str) -> None:
     with use_graph(Graph()), pytest.raises(CourseError, match="exercises are checked without a robot"):
         connect(router)
 
 
-def test_a_domain_without_nodes_names_those_that_have_some(
+@pytest.mark.slow
+def test_domain_without_nodes_is_reported_with_the_domains_that_have_nodes(
     kits: Kits, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(os.environ, "ROS_DOMAIN_ID", "7")

@@ -3,10 +3,13 @@
 import threading
 from collections.abc import Callable
 
-from course_lib.ros import wall
-from course_lib.ros.zenoh.sending import Sending
+import pytest
+
+from course_lib.ros.robot.sending import OutgoingTraffic
+from course_lib.ros.time import wall
+from course_lib.ros.zenoh.link import ZenohLink
 from course_lib.ros.zenoh.session import Handlers, open_session
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, join
 from tests.ros.zenoh.conftest import Kits
 from tests.ros.zenoh.test_two_kits import client, listener, serve
 
@@ -20,7 +23,8 @@ def wait_for(state: Callable[[], object]) -> None:
         wall.sleep(0.01)
 
 
-def test_the_end_of_a_session_waits_for_a_handler_that_runs(router: str) -> None:
+@pytest.mark.slow
+def test_end_of_a_session_waits_for_a_running_handler(router: str) -> None:
     handlers, done = Handlers(), list[str]()
 
     def handle(_: object) -> None:
@@ -45,26 +49,27 @@ def test_the_end_of_a_session_waits_for_a_handler_that_runs(router: str) -> None
     del kept
 
 
-def test_all_handlers_of_a_link_are_over_when_it_is_closed(kits: Kits) -> None:
+def test_all_handlers_have_ended_when_a_link_is_closed(kits: Kits) -> None:
     student = kits.join(send="/chatter", call="/reset")
     listener(student, "/chatter")
     client(student, "/reset")
     serve(student, "/reset")
     kits.leave(student)
+    assert isinstance(student.link, ZenohLink)
     assert student.link.handlers.alive == 0
 
 
-def test_who_ends_a_link_second_waits_for_the_first() -> None:
-    sending, begun, ended = Sending(), threading.Event(), list[str]()
+def test_second_close_of_a_link_waits_for_the_first() -> None:
+    sending, begun, ended = OutgoingTraffic(), threading.Event(), list[str]()
 
     def end() -> None:
         begun.set()
         wall.sleep(LONG)
         ended.append("ended")
 
-    first = threading.Thread(target=sending.close, args=(end,))
+    first = threading.Thread(target=sending.close, args=(end,), daemon=True)
     first.start()
     assert begun.wait(PATIENCE)
     sending.close(lambda: None)
     assert ended == ["ended"]
-    first.join()
+    join(first)

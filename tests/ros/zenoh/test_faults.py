@@ -8,21 +8,26 @@ import pytest
 from geometry_msgs.msg import Twist
 from std_msgs.msg import String
 
-from course_lib.ros import wall
-from course_lib.ros.graph import use_graph
+from course_lib.ros.graph.graph import use_graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.messages.hashes import type_hash
-from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.ears import Ear
-from course_lib.ros.zenoh.explain import NO_STOP, STOP_IS_DUE, about_clock
-from course_lib.ros.zenoh.inbox import MAX_BYTES, MAX_MESSAGES, Inbox, Packet, Traffic
-from course_lib.ros.zenoh.link import Declared
-from course_lib.ros.zenoh.robot_graph import RobotGraph
-from course_lib.ros.zenoh.sending import STALE
+from course_lib.ros.robot.link import Packet
+from course_lib.ros.robot.robot_graph import NO_STOP, STOP_IS_DUE, RobotGraph, clock_warning
+from course_lib.ros.robot.sending import STALE
+from course_lib.ros.robot.subscriptions import (
+    MAX_BYTES,
+    MAX_MESSAGES,
+    Inbox,
+    TopicSubscription,
+    Traffic,
+)
+from course_lib.ros.time import wall
 from course_lib.ros.zenoh.session import open_session
-from course_lib.ros.zenoh.tokens import attachment, key_of
+from course_lib.ros.zenoh.tokens import attachment, key_expr_of
 from course_lib.tools.sources import GraphSource
 from tests.patience import PATIENCE
+from tests.processes import Program
 from tests.ros.zenoh.conftest import Kits, Routers
 from tests.ros.zenoh.test_two_kits import (
     BEST_EFFORT,
@@ -53,7 +58,8 @@ def ends_with_the_map(heard: list[bytes]) -> bool:
     return texts(heard)[-1:] == ["the map"]
 
 
-def test_a_link_comes_back_with_the_router_again_and_again(routers: Routers) -> None:
+@pytest.mark.slow
+def test_link_reconnects_after_every_router_restart(routers: Routers) -> None:
     kits = Kits(f"tcp/127.0.0.1:{routers.port}")
     robot, student = kits.join(send="/chatter /map"), kits.join()
     out, heard = talker(robot, "/chatter"), listener(student, "/chatter")
@@ -65,7 +71,7 @@ def test_a_link_comes_back_with_the_router_again_and_again(routers: Routers) -> 
     for _ in range(RESTARTS):
         routers.kill()
         kits.until(lambda: sum("is lost" in line for line in kits.lines) == 2, "both lines on the loss")
-        kits.until(lambda: not student.about_link()[2][1], "the end of the robot's nodes")
+        kits.until(lambda: not student.link_report()[2][1], "the end of the robot's nodes")
         routers.start()
         kits.until(
             lambda: sum("is back after" in line for line in kits.lines) == 2, "both lines on the return"
@@ -81,8 +87,8 @@ def test_a_link_comes_back_with_the_router_again_and_again(routers: Routers) -> 
 
 LINKED = """
 import sys
-from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.connect import RobotAddress, link_to
+from course_lib.ros.graph.topics import Qos
+from course_lib.ros.robot.connect import RobotAddress, link_to
 
 graph = link_to(RobotAddress(sys.argv[1], send=["/cmd_vel"]))
 node = graph.add_node("x", "/")
@@ -94,17 +100,23 @@ sys.exit(3)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("killed", [False, True])
-def test_the_interpreter_exits_though_the_link_was_not_closed(routers: Routers, killed: bool) -> None:
+def test_interpreter_exits_although_the_link_was_not_closed(routers: Routers, killed: bool) -> None:
     command = [sys.executable, "-c", LINKED, f"127.0.0.1:{routers.port}"]
     pipe = subprocess.PIPE
-    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as linked:
-        assert linked.stdout is not None
-        assert linked.stdout.readline() == "up\n"
+    with Program(command, stdin=pipe, stdout=pipe) as linked:
+        assert linked.read_line() == "up\n"
         if killed:
             routers.kill()
         linked.communicate("\n", timeout=PATIENCE)
     assert linked.returncode == 3
+
+
+def on_bench(topic: str, kit: RobotGraph, kept: int) -> TopicSubscription:
+    subscription = TopicSubscription(topic, STRING, kept)
+    subscription.inbox = Inbox(kit.link.actions, lambda _: None)
+    return subscription
 
 
 def packet(sequence: int, size: int = 10, late_ns: int = 0, gid: bytes = b"") -> Packet:
@@ -112,9 +124,10 @@ def packet(sequence: int, size: int = 10, late_ns: int = 0, gid: bytes = b"") ->
     return Packet(bytes(size), sequence, now_ns - late_ns, gid, now_ns)
 
 
-def test_a_busy_kernel_keeps_the_newest_messages_of_a_topic_only(kits: Kits) -> None:
+@pytest.mark.slow
+def test_busy_kernel_keeps_only_the_newest_messages_of_a_topic(kits: Kits) -> None:
     student, taken = kits.join(), list[Packet]()
-    inbox = Inbox(student.link.arrived, taken.append)
+    inbox = Inbox(student.link.actions, taken.append)
     for sequence in range(1, 10 * MAX_MESSAGES + 1):
         inbox.put(packet(sequence))
     kits.until(lambda: len(taken) == MAX_MESSAGES, "the newest")
@@ -124,41 +137,41 @@ def test_a_busy_kernel_keeps_the_newest_messages_of_a_topic_only(kits: Kits) -> 
         inbox.put(packet(sequence, MAX_BYTES // 4))
     taken.clear()
     kits.until(lambda: len(taken) == 4, "the newest of the large ones")
-    assert student.link.arrived.empty()
+    assert student.link.actions.empty()
 
 
-def test_messages_that_were_lost_are_counted_by_the_gaps_in_their_numbers() -> None:
+def test_lost_messages_are_counted_by_gaps_in_the_sequence_numbers() -> None:
     traffic = Traffic()
     for sequence in (3, 4, 7, 8):
-        traffic.note(packet(sequence, gid=b"a"))
-    traffic.note(packet(100, gid=b"b"))
-    traffic.forget_sequences()
-    traffic.note(packet(50, gid=b"a"))
-    assert (traffic.heard, traffic.lost) == (6, 2)
+        traffic.add(packet(sequence, gid=b"a"))
+    traffic.add(packet(100, gid=b"b"))
+    traffic.reset_sequences()
+    traffic.add(packet(50, gid=b"a"))
+    assert (traffic.received, traffic.lost) == (6, 2)
 
 
-def test_a_link_that_is_too_slow_is_named_with_its_rate(kits: Kits) -> None:
+def test_messages_lost_on_a_slow_link_are_reported_with_their_rate(kits: Kits) -> None:
     student = kits.join()
-    ear = Ear("/image", Inbox(student.link.arrived, lambda _: None), Declared(student.link), 0)
+    subscription = on_bench("/image", student, 0)
     for sequence in range(0, 120, 2):
-        ear.inbox.put(packet(sequence, 1000))
-    assert ear.complaint().startswith("/image: 50% of the messages are lost on the way, ")
-    assert "lost on the way" in str(ear.row()[1])
+        subscription.inbox.put(packet(sequence, 1000))
+    assert subscription.warning().startswith("/image: 50% of the messages are lost on the way, ")
+    assert "lost on the way" in str(subscription.status_row()[1])
 
 
 def test_latched_messages_are_counted_but_have_no_rate(kits: Kits) -> None:
-    ear = Ear("/map", Inbox(kits.join().link.arrived, lambda _: None), Declared(kits.graphs[0].link), 1)
+    subscription = on_bench("/map", kits.join(), 1)
     for sequence in range(2):
-        ear.inbox.put(packet(sequence))
-    assert ear.row() == ("/map", "latched, 2 messages heard")
+        subscription.inbox.put(packet(sequence))
+    assert subscription.status_row() == ("/map", "latched, 2 messages received")
 
 
 @pytest.mark.parametrize("skew", [-200.0, 300.0])
-def test_a_clock_that_differs_is_measured_and_told(kits: Kits, skew: float) -> None:
+def test_clock_offset_of_the_robot_is_measured_and_reported(kits: Kits, skew: float) -> None:
     student = kits.join()
     listener(student, "/chatter")
     with open_session(kits.address) as robot:
-        out = robot.declare_publisher(key_of(0, "/chatter", STRING, type_hash(STRING)))
+        out = robot.declare_publisher(key_expr_of(0, "/chatter", STRING, type_hash(STRING)))
 
         def told() -> bool:
             extra = attachment(1, bytes(16), wall.time_ns() + int(skew * 1e9))
@@ -169,12 +182,12 @@ def test_a_clock_that_differs_is_measured_and_told(kits: Kits, skew: float) -> N
     (line,) = [line for line in kits.lines if "clock" in line]
     rounded = float(line.split(" is ")[1].split(" s ")[0])
     assert rounded == pytest.approx(abs(skew), abs=A_MESSAGES_WAY)
-    assert line == about_clock(copysign(rounded, skew))
-    in_table = str(dict(student.about_link())["robot's clock"])
+    assert line == clock_warning(copysign(rounded, skew))
+    in_table = str(dict(student.link_report())["robot's clock"])
     assert float(in_table.split(" s ")[0]) == pytest.approx(skew, abs=A_MESSAGES_WAY)
 
 
-def test_a_flood_leaves_timers_in_time(kits: Kits) -> None:
+def test_message_flood_does_not_delay_timers(kits: Kits) -> None:
     robot, student = kits.join(send="/flood"), kits.join()
     out, heard = talker(robot, "/flood"), listener(student, "/flood")
     connect(kits, robot, out, heard, String())
@@ -185,7 +198,8 @@ def test_a_flood_leaves_timers_in_time(kits: Kits) -> None:
     kits.until(lambda: fired, "the timer")
 
 
-def test_a_stop_that_was_due_without_a_link_is_sent_when_it_is_back(routers: Routers) -> None:
+@pytest.mark.slow
+def test_stop_due_while_disconnected_is_sent_after_reconnection(routers: Routers) -> None:
     kits = Kits(f"tcp/127.0.0.1:{routers.port}")
     robot, student = kits.join(), kits.join(send="/cmd_vel")
     heard = listener(robot, "/cmd_vel", type_name(Twist))
@@ -219,7 +233,7 @@ def driven(routers: Routers) -> Iterator[tuple[Kits, RobotGraph, int, list[bytes
     connect(kits, student, drive, heard, Twist())
     student.publish(drive, serialize(MOVING))
     kits.until(lambda: speeds(heard, Twist), "the command")
-    kits.until(lambda: student._sending._brakes[drive].owes, "the look that sees who listens")
+    kits.until(lambda: student._sending._stops[drive].is_due, "the look that sees who listens")
     routers.kill()
     kits.until(lambda: not (student.link.is_up() or robot.link.is_up()), "the loss")
     heard.clear()
@@ -231,7 +245,8 @@ def driven(routers: Routers) -> Iterator[tuple[Kits, RobotGraph, int, list[bytes
 Driven = tuple[Kits, RobotGraph, int, list[bytes]]
 
 
-def test_the_stop_of_a_node_that_ends_without_a_link_goes_out_before_another_nodes_command(
+@pytest.mark.slow
+def test_stop_of_a_removed_node_is_sent_before_commands_of_another_node_after_reconnection(
     routers: Routers, driven: Driven
 ) -> None:
     kits, student, drive, heard = driven
@@ -247,7 +262,8 @@ def test_the_stop_of_a_node_that_ends_without_a_link_goes_out_before_another_nod
     assert deserialize(heard[0], Twist).linear.x == 0.0
 
 
-def test_an_interrupt_without_a_link_stops_the_robot_when_the_link_is_back(
+@pytest.mark.slow
+def test_interrupt_while_disconnected_stops_the_robot_after_reconnection(
     routers: Routers, driven: Driven
 ) -> None:
     kits, student, _, heard = driven
@@ -263,7 +279,8 @@ def test_an_interrupt_without_a_link_stops_the_robot_when_the_link_is_back(
     assert deserialize(heard[0], Twist).linear.x == 0.0
 
 
-def test_a_link_that_is_ended_while_it_is_down_sends_the_stop_when_it_is_back(
+@pytest.mark.slow
+def test_link_closed_while_disconnected_sends_the_stop_after_reconnection(
     routers: Routers, driven: Driven
 ) -> None:
     kits, student, _, heard = driven
@@ -276,15 +293,16 @@ def test_a_link_that_is_ended_while_it_is_down_sends_the_stop_when_it_is_back(
     kits.until(lambda: not student.link.is_open, "the end of the link")
 
 
-def test_python_ends_though_the_robot_cannot_be_stopped_and_says_so(driven: Driven) -> None:
+@pytest.mark.slow
+def test_python_exits_with_a_notice_when_the_robot_cannot_be_stopped(driven: Driven) -> None:
     kits, student, _, _ = driven
     kits.graphs.remove(student)
-    student.leave()
+    student.close_at_exit()
     assert not student.link.is_open
     assert kits.lines[-2:] == [STOP_IS_DUE, NO_STOP]
 
 
-def test_a_silent_topic_of_the_robot_is_not_blamed_on_its_qos(kits: Kits) -> None:
+def test_silence_of_a_robot_topic_is_not_attributed_to_its_qos(kits: Kits) -> None:
     robot, student = kits.join(send="/scan"), kits.join()
     talker(robot, "/scan", qos=BEST_EFFORT)
     kits.until(lambda: "/scan" in topics(student, "pub"), "the publisher")

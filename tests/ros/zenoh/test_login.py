@@ -1,8 +1,14 @@
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.ros.zenoh.login import Login, Wheel, gateway_key, parted, read_gateway_key
-from course_lib.ros.zenoh.session import open_session
+from course_lib.ros.zenoh.session import (
+    DriverLock,
+    Login,
+    gateway_key,
+    open_session,
+    read_gateway_key,
+    split_login,
+)
 from tests.ros.zenoh.conftest import free_port
 
 
@@ -15,26 +21,27 @@ from tests.ros.zenoh.conftest import free_port
         ("tcp/:x@lab:1", "tcp/:x@lab:1", Login()),
     ],
 )
-def test_an_address_is_parted_from_its_login(address: str, place: str, login: Login) -> None:
-    assert parted(address) == (place, login)
+def test_address_is_split_into_host_and_login(address: str, place: str, login: Login) -> None:
+    assert split_login(address) == (place, login)
 
 
-def test_what_a_student_sends_goes_below_the_students_name() -> None:
+def test_topics_of_a_student_are_published_under_the_student_namespace() -> None:
     ann = Login("ann", "x")
-    assert ann.outward("/cmd_vel") == "/students/ann/cmd_vel"
-    assert ann.outward("/students/ann/cmd_vel") == "/students/ann/cmd_vel"
-    assert Login().outward("/cmd_vel") == Login("robot", "x").outward("/cmd_vel") == "/cmd_vel"
+    assert ann.network_topic("/cmd_vel") == "/students/ann/cmd_vel"
+    assert ann.network_topic("/students/ann/cmd_vel") == "/students/ann/cmd_vel"
+    assert Login().network_topic("/cmd_vel") == Login("robot", "x").network_topic("/cmd_vel") == "/cmd_vel"
 
 
-def test_only_a_login_is_shown_to_the_gateway_and_only_tls_needs_certificates() -> None:
+def test_login_is_sent_only_to_the_gateway_and_only_tls_requires_certificates() -> None:
     assert Login().settings("tcp/a:1") == {}
-    assert Login().presence("z") == ""
+    assert Login().presence_key("z") == ""
     ann = Login("ann", "x")
-    assert ann.presence("z") == "@course/ann/z"
+    assert ann.presence_key("z") == "@course/ann/z"
     assert ann.settings("tcp/a:1") == {"transport/auth/usrpwd": {"user": "ann", "password": "x"}}
 
 
-def test_a_gateway_that_refuses_a_login_is_not_called_a_robot() -> None:
+@pytest.mark.slow
+def test_gateway_that_rejects_a_login_is_not_reported_as_a_robot() -> None:
     with pytest.raises(CourseError, match="No gateway lets ann in at tcp/"):
         open_session(f"tcp/127.0.0.1:{free_port()}", Login("ann", "x"))
 
@@ -46,35 +53,35 @@ def test_a_gateway_that_refuses_a_login_is_not_called_a_robot() -> None:
         ("", [], "@course/GATEWAY/-/-"),
     ],
 )
-def test_a_gateways_token_has_the_driver_and_the_topics(driver: str, topics: list[str], key: str) -> None:
+def test_gateway_token_contains_the_driver_and_the_topics(driver: str, topics: list[str], key: str) -> None:
     assert gateway_key(driver, topics) == key
     assert read_gateway_key(key) == (driver, [f"/{topic}" for topic in topics])
 
 
-def test_a_student_learns_once_for_each_driver_what_is_not_passed_on() -> None:
+def test_student_is_notified_once_per_driver_about_topics_not_forwarded() -> None:
     lines: list[str] = []
-    wheel = Wheel(Login("bob", "x"), lines.append)
-    wheel.sent("/cmd_vel")  # before the gateway has told
+    lock = DriverLock(Login("bob", "x"), lines.append)
+    lock.on_sent("/cmd_vel")  # before the gateway has told
     for driver in ("ann", "", "bob"):
         for _ in range(3):
-            wheel.change(driver, ["/cmd_vel"])
-            wheel.sent("/cmd_vel")
-            wheel.sent("/note")
-            wheel.sent("/students/bob/own")
+            lock.change(driver, ["/cmd_vel"])
+            lock.on_sent("/cmd_vel")
+            lock.on_sent("/note")
+            lock.on_sent("/students/bob/own")
     assert lines == [
         "ann drives: your /cmd_vel is not passed on to the robot. The instructor chooses the driver.",
         "The gateway does not pass /note on to the robot: others hear it as /students/bob/note.",
         "Nobody drives: your /cmd_vel is not passed on to the robot. The instructor chooses the driver.",
         "You drive now: your /cmd_vel goes to the robot.",
     ]
-    assert wheel.rows() == [("driver", "you")]
+    assert lock.status_rows() == [("driver", "you")]
 
 
-def test_the_driver_and_a_link_without_a_gateway_learn_nothing() -> None:
+def test_driver_and_link_without_a_gateway_receive_no_notice() -> None:
     lines: list[str] = []
-    driver, direct = Wheel(Login("ann", "x"), lines.append), Wheel(Login(), lines.append)
+    driver, direct = DriverLock(Login("ann", "x"), lines.append), DriverLock(Login(), lines.append)
     driver.change("ann", ["/cmd_vel"])
-    for wheel in (driver, direct):
-        wheel.sent("/cmd_vel")
+    for lock in (driver, direct):
+        lock.on_sent("/cmd_vel")
     assert not lines
-    assert not direct.rows()
+    assert not direct.status_rows()

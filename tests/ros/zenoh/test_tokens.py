@@ -2,8 +2,15 @@ from dataclasses import replace
 
 import pytest
 
-from course_lib.ros.qos import Qos
-from course_lib.ros.zenoh.tokens import Entity, attachment, qos_text, read_attachment, read_qos, read_token
+from course_lib.ros.graph.topics import Qos
+from course_lib.ros.zenoh.tokens import (
+    ZenohEntity,
+    attachment,
+    qos_text,
+    read_attachment,
+    read_qos,
+    read_token,
+)
 
 STRING_HASH = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
 SUM_HASH = "RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"
@@ -13,23 +20,23 @@ NODE = f"@ros2_lv/0/{ZID}/0/0/NN/%/%/listener"
 SUBSCRIPTION = (
     f"@ros2_lv/0/{ZID}/0/10/MS/%/%/listener/%chatter/std_msgs::msg::dds_::String_/{STRING_HASH}/::,10:,:,:,,"
 )
-LISTENER = Entity(0, ZID, 0, 0, "NN", "/", "listener")
+LISTENER = ZenohEntity(0, ZID, 0, 0, "NN", "/", "listener")
 CHATTER = replace(
-    LISTENER, id=10, kind="MS", topic="/chatter", type_name="std_msgs/msg/String", type_hash=STRING_HASH
+    LISTENER, id=10, code="MS", topic="/chatter", type_name="std_msgs/msg/String", type_hash=STRING_HASH
 )
 
 
-def test_tokens_are_those_of_rmw_zenohs_design_page() -> None:
+def test_liveliness_tokens_agree_with_the_rmw_zenoh_design_page() -> None:
     assert LISTENER.token == NODE
     assert CHATTER.token == SUBSCRIPTION
 
 
 @pytest.mark.parametrize("entity", [LISTENER, CHATTER, replace(CHATTER, namespace="/a/b", topic="/a/b/c")])
-def test_a_token_is_read_as_it_was_written(entity: Entity) -> None:
+def test_token_survives_a_round_trip(entity: ZenohEntity) -> None:
     assert read_token(entity.token) == entity
 
 
-def test_rollings_fourteenth_part_is_not_read() -> None:
+def test_fourteenth_token_part_of_rolling_is_ignored() -> None:
     assert read_token(f"{SUBSCRIPTION}/more") == CHATTER
 
 
@@ -44,16 +51,16 @@ def test_rollings_fourteenth_part_is_not_read() -> None:
         f"{SUBSCRIPTION.rpartition('/')[0]}/::ten,:,:,:",
     ],
 )
-def test_what_is_not_a_token_is_none(key: str) -> None:
+def test_invalid_token_is_parsed_as_none(key: str) -> None:
     assert read_token(key) is None
 
 
-def test_keys_of_topics_and_services_are_those_of_the_design_page() -> None:
-    assert CHATTER.key == f"0/chatter/std_msgs::msg::dds_::String_/{STRING_HASH}"
-    service = Entity(
+def test_key_expressions_of_topics_and_services_agree_with_the_design_page() -> None:
+    assert CHATTER.key_expr == f"0/chatter/std_msgs::msg::dds_::String_/{STRING_HASH}"
+    service = ZenohEntity(
         2, ZID, 0, 11, "SS", "/", "adder", "/a/add_two_ints", "example_interfaces/srv/AddTwoInts", SUM_HASH
     )
-    assert service.key == f"2/a/add_two_ints/example_interfaces::srv::dds_::AddTwoInts_/{SUM_HASH}"
+    assert service.key_expr == f"2/a/add_two_ints/example_interfaces::srv::dds_::AddTwoInts_/{SUM_HASH}"
 
 
 @pytest.mark.parametrize(
@@ -68,23 +75,23 @@ def test_keys_of_topics_and_services_are_those_of_the_design_page() -> None:
         (Qos(liveliness="manual_by_topic"), "::,10:,:,:3,,"),
     ],
 )
-def test_a_qos_is_written_and_read(qos: Qos, text: str) -> None:
+def test_qos_survives_a_round_trip(qos: Qos, text: str) -> None:
     assert qos_text(qos) == text
     assert read_qos(text) == qos
 
 
-def test_an_attachment_has_33_bytes() -> None:
+def test_attachment_has_33_bytes() -> None:
     data = attachment(3, bytes(range(16)), 1_700_000_000_000_000_000)
     assert data.hex() == "0300000000000000" + "00002a36fe9c9717" + "10" + bytes(range(16)).hex()
     assert read_attachment(data) == (3, 1_700_000_000_000_000_000, bytes(range(16)))
 
 
-def test_an_older_attachment_is_refused() -> None:
+def test_older_attachment_format_is_rejected() -> None:
     with pytest.raises(ValueError, match="49 bytes instead of 33"):
         read_attachment(bytes(49))
 
 
-def test_a_gid_is_the_hash_of_the_token_low_half_first() -> None:
+def test_gid_is_the_hash_of_the_token_with_the_low_half_first() -> None:
     import xxhash
 
     high, low = divmod(xxhash.xxh3_128(SUBSCRIPTION.encode()).intdigest(), 2**64)

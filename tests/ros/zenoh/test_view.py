@@ -2,16 +2,17 @@ import pytest
 from visualization_msgs.msg import Marker
 
 from course_lib import Viewer
-from course_lib.displays.panel.time_panel import LiveTime, TimeChange
-from course_lib.displays.view_time import ViewTime
-from course_lib.ros.graph import use_graph
+from course_lib.displays.frames import ViewTime
+from course_lib.displays.panel.desk import LiveTime, TimeChange
+from course_lib.ros.graph.graph import use_graph
 from course_lib.tools.rqt.monitors import RobotMonitorView
-from course_lib.viewer.wire import MessageError
+from course_lib.viewer.encoding import MessageError
 from tests.ros.zenoh.conftest import Kits
 from tests.ros.zenoh.test_two_kits import BEST_EFFORT, connect, talker, topics
 
 
-def test_a_viewer_shows_a_robots_marker_whatever_its_qos(kits: Kits) -> None:
+@pytest.mark.slow
+def test_viewer_shows_a_marker_of_a_robot_regardless_of_its_qos(kits: Kits) -> None:
     robot, student = kits.join(send="/marker /other"), kits.join()
     out = talker(robot, "/marker", "visualization_msgs/msg/Marker", BEST_EFFORT)
     talker(robot, "/other", "visualization_msgs/msg/Marker", BEST_EFFORT)
@@ -33,7 +34,7 @@ def test_a_viewer_shows_a_robots_marker_whatever_its_qos(kits: Kits) -> None:
     kits.until(lambda: "/marker" not in topics(robot, "sub"), "the end of the subscription")
 
 
-def test_a_view_of_rqt_asks_a_robot_for_its_own_topics_only(kits: Kits) -> None:
+def test_rqt_view_subscribes_only_to_its_own_topics_of_a_robot(kits: Kits) -> None:
     robot, student = kits.join(send="/image /diagnostics"), kits.join()
     talker(robot, "/image", "sensor_msgs/msg/Image")
     talker(robot, "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
@@ -45,7 +46,7 @@ def test_a_view_of_rqt_asks_a_robot_for_its_own_topics_only(kits: Kits) -> None:
     view.close()
 
 
-def test_the_time_of_a_robot_takes_no_orders(kits: Kits) -> None:
+def test_time_of_a_robot_cannot_be_controlled(kits: Kits) -> None:
     time = LiveTime(kits.join(), ViewTime(0, False))
     time.act(TimeChange())
     with pytest.raises(MessageError, match="cannot be paused"):

@@ -9,11 +9,10 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_lib.recording import Recording, write_bag
-from course_lib.ros.clock import START_NS
-from course_lib.ros.driving import running_nodes
-from course_lib.ros.graph import Graph, Sample, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, Sample, use_graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
-from course_lib.ros.qos import Qos
+from course_lib.ros.time.driving import running_nodes
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
 

@@ -9,10 +9,9 @@ from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros import pace, wall
-from course_lib.ros.clock import START_NS
-from course_lib.ros.driving import running_nodes
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph
+from course_lib.ros.time import pace, wall
+from course_lib.ros.time.driving import running_nodes
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.run import ros2_over
 from course_lib.tools.sources import RecordingSource
@@ -43,7 +42,7 @@ def texts(heard: Heard) -> str:
     return "".join(text for _, _, text in heard)
 
 
-def test_a_bag_is_played_in_its_order_and_at_its_pace(bag: Path, run: Run, heard: Heard) -> None:
+def test_bag_is_played_in_order_and_at_its_rate(bag: Path, run: Run, heard: Heard) -> None:
     said = run("play five")
     assert [(topic, text) for _, topic, text in heard] == [(("/a", "/b")[i % 2], str(i)) for i in range(6)]
     assert [at for at, _, _ in heard] == pytest.approx([i + 0.001 for i in range(6)])
@@ -66,7 +65,7 @@ def test_a_bag_is_played_in_its_order_and_at_its_pace(bag: Path, run: Run, heard
         ("--exclude-topics /a", "135", 1.0),
     ],
 )
-def test_options_choose_what_is_played_and_when(
+def test_options_select_topics_and_times_to_play(
     bag: Path, run: Run, heard: Heard, options: str, played: str, first: float
 ) -> None:
     run(f"play five {options}")
@@ -74,17 +73,17 @@ def test_options_choose_what_is_played_and_when(
     assert heard[0][0] == pytest.approx(first + 0.001)
 
 
-def test_the_rate_shortens_the_pauses(bag: Path, run: Run, heard: Heard) -> None:
+def test_rate_option_scales_the_pauses(bag: Path, run: Run, heard: Heard) -> None:
     run("play five -r 4")
     assert [at for at, _, _ in heard] == pytest.approx([i / 4 + 0.001 for i in range(6)])
 
 
-def test_topics_get_other_names(bag: Path, run: Run, heard: Heard) -> None:
+def test_topics_are_remapped(bag: Path, run: Run, heard: Heard) -> None:
     run("play five --topics /b --remap /b:=/c")
     assert {topic for _, topic, _ in heard} == {"/c"}
 
 
-def test_without_a_page_a_loop_ends(bag: Path, run: Run, heard: Heard) -> None:
+def test_loop_ends_without_a_page(bag: Path, run: Run, heard: Heard) -> None:
     said = run("play five --loop -r 2")
     assert texts(heard) == "012345" * 2
     assert said.endswith("No page is watching: ros2 bag play stopped after 5 s of robot time.\n")
@@ -108,24 +107,22 @@ def test_latched_topics_are_played_latched(bag: Path, graph: Graph, run: Run) ->
         ("play nowhere", "argument bag_path: Bag path 'nowhere' does not exist!"),
         ("play five -r 0", "argument -r/--rate: Value must be positive"),
         ("play five -m a:=b", "write /old_topic:=/new_topic"),
-        ("play five --topics /z", r"Nothing of five is left to play: see `ros2 bag info`"),
+        ("play five --topics /z", r"The options select no message of five. `ros2 bag info`"),
     ],
 )
-def test_mistakes_are_one_line(bag: Path, run: Run, line: str, text: str) -> None:
+def test_invalid_arguments_are_reported_in_one_line(bag: Path, run: Run, line: str, text: str) -> None:
     with pytest.raises(CourseError, match=text):
         run(line)
 
 
-def test_over_a_recording_nobody_listens(bag: Path) -> None:
+def test_play_on_a_recording_is_rejected(bag: Path) -> None:
     with pytest.raises(
-        CourseError, match=r"Nobody listens: course bag play --run program.py /.*five, or look"
+        CourseError, match=r"There is no subscription: course bag play --run program.py /.*five, or view"
     ):
         ros2(["bag", "play", str(bag)], RecordingSource(Recording(())), print)
 
 
-def test_the_end_of_the_run_is_the_end_of_the_play(
-    bag: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_playback_ends_with_the_run(bag: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "ear.py").write_text(
         "import rclpy\n"
         "from rclpy.node import Node\n"
@@ -136,15 +133,15 @@ def test_the_end_of_the_run_is_the_end_of_the_play(
         "rclpy.spin(node)\n"
     )
     assert ros2_over(["bag", "play", str(bag)], files=[tmp_path / "ear.py"], bag=None, seconds=3.0) == 0
-    assert capfd.readouterr().out.splitlines()[2:] == ["heard 0", "heard 2"]
+    assert capfd.readouterr().err.splitlines() == ["heard 0", "heard 2"]
 
 
-def test_a_start_in_pause_is_refused_where_nobody_could_end_it(bag: Path, run: Run) -> None:
-    with pytest.raises(CourseError, match=r"^--start-paused: nobody can start it here"):
+def test_start_paused_is_rejected_without_a_time_panel(bag: Path, run: Run) -> None:
+    with pytest.raises(CourseError, match=r"^--start-paused needs JupyterLab"):
         run("play five --start-paused")
 
 
-def test_a_start_in_pause_waits_for_the_time_panel(
+def test_start_paused_waits_for_the_time_panel(
     bag: Path, run: Run, heard: Heard, graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")

@@ -8,9 +8,8 @@ from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.recording import read_bag
-from course_lib.ros.clock import START_NS
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import START_NS, Graph
+from course_lib.ros.time.driving import spin_for
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource, RecordingSource
 
@@ -21,7 +20,7 @@ def counts(folder: str | Path) -> dict[str, int]:
     return {topic.name: topic.count for topic in read_bag(folder).topics()}
 
 
-def test_what_was_chosen_is_recorded_and_said_as_rosbag2_does(talker: Node, run: Run) -> None:
+def test_selected_topics_are_recorded_with_the_output_of_rosbag2(talker: Node, run: Run) -> None:
     text = run("record /chatter nobody -o my_bag")
     assert counts("my_bag") == {"/chatter": 10}
     at = "[INFO] [1700000000.000000000] [rosbag2_recorder]: "
@@ -45,17 +44,19 @@ def test_what_was_chosen_is_recorded_and_said_as_rosbag2_does(talker: Node, run:
         ("--topics /chatter --exclude-topics /chatter", set()),
     ],
 )
-def test_topics_are_chosen_by_rosbag2s_rules(talker: Node, run: Run, options: str, topics: set[str]) -> None:
+def test_topics_are_selected_by_the_rules_of_rosbag2(
+    talker: Node, run: Run, options: str, topics: set[str]
+) -> None:
     run(f"record {options} -o chosen")
     assert set(counts("chosen")) - {"/parameter_events", "/rosout"} == topics
 
 
-def test_without_a_name_the_bag_is_called_by_the_time(talker: Node, run: Run) -> None:
+def test_default_bag_name_is_the_current_time(talker: Node, run: Run) -> None:
     run("record -a")
     assert counts("rosbag2_2023_11_14-22_13_20")["/chatter"] == 10
 
 
-def test_a_bag_is_filtered_into_another_one(bag: Path) -> None:
+def test_bag_is_filtered_into_another_bag(bag: Path) -> None:
     ros2(
         ["bag", "record", "-e", "b", "-o", str(bag.parent / "b")],
         RecordingSource(read_bag(bag)),
@@ -73,12 +74,14 @@ def test_a_bag_is_filtered_into_another_one(bag: Path) -> None:
         ("record -a -s sqlite3", "invalid choice: 'sqlite3'"),
     ],
 )
-def test_mistakes_have_ros2s_words(bag: Path, run: Run, line: str, text: str) -> None:
+def test_invalid_arguments_are_rejected_with_the_text_of_ros2(
+    bag: Path, run: Run, line: str, text: str
+) -> None:
     with pytest.raises(CourseError, match=text):
         run(line)
 
 
-def test_an_interrupt_ends_the_recording_and_keeps_it(
+def test_interrupt_ends_the_recording_and_keeps_it(
     talker: Node, graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source, written, wait = GraphSource(graph), list[str](), GraphSource.wait
@@ -94,7 +97,7 @@ def test_an_interrupt_ends_the_recording_and_keeps_it(
     assert written[-1].endswith("[rosbag2_recorder]: Recording stopped\n")
 
 
-def test_what_was_latched_before_begins_with_the_bag(graph: Graph, run: Run) -> None:
+def test_latched_messages_are_recorded_at_the_start_of_the_bag(graph: Graph, run: Run) -> None:
     node = Node("latching")
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     node.create_publisher(String, "/latched", latched).publish(String(data="before"))

@@ -14,13 +14,12 @@ from std_msgs.msg import String
 from course_lib import performance_report
 from course_lib.errors import CourseError
 from course_lib.recording import record, write_bag
-from course_lib.ros import virtual_time
-from course_lib.ros.driving import running_nodes, spin_for
-from course_lib.ros.graph import Graph, Sample, use_graph
+from course_lib.ros.graph.graph import Graph, Sample, use_graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import RosMessage, serialize, type_name
-from course_lib.ros.qos import Qos
-from course_lib.tools.performance import PerformanceReport
-from course_lib.tools.performance_rows import header_stamp
+from course_lib.ros.time import virtual_time
+from course_lib.ros.time.driving import running_nodes, spin_for
+from course_lib.tools.performance import PerformanceReport, header_stamp
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
 
@@ -81,7 +80,7 @@ def test_topics_have_rates_sizes_and_latencies(graph: Graph) -> None:
     assert rows["/image"].bandwidth == pytest.approx(10 * size)
 
 
-def test_rates_and_delays_are_those_of_the_command_line(graph: Graph) -> None:
+def test_rates_and_delays_agree_with_the_command_line(graph: Graph) -> None:
     report = measured(3.0)
     running_nodes().extend([Camera(), Detector()])
     for row in report.topics:
@@ -94,7 +93,7 @@ def test_rates_and_delays_are_those_of_the_command_line(graph: Graph) -> None:
             assert float(said[-1]) == pytest.approx(number, rel=0.01)
 
 
-def test_a_slow_callback_is_found_with_what_it_keeps_waiting(graph: Graph) -> None:
+def test_slow_callback_is_reported_with_delayed_callbacks(graph: Graph) -> None:
     report = measured(2.05)
     rows = {(row.node, row.callback): row for row in report.callbacks}
     assert set(rows) == {
@@ -111,7 +110,7 @@ def test_a_slow_callback_is_found_with_what_it_keeps_waiting(graph: Graph) -> No
     assert report.busy == {"/camera": 0.0, "/detector": pytest.approx(slow.busy)}
 
 
-def test_robot_time_decides_all_but_the_processors_load(graph: Graph) -> None:
+def test_all_figures_except_the_processor_load_are_in_robot_time(graph: Graph) -> None:
     one = measured().to_plain()
     with use_graph(Graph(notebook=True)):
         rclpy.init()
@@ -119,7 +118,7 @@ def test_robot_time_decides_all_but_the_processors_load(graph: Graph) -> None:
     assert "load" not in str(one)
 
 
-def test_a_bag_and_a_recording_are_measured_as_well(graph: Graph, tmp_path: Path) -> None:
+def test_bag_and_recording_are_measured_like_a_live_run(graph: Graph, tmp_path: Path) -> None:
     with record(graph) as recorder:
         spin_for(2.0, Camera())
     write_bag(recorder.recording(), tmp_path / "bag")
@@ -132,7 +131,7 @@ def test_a_bag_and_a_recording_are_measured_as_well(graph: Graph, tmp_path: Path
     assert "Processor" not in str(from_bag)
 
 
-def test_a_report_is_a_table_in_text_and_in_a_cell(graph: Graph) -> None:
+def test_report_is_a_table_in_text_and_in_a_cell(graph: Graph) -> None:
     report = measured()
     text, html = str(report), report._repr_html_()
     for words in ("Topics in 2 s of robot time", "Rate (Hz)", "/detector", "Longest wait (ms)"):
@@ -142,7 +141,7 @@ def test_a_report_is_a_table_in_text_and_in_a_cell(graph: Graph) -> None:
     assert str(report) == text
 
 
-def test_a_cell_shows_one_table_not_those_that_rich_would_display(
+def test_cell_displays_one_table(
     graph: Graph, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
@@ -150,7 +149,8 @@ def test_a_cell_shows_one_table_not_those_that_rich_would_display(
     assert capsys.readouterr().out == ""
 
 
-def test_the_timeline_shows_and_says_who_ran_and_who_waited(graph: Graph) -> None:
+@pytest.mark.slow
+def test_timeline_shows_running_and_waiting_callbacks(graph: Graph) -> None:
     chart = measured().timeline(0.0, 1.0)
     assert chart.alt.startswith("Callback timeline from 0 to 1 s of robot time. ")
     assert "/detector timer 0.25 s: 4 calls, the longest 0 ms, the longest wait 31 ms." in chart.alt
@@ -160,12 +160,13 @@ def test_the_timeline_shows_and_says_who_ran_and_who_waited(graph: Graph) -> Non
     assert chart.png().startswith(b"\x89PNG")
 
 
-def test_a_time_without_callbacks_is_no_timeline(graph: Graph, tmp_path: Path) -> None:
+def test_timeline_without_callbacks_is_omitted(graph: Graph, tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="No callback ran from 7 to 8 s"):
         measured().timeline(7.0, 8.0)
 
 
-def test_the_overview_says_its_numbers(graph: Graph, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_overview_contains_the_figures_of_the_report(graph: Graph, tmp_path: Path) -> None:
     chart = measured().figure()
     assert re.search(r"Rate \[Hz\]: /detections 10, /image 10, /words \d", chart.alt)
     assert "Mean latency [ms]: /detections 82, /image 1." in chart.alt
@@ -181,13 +182,13 @@ def test_the_overview_says_its_numbers(graph: Graph, tmp_path: Path) -> None:
         (Image(), 12 * 10**9 + 5),
     ],
 )
-def test_stamps_are_read_out_of_the_bytes(message: RosMessage, stamp: int | None) -> None:
+def test_stamps_are_read_from_the_serialized_bytes(message: RosMessage, stamp: int | None) -> None:
     if stamp is not None:
         message.header.stamp.sec, message.header.stamp.nanosec = 12, 5  # type: ignore[attr-defined]
     assert header_stamp(Sample(0, "/x", type_name(type(message)), serialize(message), Qos(), 0)) == stamp
 
 
-def test_mistakes_are_named(graph: Graph, tmp_path: Path) -> None:
+def test_invalid_arguments_are_reported(graph: Graph, tmp_path: Path) -> None:
     with pytest.raises(CourseError, match="is not a node"):
         performance_report(1.0, "camera")  # type: ignore[arg-type]
     with pytest.raises(CourseError, match="There is no bag"):

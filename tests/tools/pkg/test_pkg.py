@@ -9,8 +9,8 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.packages import find_package
-from course_lib.ros.standin_path import STANDIN, provided
+from course_lib.ros.programs.import_path import STANDIN, provided_packages
+from course_lib.ros.programs.packages import find_package
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.run import ros2_over
 from course_lib.tools.sources import RecordingSource
@@ -68,14 +68,14 @@ def made(run: Run) -> str:
     return run(f"{line} --dependencies rclpy sensor_msgs")
 
 
-def test_each_step_is_said_as_ros2cli_says_it(made: str, tmp_path: Path) -> None:
+def test_each_step_has_the_output_of_ros2cli(made: str, tmp_path: Path) -> None:
     assert made == CREATED.format(here=tmp_path, user=getpass.getuser())
     for line in made.splitlines():
         if line.startswith("creating ./"):
             assert (tmp_path / line.removeprefix("creating ")).is_file()
 
 
-def test_the_package_is_one_with_its_executable(made: str, run: Run, tmp_path: Path) -> None:
+def test_created_package_is_listed_with_its_executable(made: str, run: Run, tmp_path: Path) -> None:
     found = find_package("my_pkg")
     assert found is not None
     assert found.executables == {"talker": ("my_pkg.talker", "main")}
@@ -90,7 +90,7 @@ def test_the_package_is_one_with_its_executable(made: str, run: Run, tmp_path: P
     assert ElementTree.fromstring(run("xml my_pkg")).findtext("license") == "MIT"
 
 
-def test_a_license_that_is_none_is_warned_of(run: Run) -> None:
+def test_unknown_license_causes_a_warning(run: Run) -> None:
     said = run("create --build-type ament_python my_pkg")
     assert "\n[WARNING]: Unknown license 'TODO: License declaration'.  This has been set in the" in said
     assert said.endswith("license identifiers:\n" + run("create x --license ?").split("\n", 1)[1])
@@ -99,41 +99,45 @@ def test_a_license_that_is_none_is_warned_of(run: Run) -> None:
 @pytest.mark.parametrize(
     ("line", "text"),
     [
-        ("create my_pkg", r"ament_cmake packages hold C\+\+.*create --build-type ament_python my_pkg"),
+        ("create my_pkg", r"ament_cmake packages contain C\+\+.*create --build-type ament_python my_pkg"),
         ("create --build-type ament_python test", "'ament_python' packages can't be named 'test'"),
-        ("create --build-type ament_python MyPkg", "no name for a package"),
+        ("create --build-type ament_python MyPkg", "not a package name"),
         ("create --build-type ament_python my_pkg", r"Aborted!\nThe directory already exists: \./my_pkg\n"),
         ("prefix my_pkgs", r"^Package not found\. Did you mean my_pkg\?$"),
         ("executables my_pgk", r"^Package 'my_pgk' not found\. Did you mean my_pkg\?$"),
         ("xml my_pkg -t maintainr", r"^XML tag not found\. Did you mean maintainer\?$"),
-        ("xml rclpy", "^Package XML manifest not found: rclpy is a part of the kit"),
+        ("xml rclpy", "^Package XML manifest not found: rclpy is part of the kit"),
     ],
 )
-def test_mistakes_have_ros2s_words_and_a_way_out(made: str, run: Run, line: str, text: str) -> None:
+def test_invalid_arguments_are_rejected_with_the_text_of_ros2_and_a_solution(
+    made: str, run: Run, line: str, text: str
+) -> None:
     with pytest.raises(CourseError, match=text):
         run(line)
 
 
-def test_the_kits_packages_are_listed_beside_ones_own(made: str, run: Run) -> None:
+def test_kit_packages_are_listed_along_with_custom_packages(made: str, run: Run) -> None:
     names = run("list").split()
     assert names == sorted(names)
-    assert {*provided(), "my_pkg", "rviz2"} <= set(names)
+    assert {*provided_packages(), "my_pkg", "rviz2"} <= set(names)
     assert run("prefix rclpy") == f"{STANDIN}\n"
     lines = run("executables").splitlines()
     assert {"my_pkg talker", "diagnostic_aggregator aggregator_node", "rviz2 rviz2"} <= set(lines)
 
 
-def test_pkg_needs_neither_a_program_nor_a_recording(made: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_pkg_requires_neither_a_program_nor_a_recording(
+    made: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert ros2_over(["pkg", "executables", "my_pkg"], files=[], bag=None, seconds=1.0) == 0
     assert capsys.readouterr().out == "my_pkg talker\n"
 
 
-def test_an_executable_runs_from_the_command_line(made: str, capfd: pytest.CaptureFixture[str]) -> None:
+def test_created_executable_runs_from_the_command_line(made: str, capfd: pytest.CaptureFixture[str]) -> None:
     assert ros2_over(["run", "my_pkg", "talker"], files=[], bag=None, seconds=1.0) == 0
     assert capfd.readouterr().out == "Hi from my_pkg.\n"
 
 
-def test_a_user_without_a_name_is_asked_for_one(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_maintainer_is_required_if_the_user_has_no_name(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail() -> str:
         raise KeyError("getpwuid(): uid not found: 1000760000")
 

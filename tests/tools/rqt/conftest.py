@@ -11,8 +11,8 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from course_lib.ros.driving import running_nodes
-from course_lib.ros.graph import Graph, use_graph
+from course_lib.ros.graph.graph import Graph, use_graph
+from course_lib.ros.time.driving import running_nodes
 
 
 @pytest.fixture

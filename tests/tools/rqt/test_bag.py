@@ -6,8 +6,8 @@ from sensor_msgs.msg import JointState
 
 from course_lib.errors import CourseError
 from course_lib.recording import record, write_bag
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.driving import spin_for
 from course_lib.tools.rqt.bag import BagView
 
 
@@ -25,7 +25,7 @@ def test_each_topic_has_a_line_with_its_count(view: BagView) -> None:
     assert ">20</text>" in view.picture()
 
 
-def test_the_cursor_shows_the_last_message_before_it(view: BagView) -> None:
+def test_cursor_shows_the_last_message_before_it(view: BagView) -> None:
     view.controls["Message of"].value = "/arm/joint_states"
     view.controls["Time [s]"].value = 0.52
     assert "at 0.500 s" in view.picture() or "at 0.499" in view.picture()
@@ -43,12 +43,12 @@ def test_playing_publishes_each_message_once_with_its_topic(view: BagView, graph
     assert [n.name for n in graph.nodes()] == ["listener"]
 
 
-def test_unpublished_it_only_moves_the_cursor(view: BagView, graph: Graph) -> None:
+def test_playback_without_publishing_only_moves_the_cursor(view: BagView, graph: Graph) -> None:
     view.controls["Publish"].value = False
     view.play_to(0.5)
     assert "rosbag2_player" not in [node.name for node in graph.nodes()]
 
 
-def test_a_bag_must_be_named(graph: Graph) -> None:
-    with pytest.raises(CourseError, match="Say which bag: %rqt bag FOLDER"):
+def test_bag_argument_is_required(graph: Graph) -> None:
+    with pytest.raises(CourseError, match="Add the folder of a bag from ros2 bag record: %rqt bag FOLDER"):
         BagView(graph, [])

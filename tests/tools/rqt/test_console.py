@@ -1,7 +1,7 @@
 import pytest
 from rclpy.node import Node
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from course_lib.tools.rqt.monitors import ConsoleView
 
 
@@ -16,7 +16,7 @@ def view(graph: Graph, planner: Node) -> ConsoleView:
     return view
 
 
-def test_messages_come_newest_first_with_severity_in_words(view: ConsoleView) -> None:
+def test_messages_are_sorted_newest_first_with_named_severities(view: ConsoleView) -> None:
     picture = view.picture()
     assert (
         picture.index("battery is empty")
@@ -27,7 +27,7 @@ def test_messages_come_newest_first_with_severity_in_words(view: ConsoleView) ->
     assert "Error</td><td>planner</td><td>1700000000.000000000</td>" in picture
 
 
-def test_filters_leave_out_by_severity_node_and_text(view: ConsoleView) -> None:
+def test_filters_exclude_messages_by_severity_node_and_text(view: ConsoleView) -> None:
     view.controls["Error"].value = False
     assert "battery is empty" not in view.picture()
     view.controls["Text"].value = "BATTERY"
@@ -36,12 +36,12 @@ def test_filters_leave_out_by_severity_node_and_text(view: ConsoleView) -> None:
     assert "Displaying 0 of 3" in view.picture()
 
 
-def test_what_is_highlighted_has_a_sign_too(view: ConsoleView) -> None:
+def test_highlighted_messages_are_also_marked_by_a_symbol(view: ConsoleView) -> None:
     view.controls["Highlight"].value = "low"
     assert "<mark>► battery is low</mark>" in view.picture()
 
 
-def test_paused_it_takes_nothing(view: ConsoleView, planner: Node) -> None:
+def test_paused_console_ignores_messages(view: ConsoleView, planner: Node) -> None:
     view.controls["Pause"].value = True
     planner.get_logger().info("unheard")
     assert "Displaying 3 of 3" in view.picture()

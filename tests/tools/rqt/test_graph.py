@@ -8,8 +8,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.ros.graph import Graph
-from course_lib.tools.rqt.graph import ACTIVE, ALL, NODES, GraphView, passes
+from course_lib.ros.graph.graph import Graph
+from course_lib.tools.rqt.graph import ACTIVE, ALL, NODES, GraphView, matches_filter
 
 
 def drawn(view: GraphView) -> list[str]:
@@ -21,9 +21,7 @@ def shapes(view: GraphView, name: str) -> int:
     return view.picture().count(f"<{name} ")
 
 
-def test_nodes_are_ellipses_and_topics_with_both_ends_are_boxes(
-    graph: Graph, arm: Node, planner: Node
-) -> None:
+def test_nodes_are_ellipses_and_connected_topics_are_boxes(graph: Graph, arm: Node, planner: Node) -> None:
     view = GraphView(graph, [])
     assert view["Show"] == ACTIVE
     view.controls["Group namespaces"].value = False
@@ -31,7 +29,7 @@ def test_nodes_are_ellipses_and_topics_with_both_ends_are_boxes(
     assert (shapes(view, "ellipse"), shapes(view, "rect")) == (2, 1)
 
 
-def test_all_shows_topics_that_nobody_hears(graph: Graph, arm: Node, planner: Node) -> None:
+def test_all_option_shows_topics_without_subscription(graph: Graph, arm: Node, planner: Node) -> None:
     view = GraphView(graph, [])
     view.controls["Show"].value = ALL
     assert "/plan" in drawn(view)
@@ -39,7 +37,7 @@ def test_all_shows_topics_that_nobody_hears(graph: Graph, arm: Node, planner: No
     assert "/plan" not in drawn(view)
 
 
-def test_nodes_only_writes_topics_on_the_arrows(graph: Graph, arm: Node, planner: Node) -> None:
+def test_nodes_only_option_labels_arrows_with_topics(graph: Graph, arm: Node, planner: Node) -> None:
     view = GraphView(graph, [])
     view.controls["Show"].value = NODES
     view.controls["Group namespaces"].value = False
@@ -48,7 +46,7 @@ def test_nodes_only_writes_topics_on_the_arrows(graph: Graph, arm: Node, planner
     assert "/arm/controller to /planner /arm/joint_states" in view.picture()
 
 
-def test_debug_and_parameters_are_hidden_until_asked_for(graph: Graph, arm: Node) -> None:
+def test_debug_nodes_and_parameters_are_hidden_by_default(graph: Graph, arm: Node) -> None:
     view = GraphView(graph, [])
     view.controls["Show"].value = ALL
     assert not {"/rosout", "/parameter_events"} & set(drawn(view))
@@ -57,7 +55,7 @@ def test_debug_and_parameters_are_hidden_until_asked_for(graph: Graph, arm: Node
     assert {"/rosout", "/parameter_events"} <= set(drawn(view))
 
 
-def test_a_topic_whose_qos_does_not_fit_says_so_in_words(graph: Graph, planner: Node) -> None:
+def test_incompatible_qos_is_explained(graph: Graph, planner: Node) -> None:
     weak = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
     Node("camera").create_publisher(String, "label", weak)
     planner.create_subscription(String, "label", lambda _: None, 10)
@@ -67,7 +65,7 @@ def test_a_topic_whose_qos_does_not_fit_says_so_in_words(graph: Graph, planner: 
     assert "/label (QoS!)" in drawn(view)
 
 
-def test_the_topics_of_an_action_do_not_mismatch_each_other(graph: Graph, planner: Node) -> None:
+def test_qos_of_the_topics_of_an_action_is_compatible(graph: Graph, planner: Node) -> None:
     server = ActionServer(Node("hand"), GripperCommand, "grip", lambda _: GripperCommand.Result())
     client = ActionClient(planner, GripperCommand, "grip")
     view = GraphView(graph, [])
@@ -78,17 +76,17 @@ def test_the_topics_of_an_action_do_not_mismatch_each_other(graph: Graph, planne
     server.destroy()
 
 
-def test_namespaces_are_groups(graph: Graph, arm: Node, planner: Node) -> None:
+def test_namespaces_are_drawn_as_groups(graph: Graph, arm: Node, planner: Node) -> None:
     assert "/arm" in drawn(GraphView(graph, []))
 
 
-def test_filters_take_patterns_and_exceptions() -> None:
+def test_filters_accept_patterns_and_exclusions() -> None:
     names = ["/arm/a", "/arm/b", "/leg"]
-    assert [name for name in names if passes(name, "/")] == names
-    assert [name for name in names if passes(name, "/arm/.*, -/arm/b")] == ["/arm/a"]
+    assert [name for name in names if matches_filter(name, "/")] == names
+    assert [name for name in names if matches_filter(name, "/arm/.*, -/arm/b")] == ["/arm/a"]
     with pytest.raises(CourseError, match=r"'\(\[' is not a filter"):
-        passes("/a", "([")
+        matches_filter("/a", "([")
 
 
-def test_without_nodes_it_says_what_to_do(graph: Graph) -> None:
-    assert "No node is there" in GraphView(graph, []).picture()
+def test_graph_without_nodes_prints_a_hint(graph: Graph) -> None:
+    assert "There is no node" in GraphView(graph, []).picture()

@@ -5,8 +5,8 @@ import pytest
 from rclpy.node import Node
 
 from course_lib.errors import CourseError
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.driving import spin_for
 from course_lib.tools.rqt.plot import PlotView, parse
 
 TOPICS = {
@@ -17,7 +17,7 @@ TOPICS = {
 }
 
 
-def test_paths_lead_to_numbers_in_messages() -> None:
+def test_plot_paths_are_resolved_to_numeric_fields() -> None:
     from geometry_msgs.msg import PoseStamped
     from sensor_msgs.msg import JointState
     from std_msgs.msg import Bool
@@ -42,18 +42,18 @@ def test_paths_lead_to_numbers_in_messages() -> None:
         ("/pose/pose/positon/x", "geometry_msgs/msg/Pose has no field 'positon'. Did you mean position"),
         ("/pose/pose/position", "/pose/pose/position is not a number. Numbers here: /pose/pose/position/x"),
         ("/pose/header/frame_id", "is not a number"),
-        ("/arm/joint_states/position", r"position is a list. Say which of it, like position\[0\]"),
-        ("/pose/pose/position/x[0]", "x is no list"),
+        ("/arm/joint_states/position", r"position is a list. Add an index, like position\[0\]"),
+        ("/pose/pose/position/x[0]", "x is not a list"),
         ("/odom/pose/covariance[36]", "covariance is a list of 36"),
         ("/on/data/x", "a number has no field 'x'"),
     ],
 )
-def test_a_wrong_path_is_explained(path: str, said: str) -> None:
+def test_invalid_path_is_explained(path: str, said: str) -> None:
     with pytest.raises(CourseError, match=said):
         parse(path, TOPICS)
 
 
-def test_curves_show_what_came_by_robot_time(graph: Graph, arm: Node) -> None:
+def test_curves_show_received_values_by_robot_time(graph: Graph, arm: Node) -> None:
     view = PlotView(graph, ["/arm/joint_states/position[0]"])
     start_ns = graph.now_ns
     view.listen()
@@ -65,7 +65,7 @@ def test_curves_show_what_came_by_robot_time(graph: Graph, arm: Node) -> None:
     assert f"/arm/joint_states/position[0] = {points[-1][1]:.4g}" in view.picture()
 
 
-def test_curves_are_added_by_typing_and_keep_what_they_have(graph: Graph, arm: Node) -> None:
+def test_added_curves_keep_existing_points(graph: Graph, arm: Node) -> None:
     view = PlotView(graph, ["/arm/joint_states/position[0]"])
     view.listen()
     spin_for(0.5)
@@ -73,10 +73,10 @@ def test_curves_are_added_by_typing_and_keep_what_they_have(graph: Graph, arm: N
     spin_for(0.5)
     assert [len(points) for _, points in view.curves.values()] == [20, 10]
     view.clear()
-    assert "nothing came yet" in view.picture()
+    assert "no message yet" in view.picture()
 
 
-def test_a_pause_keeps_the_picture_and_goes_on_listening(graph: Graph, arm: Node) -> None:
+def test_paused_plot_keeps_its_image_while_messages_are_received(graph: Graph, arm: Node) -> None:
     view = PlotView(graph, ["/arm/joint_states/position[1]"])
     view.listen()
     spin_for(0.5)
@@ -90,7 +90,8 @@ def test_a_pause_keeps_the_picture_and_goes_on_listening(graph: Graph, arm: Node
     assert view.screen.value != before
 
 
-def test_a_long_curve_is_a_small_picture_and_keeps_its_peaks(graph: Graph, arm: Node) -> None:
+@pytest.mark.slow
+def test_long_curve_is_downsampled_and_keeps_its_peaks(graph: Graph, arm: Node) -> None:
     view = PlotView(graph, ["/arm/joint_states/position[0]"])
     view.controls["Autoscroll"].value = False
     ((_, points),) = view.curves.values()

@@ -5,10 +5,10 @@ import pytest
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from course_lib.controls.slider import Slider
+from course_lib.controls import Slider
 from course_lib.errors import CourseError
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.driving import spin_for
 from course_lib.tools.rqt.services import ReconfigureView
 
 
@@ -25,7 +25,7 @@ def row(view: ReconfigureView, name: str) -> tuple[Any, str, str]:
     return control, note.value, said.value
 
 
-def test_controls_suit_types_and_ranges(view: ReconfigureView) -> None:
+def test_controls_match_parameter_types_and_ranges(view: ReconfigureView) -> None:
     slider, note, _ = row(view, "gain")
     assert isinstance(slider, Slider)
     assert (slider.min, slider.max, slider.value) == (0.0, 5.0, 1.5)
@@ -36,7 +36,7 @@ def test_controls_suit_types_and_ranges(view: ReconfigureView) -> None:
     assert "read-only" in row(view, "serial")[1]
 
 
-def test_a_change_is_set_in_the_node(view: ReconfigureView, arm: Node) -> None:
+def test_change_is_set_in_the_node(view: ReconfigureView, arm: Node) -> None:
     row(view, "gain")[0].value = 2.25
     row(view, "limits")[0].value = "[1.0, 2.0, 3.0]"
     assert arm.get_parameter("gain").value == 2.25
@@ -44,7 +44,7 @@ def test_a_change_is_set_in_the_node(view: ReconfigureView, arm: Node) -> None:
     assert row(view, "gain")[2] == "set"
 
 
-def test_a_refused_value_is_taken_back_with_the_reason(view: ReconfigureView, arm: Node) -> None:
+def test_rejected_value_is_reverted_and_the_reason_shown(view: ReconfigureView, arm: Node) -> None:
     row(view, "frame")[0].value = "map"
     assert row(view, "frame")[0].value == arm.get_parameter("frame").value == "base"
     assert "Not set: there is only base" in row(view, "frame")[2]
@@ -52,17 +52,17 @@ def test_a_refused_value_is_taken_back_with_the_reason(view: ReconfigureView, ar
     assert "is not a parameter value" in row(view, "limits")[2]
 
 
-def test_what_others_set_is_shown(view: ReconfigureView, arm: Node) -> None:
+def test_values_set_by_other_nodes_are_shown(view: ReconfigureView, arm: Node) -> None:
     arm.set_parameters([Parameter("gain", value=4.0)])
     spin_for(0.1)
     assert row(view, "gain")[0].value == 4.0
 
 
-def test_without_a_page_all_nodes_are_written(graph: Graph, arm: Node) -> None:
+def test_parameters_of_all_nodes_are_printed_without_a_page(graph: Graph, arm: Node) -> None:
     picture = ReconfigureView(graph, []).picture()
     assert "<td>gain</td><td>1.5</td><td>0 … 5 · How fast</td>" in picture
 
 
-def test_a_wrong_node_names_the_near_one(graph: Graph, arm: Node) -> None:
+def test_unknown_node_error_suggests_the_closest(graph: Graph, arm: Node) -> None:
     with pytest.raises(CourseError, match=r"Node not found: /arm/controler.*/arm/controller"):
         ReconfigureView(graph, ["arm/controler"])

@@ -3,9 +3,9 @@ from example_interfaces.srv import AddTwoInts
 from rclpy.node import Node
 
 from course_lib.errors import CourseError
-from course_lib.ros.driving import running_nodes
-from course_lib.ros.graph import Graph
-from course_lib.ros.pace import speed_of
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.driving import running_nodes
+from course_lib.ros.time.pace import speed_of
 from course_lib.tools.rqt.services import ServiceCallerView
 
 
@@ -27,11 +27,11 @@ def call(view: ServiceCallerView, request: str) -> str:
     return str(view.screen.value)
 
 
-def test_a_request_begins_with_default_values(view: ServiceCallerView) -> None:
+def test_request_has_default_values_at_first(view: ServiceCallerView) -> None:
     assert view.request.value == "a: 0\nb: 0\n"
 
 
-def test_the_response_is_shown(view: ServiceCallerView) -> None:
+def test_response_is_shown(view: ServiceCallerView) -> None:
     assert "sum: 42" in call(view, "{a: 20, b: 22}")
 
 
@@ -43,25 +43,23 @@ def test_the_response_is_shown(view: ServiceCallerView) -> None:
         ("a: {b: 1}", "Failed to populate field"),
     ],
 )
-def test_what_is_no_request_is_explained(view: ServiceCallerView, request_: str, said: str) -> None:
+def test_invalid_request_is_explained(view: ServiceCallerView, request_: str, said: str) -> None:
     assert "No response" in call(view, request_)
     assert said in view.notice.value
 
 
-def test_silence_is_an_error(view: ServiceCallerView) -> None:
+def test_missing_response_is_an_error(view: ServiceCallerView) -> None:
     running_nodes().clear()
     call(view, "a: 1")
-    assert "/add does not answer: is it running?" in view.notice.value
+    assert "/add does not respond. Is it running?" in view.notice.value
 
 
-def test_a_wrong_name_names_the_near_one(view: ServiceCallerView, graph: Graph) -> None:
+def test_unknown_service_error_suggests_the_closest(view: ServiceCallerView, graph: Graph) -> None:
     with pytest.raises(CourseError, match=r"There is no service /ad\. Did you mean /add\?"):
         ServiceCallerView(graph, ["ad"])
 
 
-def test_services_that_come_later_are_offered_and_the_choice_stays(
-    view: ServiceCallerView, planner: Node
-) -> None:
+def test_later_services_are_offered_and_the_selection_is_kept(view: ServiceCallerView, planner: Node) -> None:
     said = call(view, "{a: 20, b: 22}")
     planner.create_service(AddTwoInts, "a_new_one", lambda _, response: response)
     view.refresh()
@@ -70,10 +68,10 @@ def test_services_that_come_later_are_offered_and_the_choice_stays(
     assert (view.request.value, view.screen.value) == ("{a: 20, b: 22}", said)
 
 
-def test_while_robot_time_is_paused_nobody_is_asked(
+def test_no_service_is_called_while_robot_time_is_paused(
     view: ServiceCallerView, graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")
     speed_of(graph).paused = True
     call(view, "a: 1")
-    assert "Robot time is paused, nobody answers" in view.notice.value
+    assert "Robot time is paused, so no node responds" in view.notice.value

@@ -1,12 +1,12 @@
 from rclpy.node import Node
 
 from course_lib.recording import record
-from course_lib.ros.driving import spin_for
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.driving import spin_for
 from course_lib.tools.rqt.monitors import TopicView
 
 
-def test_rates_and_sizes_are_those_of_what_was_published(graph: Graph, arm: Node) -> None:
+def test_rates_and_sizes_agree_with_published_messages(graph: Graph, arm: Node) -> None:
     view = TopicView(graph, [])
     view.listen()
     with record(graph) as recorder:
@@ -19,7 +19,7 @@ def test_rates_and_sizes_are_those_of_what_was_published(graph: Graph, arm: Node
     ]
 
 
-def test_a_row_opens_to_the_whole_value(graph: Graph, arm: Node) -> None:
+def test_row_expands_to_the_complete_value(graph: Graph, arm: Node) -> None:
     view = TopicView(graph, ["/arm/joint_states"])
     view.listen()
     spin_for(0.2)
@@ -30,9 +30,9 @@ def test_a_row_opens_to_the_whole_value(graph: Graph, arm: Node) -> None:
     assert value.value == ""
 
 
-def test_the_filter_leaves_topics_out(graph: Graph, arm: Node) -> None:
+def test_filter_hides_topics(graph: Graph, arm: Node) -> None:
     view = TopicView(graph, [])
     view.controls["Filter"].value = "joint"
     view.refresh()
     assert len(view.table.children) == 1
-    assert "not heard yet" in view.picture()
+    assert "no message yet" in view.picture()

@@ -5,17 +5,17 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_lib.recording import Recording
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
-from course_lib.ros.qos import Qos
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import RecordingSource
-from course_lib.tools.topic.subscribe import bandwidth
+from course_lib.tools.topic import bandwidth
 
 Run = Callable[[str], str]
 
 
-def test_the_sizes_are_those_on_the_wire(run: Run, talker: Node) -> None:
+def test_sizes_are_serialized_message_sizes(run: Run, talker: Node) -> None:
     size = len(serialize(String(data="hello 1")))
     assert size == len(serialize(String(data="hello 9")))
     lines = run("topic bw /chatter").splitlines()
@@ -25,7 +25,7 @@ def test_the_sizes_are_those_on_the_wire(run: Run, talker: Node) -> None:
     assert lines[-1] == "No page is watching: ros2 topic bw stopped after 5 s of robot time."
 
 
-def test_a_recording_begins_with_the_title_too() -> None:
+def test_recording_output_begins_with_the_header() -> None:
     cdr = serialize(String(data="hello 1"))
     samples = tuple(Sample(10**18 + i * 10**8, "/a", "std_msgs/msg/String", cdr, Qos(), 1) for i in range(11))
     written: list[str] = []
@@ -53,5 +53,7 @@ def test_a_recording_begins_with_the_title_too() -> None:
         ),
     ],
 )
-def test_units_are_of_1000_and_chosen_by_the_rate(sizes: list[int], seconds: float, text: str) -> None:
+def test_units_are_multiples_of_1000_selected_by_the_rate(
+    sizes: list[int], seconds: float, text: str
+) -> None:
     assert bandwidth(sizes, seconds) == text

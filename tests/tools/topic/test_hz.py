@@ -9,9 +9,9 @@ from std_msgs.msg import String
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.graph import Sample
+from course_lib.ros.graph.graph import Sample
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import message_class, serialize
-from course_lib.ros.qos import Qos
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import RecordingSource
 
@@ -19,7 +19,7 @@ Run = Callable[[str], str]
 STRING = "std_msgs/msg/String"
 
 
-def test_a_topic_of_10_hz_reads_10(run: Run, talker: Node) -> None:
+def test_topic_at_10_hz_is_measured_as_10_hz(run: Run, talker: Node) -> None:
     assert run("topic hz /chatter") == (
         "average rate: 10.000\n\tmin: 0.100s max: 0.100s std dev: 0.00000s window: 11\n"
         "average rate: 10.000\n\tmin: 0.100s max: 0.100s std dev: 0.00000s window: 21\n"
@@ -29,14 +29,14 @@ def test_a_topic_of_10_hz_reads_10(run: Run, talker: Node) -> None:
     )
 
 
-def test_the_window_and_the_filter_choose_what_counts(run: Run, talker: Node) -> None:
+def test_window_and_filter_select_the_messages(run: Run, talker: Node) -> None:
     assert run("topic hz chatter --window 5").splitlines()[1].endswith("window: 5")
     text = run("topic hz /chatter --filter int(m.data.split()[1])%2==0")
     assert text.startswith("average rate: 5.000\n\tmin: 0.200s max: 0.200s")
 
 
 @given(st.lists(st.integers(1, 3 * 10**7), min_size=1, max_size=30))
-def test_the_numbers_are_those_of_numpy(gaps: list[int]) -> None:
+def test_statistics_agree_with_numpy(gaps: list[int]) -> None:
     cdr = serialize(message_class(STRING)())
     stamps = np.cumsum([10**18, *gaps])
     samples = tuple(Sample(int(stamp), "/a", STRING, cdr, Qos(), 1) for stamp in stamps)
@@ -49,25 +49,25 @@ def test_the_numbers_are_those_of_numpy(gaps: list[int]) -> None:
     ]
 
 
-def test_it_waits_for_a_topic_and_names_those_there_are(run: Run, talker: Node) -> None:
+def test_hz_waits_for_a_topic_and_lists_the_existing_ones(run: Run, talker: Node) -> None:
     with pytest.raises(CourseError, match=r"^Could not determine the type .* Did you mean /chatter\?"):
         run("topic hz /chater")
     assert run.written == "WARNING: topic [/chater] does not appear to be published yet\n"  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("verb", ["hz", "bw", "delay", "echo"])
-def test_hidden_topics_are_not_among_those_that_are_named(run: Run, talker: Node, verb: str) -> None:
+def test_hidden_topics_are_not_listed(run: Run, talker: Node, verb: str) -> None:
     talker.create_publisher(String, "_hidden/status", 10)
     with pytest.raises(CourseError, match=r"Topics here: /chatter, /parameter_events, /place, /rosout\.$"):
         run(f"topic {verb} /unknown")
 
 
 @pytest.mark.parametrize("verb", ["hz", "bw", "delay"])
-def test_silence_is_explained(run: Run, talker: Node, verb: str) -> None:
+def test_silent_topic_is_explained(run: Run, talker: Node, verb: str) -> None:
     with pytest.raises(CourseError, match=r"^No message came on /rosout in 5 s of robot time\."):
         run(f"topic {verb} /rosout")
 
 
-def test_a_window_is_a_positive_number(run: Run, talker: Node) -> None:
+def test_window_must_be_a_positive_number(run: Run, talker: Node) -> None:
     with pytest.raises(CourseError, match="argument -w/--window: value must be a positive integer"):
         run("topic hz /chatter -w 0")

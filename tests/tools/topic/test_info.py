@@ -11,16 +11,16 @@ from course_lib.errors import CourseError
 Run = Callable[[str], str]
 
 
-def test_info_counts_both_sides(run: Run, talker: Node) -> None:
+def test_info_counts_publishers_and_subscriptions(run: Run, talker: Node, other: Node) -> None:
     talker.create_subscription(String, "chatter", print, 10)
     assert run("topic info /chatter") == (
         "Type: std_msgs/msg/String\nPublisher count: 1\nSubscription count: 1\n"
     )
-    talker.create_publisher(Bool, "chatter", 10)
+    other.create_publisher(Bool, "chatter", 10)
     assert run("topic info /chatter").startswith("Type: ['std_msgs/msg/Bool', 'std_msgs/msg/String']\n")
 
 
-def test_verbose_describes_each_endpoint(run: Run, talker: Node) -> None:
+def test_verbose_option_describes_each_endpoint(run: Run, talker: Node) -> None:
     qos = QoSProfile(
         depth=5,
         reliability=ReliabilityPolicy.BEST_EFFORT,
@@ -54,6 +54,6 @@ def test_verbose_describes_each_endpoint(run: Run, talker: Node) -> None:
     assert "  Deadline: 2000000000 nanoseconds\n" in blocks[4]
 
 
-def test_an_unknown_topic_is_answered_with_the_nearest(run: Run, talker: Node) -> None:
+def test_unknown_topic_error_suggests_the_closest(run: Run, talker: Node) -> None:
     with pytest.raises(CourseError, match=r"^Unknown topic '/chater'\. Did you mean /chatter\?$"):
         run("topic info /chater")

@@ -20,7 +20,7 @@ Run = Callable[[str], str]
         "topic pub -w 3 /a std_msgs/msg/String",
     ],
 )
-def test_an_interrupt_ends_quietly(
+def test_interrupt_ends_the_command_silently(
     run: Run, talker: Node, capsys: pytest.CaptureFixture[str], line: str
 ) -> None:
     def press() -> None:

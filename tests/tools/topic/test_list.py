@@ -6,8 +6,8 @@ from std_msgs.msg import Bool, String
 Run = Callable[[str], str]
 
 
-def test_type_prints_each_type_and_find_each_topic(run: Run, talker: Node) -> None:
-    talker.create_publisher(Bool, "/chatter", 1)
+def test_type_prints_the_type_of_a_topic_and_find_its_topics(run: Run, talker: Node, other: Node) -> None:
+    other.create_publisher(Bool, "/chatter", 1)
     talker.create_publisher(String, "/_hidden", 1)
     assert run("topic type /chatter") == "std_msgs/msg/Bool\nstd_msgs/msg/String\n"
     assert run("topic type /nope") == ""

@@ -7,7 +7,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_lib.errors import CourseError
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 
 Run = Callable[[str], str]
 
@@ -18,7 +18,7 @@ def heard_by(node: Node, kind: type, topic: str) -> list[Any]:
     return heard
 
 
-def test_once_publishes_one_message_in_ros2cli_s_words(run: Run, graph: Graph, talker: Node) -> None:
+def test_once_publishes_one_message_with_the_output_of_ros2cli(run: Run, graph: Graph, talker: Node) -> None:
     heard = heard_by(talker, String, "ear")
     assert run("topic pub --once /ear std_msgs/msg/String {data: hi}") == (
         "publisher: beginning loop\npublishing #1: std_msgs.msg.String(data='hi')\n\n"
@@ -27,7 +27,7 @@ def test_once_publishes_one_message_in_ros2cli_s_words(run: Run, graph: Graph, t
     assert [node.name for node in graph.nodes()] == ["talker"]
 
 
-def test_times_and_rate_and_print_say_how_often(run: Run, graph: Graph, talker: Node) -> None:
+def test_times_rate_and_print_options_take_effect(run: Run, graph: Graph, talker: Node) -> None:
     heard, start_ns = heard_by(talker, String, "ear"), graph.now_ns
     text = run("topic pub -t 5 -r 4 -p 2 /ear std_msgs/String {data: hi}")
     assert len(heard) == 5
@@ -37,13 +37,13 @@ def test_times_and_rate_and_print_say_how_often(run: Run, graph: Graph, talker: 
     assert graph.now_ns - start_ns == 1_100_000_000  # four pauses, and --keep-alive's
 
 
-def test_without_a_page_it_stops_and_says_so(run: Run, talker: Node) -> None:
+def test_pub_without_a_page_stops_with_a_notice(run: Run, talker: Node) -> None:
     text = run("topic pub /nobody std_msgs/msg/String")
     assert text.count("publishing #") == 6
     assert text.endswith("No page is watching: ros2 topic pub stopped after 5 s of robot time.\n")
 
 
-def test_now_and_auto_are_the_time_of_each_message(run: Run, talker: Node) -> None:
+def test_now_and_auto_are_the_publishing_time_of_each_message(run: Run, talker: Node) -> None:
     heard = heard_by(talker, PoseStamped, "goal")
     run("topic pub -t 2 /goal geometry_msgs/msg/PoseStamped {header: auto, pose: {position: {x: 1}}}")
     run("topic pub --once /goal geometry_msgs/msg/PoseStamped {header: {stamp: now, frame_id: map}}")
@@ -52,7 +52,7 @@ def test_now_and_auto_are_the_time_of_each_message(run: Run, talker: Node) -> No
     assert [heard[0].pose.position.x, heard[0].pose.orientation.w, heard[2].header.frame_id] == [1, 1, "map"]
 
 
-def test_it_waits_for_whom_it_was_asked_to(run: Run, talker: Node) -> None:
+def test_pub_waits_for_the_requested_number_of_subscriptions(run: Run, talker: Node) -> None:
     with pytest.raises(
         CourseError, match=r"^Timed out waiting for subscribers: Expected 1 subcribers but only got 0 subsc"
     ):
@@ -74,7 +74,7 @@ def test_it_waits_for_whom_it_was_asked_to(run: Run, talker: Node) -> None:
         ),
     ],
 )
-def test_mistakes_are_told_before_anything_is_sent(run: Run, talker: Node, line: str, text: str) -> None:
+def test_errors_are_reported_before_publishing(run: Run, talker: Node, line: str, text: str) -> None:
     with pytest.raises(CourseError) as raised:
         run(f"topic pub {line}")
     assert text in str(raised.value)

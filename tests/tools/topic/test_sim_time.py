@@ -10,8 +10,8 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from course_lib.recording import record
-from course_lib.ros.driving import running_nodes, spin_for
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.time.driving import running_nodes, spin_for
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import RecordingSource
 
@@ -39,7 +39,7 @@ def simulator(talker: Node) -> list[float]:
     return now
 
 
-def test_a_rate_is_measured_by_the_clock(run: Run, simulator: list[float]) -> None:
+def test_rate_is_measured_in_clock_time(run: Run, simulator: list[float]) -> None:
     lines = run("topic hz /chatter --use-sim-time").splitlines()
     assert lines[0].startswith("average rate: 5.")
     assert lines[-3].startswith("average rate: 5.")
@@ -47,17 +47,17 @@ def test_a_rate_is_measured_by_the_clock(run: Run, simulator: list[float]) -> No
     assert run("topic hz /chatter").startswith("average rate: 10.000\n")
 
 
-def test_a_delay_is_the_clock_s_time_less_the_stamp(run: Run, simulator: list[float]) -> None:
+def test_delay_is_clock_time_minus_stamp(run: Run, simulator: list[float]) -> None:
     assert run("topic delay /sim_place -s").startswith("average delay: -0.200\n\tmin: -0.200s max: -0.200s")
     assert run("topic delay /sim_place").startswith("average delay: 16999")
 
 
-def test_a_bandwidth_is_bytes_per_second_of_the_clock(run: Run, simulator: list[float]) -> None:
+def test_bandwidth_is_in_bytes_per_second_of_clock_time(run: Run, simulator: list[float]) -> None:
     by_robot, by_clock = (float(run(f"topic bw /place {o}").splitlines()[-3].split()[0]) for o in ("", "-s"))
     assert by_clock == pytest.approx(by_robot / 2, rel=0.15)
 
 
-def test_a_simulation_that_starts_again_is_named(run: Run, simulator: list[float], talker: Node) -> None:
+def test_restarted_simulation_is_reported(run: Run, simulator: list[float], talker: Node) -> None:
     def reset() -> None:
         simulator[0] = -0.2
 
@@ -66,7 +66,7 @@ def test_a_simulation_that_starts_again_is_named(run: Run, simulator: list[float
     assert "WARNING: time is reset!\n" in run("topic bw /chatter -s")
 
 
-def test_a_recording_is_measured_by_its_clock(graph: Graph, simulator: list[float]) -> None:
+def test_recording_is_measured_in_its_clock_time(graph: Graph, simulator: list[float]) -> None:
     with record(graph) as recorder:
         spin_for(3.0)
     written: list[str] = []
@@ -74,7 +74,7 @@ def test_a_recording_is_measured_by_its_clock(graph: Graph, simulator: list[floa
     assert written[-1].startswith("average rate: 5.")
 
 
-def test_messages_are_published_and_stamped_by_the_clock(
+def test_messages_are_published_and_stamped_in_clock_time(
     run: Run, simulator: list[float], talker: Node
 ) -> None:
     heard: list[float] = []

@@ -275,6 +275,13 @@ async function store(item, given) {
   }
 }
 
+/** Take back all marks of the open task, and what is typed for it. */
+function withdraw() {
+  const item = form.item;
+  if (item?.marks.length) void alone(() => saved(item, [{ row: "", withdraw: true }], false));
+  else say("This task has no saved mark");
+}
+
 /**
  * @param {Details} theirs the item as it is saved by now, while other marks were typed here
  * @returns {boolean} whether both say the same
@@ -362,6 +369,7 @@ find("anonymous", HTMLElement).addEventListener("click", hide);
 find("help", HTMLElement).addEventListener("click", KEYS["?"]);
 find("previous", HTMLElement).addEventListener("click", KEYS.k);
 find("next", HTMLElement).addEventListener("click", KEYS.j);
+find("withdraw", HTMLElement).addEventListener("click", withdraw);
 find("theirs", HTMLElement).addEventListener("click", () => {
   form.forget();
   if (form.item) show(form.item);

@@ -12,5 +12,5 @@ export type Details = Item & {
   used: [string, string][]; code: { cells: Cell[]; problem: string }; scene: string; others: Record<string, string>;
 };
 export type Changes = { number: number; items: Item[]; problems: string[]; others: Record<string, string>; state: string };
-export type Given = { row: string; points: number | null; comment: string };
+export type Given = { row: string; points: number | null; comment: string } | { row: string; withdraw: true };
 export type Draft = { revision: string; fields: Record<string, string> };

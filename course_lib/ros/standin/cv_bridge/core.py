@@ -1,16 +1,197 @@
-"""Image messages as numpy arrays in OpenCV's order of channels, and back."""
+"""Conversions between image messages and numpy arrays in OpenCV's channel order."""
 
+import re
 import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
 from io import BytesIO
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
-from cv_bridge.colors import DEPTHS, Encoding, Pixels, convert, encoding_of
+# OpenCV's depths in the order of their numbers, with the names of numpy's types.
+DEPTHS = {
+    "8U": "uint8", "8S": "int8", "16U": "uint16", "16S": "int16", "32S": "int32", "32F": "float32",
+    "64F": "float64",
+}  # fmt: skip
+_CHANNELS = {"mono": 1, "rgb": 3, "bgr": 3, "rgba": 4, "bgra": 4}
+_COLOR = re.compile(r"(mono|rgba?|bgra?|bayer_(?:rggb|bggr|gbrg|grbg))(8|16)")
+_GENERIC = re.compile(rf"({'|'.join(DEPTHS)})(?:C(\d+))?")
+_YUV = ("yuv422", "yuv422_yuy2")
 
-JPEG_QUALITY = 95  # OpenCV's
+
+@dataclass(frozen=True)
+class Encoding:
+    """The meaning of a pixel: colors, in an order such as "bgra" or "bayer_rggb", or other numbers.
+
+    Args:
+        name: The encoding as in the message.
+        order: The order of the color channels, or "" if the numbers are not colors.
+        depth: OpenCV's name for the type of a channel.
+        channels: The number of channels of a pixel.
+    """
+
+    name: str
+    order: str
+    depth: str
+    channels: int
+
+    @property
+    def dtype(self) -> "np.dtype[np.generic]":
+        """The numpy type of a channel."""
+        return np.dtype(DEPTHS[self.depth])
+
+    @property
+    def bits(self) -> int:
+        """The number of bits of a channel."""
+        return self.dtype.itemsize * 8
+
+    @property
+    def cv_type(self) -> int:
+        """OpenCV's number for the type of a pixel."""
+        return list(DEPTHS).index(self.depth) + ((self.channels - 1) << 3)
+
+    @property
+    def cv_name(self) -> str:
+        """OpenCV's name for the type of a pixel, such as 8UC3."""
+        return f"{self.depth}C{self.channels}"
+
+
+def encoding_of(name: str) -> Encoding:
+    """Return the encoding with this name. Raise a RuntimeError if there is none."""
+    if color := _COLOR.fullmatch(name):
+        return Encoding(name, color[1], f"{color[2]}U", _CHANNELS.get(color[1], 1))
+    if name in _YUV:
+        return Encoding(name, name, "8U", 2)
+    if generic := _GENERIC.fullmatch(name):
+        return Encoding(name, "", generic[1], int(generic[2] or 1))
+    raise RuntimeError(f"Unrecognized image encoding [{name}]")
+
+
+Pixels = npt.NDArray[Any]  # shape (rows, columns) or (rows, columns, channels)
+
+# OpenCV's weights of the channels for a gray value, in units of 2**-15.
+_GRAY = {"r": 9798, "g": 19235, "b": 3735}
+# The same for Bayer patterns, in units of 2**-14.
+_BAYER_GRAY = {"r": 4899, "g": 9617, "b": 1868}
+# BT.601 in units of 2**-20: the weight of Y - 16, and for each color the weights of U - 128 and V
+# - 128.
+_LUMA, _CHROMA = 1220542, {"r": (0, 1673527), "g": (-409993, -852492), "b": (2116026, 0)}
+# The index of the chroma channel (U or V) and of the luma channel Y.
+_PARTS = {"yuv422": (0, 1), "yuv422_yuy2": (1, 0)}
+
+
+def convert(pixels: Pixels, source: str, target: str) -> Pixels:
+    """Convert pixels to another encoding. Raise a RuntimeError if the conversion makes no sense."""
+    if target in ("", source):
+        return pixels.copy()
+    one, other = encoding_of(source), encoding_of(target)
+    if one.order and other.order:
+        if other.order not in _targets(one.order):
+            raise RuntimeError(f"Unsupported conversion from [{one.name}] to [{other.name}]")
+    elif other.order:
+        raise RuntimeError(
+            f"[{one.name}] is not a color format. but [{other.name}] is. The conversion does not make sense"
+        )
+    elif one.channels != other.channels and one.order:
+        raise RuntimeError(
+            f"[{one.name}] is a color format but [{other.name}] is not so they must have the same OpenCV "
+            "type, CV_8UC3, CV16UC1 ...."
+        )
+    elif one.channels != other.channels:
+        raise RuntimeError(f"[{one.name}] and [{other.name}] do not have the same number of channel")
+    if one.order == other.order or not (one.order and other.order):
+        return _scaled(pixels, one, other)
+    converted = _colored(pixels, one, other)
+    return converted if one.bits == other.bits else _scaled(converted, one, other)
+
+
+def _targets(order: str) -> tuple[str, ...]:
+    if order.startswith("bayer"):
+        return ("mono", "rgb", "bgr")
+    return ("mono", "rgb", "bgr", "rgba", "bgra", *(("yuv422",) if order == "yuv422" else ()))
+
+
+def _scaled(pixels: Pixels, one: Encoding, other: Encoding) -> Pixels:
+    """Convert pixels to another depth.
+
+    Between 8 and 16 bits the values are scaled to the full range.
+    """
+    factor = {(8, 16): 65535.0 / 255.0, (16, 8): 255.0 / 65535.0}.get((one.bits, other.bits), 1.0)
+    stretched: Pixels = pixels.astype(np.float64) * factor
+    if other.dtype.kind == "f":
+        return stretched.astype(other.dtype)
+    limits = np.iinfo(other.dtype.name)
+    return np.clip(np.rint(stretched), limits.min, limits.max).astype(other.dtype)
+
+
+def _colored(pixels: Pixels, one: Encoding, other: Encoding) -> Pixels:
+    if one.order.startswith("bayer"):
+        planes = _bayer_planes(pixels, one.order.removeprefix("bayer_"))
+        if other.order == "mono":
+            return _gray(planes, _BAYER_GRAY, 16).astype(pixels.dtype)
+        planes = {name: (plane + 2) >> 2 for name, plane in planes.items()}
+    elif one.order in _PARTS:
+        if other.order == "mono":
+            return pixels[..., _PARTS[one.order][1]].copy()
+        planes = _yuv_planes(pixels, *_PARTS[one.order])
+    elif one.order == "mono":
+        planes = dict.fromkeys("rgb", pixels)
+    else:
+        planes = {name: pixels[..., place] for place, name in enumerate(one.order)}
+    if other.order == "mono":
+        return _gray(planes, _GRAY, 15).astype(pixels.dtype)
+    planes.setdefault("a", np.full(pixels.shape[:2], np.iinfo(pixels.dtype).max))
+    return np.stack([planes[name] for name in other.order], axis=-1).astype(pixels.dtype)
+
+
+def _gray(planes: Mapping[str, Pixels], weights: Mapping[str, int], bits: int) -> Pixels:
+    """Return the rounded weighted sum of the colors, with weights in units of 2**-bits."""
+    rows = [planes[name].astype(np.int64) * weight for name, weight in weights.items()]
+    total: Pixels = np.sum(rows, axis=0)
+    return (total + (1 << bits - 1)) >> bits
+
+
+def _yuv_planes(pixels: Pixels, chroma: int, luma: int) -> dict[str, Pixels]:
+    """Return the color planes of pixels of which each pair shares U and V."""
+    bright = np.maximum(pixels[..., luma].astype(np.int64) - 16, 0) * _LUMA
+    u, v = (np.repeat(pixels[:, start::2, chroma].astype(np.int64) - 128, 2, axis=1) for start in (0, 1))
+    sums = {name: bright + u * for_u + v * for_v for name, (for_u, for_v) in _CHROMA.items()}
+    return {name: np.clip((total + (1 << 19)) >> 20, 0, 255) for name, total in sums.items()}
+
+
+def _bayer_planes(pixels: Pixels, pattern: str) -> dict[str, Pixels]:
+    """Return four times the color planes of a Bayer pattern, as means of neighboring pixels.
+
+    Pixels at the image's border get the values of their inner neighbors.
+    """
+    rows, columns = pixels.shape
+    wide = pixels.astype(np.int64)
+    centre, planes = wide[1:-1, 1:-1], {name: np.zeros((rows, columns), np.int64) for name in "rgb"}
+    beside = 2 * (wide[1:-1, :-2] + wide[1:-1, 2:])
+    above = 2 * (wide[:-2, 1:-1] + wide[2:, 1:-1])
+    corners = wide[:-2, :-2] + wide[:-2, 2:] + wide[2:, :-2] + wide[2:, 2:]
+    for place in range(4):
+        row, column = divmod(place, 2)
+        # Slices relative to the image without its border.
+        cells = (slice(1 - row, None, 2), slice(1 - column, None, 2))
+        mine, next_to = pattern[place], pattern[place ^ 1]
+        inner = {name: plane[1:-1, 1:-1] for name, plane in planes.items()}
+        inner[mine][cells] = 4 * centre[cells]
+        if mine == "g":
+            inner[next_to][cells] = beside[cells]
+            inner["b" if next_to == "r" else "r"][cells] = above[cells]
+        else:
+            inner["g"][cells] = (beside[cells] + above[cells]) // 2
+            inner["b" if mine == "r" else "r"][cells] = corners[cells]
+    return {name: np.pad(plane[1:-1, 1:-1], 1, mode="edge") for name, plane in planes.items()}
+
+
+# OpenCV's default.
+JPEG_QUALITY = 95
 _FORMATS = {
     **dict.fromkeys(("jpg", "jpeg", "jpe"), "JPEG"), "png": "PNG", **dict.fromkeys(("bmp", "dib"), "BMP"),
     **dict.fromkeys(("tif", "tiff"), "TIFF"), **dict.fromkeys(("pbm", "pgm", "ppm"), "PPM"), "webp": "WEBP",
@@ -23,7 +204,7 @@ class CvBridgeError(TypeError):
 
 
 class CvBridge:
-    """Conversions of messages; OpenCV itself is not needed."""
+    """Converts image messages. OpenCV itself is not needed."""
 
     def __init__(self) -> None:
         self.numpy_type_to_cvtype = {name: depth for depth, name in DEPTHS.items()} | DEPTHS
@@ -32,29 +213,32 @@ class CvBridge:
         self.cvtype_to_name = {one.cv_type: one.cv_name for one in generic}
 
     def dtype_with_channels_to_cvtype2(self, dtype: "np.dtype[Any]", n_channels: int) -> str:
-        """Return OpenCV's name for a type, like 8UC3; raises KeyError for what OpenCV has no type."""
+        """Return OpenCV's name for a type, such as 8UC3.
+
+        Raise KeyError if OpenCV has no such type.
+        """
         return f"{self.numpy_type_to_cvtype[dtype.name]}C{n_channels}"
 
     def cvtype2_to_dtype_with_channels(self, cvtype: int) -> tuple[str, int]:
-        """Return numpy's name for the depth of an OpenCV type, and its channels."""
+        """Return numpy's name for the depth of an OpenCV type, and the number of channels."""
         return self.cvdepth_to_numpy_depth[cvtype & 7], (cvtype >> 3) + 1
 
     def encoding_to_cvtype2(self, encoding: str) -> int:
-        """Return OpenCV's number for the type of an encoding."""
+        """Return OpenCV's number for the type of an encoding's pixels."""
         try:
             return encoding_of(encoding).cv_type
         except RuntimeError as error:
             raise CvBridgeError(error) from None
 
     def encoding_to_dtype_with_channels(self, encoding: str) -> tuple[str, int]:
-        """Return numpy's name for the depth of an encoding, and its channels."""
+        """Return numpy's name for the depth of an encoding, and the number of channels."""
         return self.cvtype2_to_dtype_with_channels(self.encoding_to_cvtype2(encoding))
 
     def imgmsg_to_cv2(self, img_msg: Image, desired_encoding: str = "passthrough") -> Pixels:
-        """Return the pixels of a message, in its own encoding or another one.
+        """Return the pixels of a message, in its own encoding or converted to another one.
 
         Raises:
-            CvBridgeError: There is no such encoding, or no such conversion.
+            CvBridgeError: The encoding or the conversion does not exist.
         """
         name, channels = self.encoding_to_dtype_with_channels(img_msg.encoding)
         dtype = np.dtype(name).newbyteorder(">" if img_msg.is_bigendian else "<")
@@ -76,10 +260,10 @@ class CvBridge:
     def cv2_to_imgmsg(
         self, cvim: Pixels, encoding: str = "passthrough", header: Header | None = None
     ) -> Image:
-        """Return pixels as a message; the encoding only names what they are.
+        """Convert pixels to a message. `encoding` labels the pixels but does not convert them.
 
         Raises:
-            CvBridgeError: The pixels are of another type.
+            CvBridgeError: The pixels do not have the type of the encoding.
         """
         cv_type = self.dtype_with_channels_to_cvtype2(*_type_of(cvim))
         if encoding != "passthrough" and self.cvtype_to_name[self.encoding_to_cvtype2(encoding)] != cv_type:
@@ -97,7 +281,7 @@ class CvBridge:
         return message
 
     def cv2_to_compressed_imgmsg(self, cvim: Pixels, dst_format: str = "jpg") -> CompressedImage:
-        """Return pixels, gray, BGR or BGRA, as a message in a format of files, like jpg or png."""
+        """Compress pixels (gray, BGR or BGRA) into a message, in a file format such as jpg or png."""
         _type_of(cvim)
         message = CompressedImage(format=dst_format)
         message.data.frombytes(_encoded(cvim, dst_format))
@@ -149,5 +333,5 @@ def _encoded(pixels: Pixels, name: str) -> bytes:
 
 
 def _blue_first(pixels: Pixels) -> list[int]:
-    """Return the order of channels that exchanges red and blue."""
+    """Return the channel indices that swap red and blue."""
     return [2, 1, 0, 3][: pixels.shape[2]]

@@ -1,4 +1,4 @@
-"""Diagnostic statuses and tasks, and the updater that runs them and publishes on /diagnostics."""
+"""Diagnostic statuses and tasks, and the updater that runs the tasks and publishes on /diagnostics."""
 
 # ruff: noqa: N802 - the names are ROS's
 
@@ -11,7 +11,8 @@ from rclpy.node import Node
 
 from course_lib.ros.mistakes import Mistake, mark
 
-_GAP = " " * 16  # ROS's text was broken over lines of its source
+# ROS's warning contains the indentation of its source code.
+_GAP = " " * 16
 _NO_HARDWARE_ID = _GAP.join(
     (
         "diagnostic_updater: No HW_ID was set. This is probably",
@@ -24,18 +25,21 @@ _NO_HARDWARE_ID = _GAP.join(
 
 
 class DiagnosticStatusWrapper(DiagnosticStatus):
-    """A DiagnosticStatus with methods to fill it; C++'s summaryf and addf are f-strings in Python."""
+    """A DiagnosticStatus with methods to fill it.
+
+    C++'s summaryf and addf are f-strings in Python.
+    """
 
     def summary(self, *args: Any) -> None:
-        """Set level and message: `summary(level, message)`, or those of another status."""
+        """Set level and message: `summary(level, message)`, or copy them from another status."""
         self.level, self.message = _parts(args)
 
     def clearSummary(self) -> None:
-        """Set the level to OK and the message to nothing."""
+        """Set the level to OK and the message to ""."""
         self.summary(DiagnosticStatus.OK, "")
 
     def mergeSummary(self, *args: Any) -> None:
-        """Keep the worse level; messages are joined where both are OK, or neither is."""
+        """Keep the worse level. Messages are joined if both levels are OK, or if neither is."""
         level, message = _parts(args)
         if (level > DiagnosticStatus.OK) == (self.level > DiagnosticStatus.OK):
             self.message = f"{self.message}; {message}" if self.message else message
@@ -44,21 +48,22 @@ class DiagnosticStatusWrapper(DiagnosticStatus):
         self.level = max(level, self.level)
 
     def add(self, key: str, val: str) -> None:
-        """Add a value; both are strings, in ROS as well."""
+        """Add a key and a value. Both must be strings, as in ROS."""
         self.values.append(KeyValue(key=key, value=val))
 
 
-Fill = Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]  # returns its argument
+# A function that fills its argument and returns it.
+Fill = Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]
 
 
 class DiagnosticTask:
-    """A check; subclasses fill the status in `run`."""
+    """A check. Subclasses fill the status in `run`."""
 
     def __init__(self, name: str) -> None:
         self.name = name
 
     def getName(self) -> str:
-        """Return its name."""
+        """Return the name of the task."""
         return self.name
 
     def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
@@ -67,7 +72,7 @@ class DiagnosticTask:
 
 
 class FunctionDiagnosticTask(DiagnosticTask):
-    """A function as a task."""
+    """A task that calls a function."""
 
     def __init__(self, name: str, fn: Fill) -> None:
         super().__init__(name)
@@ -79,14 +84,14 @@ class FunctionDiagnosticTask(DiagnosticTask):
 
 
 class CompositeDiagnosticTask(DiagnosticTask):
-    """Several tasks as one status: the worst level, the messages joined, all values."""
+    """Several tasks with one status: the worst level, the joined messages, and all values."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
         self.tasks: list[DiagnosticTask] = []
 
     def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Run the tasks; each begins with the summary that was passed in."""
+        """Run the tasks. Each starts with the summary that was passed in."""
         original, combined = DiagnosticStatusWrapper(), DiagnosticStatusWrapper()
         original.summary(stat)
         for task in self.tasks:
@@ -104,7 +109,7 @@ class CompositeDiagnosticTask(DiagnosticTask):
 class Updater:
     """Runs its tasks every `period` [s] and publishes their statuses on /diagnostics.
 
-    Its node gets the parameters diagnostic_updater.period and diagnostic_updater.use_fqn.
+    Declares the parameters diagnostic_updater.period and diagnostic_updater.use_fqn of its node.
     """
 
     def __init__(self, node: Node, period: float = 1.0) -> None:
@@ -130,7 +135,8 @@ class Updater:
     @period.setter
     def period(self, period: float) -> None:
         self._period = period
-        self.timer.reset()  # in ROS as well the former timer goes on beside the new one
+        # In ROS, too, the previous timer continues along with the new one.
+        self.timer.reset()
         self.timer = self.node.create_timer(period, self.update)
 
     def add(self, task: DiagnosticTask | str, fn: Fill | None = None) -> None:
@@ -143,7 +149,7 @@ class Updater:
             self.publish(DiagnosticStatusWrapper(name=added.getName(), message="Node starting up"))
 
     def removeByName(self, name: str) -> bool:
-        """Remove the first task of a name; returns whether there was one."""
+        """Remove the first task with this name. Return whether there was one."""
         with self.lock:
             found = next((task for task in self.tasks if task.name == name), None)
             if found is not None:
@@ -151,7 +157,7 @@ class Updater:
         return found is not None
 
     def update(self) -> None:
-        """Run the tasks and publish; warns once if all is well but no hardware ID was set."""
+        """Run the tasks and publish. Warn once if all levels are OK and no hardware ID was set."""
         with self.lock:
             statuses = [self._run(task) for task in self.tasks]
         well = all(status.level == DiagnosticStatus.OK for status in statuses)
@@ -161,22 +167,22 @@ class Updater:
         self.publish(statuses)
 
     def force_update(self) -> None:
-        """Publish now, independent of the period."""
+        """Publish now, independently of the period."""
         self.update()
 
     def broadcast(self, lvl: bytes, msg: str) -> None:
-        """Publish one level and message as every task's status."""
+        """Publish the same level and message as the status of every task."""
         statuses = [DiagnosticStatusWrapper(name=task.name) for task in self.tasks]
         for status in statuses:
             status.summary(lvl, msg)
         self.publish(statuses)
 
     def setHardwareID(self, hwid: str) -> None:
-        """Set the name of the device of the statuses; "none" if there is no device."""
+        """Set the hardware ID of the statuses; "none" if there is no device."""
         self.hwid = hwid
 
     def publish(self, msg: DiagnosticStatus | Sequence[DiagnosticStatus]) -> None:
-        """Publish statuses, the node's name before theirs."""
+        """Publish statuses, with the node's name before their names."""
         array = DiagnosticArray()
         array.header.stamp = self.node.get_clock().now().to_msg()
         for status in [msg] if isinstance(msg, DiagnosticStatus) else msg:

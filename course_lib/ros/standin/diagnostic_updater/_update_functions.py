@@ -1,4 +1,6 @@
-"""Ready-made tasks: rates, the age of stamps, a sign of life, and the diagnostics of topics."""
+"""Predefined tasks: frequencies, ages of time stamps, a heartbeat, and diagnostics of topics."""
+
+from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
@@ -22,15 +24,17 @@ from diagnostic_updater._diagnostic_updater import (
 
 @dataclass
 class FrequencyStatusParam:
-    """The acceptable rate: from min * (1 - tolerance) to max * (1 + tolerance)."""
+    """The acceptable frequency: from min * (1 - tolerance) to max * (1 + tolerance)."""
 
-    freq_bound: Mapping[str, float]  # {"min": …, "max": …}, [Hz]; without "max" any higher rate will do
+    # {"min": …, "max": …}, [Hz]; without "max" there is no upper bound.
+    freq_bound: Mapping[str, float]
     tolerance: float = 0.1
-    window_size: int = 5  # over how many updates the rate is taken
+    # The number of updates over which the frequency is measured.
+    window_size: int = 5
 
 
 class FrequencyStatus(DiagnosticTask):
-    """Checks the rate of the calls of `tick`."""
+    """Checks the frequency of the calls of `tick`."""
 
     def __init__(self, params: FrequencyStatusParam, name: str = "FrequencyStatus") -> None:
         super().__init__(name)
@@ -39,11 +43,12 @@ class FrequencyStatus(DiagnosticTask):
         self.clear()
 
     def clear(self) -> None:
-        """Reset the counts."""
+        """Reset the counters."""
         with self.lock:
             self.count = 0
             size = self.params.window_size
-            self._history = deque([(_now_ns(), 0)] * size, maxlen=size)  # (time [ns], count) of updates
+            # (time [ns], count) at each update.
+            self._history = deque([(_now_ns(), 0)] * size, maxlen=size)
 
     def tick(self) -> None:
         """Count an event."""
@@ -51,7 +56,7 @@ class FrequencyStatus(DiagnosticTask):
             self.count += 1
 
     def run(self, stat: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Compare the rate since the oldest update in the window with the bounds."""
+        """Compare the frequency since the oldest update in the window with the bounds."""
         with self.lock:
             now_ns = _now_ns()
             from_ns, from_count = self._history[0]
@@ -83,14 +88,17 @@ class FrequencyStatus(DiagnosticTask):
 
 @dataclass
 class TimeStampStatusParam:
-    """The acceptable age of stamps on arrival, [s]; negative: from the future."""
+    """The acceptable age of time stamps on arrival, [s].
+
+    A stamp in the future has a negative age.
+    """
 
     min_acceptable: float = -1
     max_acceptable: float = 5
 
 
 class TimeStampStatus(DiagnosticTask):
-    """Checks the age of the stamps that `tick` receives."""
+    """Checks the age of the time stamps that are passed to `tick`."""
 
     def __init__(self, params: TimeStampStatusParam | None = None, name: str = "Timestamp Status") -> None:
         super().__init__(name)
@@ -98,10 +106,11 @@ class TimeStampStatus(DiagnosticTask):
         self.lock = Lock()
         self.early_count = self.late_count = self.zero_count = 0
         self.zero_seen = False
-        self._ages: list[float] = []  # [s] since the last update
+        # Ages [s] since the last update.
+        self._ages: list[float] = []
 
     def tick(self, stamp: Time | float) -> None:
-        """Note a stamp, [s] if it is a number."""
+        """Record a time stamp; a number is in [s]."""
         try:
             stamp_ns = stamp * 1e9 if isinstance(stamp, float) else stamp.nanoseconds
         except AttributeError as error:
@@ -144,7 +153,7 @@ class TimeStampStatus(DiagnosticTask):
 
 
 class Heartbeat(DiagnosticTask):
-    """A sign of life."""
+    """A task that always reports OK, to show that the node runs."""
 
     def __init__(self) -> None:
         super().__init__("Heartbeat")
@@ -156,7 +165,7 @@ class Heartbeat(DiagnosticTask):
 
 
 class HeaderlessTopicDiagnostic(CompositeDiagnosticTask):
-    """Checks the rate of a topic; call `tick` for each message."""
+    """Checks the frequency of a topic. Call `tick` for each message."""
 
     def __init__(self, name: str, diag: Updater, freq: FrequencyStatusParam) -> None:
         super().__init__(f"{name} topic status")
@@ -170,12 +179,12 @@ class HeaderlessTopicDiagnostic(CompositeDiagnosticTask):
         self.freq.tick()
 
     def clear_window(self) -> None:
-        """Reset the counts."""
+        """Reset the counters."""
         self.freq.clear()
 
 
 class TopicDiagnostic(HeaderlessTopicDiagnostic):
-    """Checks the rate of a topic and the age of its stamps."""
+    """Checks the frequency of a topic and the age of its time stamps."""
 
     def __init__(
         self, name: str, diag: Updater, freq: FrequencyStatusParam, stamp: TimeStampStatusParam
@@ -185,13 +194,13 @@ class TopicDiagnostic(HeaderlessTopicDiagnostic):
         self.addTask(self.stamp)
 
     def tick(self, stamp: Time | float) -> None:  # type: ignore[override]  # ROS's signature
-        """Count a message of this stamp."""
+        """Count a message with this time stamp."""
         self.stamp.tick(stamp)
         super().tick()
 
 
 class DiagnosedPublisher(TopicDiagnostic):
-    """A publisher whose messages are checked; they have a header."""
+    """A publisher whose messages, which must have a header, are checked."""
 
     def __init__(
         self,

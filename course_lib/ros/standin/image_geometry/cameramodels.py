@@ -1,5 +1,5 @@
 # ruff: noqa: N802, N803 - the names are ROS's
-"""Cameras from their CameraInfo: pixels of 3D points, and rays of pixels."""
+"""Camera models created from a CameraInfo: pixels of 3D points, and rays of pixels."""
 
 import copy
 import math
@@ -12,15 +12,17 @@ from sensor_msgs.msg import CameraInfo
 from course_lib.arrays import Matrix
 from course_lib.errors import CourseError
 
-_COUNTS = (4, 5, 8, 12, 14)  # coefficients that OpenCV accepts
-_STEPS = 5  # of OpenCV's iteration
+# The numbers of distortion coefficients that OpenCV accepts.
+_COUNTS = (4, 5, 8, 12, 14)
+# The number of iterations in OpenCV's undistortion.
+_STEPS = 5
 
 
 def undistorted(x: float, y: float, coefficients: Sequence[float]) -> tuple[float, float]:
-    """Return the place of a point in an image without distortion, at a focal length of 1.
+    """Return the undistorted coordinates of a point in normalized image coordinates (focal length 1).
 
     Raises:
-        ValueError: A number of coefficients that the model does not have.
+        ValueError: The model does not have this number of coefficients.
     """
     if len(coefficients) not in _COUNTS:
         raise ValueError(
@@ -36,7 +38,7 @@ def undistorted(x: float, y: float, coefficients: Sequence[float]) -> tuple[floa
 
 
 def _without_lens(x: float, y: float, lens: Sequence[float]) -> tuple[float, float] | None:
-    """Return the place of a point without the lens; None where the model has none."""
+    """Invert the lens distortion of a point. Return None where the model is not invertible."""
     k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = lens
     x0, y0 = x, y
     for _ in range(_STEPS):
@@ -51,7 +53,7 @@ def _without_lens(x: float, y: float, lens: Sequence[float]) -> tuple[float, flo
 
 
 def _tilt(tau_x: float, tau_y: float) -> Matrix:
-    """Return the projection onto a sensor that is turned by two angles, [rad]."""
+    """Return the projection onto a sensor that is tilted by two angles, [rad]."""
     sin_x, cos_x, sin_y, cos_y = math.sin(tau_x), math.cos(tau_x), math.sin(tau_y), math.cos(tau_y)
     about_x = np.array([[1, 0, 0], [0, cos_x, sin_x], [0, -sin_x, cos_x]])
     about_y = np.array([[cos_y, 0, -sin_y], [0, 1, 0], [sin_y, 0, cos_y]])
@@ -62,7 +64,7 @@ def _tilt(tau_x: float, tau_y: float) -> Matrix:
 
 
 def _matrix(rows: int, columns: int, numbers: Any) -> Any:
-    """Return a numpy.matrix, for which * is the product of matrices, as ROS has it."""
+    """Return a numpy.matrix, in which * is the matrix product, as in ROS."""
     return np.matrix(np.reshape(np.array(numbers, np.float64), (rows, columns)))
 
 
@@ -77,7 +79,10 @@ def _cv2() -> Any:
 
 
 class PinholeCameraModel:
-    """A camera without distortion behind one with it; K and P are those of its binning and region."""
+    """A pinhole camera with lens distortion, for raw and rectified images.
+
+    K and P refer to the binning and region of interest, full_K and full_P to the whole sensor.
+    """
 
     def __init__(self) -> None:
         self.K: Any = None
@@ -96,20 +101,21 @@ class PinholeCameraModel:
         self.stamp: Any = None
 
     def fromCameraInfo(self, msg: CameraInfo) -> None:
-        """Adopt the parameters of a message."""
+        """Set the parameters from a message."""
         self.full_K, self.full_P = _matrix(3, 3, msg.k), _matrix(3, 4, msg.p)
         self.D = _matrix(len(msg.d), 1, msg.d) if len(msg.d) else None
         self.R = _matrix(3, 3, msg.r)
         self.width, self.height = self.resolution = (msg.width, msg.height)
         self.binning_x, self.binning_y = max(1, msg.binning_x), max(1, msg.binning_y)
         self.raw_roi = copy.copy(msg.roi)
-        if not (msg.roi.x_offset or msg.roi.y_offset or msg.roi.width or msg.roi.height):  # all of it
+        # A region of zeros means the full image.
+        if not (msg.roi.x_offset or msg.roi.y_offset or msg.roi.width or msg.roi.height):
             self.raw_roi.width, self.raw_roi.height = self.resolution
         self.tf_frame, self.stamp = msg.header.frame_id, msg.header.stamp
         self.K, self.P = self._reduced(self.full_K), self._reduced(self.full_P)
 
     def _reduced(self, full: Any) -> Any:
-        """Return a camera matrix for the pixels of the message's binning and region."""
+        """Return a camera matrix adapted to the message's binning and region of interest."""
         reduced = full.copy()
         rows = ((0, self.raw_roi.x_offset, self.binning_x), (1, self.raw_roi.y_offset, self.binning_y))
         for row, offset, binning in rows:
@@ -118,7 +124,7 @@ class PinholeCameraModel:
         return reduced
 
     def rectifyImage(self, raw: Any, rectified: Any) -> None:
-        """Write an image without distortion into `rectified`.
+        """Rectify `raw` and write the result into `rectified`.
 
         Raises:
             CourseError: OpenCV is not installed.
@@ -130,7 +136,7 @@ class PinholeCameraModel:
         cv2.remap(raw, self.mapx, self.mapy, cv2.INTER_CUBIC, rectified)
 
     def rectifyPoint(self, uv_raw: Sequence[float]) -> Any:
-        """Return the place of a pixel in the rectified image, an array of shape (2,)."""
+        """Return the rectified coordinates of a pixel, shape (2,)."""
         x = (uv_raw[0] - self.K[0, 2]) / self.K[0, 0]
         y = (uv_raw[1] - self.K[1, 2]) / self.K[1, 1]
         if self.D is not None:
@@ -139,30 +145,30 @@ class PinholeCameraModel:
         return np.array([u / w, v / w])
 
     def project3dToPixel(self, point: Sequence[float]) -> tuple[float, float]:
-        """Return the pixel (u, v) of a point (x, y, z) in the camera's frame; NaN where it has none."""
+        """Return the pixel (u, v) of a point (x, y, z) in the camera's frame; NaN if it has none."""
         u, v, w = (self.P * np.array([[point[0]], [point[1]], [point[2]], [1.0]])).A1
         return (u / w, v / w) if w != 0 else (math.nan, math.nan)
 
     def projectPixelTo3dRay(self, uv: Sequence[float]) -> tuple[float, float, float]:
-        """Return the direction, of length 1, of a pixel of the rectified image."""
+        """Return the unit vector of the ray through a pixel of the rectified image."""
         x, y = (uv[0] - self.cx()) / self.fx(), (uv[1] - self.cy()) / self.fy()
         norm = math.sqrt(x * x + y * y + 1)
         return x / norm, y / norm, 1.0 / norm
 
     def getDeltaU(self, deltaX: float, Z: float) -> float:
-        """Return the pixels, to the right, of a length at a depth, both in [m]."""
+        """Return the width in pixels of an object of width `deltaX` [m] at depth `Z` [m]."""
         return float(self.fx() * deltaX / Z) if Z else math.inf
 
     def getDeltaV(self, deltaY: float, Z: float) -> float:
-        """Return the pixels, downwards, of a length at a depth, both in [m]."""
+        """Return the height in pixels of an object of height `deltaY` [m] at depth `Z` [m]."""
         return float(self.fy() * deltaY / Z) if Z else math.inf
 
     def getDeltaX(self, deltaU: float, Z: float) -> float:
-        """Return the length to the right of pixels at a depth, both in [m]."""
+        """Return the width [m] that `deltaU` pixels cover at depth `Z` [m]."""
         return float(Z * deltaU / self.fx())
 
     def getDeltaY(self, deltaV: float, Z: float) -> float:
-        """Return the length downwards of pixels at a depth, both in [m]."""
+        """Return the height [m] that `deltaV` pixels cover at depth `Z` [m]."""
         return float(Z * deltaV / self.fy())
 
     def fullResolution(self) -> tuple[int, int]:
@@ -171,19 +177,19 @@ class PinholeCameraModel:
         return resolution
 
     def intrinsicMatrix(self) -> Any:
-        """Return K."""
+        """Return the camera matrix K."""
         return self.K
 
     def distortionCoeffs(self) -> Any:
-        """Return D, a column; None without distortion."""
+        """Return the distortion coefficients D as a column, or None without distortion."""
         return self.D
 
     def rotationMatrix(self) -> Any:
-        """Return R."""
+        """Return the rectification matrix R."""
         return self.R
 
     def projectionMatrix(self) -> Any:
-        """Return P."""
+        """Return the projection matrix P."""
         return self.P
 
     def fullIntrinsicMatrix(self) -> Any:
@@ -195,23 +201,23 @@ class PinholeCameraModel:
         return self.full_P
 
     def cx(self) -> float:
-        """Return the column of the optical axis."""
+        """Return the column of the principal point."""
         return float(self.P[0, 2])
 
     def cy(self) -> float:
-        """Return the row of the optical axis."""
+        """Return the row of the principal point."""
         return float(self.P[1, 2])
 
     def fx(self) -> float:
-        """Return the focal length in columns."""
+        """Return the horizontal focal length in pixels."""
         return float(self.P[0, 0])
 
     def fy(self) -> float:
-        """Return the focal length in rows."""
+        """Return the vertical focal length in pixels."""
         return float(self.P[1, 1])
 
     def Tx(self) -> float:
-        """Return P[0, 3]: -fx times the distance to the left camera, in columns times [m]."""
+        """Return P[0, 3]: -fx times the distance to the left camera, in pixels times [m]."""
         return float(self.P[0, 3])
 
     def Ty(self) -> float:
@@ -219,37 +225,38 @@ class PinholeCameraModel:
         return float(self.P[1, 3])
 
     def fovX(self) -> float:
-        """Return the angle that is seen from left to right, [rad]."""
+        """Return the horizontal field of view, [rad]."""
         return 2 * math.atan(self.width / (2 * self.fx()))
 
     def fovY(self) -> float:
-        """Return the angle that is seen from top to bottom, [rad]."""
+        """Return the vertical field of view, [rad]."""
         return 2 * math.atan(self.height / (2 * self.fy()))
 
     def tfFrame(self) -> str:
-        """Return the camera's frame."""
+        """Return the frame of the camera."""
         return str(self.tf_frame)
 
 
 class StereoCameraModel:
-    """Two cameras side by side, with rectified images."""
+    """A stereo camera with rectified images."""
 
     def __init__(self) -> None:
         self.left = PinholeCameraModel()
         self.right = PinholeCameraModel()
 
     def fromCameraInfo(self, left_msg: CameraInfo, right_msg: CameraInfo) -> None:
-        """Adopt the parameters of both cameras; their distance is in the right one's P."""
+        """Set the parameters of both cameras. The baseline is in P of the right camera."""
         self.left.fromCameraInfo(left_msg)
         self.right.fromCameraInfo(right_msg)
         right = self.right
-        self.Q = np.zeros((4, 4))  # (u, v, disparity, 1) to (x, y, z, w)
+        # Maps (u, v, disparity, 1) to homogeneous coordinates (x, y, z, w).
+        self.Q = np.zeros((4, 4))
         self.Q[0, 0] = self.Q[1, 1] = 1.0
         self.Q[:3, 3] = -right.cx(), -right.cy(), right.fx()
         self.Q[3, 2] = 1 / (-right.Tx() / right.fx())
 
     def tfFrame(self) -> str:
-        """Return the frame of 3D points: the left camera's."""
+        """Return the frame of 3D points: the frame of the left camera."""
         return self.left.tfFrame()
 
     def project3dToPixel(self, point: Sequence[float]) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -257,14 +264,14 @@ class StereoCameraModel:
         return self.left.project3dToPixel(point), self.right.project3dToPixel(point)
 
     def projectPixelTo3d(self, left_uv: Sequence[float], disparity: float) -> tuple[float, float, float]:
-        """Return the point of a pixel of the left image; (0, 0, 0) for a disparity of 0."""
+        """Return the 3D point of a pixel in the left image; (0, 0, 0) if the disparity is 0."""
         x, y, z, w = self.Q @ [left_uv[0], left_uv[1], disparity, 1.0]
         return (x / w, y / w, z / w) if w != 0 else (0.0, 0.0, 0.0)
 
     def getZ(self, disparity: float) -> float:
-        """Return the depth of a disparity, [m]."""
+        """Return the depth [m] for a disparity."""
         return float(-self.right.Tx() / disparity) if disparity else math.inf
 
     def getDisparity(self, Z: float) -> float:
-        """Return the disparity of a depth, in columns."""
+        """Return the disparity, in pixels, for a depth [m]."""
         return float(-self.right.Tx() / Z) if Z else math.inf

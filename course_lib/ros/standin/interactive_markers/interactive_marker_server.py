@@ -1,4 +1,4 @@
-"""The server of interactive markers: what clients like RViz show, move and send feedback on."""
+"""The server of interactive markers, which clients like RViz show, move and send feedback about."""
 
 # ruff: noqa: N802 - the names are ROS's
 
@@ -24,18 +24,19 @@ from visualization_msgs.srv import GetInteractiveMarkers
 
 Callback = Callable[[InteractiveMarkerFeedback], object]
 _UPDATES, _FEEDBACK = QoSProfile(depth=100), QoSProfile(depth=1)
-_OWNED = Duration(seconds=1.0)  # a client that has moved a marker keeps others from it for so long
+# A client that has moved a marker has exclusive control of it for this long.
+_OWNED = Duration(seconds=1.0)
 
 
 @dataclass
 class Callbacks:
-    """Functions that hear feedback on a marker: one for each type of event, and one for all others."""
+    """Feedback callbacks of a marker: one for each event type, and a default for all others."""
 
     default: Callback | None = None
     by_type: dict[int, Callback] = field(default_factory=dict)
 
     def put(self, callback: Callback | None, event_type: int) -> None:
-        """Set a function for a type of event, or remove it."""
+        """Set or remove the callback for an event type."""
         if event_type == InteractiveMarkerServer.DEFAULT_FEEDBACK_CALLBACK:
             self.default = callback
         elif callback:
@@ -56,7 +57,7 @@ class MarkerContext:
 
 @dataclass
 class UpdateContext:
-    """A change that waits for `applyChanges`: a marker, only its pose, or its end."""
+    """A change that `applyChanges` publishes: a whole marker, only its pose, or its removal."""
 
     FULL_UPDATE, POSE_UPDATE, ERASE = range(3)
 
@@ -66,13 +67,14 @@ class UpdateContext:
 
 
 class InteractiveMarkerServer:
-    """The markers of one namespace; changes reach clients with `applyChanges`.
+    """The markers of one namespace. Changes are sent to clients by `applyChanges`.
 
     Args:
-        node: Which publishes, and hears feedback while it is spun.
-        namespace: Of the topics `update` and `feedback` and the service `get_interactive_markers`.
-        update_pub_qos: Of the updates.
-        feedback_sub_qos: Of the feedback.
+        node: Publishes updates, and receives feedback while it is spun.
+        namespace: Prefix of the topics `update` and `feedback` and the service
+            `get_interactive_markers`.
+        update_pub_qos: QoS of the updates.
+        feedback_sub_qos: QoS of the feedback.
     """
 
     DEFAULT_FEEDBACK_CALLBACK = 255
@@ -101,7 +103,7 @@ class InteractiveMarkerServer:
         )
 
     def shutdown(self) -> None:
-        """Erase all markers and leave the topics; call it before the node is destroyed."""
+        """Erase all markers and leave the topics. Call it before the node is destroyed."""
         if self.update_pub is None:
             return
         if self.node.context.ok():
@@ -119,7 +121,7 @@ class InteractiveMarkerServer:
         feedback_callback: Callback | None = None,
         feedback_type: int = DEFAULT_FEEDBACK_CALLBACK,
     ) -> None:
-        """Add or replace a marker; its callback counts immediately."""
+        """Add or replace a marker. Its callback takes effect immediately."""
         with self.mutex:
             update = self.pending_updates.setdefault(marker.name, UpdateContext())
             update.update_type, update.int_marker = UpdateContext.FULL_UPDATE, marker
@@ -127,7 +129,11 @@ class InteractiveMarkerServer:
             self.setCallback(marker.name, feedback_callback, feedback_type)
 
     def setPose(self, name: str, pose: Pose, header: Header | None = None) -> bool:
-        """Move a marker that clients know; a header without a frame keeps the old one."""
+        """Move a marker that clients already show.
+
+        A header without a frame keeps the marker's header. Returns whether the marker could be
+        moved.
+        """
         with self.mutex:
             known, update = self.marker_contexts.get(name), self.pending_updates.get(name)
             if known is None or (update and update.update_type == UpdateContext.FULL_UPDATE):
@@ -137,7 +143,7 @@ class InteractiveMarkerServer:
             return True
 
     def erase(self, name: str) -> bool:
-        """Remove a marker; returns whether there is one of that name."""
+        """Remove a marker. Return whether there is one of that name."""
         with self.mutex:
             if name not in self.pending_updates and name not in self.marker_contexts:
                 return False
@@ -156,7 +162,10 @@ class InteractiveMarkerServer:
         feedback_callback: Callback | None,
         feedback_type: int = DEFAULT_FEEDBACK_CALLBACK,
     ) -> bool:
-        """Set the function for a type of feedback on a marker, or for all others; None removes it."""
+        """Set the callback for one feedback type, or the default for all others.
+
+        None removes it.
+        """
         with self.mutex:
             contexts = (self.marker_contexts.get(name), self.pending_updates.get(name))
             for context in (context for context in contexts if context is not None):
@@ -164,7 +173,7 @@ class InteractiveMarkerServer:
             return any(contexts)
 
     def applyChanges(self) -> None:
-        """Carry out what has been changed, and publish it in one update."""
+        """Apply the pending changes and publish them in one update."""
         with self.mutex:
             if not self.pending_updates:
                 return
@@ -187,12 +196,16 @@ class InteractiveMarkerServer:
         return known.int_marker
 
     def processFeedback(self, feedback: InteractiveMarkerFeedback) -> None:
-        """Move the marker as a client says, call back, and publish."""
+        """Move the marker as the client requests, call the callback, and publish."""
         with self.mutex:
             known = self.marker_contexts.get(feedback.marker_name)
-            if known is None or self._is_owned(known, feedback.client_id):
+            if known is None:
                 return
-            known.last_feedback, known.last_client_id = self.node.get_clock().now(), feedback.client_id
+            now = self.node.get_clock().now()
+            # Another client has exclusive control of the marker for a while after its feedback.
+            if now - known.last_feedback < _OWNED and known.last_client_id != feedback.client_id:
+                return
+            known.last_feedback, known.last_client_id = now, feedback.client_id
             if feedback.event_type == InteractiveMarkerFeedback.POSE_UPDATE:
                 own = known.int_marker.header
                 header = own if own.stamp == TimeMessage() else feedback.header
@@ -203,23 +216,18 @@ class InteractiveMarkerServer:
         self.applyChanges()
 
     def publish(self, update: InteractiveMarkerUpdate) -> None:
-        """Publish an update with its number."""
+        """Publish an update with its sequence number."""
         update.seq_num = self.seq_num
         self.update_pub.publish(update)
 
     def getInteractiveMarkersCallback(
         self, request: GetInteractiveMarkers.Request, response: GetInteractiveMarkers.Response
     ) -> GetInteractiveMarkers.Response:
-        """Answer with all markers, and the number of the last update."""
+        """Respond with all markers and the sequence number of the last update."""
         with self.mutex:
             response.sequence_number = self.seq_num
             response.markers = [context.int_marker for context in self.marker_contexts.values()]
             return response
-
-    def _is_owned(self, known: MarkerContext, client_id: str) -> bool:
-        """Return whether another client has moved the marker a moment ago."""
-        is_new = self.node.get_clock().now() - known.last_feedback < _OWNED
-        return is_new and known.last_client_id != client_id
 
     def _set_pose(self, name: str, pose: Pose, header: Header) -> None:
         update = self.pending_updates.setdefault(name, UpdateContext(UpdateContext.POSE_UPDATE))
@@ -228,7 +236,7 @@ class InteractiveMarkerServer:
         update.int_marker.pose, update.int_marker.header = pose, header
 
     def _apply(self, message: InteractiveMarkerUpdate, name: str, update: UpdateContext) -> None:
-        """Carry out one change, and write it into the message."""
+        """Apply one change and add it to the message."""
         known = self.marker_contexts.get(name)
         marker = update.int_marker
         if update.update_type == UpdateContext.ERASE:

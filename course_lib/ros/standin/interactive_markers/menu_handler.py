@@ -19,16 +19,18 @@ class EntryContext:
     command: str
     command_type: int
     feedback_cb: Callable[[InteractiveMarkerFeedback], object] | None
-    sub_entries: list[int] = field(default_factory=list)  # their handles
+    # Handles of the entries below this one.
+    sub_entries: list[int] = field(default_factory=list)
     visible: bool = True
     check_state: int = 0
 
 
 class MenuHandler:
-    """A menu that any number of markers have, and the functions that its entries call."""
+    """A menu that any number of markers share, and the callbacks of its entries."""
 
     NO_CHECKBOX, CHECKED, UNCHECKED = range(3)
-    _MARKS = ("", "[x] ", "[ ] ")  # before a title
+    # Prefixes of the titles, which show the check state.
+    _MARKS = ("", "[x] ", "[ ] ")
 
     def __init__(self) -> None:
         self.top_level_handles_: list[int] = []
@@ -43,7 +45,7 @@ class MenuHandler:
         command: str = "",
         callback: Callable[[InteractiveMarkerFeedback], object] | None = None,
     ) -> int | None:
-        """Add an entry, at the top or below another one; returns its handle."""
+        """Add an entry at the top level or below another entry. Return its handle."""
         if parent is not None and parent not in self.entry_contexts_:
             print(f"Parent menu entry '{parent}' not found", file=sys.stderr)  # noqa: T201 - as ROS does
             return None
@@ -54,19 +56,19 @@ class MenuHandler:
         return handle
 
     def setVisible(self, handle: int, visible: bool) -> bool:
-        """Show or hide an entry with all below it."""
+        """Show or hide an entry with all entries below it."""
         if handle in self.entry_contexts_:
             self.entry_contexts_[handle].visible = visible
         return handle in self.entry_contexts_
 
     def setCheckState(self, handle: int, check_state: int) -> bool:
-        """Tick an entry, untick it, or remove its box."""
+        """Check or uncheck an entry, or remove its check box."""
         if handle in self.entry_contexts_:
             self.entry_contexts_[handle].check_state = check_state
         return handle in self.entry_contexts_
 
     def getCheckState(self, handle: int) -> int | None:
-        """Return the state of an entry's box; None if there is no such entry."""
+        """Return the state of an entry's check box; None if there is no such entry."""
         return self.entry_contexts_[handle].check_state if handle in self.entry_contexts_ else None
 
     def getTitle(self, handle: int) -> str | None:
@@ -74,7 +76,7 @@ class MenuHandler:
         return self.entry_contexts_[handle].title if handle in self.entry_contexts_ else None
 
     def apply(self, server: InteractiveMarkerServer, marker_name: str) -> bool:
-        """Write the menu as it is now into a marker, and hear its choices."""
+        """Write the current menu into a marker and subscribe to its selections."""
         marker = server.get(marker_name)
         if marker is None:
             self.managed_markers_.discard(marker_name)
@@ -86,18 +88,18 @@ class MenuHandler:
         return True
 
     def reApply(self, server: InteractiveMarkerServer) -> bool:
-        """Write the menu into all markers that have it; returns whether all are still there."""
+        """Write the menu into all markers that use it. Return whether all of them still exist."""
         applied = [self.apply(server, name) for name in sorted(self.managed_markers_)]
         return all(applied)
 
     def processFeedback(self, feedback: InteractiveMarkerFeedback) -> None:
-        """Call the function of the entry that was chosen."""
+        """Call the callback of the selected entry."""
         entry = self.entry_contexts_.get(feedback.menu_entry_id)
         if entry is not None and entry.feedback_cb is not None:
             entry.feedback_cb(feedback)
 
     def _entries(self, handles: list[int], parent: int) -> Iterator[MenuEntry]:
-        """Yield the visible entries as messages, each before those below it."""
+        """Yield the visible entries as messages, each followed by the entries below it."""
         for handle, entry in ((handle, self.entry_contexts_[handle]) for handle in handles):
             if entry.visible:
                 yield MenuEntry(

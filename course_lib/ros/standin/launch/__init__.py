@@ -1,4 +1,7 @@
-"""ROS's launch: descriptions of programs to start, in Python, XML and YAML files; the kit's stand-in."""
+"""Stand-in for ROS's launch, with launch descriptions in Python, XML and YAML files."""
+
+from importlib import import_module
+from types import ModuleType
 
 from launch.entities import Action as Action
 from launch.entities import Condition as Condition
@@ -7,9 +10,21 @@ from launch.entities import InvalidLaunchFileError as InvalidLaunchFileError
 from launch.entities import LaunchContext as LaunchContext
 from launch.entities import LaunchDescription as LaunchDescription
 from launch.entities import LaunchDescriptionEntity as LaunchDescriptionEntity
+from launch.entities import LaunchIntrospector as LaunchIntrospector
+from launch.entities import LaunchService as LaunchService
 from launch.entities import SomeSubstitutionsType as SomeSubstitutionsType
 from launch.entities import Substitution as Substitution
 from launch.event_handlers import EventHandler as EventHandler
 from launch.launch_description_sources import LaunchDescriptionSource as LaunchDescriptionSource
-from launch.service import LaunchIntrospector as LaunchIntrospector
-from launch.service import LaunchService as LaunchService
+
+_MODULES = (
+    *("actions", "conditions", "descriptions", "event_handlers", "events", "frontend", "logging"),
+    *("launch_description_sources", "substitutions", "utilities"),
+)
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Import a submodule on first access, as it is imported together with ROS's package."""
+    if name in _MODULES:
+        return import_module(f"launch.{name}")
+    raise AttributeError(f"module 'launch' has no attribute '{name}'")

@@ -1,13 +1,20 @@
-"""The actions of a launch; each takes a `condition`."""
+"""Actions of a launch description. All of them accept a `condition`."""
 
 import asyncio
-from collections.abc import Callable, Coroutine, Iterable, Mapping
+import os
+import shlex
+import sys
+import time
+from collections.abc import Callable, Coroutine, Iterable, Mapping, MutableMapping, Sequence
 from contextlib import suppress
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError
 
+from course_lib.ros.programs.missing_packages import NotHereError, why_not_offered
+from launch.conditions import as_bool
 from launch.entities import (
     Action,
     BaseEventHandler,
@@ -16,32 +23,312 @@ from launch.entities import (
     LaunchContext,
     LaunchDescription,
     LaunchDescriptionEntity,
+    Reaction,
     SubstitutionFailure,
     listed,
+    several_entities,
     text_of,
 )
 from launch.entities import SomeSubstitutionsType as Some
+from launch.event_handlers import OnProcessExit
 from launch.events import ProcessExited
 from launch.events import Shutdown as ShutdownEvent
 from launch.launch_description_sources import LaunchDescriptionSource
-from launch.processes import ExecuteLocal as ExecuteLocal
-from launch.processes import ExecuteProcess as ExecuteProcess
-from launch.settings import AppendEnvironmentVariable as AppendEnvironmentVariable
-from launch.settings import DeclareLaunchArgument as DeclareLaunchArgument
-from launch.settings import PopEnvironment as PopEnvironment
-from launch.settings import PopLaunchConfigurations as PopLaunchConfigurations
-from launch.settings import PushEnvironment as PushEnvironment
-from launch.settings import PushLaunchConfigurations as PushLaunchConfigurations
-from launch.settings import ResetEnvironment as ResetEnvironment
-from launch.settings import ResetLaunchConfigurations as ResetLaunchConfigurations
-from launch.settings import SetEnvironmentVariable as SetEnvironmentVariable
-from launch.settings import SetLaunchConfiguration as SetLaunchConfiguration
-from launch.settings import UnsetEnvironmentVariable as UnsetEnvironmentVariable
-from launch.settings import UnsetLaunchConfiguration as UnsetLaunchConfiguration
+
+_STATES: Mapping[str, Callable[[LaunchContext], MutableMapping[str, Any]]] = {
+    "environment": lambda context: context.environment,
+    "launch configurations": lambda context: context.launch_configurations,
+}
+
+
+class DeclareLaunchArgument(Action):
+    """Declares an argument, which `name:=value` after the name of the launch file sets."""
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        default_value: Some | None = None,
+        description: str | None = None,
+        choices: list[str] | None = None,
+        **options: Any,
+    ) -> None:
+        super().__init__(self._declare, **options)
+        self.name, self.default_value, self.choices = name, default_value, choices
+        if choices is not None and isinstance(default_value, str) and default_value not in choices:
+            raise RuntimeError(
+                f'Provided default_value "{default_value}" is not in provided choices "{choices}".'
+            )
+        self.description = description or (f"One of: {choices}" if choices else "no description given")
+        if description and choices:
+            self.description = f"{description.removesuffix('.')}. Valid choices are: {choices}"
+
+    def _declare(self, context: LaunchContext) -> None:
+        """Set the default value if no value is set. Raise RuntimeError with launch's messages."""
+        configurations = context.launch_configurations
+        if self.name not in configurations:
+            if self.default_value is None:
+                raise RuntimeError(f'Required launch argument "{self.name}" was not provided.')
+            configurations[self.name] = text_of(context, self.default_value)
+        value = configurations[self.name]
+        if self.choices is not None and value not in self.choices:
+            raise RuntimeError(
+                f'Argument "{self.name}" provided value "{value}" is not valid. '
+                f"Valid options are: {self.choices}"
+            )
+
+
+class SetLaunchConfiguration(Action):
+    """Sets a launch configuration."""
+
+    def __init__(self, name: Some, value: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            context.launch_configurations[text_of(context, name)] = text_of(context, value)
+
+        super().__init__(do, **options)
+
+
+class UnsetLaunchConfiguration(Action):
+    """Removes a launch configuration."""
+
+    def __init__(self, name: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            context.launch_configurations.pop(text_of(context, name), None)
+
+        super().__init__(do, **options)
+
+
+class ResetLaunchConfigurations(Action):
+    """Removes all launch configurations except the given ones."""
+
+    def __init__(self, launch_configurations: Mapping[Any, Some] | None = None, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            pairs = (launch_configurations or {}).items()
+            kept = {text_of(context, name): text_of(context, value) for name, value in pairs}
+            context.launch_configurations.clear()
+            context.launch_configurations.update(kept)
+
+        super().__init__(do, **options)
+
+
+class SetEnvironmentVariable(Action):
+    """Sets an environment variable."""
+
+    def __init__(self, name: Some, value: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            os.environ[text_of(context, name)] = text_of(context, value)
+
+        super().__init__(do, **options)
+
+
+class UnsetEnvironmentVariable(Action):
+    """Removes an environment variable."""
+
+    def __init__(self, name: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            os.environ.pop(text_of(context, name), None)
+
+        super().__init__(do, **options)
+
+
+class AppendEnvironmentVariable(Action):
+    """Sets an environment variable or appends to its value; with `prepend`, inserts before it."""
+
+    def __init__(
+        self,
+        name: Some,
+        value: Some,
+        prepend: bool | Some = False,
+        separator: Some = os.pathsep,
+        **options: Any,
+    ) -> None:
+        def do(context: LaunchContext) -> None:
+            key, parts = text_of(context, name), [text_of(context, value)]
+            before = as_bool(context, prepend)
+            if key in os.environ:
+                parts.insert(1 if before else 0, os.environ[key])
+            os.environ[key] = text_of(context, separator).join(parts)
+
+        super().__init__(do, **options)
+
+
+class ResetEnvironment(Action):
+    """Restores the environment from the beginning of the launch."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(lambda context: _replace(os.environ, context.environment_at_start), **options)
+
+
+class PushLaunchConfigurations(Action):
+    """Pushes the launch configurations onto a stack. PopLaunchConfigurations restores them."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(partial(_push, "launch configurations"), **options)
+
+
+class PopLaunchConfigurations(Action):
+    """Restores the launch configurations that were pushed last."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(partial(_pop, "launch configurations"), **options)
+
+
+class PushEnvironment(Action):
+    """Pushes the environment onto a stack. PopEnvironment restores it."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(partial(_push, "environment"), **options)
+
+
+class PopEnvironment(Action):
+    """Restores the environment that was pushed last."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(partial(_pop, "environment"), **options)
+
+
+def _push(kind: str, context: LaunchContext) -> None:
+    context.kept.setdefault(kind, []).append(dict(_STATES[kind](context)))
+
+
+def _pop(kind: str, context: LaunchContext) -> None:
+    if not context.kept.get(kind):
+        raise RuntimeError(f"no {kind} to bring back: push them before they are popped")
+    _replace(_STATES[kind](context), context.kept[kind].pop())
+
+
+def _replace(state: MutableMapping[str, Any], former: Mapping[str, Any]) -> None:
+    state.clear()
+    state.update(former)
+
+
+# Programs that the kit provides, with the packages that they belong to.
+_PACKAGES = {"ros2": "ros2cli", "rviz2": "rviz2", "xacro": "xacro"}
+
+
+def _echo(words: Sequence[str]) -> None:
+    sys.stdout.write(" ".join(words) + "\n")
+
+
+# Commands that run here, in robot time. They return None, because another value would be the exit
+# code.
+_COMMANDS: Mapping[str, Callable[[Sequence[str]], None]] = {
+    "echo": _echo,
+    "sleep": lambda words: time.sleep(float(words[0])),
+}
+_PYTHON = ("python", "python3")
+_PROJECTS = {"gazebo": "gazebo_ros", "gzserver": "gazebo_ros", "gzclient": "gazebo_ros", "gz": "ros_gz_sim"}
+_PROJECTS |= {"ign": "ros_gz_sim", "webots": "webots_ros2"}
+# Options without an effect here, because all processes of a launch share one environment and
+# folder.
+NO_DIFFERENCE = {
+    *("additional_env", "cached_output", "cwd", "emulate_tty", "env", "exec_name", "log_cmd", "output"),
+    *("output_format", "prefix", "respawn", "respawn_delay", "respawn_max_retries", "shell"),
+    *("sigkill_timeout", "sigterm_timeout"),
+}
+# Ignored options on which the behavior of a program may depend.
+_MISSED = ("additional_env", "cwd", "env", "respawn")
+
+
+class Executable:
+    """A command line. The other options of launch's Executable have no effect here."""
+
+    def __init__(self, *, cmd: Iterable[Some], arguments: Iterable[Some] = (), **options: Any) -> None:
+        unknown_options("Executable", options, NO_DIFFERENCE | {"name"})
+        if isinstance(cmd, str):
+            raise TypeError(f"ExecuteProcess: cmd={cmd!r}, expected a list of words: cmd={cmd.split()!r}")
+        self.cmd = [*cmd, *arguments]
+
+
+class ExecuteLocal(Action):
+    """Runs `ros2 …`, `rviz2 …`, `python3 FILE …`, `echo` or `sleep`.
+
+    Other programs would not run in robot time.
+
+    Args:
+        process_description: The command line.
+        on_exit: Entities to visit when the process exits.
+        options: `condition`; other options, such as `output`, have no effect here.
+    """
+
+    goes_on = True
+
+    def __init__(self, *, process_description: Executable, on_exit: Reaction = None, **options: Any) -> None:
+        super().__init__(self._start, condition=options.pop("condition", None))
+        unknown_options(type(self).__name__, options, NO_DIFFERENCE)
+        self.process_description, self._on_exit, self._options = process_description, on_exit, options
+
+    def _start(self, context: LaunchContext) -> None:
+        warn_about_ignored_options(context, self._options)
+        react_to_exit(context, self, self._on_exit)
+        words = [text_of(context, part) for part in self.process_description.cmd]
+        program, *rest = shlex.split(words[0]) if len(words) == 1 else words
+        name = Path(program).name
+        package = name if name.startswith("rqt_") else _PACKAGES.get(name)
+        if name == "ros2" and rest[:1] == ["control"]:
+            # Only ros2_control provides this command, which launch files use to start its
+            # controllers.
+            raise NotHereError(f"`ros2 control` cannot run here: {why_not_offered('ros2_control')}")
+        if name == "ros2" and rest[:1] == ["run"] and len(rest) > 2:
+            context.runner.start(self, rest[1], rest[2], rest[3:])
+        elif package is not None:
+            context.runner.start(self, package, name, [*rest, "--ros-args"])
+        elif name in _COMMANDS:
+            context.runner.start_function(self, name, partial(_COMMANDS[name], rest), rest)
+        # A path in the form of ExecutableInPackage.
+        elif Path(program).parts[-3:-2] == ("lib",):
+            context.runner.start(self, Path(program).parent.name, name, rest)
+        elif name in _PYTHON and rest and not rest[0].startswith("-"):
+            context.runner.start_file(self, Path(rest[0]), rest[1:])
+        else:
+            command, reason = shlex.join([program, *rest]), why_not_offered(_PROJECTS.get(name, name))
+            if reason:
+                raise NotHereError(f"`{command}` cannot run here: {reason}")
+            raise NotHereError(
+                f"ExecuteProcess is not available here: `{command}` would run outside robot time. Start "
+                "nodes with launch_ros.actions.Node; run other commands beside the launch."
+            )
+
+
+class ExecuteProcess(ExecuteLocal):
+    """An ExecuteLocal with the command line `cmd`."""
+
+    def __init__(self, *, cmd: Iterable[Some], name: Some | None = None, **options: Any) -> None:
+        super().__init__(process_description=Executable(cmd=cmd), **options)
+
+
+def unknown_options(cls: str, options: Mapping[str, Any], known: set[str]) -> None:
+    """Raise Python's TypeError for an unknown option."""
+    for unknown in sorted(set(options) - known):
+        raise TypeError(f"{cls}.__init__() got an unexpected keyword argument {unknown!r}")
+
+
+def warn_about_ignored_options(context: LaunchContext, options: Mapping[str, Any]) -> None:
+    """Log a warning about options of a process that have an effect in ROS 2 but not here."""
+    missed = []
+    for name in _MISSED:
+        option = options.get(name)
+        if option is None or isinstance(option, bool | Mapping):
+            is_set = bool(option)
+        else:
+            is_set = text_of(context, option).lower() not in ("", "false")
+        if is_set:
+            missed.append(name)
+    if missed:
+        text = (
+            "no effect here, where the processes of a launch share an environment and a folder, and run once"
+        )
+        context.runner.log("WARNING", "launch", f"{', '.join(missed)}: {text}")
+
+
+def react_to_exit(context: LaunchContext, action: Action, on_exit: Reaction) -> None:
+    """Register the `on_exit` handler of an action."""
+    if on_exit is not None:
+        context.register_event_handler(OnProcessExit(target_action=action, on_exit=on_exit))
 
 
 class OpaqueFunction(Action):
-    """Calls a function with the context; the entities that it returns are visited next."""
+    """Calls a function with the context and visits the entities that it returns."""
 
     def __init__(
         self,
@@ -55,7 +342,10 @@ class OpaqueFunction(Action):
 
 
 class OpaqueCoroutine(Action):
-    """Runs a coroutine function beside the processes, with the context unless `ignore_context`."""
+    """Runs a coroutine concurrently with the processes.
+
+    It receives the context unless `ignore_context`.
+    """
 
     goes_on = True
 
@@ -70,14 +360,17 @@ class OpaqueCoroutine(Action):
     ) -> None:
         def do(context: LaunchContext) -> None:
             first = () if ignore_context else (context,)
-            made = partial(coroutine, *first, *(args or ()), **(kwargs or {}))
-            context.runner.start_function(self, "coroutine", lambda: asyncio.run(made()), ())
+            start = partial(coroutine, *first, *(args or ()), **(kwargs or {}))
+            context.runner.start_function(self, "coroutine", lambda: asyncio.run(start()), ())
 
         super().__init__(do, **options)
 
 
 class GroupAction(Action):
-    """Actions whose settings, namespaces and variables end with the group, if it is scoped."""
+    """A group of actions.
+
+    If it is scoped, its settings, namespaces and variables end with the group.
+    """
 
     def __init__(
         self,
@@ -89,7 +382,7 @@ class GroupAction(Action):
         **options: Any,
     ) -> None:
         super().__init__(self._open, **options)
-        self.actions = list(actions)
+        self.actions = several_entities("GroupAction", actions)
         self._own = dict(launch_configurations or {})
         self._scoped, self._forwarding = scoped, forwarding
 
@@ -107,7 +400,10 @@ class GroupAction(Action):
 
 
 class IncludeLaunchDescription(Action):
-    """Another launch file, with arguments; as in ROS they stay set unless a group ends them."""
+    """Includes another launch file.
+
+    As in ROS, its arguments stay set unless a group is around it.
+    """
 
     def __init__(
         self,
@@ -120,20 +416,31 @@ class IncludeLaunchDescription(Action):
         if not isinstance(source, LaunchDescriptionSource):
             source = LaunchDescriptionSource(source)
         self.source = source
+        if isinstance(launch_arguments, Mapping):
+            raise TypeError(
+                f"IncludeLaunchDescription: launch_arguments={launch_arguments!r}, expected pairs: "
+                f"launch_arguments={launch_arguments!r}.items()"
+            )
         arguments = [SetLaunchConfiguration(*pair) for pair in launch_arguments or ()]
 
         def do(context: LaunchContext) -> list[LaunchDescriptionEntity]:
-            outer, context.file = context.file, str(source.location(context))
+            outer, file = context.file, str(source.location(context))
+            if not Path(file).exists() and Path(f"{file}.in").is_file():
+                raise NotHereError(
+                    f"{file} is made from {Path(file).name}.in when its package is built by CMake."
+                )
+            description = source.get_launch_description(context)
+            context.file = file
             leave = Action(lambda context: setattr(context, "file", outer))
-            return [*arguments, source.get_launch_description(context), leave]
+            return [*arguments, description, leave]
 
         super().__init__(do, **options)
 
 
 class TimerAction(Action):
-    """Actions after so many seconds of robot time.
+    """Visits actions after a period of robot time.
 
-    A shutdown of the launch always cancels it: `cancel_on_shutdown` makes no difference here.
+    `cancel_on_shutdown` has no effect here: a shutdown of the launch always cancels the timer.
     """
 
     goes_on = True
@@ -147,11 +454,11 @@ class TimerAction(Action):
         **options: Any,
     ) -> None:
         super().__init__(self._begin, **options)
-        self.period, self.actions = period, list(actions)
+        self.period, self.actions = period, several_entities("TimerAction", actions)
         self._is_canceled = False
 
     def cancel(self) -> None:
-        """Cancel it: its actions are not done."""
+        """Cancel the timer, so that its actions are not visited."""
         self._is_canceled = True
 
     def _begin(self, context: LaunchContext) -> None:
@@ -165,7 +472,7 @@ class TimerAction(Action):
 
 
 class LogInfo(Action):
-    """A line in the launch's log."""
+    """Writes a line to the log of the launch."""
 
     def __init__(self, *, msg: Some, **options: Any) -> None:
         super().__init__(
@@ -174,7 +481,7 @@ class LogInfo(Action):
 
 
 class RegisterEventHandler(Action):
-    """Registers a handler of events; as in ROS the newest handler comes first."""
+    """Registers an event handler. As in ROS, the newest handler is called first."""
 
     def __init__(self, event_handler: BaseEventHandler, **options: Any) -> None:
         super().__init__(lambda context: context.register_event_handler(event_handler), **options)
@@ -182,7 +489,7 @@ class RegisterEventHandler(Action):
 
 
 class UnregisterEventHandler(Action):
-    """Removes a handler of events; raises ValueError if it was not registered."""
+    """Removes an event handler. Raises ValueError if it was not registered."""
 
     def __init__(self, event_handler: BaseEventHandler, **options: Any) -> None:
         super().__init__(lambda context: context.unregister_event_handler(event_handler), **options)
@@ -196,12 +503,12 @@ class EmitEvent(Action):
 
 
 class Shutdown(Action):
-    """Ends the launch; Node takes one as `on_exit`."""
+    """Shuts the launch down. A Node accepts it as `on_exit`."""
 
     def __init__(self, *, reason: Some = "reason not given", **options: Any) -> None:
         def do(context: LaunchContext) -> None:
             event = getattr(context.locals, "event", None)
-            if isinstance(event, ProcessExited):
+            if isinstance(event, ProcessExited) and event.pid:
                 text = f"process[{event.process_name}] was required: shutting down launched system"
                 context.runner.log("INFO", "launch", text)
             context.runner.emit(ShutdownEvent(reason=text_of(context, reason)))
@@ -210,9 +517,9 @@ class Shutdown(Action):
 
 
 def declared(entities: Entities, context: LaunchContext) -> list[DeclareLaunchArgument]:
-    """List the arguments that entities declare, also in groups, timers and included files.
+    """List the arguments that entities declare, including those in groups, timers and included files.
 
-    As in ROS those of a file are left out whose path is not known before the launch.
+    As in ROS, an included file whose path is unknown before the launch is left out.
     """
     found: list[DeclareLaunchArgument] = []
     for entity in listed(entities):

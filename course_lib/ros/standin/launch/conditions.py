@@ -1,6 +1,7 @@
 """Conditions of actions."""
 
-import yaml  # type: ignore[import-untyped]  # it ships no types
+# The package has no type information.
+import yaml  # type: ignore[import-untyped]
 
 from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, SubstitutionFailure, text_of
 
@@ -12,7 +13,7 @@ class InvalidConditionExpressionError(ValueError):
 
 
 class IfCondition(Condition):
-    """True where the text is `true` or `1`, in capitals or not; it must be one of true, 1, false, 0."""
+    """True if the expression is `true` or `1`. It must be true, 1, false or 0; case is ignored."""
 
     def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
         super().__init__(
@@ -21,7 +22,7 @@ class IfCondition(Condition):
 
 
 class UnlessCondition(Condition):
-    """True where the text is `false` or `0`."""
+    """True if the expression is `false` or `0`."""
 
     def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
         super().__init__(
@@ -30,7 +31,7 @@ class UnlessCondition(Condition):
 
 
 class LaunchConfigurationEquals(Condition):
-    """True where an argument's value is the text; with None, where it has no value."""
+    """True if a launch configuration has the expected value; with None, if it is not set."""
 
     def __init__(self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None) -> None:
         super().__init__(
@@ -39,7 +40,7 @@ class LaunchConfigurationEquals(Condition):
 
 
 class LaunchConfigurationNotEquals(Condition):
-    """True where an argument's value is another text, or none; with None, where it has one."""
+    """True if a launch configuration does not have the expected value; with None, if it is set."""
 
     def __init__(self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None) -> None:
         super().__init__(
@@ -53,7 +54,7 @@ def _equals(context: LaunchContext, name: str, expected: SomeSubstitutionsType |
 
 
 def evaluate_condition_expression(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
-    """Parse a text as true or false; any other raises an error with launch's text."""
+    """Parse a string as true or false. Any other string raises an error with launch's message."""
     text = text_of(context, expression).strip().lower()
     if text not in _WORDS:
         raise InvalidConditionExpressionError(
@@ -63,7 +64,7 @@ def evaluate_condition_expression(context: LaunchContext, expression: SomeSubsti
 
 
 def as_bool(context: LaunchContext, value: bool | SomeSubstitutionsType) -> bool:
-    """Return a bool, or read a text as YAML does: true, yes, on, 1 and their opposites."""
+    """Return a bool, or parse a string as YAML does: true, yes, on, 1 and their opposites."""
     if isinstance(value, bool):
         return value
     text = text_of(context, value)

@@ -1,21 +1,24 @@
-"""The parts of launch descriptions: substitutions, conditions, actions, events, and their context."""
+"""The building blocks of launch descriptions: substitutions, conditions, actions, events, and the context."""
 
 import os
+import sys
 from collections.abc import Callable, Iterable, MutableMapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
+from types import FrameType, SimpleNamespace
 from typing import Any, Protocol, TypeAlias, Union
 
 from course_lib.errors import CourseError
+from course_lib.ros.tracebacks import KIT, is_own
 
 SomeSubstitutionsType: TypeAlias = Union[str, Path, "Substitution", Iterable["SomeSubstitutionsType"]]
 Entities: TypeAlias = Union["LaunchDescriptionEntity", Iterable["LaunchDescriptionEntity"]]
+SHIPPED = os.path.join(KIT, "ros", "share", "")
 Reaction: TypeAlias = Entities | Callable[[Any, "LaunchContext"], Entities | None] | None
 
 
 class InvalidLaunchFileError(CourseError):
-    """A file does not describe a launch."""
+    """A file is not a valid launch file."""
 
 
 class Event:
@@ -24,42 +27,47 @@ class Event:
 
 @dataclass
 class ExecutionComplete(Event):
-    """The end of an action: of its process where it has one, else of what it does."""
+    """The completion of an action: the exit of its process, or the return of `execute` without one."""
 
     action: "Action"
 
 
 class Runner(Protocol):
-    """The program that runs a launch, as its actions know it."""
+    """The interface that actions use to the program that runs the launch."""
 
     def start(self, action: "Action", package: str, executable: str, words: Iterable[str]) -> None:
         """Start an executable."""
+
+    def has_executable(self, package: str, executable: str) -> bool:
+        """Return whether the executable is provided by the kit itself."""
+        ...
 
     def start_file(self, action: "Action", file: Path, words: Iterable[str]) -> None:
         """Start a Python program by its path."""
 
     def start_component(self, action: "Action", package: str, plugin: str, words: Iterable[str]) -> None:
-        """Start a component that is in Python."""
+        """Start a component that is written in Python."""
 
     def start_function(
         self, action: "Action", name: str, function: Callable[[], object], words: Iterable[str]
     ) -> None:
-        """Start a function as a process; the words are its command line."""
+        """Start a function as a process. `words` is its command line."""
 
     def later(self, seconds: float, entities: Entities) -> None:
-        """Visit entities after so much robot time [s]."""
+        """Visit entities after `seconds` of robot time [s]."""
 
     def emit(self, event: Event) -> None:
         """Pass an event to the event handlers."""
 
     def log(self, level: str, name: str, text: str) -> None:
-        """Write a line of the launch's own log."""
+        """Write a line to the log of the launch itself."""
 
 
 class LaunchContext:
-    """The state of a launch: the values of arguments, the event handlers, the file that is read.
+    """The state of a launch: launch configurations, event handlers and the current launch file.
 
-    `locals` has the `event` that is handled; `kept` are states that Push… actions keep, by their kind.
+    `locals` has the `event` that is being handled. `kept` has the stacks of states that Push…
+    actions save, by kind.
     """
 
     def __init__(self, runner: Any = None, *, file: str = "") -> None:
@@ -77,15 +85,15 @@ class LaunchContext:
         return os.environ
 
     def register_event_handler(self, event_handler: "BaseEventHandler") -> None:
-        """Add a handler; as in ROS the newest one comes first."""
+        """Add a handler. As in ROS, the newest handler is called first."""
         self.handlers.insert(0, event_handler)
 
     def unregister_event_handler(self, event_handler: "BaseEventHandler") -> None:
-        """Remove a handler; raises ValueError if it was not registered."""
+        """Remove a handler. Raise ValueError if it was not registered."""
         self.handlers.remove(event_handler)
 
     def complete(self, action: "Action") -> None:
-        """Emit the end of an action, where a handler waits for it."""
+        """Emit the completion of an action if a handler waits for it."""
         event = ExecutionComplete(action)
         if any(handler.matches(event) for handler in self.handlers):
             self.runner.emit(event)
@@ -100,53 +108,64 @@ class SubstitutionFailure(RuntimeError):  # noqa: N818  # ROS's name
 
 
 class Substitution:
-    """A text that is made when the launch runs: by `make`, or by the `perform` of a class of your own."""
+    """A string that is computed while the launch runs.
+
+    Either `make` computes it, or the `perform` method of a subclass.
+    """
 
     def __init__(self, make: Callable[[LaunchContext], str] | None = None) -> None:
         self._make = make
 
     def perform(self, context: LaunchContext) -> str:
-        """Return the text."""
+        """Compute the string."""
         if self._make is None:
             raise NotImplementedError(f"{type(self).__name__}.perform(context)")
         return self._make(context)
 
 
 def text_of(context: LaunchContext, parts: SomeSubstitutionsType) -> str:
-    """Return the text of one part, or of several joined; strings are themselves."""
+    """Perform one substitution, or join the results of several. Strings are returned unchanged."""
     if isinstance(parts, Substitution):
         return parts.perform(context)
     if isinstance(parts, str | Path):
         return str(parts)
+    if not isinstance(parts, Iterable):
+        # The text begins as in ROS.
+        kind = type(parts).__name__
+        raise TypeError(
+            f"'{kind}' object is not iterable: expected a string or a substitution, not {parts!r}"
+        )
     return "".join(text_of(context, part) for part in parts)
 
 
 class Condition:
-    """A predicate that is evaluated when the action is visited."""
+    """A predicate that is evaluated when its action is visited."""
 
     def __init__(self, *, predicate: Callable[[LaunchContext], bool]) -> None:
         self._predicate = predicate
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Return whether the action is done."""
+        """Return whether the action is executed."""
         return self._predicate(context)
 
 
 class LaunchDescriptionEntity:
-    """A part of a description."""
+    """A part of a launch description."""
 
     def visit(self, context: LaunchContext) -> Entities | None:
-        """Carry the part out; returns the entities to be visited next."""
+        """Execute the entity and return the entities to visit next."""
         raise NotImplementedError(type(self).__name__)
 
 
 class Action(LaunchDescriptionEntity):
-    """An action, done unless its condition is false: by `do`, or by the `execute` of a class of your own.
+    """An action, executed unless its condition is false.
 
-    Both return the entities to be visited next.
+    Either `do` executes it, or the `execute` method of a subclass. Both return the entities to
+    visit next.
     """
 
-    goes_on = False  # after `execute`; else it is complete then
+    # Whether the action is still running after `execute`; otherwise it is complete then.
+    goes_on = False
 
     def __init__(
         self,
@@ -155,9 +174,17 @@ class Action(LaunchDescriptionEntity):
         condition: Condition | None = None,
     ) -> None:
         self._do, self.condition = do, condition
+        # The (file, line) of the launch file that creates the action, for error messages.
+        self.place = _place_in_launch_file()
 
     def visit(self, context: LaunchContext) -> Entities | None:
-        """Do the action, unless its condition is false."""
+        """Execute the action unless its condition is false."""
+        if self.condition is not None and not hasattr(self.condition, "evaluate"):
+            # The text begins as in ROS.
+            raise AttributeError(
+                f"'{type(self.condition).__name__}' object has no attribute 'evaluate': condition takes a "
+                f"condition such as IfCondition(…), not {self.condition!r:.60}"
+            )
         if self.condition is not None and not self.condition.evaluate(context):
             return None
         entities = self.execute(context)
@@ -166,12 +193,26 @@ class Action(LaunchDescriptionEntity):
         return entities
 
     def execute(self, context: LaunchContext) -> Entities | None:
-        """Do the action."""
+        """Execute the action and return the entities to visit next."""
         return None if self._do is None else self._do(context)
 
 
+def _place_in_launch_file() -> tuple[str, int] | None:
+    """Return the innermost call site in a launch file, or None.
+
+    That is code outside of the kit, Python and its libraries, or a launch file that the kit ships.
+    """
+    frame: FrameType | None = sys._getframe(2)
+    while frame is not None:
+        name = frame.f_code.co_filename
+        if name.startswith(SHIPPED) or is_own(name):
+            return name, frame.f_lineno
+        frame = frame.f_back
+    return None
+
+
 class LaunchDescription(LaunchDescriptionEntity):
-    """A description of a launch: entities in their order."""
+    """A launch description: a sequence of entities."""
 
     def __init__(
         self,
@@ -179,11 +220,12 @@ class LaunchDescription(LaunchDescriptionEntity):
         *,
         deprecated_reason: str | None = None,
     ) -> None:
-        self.entities = listed(initial_entities)
+        self.entities = several_entities("LaunchDescription", initial_entities)
         self.deprecated_reason = deprecated_reason
+        self.place = _place_in_launch_file()
 
     def visit(self, context: LaunchContext) -> Entities:
-        """Return the entities; logs the reason not to use the description any more, if it has one."""
+        """Return the entities. Log a warning if the description is deprecated."""
         if self.deprecated_reason is not None:
             text = f"launch file [{context.file}] is deprecated: {self.deprecated_reason}"
             context.runner.log("WARNING", "launch", text)
@@ -197,7 +239,10 @@ class LaunchDescription(LaunchDescriptionEntity):
 
 
 class BaseEventHandler:
-    """A reaction to the events that `matcher` chooses; it may be a function of event and context."""
+    """Visits entities at events that `matcher` accepts.
+
+    The entities may be a function of event and context.
+    """
 
     def __init__(
         self, *, matcher: Callable[[Event], bool], entities: Reaction = None, handle_once: bool = False
@@ -207,12 +252,52 @@ class BaseEventHandler:
         self._entities = entities
 
     def handle(self, event: Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
-        """Return the entities to be visited now."""
+        """Return the entities to visit."""
         return listed(self._entities(event, context) if callable(self._entities) else self._entities)
 
 
+def several_entities(
+    name: str, entities: Iterable[LaunchDescriptionEntity] | None
+) -> list[LaunchDescriptionEntity]:
+    """Return entities that were passed to `name` as a list. Raise Python's TypeError for a single one."""
+    if isinstance(entities, LaunchDescriptionEntity):
+        kind = type(entities).__name__
+        raise TypeError(f"'{kind}' object is not iterable: {name} takes a list, as in {name}([{kind}(…)])")
+    return list(entities or ())
+
+
 def listed(entities: Entities | None) -> list[LaunchDescriptionEntity]:
-    """Return one entity, several or none as a list."""
+    """Return one entity, several or None as a list."""
     if entities is None:
         return []
     return [entities] if isinstance(entities, LaunchDescriptionEntity) else list(entities)
+
+
+class LaunchService:
+    """A launch that a program starts. Not supported by the kit, which runs launch files only."""
+
+    def __init__(self, *, argv: Iterable[str] | None = None, **options: Any) -> None:
+        self.descriptions: list[LaunchDescription] = []
+
+    def include_launch_description(self, launch_description: LaunchDescription) -> None:
+        """Add a launch description."""
+        self.descriptions.append(launch_description)
+
+    def run(self, *, shutdown_when_idle: bool = True) -> int:
+        """Raise a CourseError that explains how to run the file instead."""
+        raise CourseError(
+            "LaunchService cannot run inside a program here. Return the LaunchDescription from "
+            "generate_launch_description(), and run the file: course run FILE.launch.py"
+        )
+
+
+class LaunchIntrospector:
+    """Formats launch descriptions as text."""
+
+    def format_launch_description(self, launch_description: LaunchDescription) -> str:
+        """Return the types of a description's entities as a tree."""
+        kinds = [type(entity).__name__ for entity in launch_description.entities]
+        marks = ["├──"] * (len(kinds) - 1) + ["└──"]
+        return "\n".join(
+            [f"{launch_description}", *(f"{mark} {kind}" for mark, kind in zip(marks, kinds, strict=False))]
+        )

@@ -1,4 +1,4 @@
-"""Handlers of the events of a launch."""
+"""Handlers for launch events."""
 
 from collections.abc import Callable
 from typing import Any, TypeAlias
@@ -26,7 +26,11 @@ EventHandler = BaseEventHandler
 
 
 class OnActionEventBase(BaseEventHandler):
-    """A reaction to events of a class, of one action, of those that a function chooses, or of any."""
+    """Handles events of a class.
+
+    `action_matcher` selects the action of the event: a particular action, a predicate, or None for
+    any action.
+    """
 
     def __init__(
         self,
@@ -55,7 +59,7 @@ class OnActionEventBase(BaseEventHandler):
 
 
 class OnProcessStart(OnActionEventBase):
-    """A reaction to the start of an action's process, or of any."""
+    """Handles the start of an action's process, or of any process."""
 
     def __init__(self, *, target_action: Target = None, on_start: Reaction, **options: Any) -> None:
         super().__init__(
@@ -64,7 +68,7 @@ class OnProcessStart(OnActionEventBase):
 
 
 class OnProcessExit(OnActionEventBase):
-    """A reaction to the end of an action's process, or of any."""
+    """Handles the exit of an action's process, or of any process."""
 
     def __init__(self, *, target_action: Target = None, on_exit: Reaction, **options: Any) -> None:
         super().__init__(
@@ -73,7 +77,7 @@ class OnProcessExit(OnActionEventBase):
 
 
 class OnExecutionComplete(OnActionEventBase):
-    """A reaction to the end of an action: of its process where it has one, else of what it does."""
+    """Handles the completion of an action: its process has exited, or `execute` has returned."""
 
     def __init__(self, *, target_action: Target = None, on_completion: Reaction, **options: Any) -> None:
         super().__init__(
@@ -85,7 +89,7 @@ class OnExecutionComplete(OnActionEventBase):
 
 
 class OnProcessIO(OnActionEventBase):
-    """A reaction to the lines that an action's process writes; nothing is written to its input here."""
+    """Handles the output of an action's process. The processes have no standard input here."""
 
     def __init__(
         self,
@@ -106,14 +110,14 @@ class OnProcessIO(OnActionEventBase):
 
 
 class OnShutdown(BaseEventHandler):
-    """A reaction to the end of the launch."""
+    """Handles the shutdown of the launch."""
 
     def __init__(self, *, on_shutdown: Reaction, **options: Any) -> None:
         super().__init__(matcher=lambda event: isinstance(event, _Shutdown), entities=on_shutdown, **options)
 
 
 class OnIncludeLaunchDescription(BaseEventHandler):
-    """A reaction to a description that is added: its entities are visited."""
+    """Handles the inclusion of a description, whose entities are visited."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(

@@ -3,6 +3,8 @@
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from importlib import import_module
+from types import ModuleType
 
 from launch.entities import Action, Event, LaunchDescription
 from launch.entities import ExecutionComplete as ExecutionComplete
@@ -10,7 +12,7 @@ from launch.entities import ExecutionComplete as ExecutionComplete
 
 @dataclass
 class Shutdown(Event):
-    """The end of the launch, with all its processes."""
+    """The shutdown of the launch and all its processes."""
 
     reason: str = "reason not given"
     due_to_sigint: bool = False
@@ -18,14 +20,14 @@ class Shutdown(Event):
 
 @dataclass
 class IncludeLaunchDescription(Event):
-    """A description that is added to the launch."""
+    """The inclusion of a description into the launch."""
 
     launch_description: LaunchDescription
 
 
 @dataclass
 class RunningProcessEvent(Event):
-    """An event of a process; `action` has started it."""
+    """Base class of process events. `action` is the action that started the process."""
 
     action: Action
     process_name: str = ""
@@ -40,14 +42,14 @@ class ProcessStarted(RunningProcessEvent):
 
 @dataclass
 class ProcessExited(RunningProcessEvent):
-    """The end of a process."""
+    """The exit of a process."""
 
     returncode: int = 0
 
 
 @dataclass
 class ProcessIO(RunningProcessEvent):
-    """A line that a process has written; `fd` is 1 for standard output, 2 for standard error."""
+    """A line of output of a process. `fd` is 1 for standard output, 2 for standard error."""
 
     text: bytes = b""
     fd: int = 1
@@ -65,14 +67,17 @@ class ProcessIO(RunningProcessEvent):
 
 @dataclass
 class ShutdownProcess(Event):
-    """The wish to end the processes of the matching actions."""
+    """Request to shut down the processes of the matching actions."""
 
     process_matcher: Callable[[Action], bool]
 
 
 @dataclass(kw_only=True)
 class SignalProcess(ShutdownProcess):
-    """A signal to the processes of the matching actions: SIGINT, SIGTERM and SIGKILL end them."""
+    """Request to send a signal to the processes of the matching actions.
+
+    SIGINT, SIGTERM and SIGKILL end them.
+    """
 
     signal_number: str | signal.Signals
 
@@ -80,3 +85,10 @@ class SignalProcess(ShutdownProcess):
 def matches_action(target: Action) -> Callable[[Action], bool]:
     """Return a matcher for one action."""
     return lambda action: action is target
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Import a submodule on first access, as it is imported together with ROS's package."""
+    if name in ("matchers", "process"):
+        return import_module(f"launch.events.{name}")
+    raise AttributeError(f"module 'launch.events' has no attribute '{name}'")

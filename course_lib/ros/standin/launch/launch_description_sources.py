@@ -1,14 +1,20 @@
-"""Sources of descriptions: Python, XML and YAML files."""
+"""Sources of launch descriptions: Python, XML and YAML files."""
 
+import inspect
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, ClassVar
+from types import ModuleType
+from typing import Any, ClassVar, cast
 
-from course_lib.ros.packages import LAUNCH_IN_WORDS
+from course_lib.ros.hints import newer_python_hint
+from course_lib.ros.programs.packages import LAUNCH_IN_WORDS
+from course_lib.ros.tracebacks import name_line
+from course_lib.third_party import compile_python
 from launch.entities import (
     InvalidLaunchFileError,
     LaunchContext,
     LaunchDescription,
+    LaunchDescriptionEntity,
     SomeSubstitutionsType,
     text_of,
 )
@@ -17,38 +23,71 @@ from launch.frontend.element import description_of
 
 
 class InvalidPythonLaunchFileError(InvalidLaunchFileError):
-    """A Python file does not describe a launch."""
+    """A Python file is not a valid launch file."""
+
+
+def load_python_launch_file_as_module(python_launch_file_path: str | Path) -> ModuleType:
+    """Execute a Python file and return its namespace as a module."""
+    file = Path(python_launch_file_path)
+    module = ModuleType(file.stem)
+    module.__file__ = str(file)
+    try:
+        code = compile_python(file.read_bytes(), str(file))
+    except SyntaxError as error:
+        place = name_line(str(file), error.lineno or 1)
+        newer = newer_python_hint(error)
+        text = f"SyntaxError: {error.msg} ({place})"
+        raise InvalidPythonLaunchFileError(f"{text}; {newer}" if newer else text) from error
+    exec(code, vars(module))
+    return module
 
 
 def get_launch_description_from_python_launch_file(launch_file_path: str | Path) -> LaunchDescription:
-    """Run a Python file and return its description."""
+    """Execute a Python file and return its launch description."""
     file = Path(launch_file_path)
     if file.suffix in LAUNCH_IN_WORDS:
         raise InvalidPythonLaunchFileError(
             f"{file} is not a Python file. Include it with AnyLaunchDescriptionSource."
         )
-    names: dict[str, Any] = {"__name__": file.stem, "__file__": str(file)}
-    exec(compile(file.read_bytes(), str(file), "exec"), names)
+    names = vars(load_python_launch_file_as_module(file))
     if "generate_launch_description" not in names:
         raise InvalidPythonLaunchFileError(
             f"launch file at '{file}' does not contain the required function 'generate_launch_description()'"
         )
-    description = names["generate_launch_description"]()
-    if not isinstance(description, LaunchDescription):
+    generate = names["generate_launch_description"]
+    try:
+        inspect.signature(generate).bind()
+    except (TypeError, ValueError) as error:
         raise InvalidPythonLaunchFileError(
-            f"generate_launch_description() in '{file}' returned {description!r}; end it with: return "
+            f"generate_launch_description in '{file}' is called without arguments: {error}. Write: def "
+            "generate_launch_description():"
+        ) from None
+    description = generate()
+    # As in ROS, any entity is accepted.
+    if not isinstance(description, LaunchDescriptionEntity):
+        raise InvalidPythonLaunchFileError(
+            f"generate_launch_description() in '{file}' returned {_short(description)}; end it with: return "
             "LaunchDescription([...])"
         )
-    return description
+    return cast("LaunchDescription", description)
+
+
+def _short(value: object) -> str:
+    """Describe a value by its type, unless its representation says more."""
+    is_plain = value is None or isinstance(value, str | int | float)
+    return repr(value) if is_plain else f"a {type(value).__name__}"
 
 
 def get_launch_description_from_frontend_launch_file(launch_file_path: str | Path) -> LaunchDescription:
-    """Read an XML or YAML file and return its description."""
+    """Read an XML or YAML file and return its launch description."""
     return description_of(Path(launch_file_path))
 
 
 def get_launch_description_from_any_launch_file(launch_file_path: str | Path) -> LaunchDescription:
-    """Return the description of a file by its suffix; without one of these it is a Python file."""
+    """Return the description of a file.
+
+    A file without a suffix of XML or YAML is executed as Python.
+    """
     in_words = Path(launch_file_path).suffix in LAUNCH_IN_WORDS
     return (description_of if in_words else get_launch_description_from_python_launch_file)(
         Path(launch_file_path)
@@ -56,7 +95,7 @@ def get_launch_description_from_any_launch_file(launch_file_path: str | Path) ->
 
 
 class LaunchDescriptionSource:
-    """A launch file of any kind."""
+    """A launch file of any format."""
 
     read: ClassVar[Callable[[Path], LaunchDescription]] = get_launch_description_from_any_launch_file
 
@@ -64,11 +103,11 @@ class LaunchDescriptionSource:
         self._path = launch_file_path
 
     def location(self, context: LaunchContext) -> Path:
-        """Return the path of the file."""
+        """Return the absolute path of the file."""
         return Path(text_of(context, self._path)).absolute()
 
     def get_launch_description(self, context: LaunchContext) -> LaunchDescription:
-        """Return the description of the file."""
+        """Return the launch description of the file."""
         return type(self).read(self.location(context))
 
 

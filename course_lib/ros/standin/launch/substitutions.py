@@ -1,4 +1,4 @@
-"""Substitutions: texts that are made when the launch runs."""
+"""Substitutions: strings that are computed while the launch runs."""
 
 import math
 import os
@@ -14,7 +14,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from course_lib.ros.xacro_program import Finished, run_xacro
+from course_lib.ros.programs.xacro_program import ProgramResult, run_xacro
 from launch.conditions import as_bool
 from launch.entities import LaunchContext, Substitution, text_of
 from launch.entities import SomeSubstitutionsType as Some
@@ -22,11 +22,12 @@ from launch.entities import SubstitutionFailure as SubstitutionFailure
 from launch.logging import get_logger
 
 _ON_STDERR = ("fail", "ignore", "warn", "capture")
-_PROVIDED = ("ros2", "rviz2", "xacro")  # by the kit, though not on the PATH
+# Programs of the kit, which are available although they are not on the PATH.
+_PROVIDED = ("ros2", "rviz2", "xacro")
 
 
 class TextSubstitution(Substitution):
-    """A text as it is."""
+    """A literal string."""
 
     def __init__(self, *, text: str) -> None:
         super().__init__(lambda context: text)
@@ -34,7 +35,7 @@ class TextSubstitution(Substitution):
 
 
 class LaunchConfiguration(Substitution):
-    """The value of a launch argument, or a default."""
+    """The value of a launch configuration, or a default."""
 
     def __init__(self, variable_name: Some, *, default: Any = None) -> None:
         def make(context: LaunchContext) -> str:
@@ -48,22 +49,47 @@ class LaunchConfiguration(Substitution):
 
 
 class PathJoinSubstitution(Substitution):
-    """Parts of a path, joined."""
+    """A path joined from parts."""
 
     def __init__(self, substitutions: Sequence[Some]) -> None:
         super().__init__(lambda context: os.path.join(*(text_of(context, part) for part in substitutions)))
 
 
+class PathSubstitution(PathJoinSubstitution):
+    """A path that `/` extends: `PathSubstitution(FindPackageShare("arm")) / "urdf" / "arm.urdf"`."""
+
+    def __init__(self, path: Some | Sequence[Some]) -> None:
+        single = isinstance(path, str | Path | Substitution)
+        self._parts: list[Any] = [path] if single else list(path)  # type: ignore[arg-type]  # not a single one
+        super().__init__(self._parts)
+
+    def __truediv__(self, part: Some) -> "PathSubstitution":
+        """Return the path extended by one part."""
+        return PathSubstitution([*self._parts, part])
+
+
 class PythonExpression(Substitution):
-    """The value of a Python expression, which may use `math`, with or without that name."""
+    """The value of a Python expression.
+
+    The names of `math` can be used with and without their module.
+    """
 
     def __init__(self, expression: Some, python_modules: Sequence[str] = ("math",)) -> None:
         names = vars(math) | {name: __import__(name) for name in python_modules}
-        super().__init__(lambda context: str(eval(text_of(context, expression), {}, names)))
+
+        def make(context: LaunchContext) -> str:
+            text = text_of(context, expression)
+            try:
+                return str(eval(text, {}, names))
+            except Exception as error:
+                # The error has no line of a file, so that the line of the action is reported.
+                raise SubstitutionFailure(f"{type(error).__name__}: {error}, in `{text}`") from None
+
+        super().__init__(make)
 
 
 class EnvironmentVariable(Substitution):
-    """A variable of the environment, or a default."""
+    """The value of an environment variable, or a default."""
 
     def __init__(self, name: Some, *, default_value: Some | None = None) -> None:
         def make(context: LaunchContext) -> str:
@@ -90,7 +116,7 @@ class FindExecutable(Substitution):
 
 
 class Command(Substitution):
-    """The output of a program; xacro runs in this process, whose packages it then finds."""
+    """The output of a program. xacro runs in this process, where it finds the kit's packages."""
 
     def __init__(self, command: Some, *, on_stderr: Some = "fail") -> None:
         def make(context: LaunchContext) -> str:
@@ -113,7 +139,7 @@ class Command(Substitution):
 
 
 class FileContent(Substitution):
-    """The text of a file."""
+    """The content of a text file."""
 
     def __init__(self, path: Some) -> None:
         def make(context: LaunchContext) -> str:
@@ -126,7 +152,7 @@ class FileContent(Substitution):
 
 
 class AnonName(Substitution):
-    """A name that no other launch has; within a launch always the same for the same `name`."""
+    """A unique name. Within a launch it is the same for equal values of `name`."""
 
     def __init__(self, name: Some) -> None:
         def make(context: LaunchContext) -> str:
@@ -139,37 +165,40 @@ class AnonName(Substitution):
 
 
 class LaunchLogDir(Substitution):
-    """The folder of logs: $ROS_LOG_DIR, or .ros/log in the home folder."""
+    """The log folder: $ROS_LOG_DIR, or .ros/log in the home folder."""
 
     def __init__(self) -> None:
         super().__init__(lambda context: os.environ.get("ROS_LOG_DIR") or str(Path.home() / ".ros" / "log"))
 
 
 class LocalSubstitution(Substitution):
-    """A value of the context's `locals`, like `event.returncode` in a handler of events."""
+    """An attribute of the context's `locals`, for example `event.returncode` in an event handler."""
 
     def __init__(self, expression: str, description: str | None = None) -> None:
         super().__init__(lambda context: str(attrgetter(expression)(context.locals)))
 
 
 class ThisLaunchFile(Substitution):
-    """The path of the launch file that is read."""
+    """The path of the current launch file."""
 
     def __init__(self) -> None:
         super().__init__(lambda context: context.file)
 
 
 class ThisLaunchFileDir(Substitution):
-    """The folder of the launch file that is read."""
+    """The folder of the current launch file."""
 
     def __init__(self) -> None:
         super().__init__(lambda context: str(Path(context.file).parent))
 
 
-def _finished(words: Sequence[str]) -> Finished:
+def _finished(words: Sequence[str]) -> ProgramResult:
     if Path(words[0]).name == "xacro":
         return run_xacro(words[1:])
-    if Path(words[0]).name == "ros2":
+    if Path(words[0]).name == "ros2" and words[1:2] in (["pkg"], ["interface"]):
+        # These commands need no nodes, so a process of its own gives the same answer.
+        words = [sys.executable, "-m", "course_lib", "ros2", *words[1:]]
+    elif Path(words[0]).name == "ros2":
         raise SubstitutionFailure(
             f"`{shlex.join(words)}` cannot run here while the launch file is read. Write its output into the "
             "file, or run it with ExecuteProcess"
@@ -177,63 +206,63 @@ def _finished(words: Sequence[str]) -> Finished:
     if shutil.which(words[0]) is None:
         raise SubstitutionFailure(f"file not found: {words[0]}")
     done = subprocess.run(words, capture_output=True, text=True, check=False)
-    return Finished(done.stdout, done.stderr, done.returncode)
+    return ProgramResult(done.stdout, done.stderr, done.returncode)
 
 
 _TRUE, _FALSE = ("true", "1"), ("false", "0")
 
 
 class NotSubstitution(Substitution):
-    """The opposite of a truth."""
+    """The negation of a boolean."""
 
     def __init__(self, value: Some) -> None:
         super().__init__(lambda context: _word(not as_bool(context, value)))
 
 
 class AnySubstitution(Substitution):
-    """True where at least one is true."""
+    """True if at least one argument is true."""
 
     def __init__(self, *args: Some) -> None:
         super().__init__(lambda context: _word(any(as_bool(context, value) for value in args)))
 
 
 class AllSubstitution(Substitution):
-    """True where all are true."""
+    """True if all arguments are true."""
 
     def __init__(self, *args: Some) -> None:
         super().__init__(lambda context: _word(all(as_bool(context, value) for value in args)))
 
 
 class AndSubstitution(AllSubstitution):
-    """True where both are true."""
+    """True if both arguments are true."""
 
     def __init__(self, left: Some, right: Some) -> None:
         super().__init__(left, right)
 
 
 class OrSubstitution(AnySubstitution):
-    """True where one of two is true."""
+    """True if one of two arguments is true."""
 
     def __init__(self, left: Some, right: Some) -> None:
         super().__init__(left, right)
 
 
 class EqualsSubstitution(Substitution):
-    """True where two texts are equal, or mean the same truth, or nearly the same number."""
+    """True if two strings are equal, or both are the same boolean, or numbers that are nearly equal."""
 
     def __init__(self, left: Any, right: Any) -> None:
         super().__init__(lambda context: _word(_are_equal(context, left, right)))
 
 
 class NotEqualsSubstitution(Substitution):
-    """True where EqualsSubstitution is false."""
+    """True if EqualsSubstitution is false."""
 
     def __init__(self, left: Any, right: Any) -> None:
         super().__init__(lambda context: _word(not _are_equal(context, left, right)))
 
 
 class IfElseSubstitution(Substitution):
-    """One of two texts."""
+    """One of two strings, selected by a condition."""
 
     def __init__(self, condition: Some, if_value: Some = "", else_value: Some = "") -> None:
         super().__init__(
@@ -257,7 +286,7 @@ def _are_equal(context: LaunchContext, left: Any, right: Any) -> bool:
 
 
 def _text(context: LaunchContext, value: Any) -> str:
-    """Return a text; other values than substitutions are written first, as launch does."""
+    """Convert a value to a string. Values that are not substitutions are formatted as in launch."""
     is_list = isinstance(value, list | tuple) and any(isinstance(part, Substitution) for part in value)
     if is_list or isinstance(value, Substitution):
         return text_of(context, value)

@@ -1,4 +1,4 @@
-"""Functions that own actions and substitutions of a launch file use."""
+"""Functions for custom actions and substitutions."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -8,7 +8,7 @@ from launch.substitutions import TextSubstitution
 
 
 def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Substitution]:
-    """Return text, a substitution or several of both as a list of substitutions."""
+    """Convert a string, a substitution or an iterable of both to a list of substitutions."""
     if isinstance(subs, Substitution):
         return [subs]
     if isinstance(subs, Iterable) and not isinstance(subs, str):
@@ -17,5 +17,5 @@ def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Subs
 
 
 def perform_substitutions(context: LaunchContext, subs: Iterable[Any]) -> str:
-    """Return the text of substitutions, joined."""
+    """Perform substitutions and join the results."""
     return text_of(context, subs)

@@ -1,4 +1,4 @@
-"""Handlers of the events of lifecycle nodes."""
+"""Handlers of events of lifecycle nodes."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ from launch_ros.nodes import LifecycleNode
 
 
 class OnStateTransition(BaseEventHandler):
-    """A reaction to transitions of lifecycle nodes; what is None is not compared."""
+    """Handles transitions of lifecycle nodes. Arguments that are None match any value."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""The elements and substitutions of launch_ros in XML and YAML files."""
+"""The elements and substitutions of launch_ros in XML and YAML launch files."""
 
 from typing import Any
 
@@ -24,7 +24,7 @@ from launch.substitutions import TextSubstitution
 
 from launch_ros import actions as ros
 from launch_ros import substitutions
-from launch_ros.composition import ComposableNode
+from launch_ros.nodes import ComposableNode
 from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
 
 _SCALARS: dict[str | None, type] = {"str": str, "bool": bool, "float": float, "int": int}
@@ -32,7 +32,7 @@ _TYPES = (*_SCALARS, *(f"list_of_{name}" for name in _SCALARS), "yaml")
 
 
 def _value(entity: Entity, name: str) -> Any:
-    """Read a parameter's value, of the type that stands beside it."""
+    """Read a parameter's value as the type that the attribute `type` states."""
     kind = entity.get("type")
     if kind is not None and kind not in _TYPES:
         raise entity.error(f"type is '{kind}', expected one of {', '.join(map(str, _TYPES))}")
@@ -63,7 +63,7 @@ def _parameter(
     value: Any = None,
     inner: dict[Any, Any] | None = None,
 ) -> Any:
-    """Return an entry of a node's `parameters`: a file, or a dictionary of one parameter."""
+    """Create an entry of a node's `parameters`: a file, or a dictionary with one parameter."""
     if (name is None) == (file is None):
         raise ValueError("it needs either 'name' or 'from'")
     if file is not None:

@@ -1,30 +1,111 @@
-"""Nodes as actions of a launch."""
+"""Actions that start nodes, and actions that change the settings of the nodes after them in a group."""
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from launch.entities import Action, BaseEventHandler, LaunchContext, Reaction, text_of
+from launch.actions import NO_DIFFERENCE, react_to_exit, unknown_options, warn_about_ignored_options
+from launch.conditions import as_bool
+from launch.entities import Action, BaseEventHandler, Condition, LaunchContext, Reaction, text_of
 from launch.entities import SomeSubstitutionsType as Some
 from launch.event_handlers import OnProcessExit
-from launch.processes import NO_DIFFERENCE, react_to_exit, tell_missed, unknown_options
 from lifecycle_msgs import srv
 from lifecycle_msgs.msg import Transition, TransitionEvent
 
-from course_lib.ros.graph import NodesOfProgram, current_graph
+from course_lib.ros.graph.graph import NodesOfProgram, current_graph
+from course_lib.ros.graph.topics import SERVICE_HEADER, SERVICE_TOPICS, Qos
 from course_lib.ros.messages import deserialize, serialize
-from course_lib.ros.qos import Qos
-from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 from launch_ros.events.lifecycle import ChangeState, StateTransition
-from launch_ros.parameter_descriptions import words_for
-from launch_ros.settings import NAMESPACE, PARAMETERS, REMAPS, joined
+from launch_ros.parameter_descriptions import ParameterFile, check_values, evaluated, words_for
+
+# Names of the launch configurations that hold the settings.
+NAMESPACE, PARAMETERS, REMAPS = "ros_namespace", "global_params", "ros_remaps"
+
+
+class PushRosNamespace(Action):
+    """Adds a namespace to the following nodes of the group."""
+
+    def __init__(self, namespace: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            settings = context.launch_configurations
+            settings[NAMESPACE] = joined(settings.get(NAMESPACE, ""), text_of(context, namespace))
+
+        super().__init__(do, **options)
+
+
+PushROSNamespace = PushRosNamespace
+
+
+class SetParameter(Action):
+    """Sets a parameter of all following nodes."""
+
+    def __init__(self, name: Some, value: Any, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            _add(context, PARAMETERS, {text_of(context, name): evaluated(context, value)})
+
+        super().__init__(do, **options)
+
+
+class SetParametersFromFile(Action):
+    """Sets the parameters of all following nodes from a file."""
+
+    def __init__(self, filename: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            _add(context, PARAMETERS, ParameterFile(text_of(context, filename)))
+
+        super().__init__(do, **options)
+
+
+class SetUseSimTime(Action):
+    """Sets the parameter `use_sim_time` of all following nodes."""
+
+    def __init__(self, value: bool | Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            _add(context, PARAMETERS, {"use_sim_time": as_bool(context, value)})
+
+        super().__init__(do, **options)
+
+
+class SetRemap(Action):
+    """Remaps a topic of all following nodes."""
+
+    def __init__(self, src: Some, dst: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            _add(context, REMAPS, (text_of(context, src), text_of(context, dst)))
+
+        super().__init__(do, **options)
+
+
+class SetROSLogDir(Action):
+    """Sets the log folder in the environment of all following processes."""
+
+    def __init__(self, new_log_dir: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            os.environ["ROS_LOG_DIR"] = text_of(context, new_log_dir)
+
+        super().__init__(do, **options)
+
+
+def _add(context: LaunchContext, setting: str, entry: Any) -> None:
+    settings = context.launch_configurations
+    # A new list, so that the previous one can be restored at the end of the group.
+    settings[setting] = [*settings.get(setting, ()), entry]
+
+
+def joined(outer: str, inner: str) -> str:
+    """Join a namespace to an outer one. An absolute namespace replaces the outer one."""
+    whole = inner if inner.startswith("/") or not outer else f"{outer.rstrip('/')}/{inner}"
+    whole = whole.rstrip("/")
+    return f"/{whole}" if whole and not whole.startswith("/") else whole
+
 
 _EVENT, _SERVICE = "lifecycle_msgs/msg/TransitionEvent", "lifecycle_msgs/srv/ChangeState"
 
 
 class LaunchNode:
-    """The node of a launch in the graph, one for each launch."""
+    """The node in the graph that represents the launch. There is one for each launch."""
 
     def __init__(self) -> None:
         self.id = current_graph().add_node("launch_ros", "/")
@@ -32,48 +113,58 @@ class LaunchNode:
 
 
 class LifecycleLink:
-    """A link to the node of a full name; `hear` gets its transitions, `failed` the number of one refused."""
+    """A connection to a lifecycle node, given by its full name.
+
+    `on_transition` receives its transitions, `on_rejection` the id of a transition that it
+    rejected.
+    """
 
     def __init__(
-        self, name: str, hear: Callable[[TransitionEvent], object], failed: Callable[[int], object]
+        self,
+        name: str,
+        on_transition: Callable[[TransitionEvent], object],
+        on_rejection: Callable[[int], object],
     ) -> None:
-        self._graph, self._qos, self._failed = current_graph(), Qos(), failed
-        self._asked: list[int] = []  # by the count of requests
+        self._graph, self._qos = current_graph(), Qos()
+        # The requested transitions in the order of their requests.
+        self._requested: list[int] = []
         node = self._graph.part(LaunchNode).id
 
-        def note(cdr: bytes, source_ns: int, received_ns: int) -> None:
-            hear(deserialize(cdr, TransitionEvent))
+        def on_event(cdr: bytes, source_ns: int, received_ns: int) -> None:
+            on_transition(deserialize(cdr, TransitionEvent))
 
-        self._graph.add_subscription(node, 0, f"{name}/transition_event", _EVENT, self._qos, note)
+        def on_response(data: bytes, source_ns: int, received_ns: int) -> None:
+            client, number = SERVICE_HEADER.unpack_from(data)
+            if client != self._id:
+                return
+            response = deserialize(data[SERVICE_HEADER.size :], srv.ChangeState.Response)
+            if not response.success:
+                on_rejection(self._requested[number - 1])
+
+        self._graph.add_subscription(node, 0, f"{name}/transition_event", _EVENT, self._qos, on_event)
         topics = [f"{prefix}{name}/change_state{suffix}" for prefix, suffix in SERVICE_TOPICS]
-        self._requests = topics[0]
+        self._request_topic = topics[0]
         self._id = self._graph.add_publisher(node, topics[0], f"{_SERVICE}_Request", self._qos)
-        self._graph.add_subscription(node, 0, topics[1], f"{_SERVICE}_Response", self._qos, self._answered)
+        self._graph.add_subscription(node, 0, topics[1], f"{_SERVICE}_Response", self._qos, on_response)
 
-    def ask(self, transition: int) -> bool:
-        """Ask for a transition; False while the node's service is not there."""
-        if not any(end.kind == "sub" for end in self._graph.endpoints_on(self._requests)):
+    def request(self, transition: int) -> bool:
+        """Request a transition. Return False if the node's service is not available."""
+        if not any(end.kind == "sub" for end in self._graph.endpoints_on(self._request_topic)):
             return False
         request = srv.ChangeState.Request(transition=Transition(id=transition))
-        self._asked.append(transition)
-        self._graph.publish(self._id, SERVICE_HEADER.pack(self._id, len(self._asked)) + serialize(request))
+        self._requested.append(transition)
+        header = SERVICE_HEADER.pack(self._id, len(self._requested))
+        self._graph.publish(self._id, header + serialize(request))
         return True
 
-    def _answered(self, data: bytes, source_ns: int, received_ns: int) -> None:
-        client, number = SERVICE_HEADER.unpack_from(data)
-        if client != self._id:
-            return
-        answer = deserialize(data[SERVICE_HEADER.size :], srv.ChangeState.Response)
-        if not answer.success:
-            self._failed(self._asked[number - 1])
 
-
-_LOOK = 0.1  # [s] between two looks for a node that is coming up
+# Interval between checks whether a starting node is available [s].
+_LOOK = 0.1
 
 
 @dataclass(frozen=True)
 class Given:
-    """A launch file's names and parameters for a node."""
+    """The names and parameters that a launch file sets for a node."""
 
     name: Some | None
     namespace: Some | None
@@ -81,7 +172,7 @@ class Given:
     remappings: tuple[tuple[Some, Some], ...]
 
     def words(self, context: LaunchContext) -> Iterator[str]:
-        """Yield the words for them behind --ros-args, with those for all nodes of the group."""
+        """Yield them as arguments after --ros-args, together with the settings for all nodes of the group."""
         if self.name is not None:
             yield from ("-r", f"__node:={text_of(context, self.name)}")
         settings, namespace = context.launch_configurations, self.full_namespace(context)
@@ -93,7 +184,7 @@ class Given:
             yield from ("-r", f"{text_of(context, old)}:={text_of(context, new)}")
 
     def full_namespace(self, context: LaunchContext) -> str:
-        """Return the namespace within that of the group."""
+        """Return the node's namespace within the namespace of the group."""
         outer = context.launch_configurations.get(NAMESPACE, "")
         return joined(outer, text_of(context, self.namespace or ""))
 
@@ -102,15 +193,18 @@ class Node(Action):
     """Starts an executable of a package, with names and parameters for its nodes.
 
     Args:
-        package: The executable's package; without one the executable is the path of a Python program.
+        package: The executable's package; without one, the executable is the path of a Python
+            program.
         executable: Its name, as in setup.py's console_scripts.
         name: Replaces the name of its nodes.
-        namespace: Of its nodes, inside the namespaces of PushRosNamespace.
-        parameters: Dictionaries, and YAML files; later ones count more.
+        namespace: The namespace of its nodes, inside the namespaces of PushRosNamespace.
+        parameters: Dictionaries and YAML files; later entries take precedence.
         remappings: Pairs of names (from, to).
-        arguments: Words for the program itself; `ros_arguments` stand behind --ros-args.
-        on_exit: A reaction to its end.
-        options: `condition`; `output` and others of ExecuteProcess make no difference here.
+        arguments: Arguments for the program itself.
+        ros_arguments: Arguments after --ros-args.
+        on_exit: Entities to visit when the process exits.
+        options: `condition`; other options of ExecuteProcess, such as `output`, have no effect
+            here.
     """
 
     goes_on = True
@@ -132,14 +226,21 @@ class Node(Action):
         super().__init__(self._start, condition=options.pop("condition", None))
         if isinstance(parameters, Mapping | str):
             raise TypeError(f"Node: parameters={parameters!r}, expected a list: parameters=[{parameters!r}]")
+        if isinstance(arguments, str):
+            words = arguments.split()
+            raise TypeError(f"Node: arguments={arguments!r}, expected a list: arguments={words!r}")
         unknown_options("Node", options, NO_DIFFERENCE)
+        check_values(parameters)
         self._package, self._executable = package, executable
-        self._given = Given(name, namespace, tuple(parameters or ()), tuple(remappings or ()))
+        pairs = tuple(remappings or ())
+        if any(not isinstance(pair, tuple | list) or len(pair) != 2 for pair in pairs):
+            raise TypeError(f"Node: remappings={remappings!r}, expected pairs: remappings=[('from', 'to')]")
+        self._given = Given(name, namespace, tuple(parameters or ()), pairs)
         self._arguments, self._ros_arguments = list(arguments or ()), list(ros_arguments or ())
         self._on_exit, self._options = on_exit, options
 
     def _start(self, context: LaunchContext) -> None:
-        tell_missed(context, self._options)
+        warn_about_ignored_options(context, self._options)
         react_to_exit(context, self, self._on_exit)
         executable, given = text_of(context, self._executable), self._given
         words = [text_of(context, word) for word in self._arguments]
@@ -152,49 +253,130 @@ class Node(Action):
 
 
 class LifecycleNode(Node):
-    """Starts a node whose state the launch follows (StateTransition) and changes (ChangeState).
+    """Starts a lifecycle node.
+
+    The launch receives its transitions (StateTransition) and requests transitions (ChangeState).
 
     Args:
-        name: Its name; needed, because its topic and its service are named for it.
-        namespace: Its namespace, maybe "".
-        options: Those of Node.
+        name: The name of the node, which is required because its topic and service contain it.
+        namespace: The namespace of the node; may be "".
+        options: The options of Node.
     """
 
     def __init__(self, *, name: Some, namespace: Some, **options: Any) -> None:
         super().__init__(name=name, namespace=namespace, **options)
-        self.node_name = ""  # with its namespace, once it was started
+        # The fully qualified name, once the node was started.
+        self.node_name = ""
         self._given_name = name
 
     def _start(self, context: LaunchContext) -> None:
-        runner, ended = context.runner, OnProcessExit(target_action=self, on_exit=self._end)
+        runner = context.runner
         self.node_name = f"{self._given.full_namespace(context)}/{text_of(context, self._given_name)}"
-        self._runs = True
+        self._is_running = True
 
-        def failed(number: int) -> None:
+        def on_rejection(number: int) -> None:
             transition = f"'{ChangeState.valid_transitions[number]}' for LifecycleNode '{self.node_name}'"
             runner.log(
                 "ERROR", "launch_ros.actions.lifecycle_node", f"Failed to make transition {transition}"
             )
 
-        def hear(message: Any) -> None:
+        def on_transition(message: Any) -> None:
             runner.emit(StateTransition(action=self, msg=message))
 
-        link = LifecycleLink(self.node_name, hear, failed)
+        def on_exit(event: Any, context: LaunchContext) -> None:
+            self._is_running = False
 
-        def asked(event: Any, context: LaunchContext) -> Action:
-            return Action(lambda context: self._ask(context, link, event.transition_id))
+        def is_addressed(event: Any) -> bool:
+            return isinstance(event, ChangeState) and event.lifecycle_node_matcher(self)
 
-        context.handlers[:0] = [ended, BaseEventHandler(matcher=self._is_meant, entities=asked)]
+        def on_request(event: Any, context: LaunchContext) -> Action:
+            return Action(lambda context: self._request(context, link, event.transition_id))
+
+        link = LifecycleLink(self.node_name, on_transition, on_rejection)
+        context.handlers[:0] = [
+            OnProcessExit(target_action=self, on_exit=on_exit),
+            BaseEventHandler(matcher=is_addressed, entities=on_request),
+        ]
         super()._start(context)
 
-    def _is_meant(self, event: Any) -> bool:
-        return isinstance(event, ChangeState) and event.lifecycle_node_matcher(self)
-
-    def _ask(self, context: LaunchContext, link: LifecycleLink, transition: int) -> None:
-        """Ask for a transition, as soon as the node is there."""
-        if self._runs and not link.ask(transition):
-            again = Action(lambda context: self._ask(context, link, transition))
+    def _request(self, context: LaunchContext, link: LifecycleLink, transition: int) -> None:
+        """Request a transition. If the node is not available yet, try again later."""
+        if self._is_running and not link.request(transition):
+            again = Action(lambda context: self._request(context, link, transition))
             context.runner.later(_LOOK, again)
 
-    def _end(self, event: Any, context: LaunchContext) -> None:
-        self._runs = False
+
+class ComposableNode:
+    """A component: a plugin of a package, with names and parameters for its node.
+
+    Args:
+        package: The component's package.
+        plugin: Its class, in the form `package::Class`.
+        name: Replaces the name of its node.
+        namespace: The namespace of its node.
+        parameters: Dictionaries and YAML files.
+        remappings: Pairs of names (from, to).
+        extra_arguments: Dictionaries for the container; they have no effect here.
+        condition: The component is loaded if it is true.
+    """
+
+    def __init__(
+        self,
+        *,
+        package: Some,
+        plugin: Some,
+        name: Some | None = None,
+        namespace: Some | None = None,
+        parameters: Iterable[Any] | None = None,
+        remappings: Iterable[tuple[Some, Some]] | None = None,
+        extra_arguments: Iterable[Any] | None = None,
+        condition: Condition | None = None,
+    ) -> None:
+        check_values(parameters)
+        self._package, self._plugin, self._condition = package, plugin, condition
+        self._given = Given(name, namespace, tuple(parameters or ()), tuple(remappings or ()))
+
+    def load(self, context: LaunchContext, action: Action) -> None:
+        """Start the component unless its condition is false."""
+        if self._condition is None or self._condition.evaluate(context):
+            package, plugin = text_of(context, self._package), text_of(context, self._plugin)
+            words = ["--ros-args", *self._given.words(context)]
+            context.runner.start_component(action, package, plugin, words)
+
+
+class LoadComposableNodes(Action):
+    """Loads components into a container."""
+
+    def __init__(
+        self,
+        *,
+        composable_node_descriptions: Iterable[ComposableNode],
+        target_container: "Some | ComposableNodeContainer",
+        **options: Any,
+    ) -> None:
+        super().__init__(self._load, **options)
+        self._components = list(composable_node_descriptions)
+
+    def _load(self, context: LaunchContext) -> None:
+        for component in self._components:
+            component.load(context, self)
+
+
+class ComposableNodeContainer(Node):
+    """Starts a container and then its components. See Node for `options`."""
+
+    def __init__(
+        self,
+        *,
+        name: Some,
+        namespace: Some,
+        composable_node_descriptions: Iterable[ComposableNode] | None = None,
+        **options: Any,
+    ) -> None:
+        super().__init__(name=name, namespace=namespace, **options)
+        self._components = list(composable_node_descriptions or ())
+
+    def execute(self, context: LaunchContext) -> list[LoadComposableNodes]:
+        """Start the container and return the action that loads the components."""
+        super().execute(context)
+        return [LoadComposableNodes(composable_node_descriptions=self._components, target_container=self)]

@@ -1,4 +1,4 @@
-"""Substitutions about packages and parameters."""
+"""Substitutions for packages and parameters."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,40 +7,46 @@ from typing import Any
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, SubstitutionFailure, text_of
 
-from course_lib.ros.packages import find_package
-from launch_ros.settings import PARAMETERS
+from course_lib.ros.programs.missing_packages import INSTALLED
+from course_lib.ros.programs.packages import find_package
+from launch_ros.nodes import PARAMETERS
 
 
 class FindPackagePrefix(Substitution):
-    """The folder that a package is installed under; raises PackageNotFoundError."""
+    """The installation prefix of a package.
+
+    Raises PackageNotFoundError if there is no such package.
+    """
 
     def __init__(self, package: SomeSubstitutionsType) -> None:
         super().__init__(lambda context: self.find(text_of(context, package)))
 
     def find(self, package_name: str) -> str:
-        """Return it now."""
+        """Return the prefix."""
         return get_package_prefix(package_name)
 
 
 class FindPackageShare(FindPackagePrefix):
-    """The folder with a package's launch/, config/ and rviz/; raises PackageNotFoundError."""
+    """The folder with a package's launch/, config/ and rviz/. Raises PackageNotFoundError."""
 
     def find(self, package_name: str) -> str:
-        """Return it now."""
+        """Return the folder."""
         return get_package_share_directory(package_name)
 
 
 class ExecutableInPackage(FindPackagePrefix):
-    """The path that an executable of a package has, once it is installed."""
+    """The path of an executable of a package after its installation."""
 
     def __init__(self, executable: SomeSubstitutionsType, package: SomeSubstitutionsType) -> None:
         super().__init__(package)
         self._executable, self._package = executable, package
 
     def perform(self, context: LaunchContext) -> str:
-        """Return the path; raises SubstitutionFailure for an executable that the package has not."""
-        prefix = super().perform(context)
+        """Return the path. Raise SubstitutionFailure if the package has no such executable."""
         name, package = text_of(context, self._executable), text_of(context, self._package)
+        if context.runner is not None and context.runner.has_executable(package, name):
+            return str(INSTALLED.parent / "lib" / package / name)
+        prefix = super().perform(context)
         found = find_package(package)
         if found is None or name not in found.executables:
             raise SubstitutionFailure(f"executable '{name}' not found on the libexec directory of '{prefix}'")
@@ -48,7 +54,7 @@ class ExecutableInPackage(FindPackagePrefix):
 
 
 class Parameter(Substitution):
-    """The value of a parameter that SetParameter has set for all nodes, or a default."""
+    """The value of a parameter that SetParameter has set, or a default."""
 
     def __init__(self, name: SomeSubstitutionsType, *, default: Any = None) -> None:
         def make(context: LaunchContext) -> str:

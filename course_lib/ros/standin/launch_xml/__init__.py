@@ -1,3 +1,3 @@
-"""Launch files in XML; the kit's stand-in."""
+"""Stand-in for launch_xml, launch files in XML."""
 
 from launch_xml import launch_description_sources as launch_description_sources

@@ -1,4 +1,4 @@
-"""Sources of descriptions: XML files."""
+"""Sources of launch descriptions: XML files."""
 
 from launch.launch_description_sources import FrontendLaunchDescriptionSource
 

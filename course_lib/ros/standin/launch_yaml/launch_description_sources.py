@@ -1,4 +1,4 @@
-"""Sources of descriptions: YAML files."""
+"""Sources of launch descriptions: YAML files."""
 
 from launch.launch_description_sources import FrontendLaunchDescriptionSource
 

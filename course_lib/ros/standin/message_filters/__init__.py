@@ -1,4 +1,4 @@
-"""Filters that messages pass on the way from subscriptions to a callback."""
+"""Message filters, which messages pass between a subscription and a callback."""
 
 # ruff: noqa: N802 - the names are ROS's
 
@@ -11,7 +11,8 @@ from rclpy.duration import Duration
 from rclpy.logging import LoggingSeverity, get_logger
 from rclpy.time import Time
 
-Queue = dict[int, Any]  # messages by stamp, [ns]
+# Messages by stamp [ns].
+Queue = dict[int, Any]
 _HEADERLESS = (
     "can not use message filters messages without timestamp infomation when 'allow_headerless' is disabled. "
     "auto assign ROSTIME to headerless messages once enabling constructor option of 'allow_headerless'."
@@ -19,25 +20,25 @@ _HEADERLESS = (
 
 
 class SimpleFilter:
-    """A filter with callbacks for its output."""
+    """A filter with callbacks that receive its output."""
 
     def __init__(self) -> None:
         self.callbacks: dict[int, tuple[Callable[..., object], tuple[Any, ...]]] = {}
 
     def registerCallback(self, cb: Callable[..., object], *args: Any) -> int:
-        """Call `cb` with the filter's output, then `args`; returns the callback's number."""
+        """Call `cb` with the filter's output and `args`. Return the id of the callback."""
         number = len(self.callbacks)
         self.callbacks[number] = (cb, args)
         return number
 
     def signalMessage(self, *msg: Any) -> None:
-        """Pass messages to the callbacks, in the order of their registration."""
+        """Call the callbacks with messages, in the order of their registration."""
         for callback, args in self.callbacks.values():
             callback(*msg, *args)
 
 
 class Subscriber(SimpleFilter):
-    """A subscription as the first filter: `Subscriber(node, type, topic, qos_profile=…)`."""
+    """A filter that outputs the messages of a subscription; arguments as of `create_subscription`."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__()
@@ -45,11 +46,11 @@ class Subscriber(SimpleFilter):
         self.sub = self.node.create_subscription(*args[1:], self.callback, **{"qos_profile": 10} | kwargs)
 
     def callback(self, msg: Any) -> None:
-        """Pass a message on."""
+        """Forward a message to the callbacks."""
         self.signalMessage(msg)
 
     def getTopic(self) -> str:
-        """Return the topic as it was given."""
+        """Return the topic as it was passed in."""
         return str(self.topic)
 
     def __getattr__(self, key: str) -> Any:
@@ -58,7 +59,7 @@ class Subscriber(SimpleFilter):
 
 
 class Cache(SimpleFilter):
-    """The last `cache_size` messages of a filter, with their times; what comes in goes out at once."""
+    """Stores the last `cache_size` messages of a filter with their times, and forwards each message."""
 
     def __init__(self, f: SimpleFilter, cache_size: int = 1, allow_headerless: bool = False) -> None:
         super().__init__()
@@ -68,11 +69,11 @@ class Cache(SimpleFilter):
         self.cache_times: list[Time] = []
 
     def connectInput(self, f: SimpleFilter) -> None:
-        """Receive the output of another filter."""
+        """Connect to the output of another filter."""
         self.incoming_connection = f.registerCallback(self.add)
 
     def add(self, msg: Any) -> None:
-        """Keep a message, and pass it on."""
+        """Store a message and forward it."""
         stamp = _stamp_of(msg, self.allow_headerless, "message_filters_cache")
         if stamp is None:
             return
@@ -83,28 +84,28 @@ class Cache(SimpleFilter):
         self.signalMessage(msg)
 
     def getInterval(self, from_stamp: Time, to_stamp: Time) -> list[Any]:
-        """Return the messages between two times, both of them included."""
+        """Return the messages between two times, inclusive."""
         assert from_stamp <= to_stamp
         return self._where(lambda stamp: from_stamp <= stamp <= to_stamp)
 
     def getElemAfterTime(self, stamp: Time) -> Any:
-        """Return the first message that is not older than a time, or None."""
+        """Return the first message at or after a time, or None."""
         return next(iter(self._where(lambda time: time >= stamp)), None)
 
     def getElemBeforeTime(self, stamp: Time) -> Any:
-        """Return the last message that is not newer than a time, or None."""
+        """Return the last message at or before a time, or None."""
         return next(reversed(self._where(lambda time: time <= stamp)), None)
 
     def getLastestTime(self) -> Time | None:
-        """Return the time of the last message, or None; the spelling is ROS's."""
+        """Return the time of the last message, or None. The name is misspelled in ROS, too."""
         return self.cache_times[-1] if self.cache_times else None
 
     def getOldestTime(self) -> Time | None:
-        """Return the time of the first message, or None."""
+        """Return the time of the oldest message, or None."""
         return self.cache_times[0] if self.cache_times else None
 
     def getLast(self) -> Any:
-        """Return the first message that is not older than the last one, or None."""
+        """Return the first message at or after the time of the last one, or None."""
         last = self.getLastestTime()
         return None if last is None else self.getElemAfterTime(last)
 
@@ -114,7 +115,7 @@ class Cache(SimpleFilter):
 
 
 class TimeSynchronizer(SimpleFilter):
-    """Messages of several filters that have equal stamps, as one call with a message of each."""
+    """Combines messages of several filters with equal stamps into one call."""
 
     def __init__(self, fs: Sequence[SimpleFilter], queue_size: int) -> None:
         super().__init__()
@@ -122,13 +123,13 @@ class TimeSynchronizer(SimpleFilter):
         self.queue_size, self.lock = queue_size, threading.Lock()
 
     def connectInput(self, fs: Sequence[SimpleFilter]) -> None:
-        """Receive the outputs of filters, each into a queue of its own."""
+        """Connect to the outputs of filters, with one queue for each."""
         self.queues: list[Queue] = [{} for _ in fs]
         pairs = enumerate(zip(fs, self.queues, strict=True))
         self.input_connections = [f.registerCallback(self.add, queue, index) for index, (f, queue) in pairs]
 
     def add(self, msg: Any, my_queue: Queue, my_queue_index: int | None = None) -> None:
-        """Keep a message, and pass on all sets that are complete, the oldest first."""
+        """Store a message and forward all complete sets, the oldest first."""
         with self.lock:
             self._keep(msg, Time.from_msg(msg.header.stamp).nanoseconds, my_queue)
             for stamp in sorted(set.intersection(*map(set, self.queues))):
@@ -140,13 +141,13 @@ class TimeSynchronizer(SimpleFilter):
             del queue[min(queue)]
 
     def _signal(self, stamps: Sequence[int]) -> None:
-        """Remove a message from each queue, and pass them on."""
+        """Remove one message from each queue and forward the set."""
         pairs = zip(self.queues, stamps, strict=True)
         self.signalMessage(*[queue.pop(stamp) for queue, stamp in pairs])
 
 
 class ApproximateTimeSynchronizer(TimeSynchronizer):
-    """Messages of several filters whose stamps differ by less than `slop`, [s], as one call."""
+    """Combines messages of several filters whose stamps differ by less than `slop` [s] into one call."""
 
     def __init__(
         self, fs: Sequence[SimpleFilter], queue_size: int, slop: float, allow_headerless: bool = False
@@ -155,27 +156,29 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
         self.slop, self.allow_headerless = Duration(seconds=slop), allow_headerless
 
     def add(self, msg: Any, my_queue: Queue, my_queue_index: int | None = None) -> None:
-        """Keep a message, and pass on the set that it completes; of several, the one nearest to it."""
+        """Store a message and forward the set that it completes, with stamps as close to it as possible."""
         time = _stamp_of(msg, self.allow_headerless, "message_filters_approx")
         if time is None:
             return
         with self.lock:
             stamp = time.nanoseconds
             self._keep(msg, stamp, my_queue)
-            choices = [self._near(stamp, queue) for queue in self.queues]
+            # For each queue, the stamps within `slop`, the closest first.
+            slop_ns = self.slop.nanoseconds
+            near = ([other for other in queue if abs(other - stamp) <= slop_ns] for queue in self.queues)
+            choices = [sorted(stamps, key=lambda other: abs(other - stamp)) for stamps in near]
             if my_queue_index is not None:
-                choices[my_queue_index] = [stamp] if stamp in my_queue else []  # too old for a full queue
+                # A message that is older than a full queue has been dropped.
+                choices[my_queue_index] = [stamp] if stamp in my_queue else []
             together = self._together(choices, ())
             if together is not None:
                 self._signal(together)
 
-    def _near(self, stamp: int, queue: Queue) -> list[int]:
-        """Return the stamps that are at most `slop` away, the nearest first."""
-        near = [other for other in queue if abs(other - stamp) <= self.slop.nanoseconds]
-        return sorted(near, key=lambda other: abs(other - stamp))
-
     def _together(self, choices: Sequence[Sequence[int]], chosen: tuple[int, ...]) -> tuple[int, ...] | None:
-        """Choose a stamp of each queue so that all are within `slop`; the first queues choose first."""
+        """Choose one stamp from each queue such that all are within `slop`.
+
+        The choices of earlier queues take precedence.
+        """
         if not choices:
             return chosen
         for stamp in choices[0]:
@@ -188,7 +191,10 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
 
 
 def _stamp_of(msg: Any, allow_headerless: bool, logger: str) -> Time | None:
-    """Return a message's time; without a header that is now, or None after a warning."""
+    """Return a message's stamp.
+
+    Without a header, return the current time, or None after a warning.
+    """
     stamp = getattr(getattr(msg, "header", None), "stamp", None)
     if stamp is not None:
         return stamp if hasattr(stamp, "nanoseconds") else Time.from_msg(stamp)

@@ -1,19 +1,55 @@
-"""The substitutions with which Nav2's launch files rewrite files."""
+"""The substitutions with which Nav2's launch files rewrite configuration files."""
 
+import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import yaml  # type: ignore[import-untyped]  # it ships no types
+# The package has no type information.
+import yaml  # type: ignore[import-untyped]
 from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, Substitution, text_of
+from launch.substitutions import LaunchConfiguration
 
-_Place = tuple[Any, Any]  # a mapping or list, and a key in it
+_POSE = ("x", "y", "z", "roll", "pitch", "yaw")
+# A dictionary or list, and a key or index in it.
+_Place = tuple[Any, Any]
+
+
+class ParseMultiRobotPose:
+    """The poses of robots, from an argument like `robots:="a={x: 1.0}; b={y: 2.0, yaw: 1.5}"`.
+
+    It reads the command line, so the argument need not be declared.
+    """
+
+    def __init__(self, target_argument: str) -> None:
+        words = (word for word in sys.argv[1:] if word.startswith(f"{target_argument}:="))
+        self._text = next(words, "").removeprefix(f"{target_argument}:=")
+
+    def value(self) -> dict[str, dict[str, float]]:
+        """Return x, y, z [m], roll, pitch and yaw [rad] of each robot. Missing values are 0."""
+        poses = {}
+        for part in filter(None, self._text.split(";")):
+            name, equals, pose = part.partition("=")
+            if equals:
+                poses[name.strip()] = {**dict.fromkeys(_POSE, 0.0), **yaml.safe_load(pose)}
+        return poses
+
+
+class LaunchConfigAsBool(Substitution):
+    """The value of a launch configuration as `True` or `False`. true, 1, yes, on and y count as true."""
+
+    def __init__(self, name: str) -> None:
+        def make(context: LaunchContext) -> str:
+            value = text_of(context, LaunchConfiguration(name))
+            return str(value.lower() in ("true", "1", "on", "yes", "y", "t"))
+
+        super().__init__(make)
 
 
 class ReplaceString(Substitution):
-    """A copy of a file in which texts are replaced by others; the file itself if a condition is false."""
+    """A copy of a file with replaced strings. If the condition is false, the file itself."""
 
     def __init__(
         self,
@@ -34,15 +70,16 @@ class ReplaceString(Substitution):
 
 
 class RewrittenYaml(Substitution):
-    """A copy of a YAML file with other values.
+    """A copy of a YAML file with replaced values.
 
     Args:
         source_file: The file.
-        param_rewrites: Values by the name of a parameter, or by its path with dots; a path through
-            `ros__parameters` that the file has not is added.
-        root_key: Puts all under this key; "" does not.
-        key_rewrites: Other names for keys.
-        convert_types: Numbers stay numbers; truths always do.
+        param_rewrites: Values by parameter name or by dotted path. A path through `ros__parameters`
+            that the file lacks is added.
+        root_key: A key under which all content is placed; not if it is "".
+        key_rewrites: Replacements for keys.
+        convert_types: Whether numbers become numbers; booleans always become booleans.
+        value_rewrites: Replacements for values that are strings.
     """
 
     def __init__(
@@ -52,6 +89,7 @@ class RewrittenYaml(Substitution):
         root_key: SomeSubstitutionsType | None = None,
         key_rewrites: Mapping[str, SomeSubstitutionsType] | None = None,
         convert_types: bool = False,
+        value_rewrites: Mapping[str, SomeSubstitutionsType] | None = None,
     ) -> None:
         def make(context: LaunchContext) -> str:
             data = yaml.safe_load(Path(text_of(context, source_file)).read_text(encoding="utf-8"))
@@ -59,6 +97,10 @@ class RewrittenYaml(Substitution):
                 key: _value(text_of(context, text), convert_types) for key, text in param_rewrites.items()
             }
             _rewrite(data, values)
+            others = {key: text_of(context, text) for key, text in (value_rewrites or {}).items()}
+            for (inside, key), _ in list(_leaves(data, "")):
+                if isinstance(inside[key], str) and inside[key] in others:
+                    inside[key] = _value(others[inside[key]], convert_types)
             names = {key: text_of(context, text) for key, text in (key_rewrites or {}).items()}
             root = text_of(context, root_key or "")
             renamed = _renamed(data, names)
@@ -68,7 +110,7 @@ class RewrittenYaml(Substitution):
 
 
 class HasNodeParams(Substitution):
-    """`True` where a YAML file has parameters for a node, else `False`."""
+    """`True` if a YAML file has parameters for a node, else `False`."""
 
     def __init__(self, source_file: SomeSubstitutionsType, node_name: str) -> None:
         def make(context: LaunchContext) -> str:
@@ -79,7 +121,7 @@ class HasNodeParams(Substitution):
 
 
 def _written(text: str, suffix: str) -> str:
-    """Write a copy; returns its path."""
+    """Write a temporary file and return its path."""
     with tempfile.NamedTemporaryFile("w", suffix=suffix, delete=False, encoding="utf-8") as copy:
         copy.write(text)
     return copy.name
@@ -93,7 +135,7 @@ def _value(text: str, convert_types: bool) -> Any:
 
 
 def _rewrite(data: Any, values: Mapping[str, Any]) -> None:
-    """Set values by name, then by path; adds paths through `ros__parameters`."""
+    """Set values by name or by path. Add missing paths through `ros__parameters`."""
     for (inside, key), path in list(_leaves(data, "")):
         for name in (key, path):
             if name in values:
@@ -109,7 +151,7 @@ def _rewrite(data: Any, values: Mapping[str, Any]) -> None:
 
 
 def _leaves(data: Any, prefix: str) -> Iterator[tuple[_Place, str]]:
-    """Yield the place and the path of each value, after those within it."""
+    """Yield (container, key) and the path of each value, after the values within it."""
     pairs = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
     for key, value in pairs:
         path = f"{prefix}{key}"

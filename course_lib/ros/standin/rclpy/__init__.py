@@ -1,13 +1,21 @@
-"""The ROS client library for Python: the kit's stand-in, in one process, by robot time."""
+"""Stand-in for rclpy, the ROS 2 client library for Python.
+
+It runs in one process, on robot time.
+"""
+
+from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, Unpack
 
 from course_lib.ros.notices import say
+from rclpy.context import NOT_INITIALIZED
 from rclpy.context import Context as Context
+from rclpy.exceptions import RCLError
 from rclpy.executors import Executor
 from rclpy.executors import get_global_executor as get_global_executor
+from rclpy.logging import get_logger
 from rclpy.parameter import Parameter as Parameter
 from rclpy.signals import SignalHandlerOptions as SignalHandlerOptions
 from rclpy.signals import install_signal_handlers, uninstall_signal_handlers
@@ -21,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class InitContextManager(ExitStack):
-    """The result of `init`: in a `with` statement it shuts down at the end; otherwise it may be ignored."""
+    """The result of `init`. As a context manager it shuts down on exit; it can also be ignored."""
 
     def __init__(self, context: Context) -> None:
         super().__init__()
@@ -29,7 +37,7 @@ class InitContextManager(ExitStack):
         self.callback(try_shutdown, context=None if context is get_default_context() else context)
 
     def _ipython_display_(self) -> None:
-        """Show nothing where it is a cell's last value: in Jazzy `init` returns None."""
+        """Display nothing when `rclpy.init()` is the last expression of a cell: in Jazzy it returns None."""
 
 
 def init(
@@ -39,21 +47,33 @@ def init(
     domain_id: int | None = None,
     signal_handler_options: SignalHandlerOptions | None = None,
 ) -> InitContextManager:
-    """Initialise a context; nodes can be made from now on.
+    """Initialize a context, so that nodes can be created.
 
     Args:
         args: The command line; default: `sys.argv`.
         context: The context; default: the default context.
-        domain_id: Nodes of different domains do not hear each other in ROS; here they share one graph.
-        signal_handler_options: The signals that shut down; default: all of them for the default context.
+        domain_id: In ROS, nodes of different domains do not communicate. Here they share one graph.
+        signal_handler_options: The signals that shut down; default: all of them for the default
+            context.
 
-    A second time raises a RuntimeError; in a notebook, where cells are run again, that is only noted.
+    Raises:
+        RuntimeError: The context is already initialized. In a notebook, where cells are run again,
+            a notice is printed instead.
     """
+    if not isinstance(signal_handler_options, SignalHandlerOptions | None):
+        raise TypeError("install_signal_handlers(): incompatible function arguments.")
     chosen = context or get_default_context()
     if context is None and chosen.graph.notebook and chosen.is_valid:
-        say("rclpy.init() was called before, and what it began goes on.")
+        say("rclpy.init() was already called; everything keeps running.")
         return InitContextManager(chosen)
-    chosen.init(args, domain_id=domain_id)
+    try:
+        chosen.init(args, domain_id=domain_id)
+    except RCLError as error:
+        if str(error).startswith(NOT_INITIALIZED):
+            get_logger("rcl").error("Failed to parse global arguments")
+        raise
+    for warning in chosen.arguments.warnings:
+        get_logger("rcl").warning(warning)
     if signal_handler_options is None:
         signal_handler_options = SignalHandlerOptions.ALL if context is None else SignalHandlerOptions.NO
     if not chosen.graph.notebook:
@@ -62,7 +82,12 @@ def init(
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """Shut a context down; raises before `init` and after an earlier shutdown (`try_shutdown` does not)."""
+    """Shut a context down.
+
+    Raises:
+        RuntimeError: The context was not initialized or is already shut down. `try_shutdown`
+            ignores both.
+    """
     (context or get_default_context(shutting_down=True)).shutdown()
     _uninstall(context, uninstall_handlers)
 
@@ -73,36 +98,41 @@ def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | N
     _uninstall(context, uninstall_handlers)
 
 
-def create_node(node_name: str, **options: "Unpack[NodeOptions]") -> "Node":
-    """Create a node; the arguments are those of `Node`."""
+def create_node(node_name: str, **options: Unpack[NodeOptions]) -> Node:
+    """Create a node. The arguments are those of `Node`."""
     from rclpy.node import Node
 
+    for name in options.keys() - Node.__init__.__annotations__.keys():
+        raise TypeError(f"create_node() got an unexpected keyword argument '{name}'")
     return Node(node_name, **options)
 
 
-def spin(node: "Node", executor: Executor | None = None) -> None:
-    """Run the node's callbacks until the shutdown or the end of the run; in a notebook's cell until ■."""
+def spin(node: Node, executor: Executor | None = None) -> None:
+    """Run the node's callbacks until shutdown or the end of the run; in a cell, until ■ is pressed."""
     with _with_node(executor, node) as chosen:
         chosen.spin()
 
 
-def spin_once(node: "Node", *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
-    """Run one callback; wait for it at most `timeout_sec` [s], without limit if that is None."""
-    with _with_node(executor, node) as chosen, chosen.beside_live():
+def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
+    """Run one callback. Wait for it at most `timeout_sec` [s], without limit if that is None."""
+    with _with_node(executor, node, keep=True) as chosen, chosen._course_beside_live():
         chosen.spin_once(timeout_sec=timeout_sec)
 
 
 def spin_until_future_complete(
-    node: "Node", future: Future[Any], executor: Executor | None = None, timeout_sec: float | None = None
+    node: Node, future: Future[Any], executor: Executor | None = None, timeout_sec: float | None = None
 ) -> None:
-    """Run the node's callbacks until a future is done, or `timeout_sec` [s] are over."""
-    with _with_node(executor, node, keep=True) as chosen, chosen.beside_live():
+    """Run the node's callbacks until a future is done or `timeout_sec` [s] have passed."""
+    with _with_node(executor, node, keep=True) as chosen, chosen._course_beside_live():
         chosen.spin_until_future_complete(future, timeout_sec)
 
 
 @contextmanager
-def _with_node(executor: Executor | None, node: "Node", *, keep: bool = False) -> Iterator[Executor]:
-    """Add a node to an executor for a while; `keep` it there if it was before."""
+def _with_node(executor: Executor | None, node: Node, *, keep: bool = False) -> Iterator[Executor]:
+    """Add a node to an executor for the length of the block.
+
+    With `keep`, a node that was there before stays.
+    """
     chosen = executor or get_global_executor()
     added = chosen.add_node(node)
     try:

@@ -1,111 +1,166 @@
-"""Clients, which call services."""
+"""Service clients."""
+
+from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from course_lib.ros.baton import DeadlockError, baton
 from course_lib.ros.messages import deserialize
 from course_lib.ros.mistakes import Mistake, marked
+from course_lib.ros.time.time_lock import DeadlockError, time_lock
+from course_lib.ros.tracebacks import named_when_interrupted
 from rclpy.constants import S_TO_NS
+from rclpy.context import Context
 from rclpy.executors import wait_until
 from rclpy.impl.node_handle import NodeHandle
 from rclpy.service import ServiceEnd
 from rclpy.task import Future
 
-POLL_NS = 250_000_000  # [ns] between two looks at whether a service is there, as in rclpy
+# Interval between checks whether a service is available, as in rclpy.
+POLL_NS = 250_000_000
 _SPINNER = "another thread that spins the client's node"
 
 
 class Client(ServiceEnd):
-    """A client of a service; made by `Node.create_client`."""
+    """A client of a service, created by `Node.create_client`."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args, asks=True)
-        self._pending: dict[int, Future[Any]] = {}
-        self._requests = 0
-        self.on_unexpected: Callable[[], object] = lambda: None  # a response came that nobody waits for
+        self._pending_requests: dict[int, Future[Any]] = {}
+        self.__requests = 0
+        # Called when a response arrives for which no request is pending.
+        self._course_on_unexpected: Callable[[], object] = lambda: None
 
     def call_async(self, request: Any) -> Future[Any]:
-        """Send a request; the future is done when the executor has taken the response.
+        """Send a request. The future is done when the executor has received the response.
 
-        Without a service that is never, as in ROS: call `wait_for_service` first. An object that is not a
-        request of this service raises a TypeError without a text, as in rclpy.
+        Without a service it is never done, as in ROS: call `wait_for_service` first. An object that
+        is not a request of this service raises a TypeError without a message, as in rclpy.
         """
         if not isinstance(request, self.srv_type.Request):
             raise marked(TypeError(), Mistake.REQUEST)
-        self._requests += 1
-        self.send(self.id, self._requests, request)
+        # A thread that sends requests in a loop without a pause would stop robot time otherwise.
+        time_lock.poll()
+        self.__requests += 1
+        self._course_send(self._course_id, self.__requests, request)
         future: Future[Any] = Future()
-        self._pending[self._requests] = future
+        future._course_unmet = self.__describe_missing
+        self._pending_requests[self.__requests] = future
         return future
 
     def call(self, request: Any, timeout_sec: float | None = None) -> Any:
-        """Send a request and wait for the response, which another thread that spins the node has to take.
+        """Send a request and block until another thread has received the response.
 
-        Returns None if it did not come within `timeout_sec` [s]. Where it can never be taken (the caller is
-        a callback that has to end first, or nobody spins the node) ROS hangs; here that is a DeadlockError.
+        Returns None after `timeout_sec` [s] without a response. Where it can never be received (the
+        caller is a callback that has to end first, or no other thread spins the node) ROS hangs;
+        here a DeadlockError is raised.
         """
-        future, executor = self.call_async(request), self.node_handle.executor
-        if timeout_sec is None and executor is not None and executor.is_held_up(self):
+        future, executor = self.call_async(request), self._course_node.executor
+        if timeout_sec is None and executor is not None and executor._course_holds_up(self):
             self.remove_pending_request(future)
             raise DeadlockError(
-                f"call() on {self.full_name} waits for a response that is taken only after this callback has "
-                "ended. Use call_async() with add_done_callback() or await; or a MultiThreadedExecutor, with "
-                "the client in another callback group."
+                f"call() on {self._course_full_name} waits for a response that is taken only after this "
+                "callback has ended. Use call_async() with add_done_callback() or await; or a "
+                "MultiThreadedExecutor, with the client in another callback group."
             )
-        what = f"the response of {self.full_name} and {_SPINNER}"
-        wait_until(self.node_handle, future.arrived, timeout_sec, what)
-        if not future.arrived():
+        what = f"the response of {self._course_full_name} and {_SPINNER}"
+        with named_when_interrupted(lambda: "" if self.__is_spun() else f"it waited in vain for {_SPINNER}."):
+            wait_until(self._course_node, lambda: not future._pending(), timeout_sec, what)
+        if future._pending():
             self.remove_pending_request(future)
-            if timeout_sec is None and not self._is_spun():
-                raise DeadlockError(f"call() on {self.full_name} waited in vain for {_SPINNER}.")
+            if timeout_sec is None and not self.__is_spun():
+                raise DeadlockError(f"call() on {self._course_full_name} waited in vain for {_SPINNER}.")
         return future.result()
 
+    @property
+    def context(self) -> Context:
+        """The context of the client's node."""
+        return self._course_node.context
+
+    def get_pending_request(self, sequence_number: int) -> Future[Any]:
+        """Return the future of a pending request. Raise KeyError if the request is not pending."""
+        return self._pending_requests[sequence_number]
+
     def remove_pending_request(self, future: Future[Any]) -> None:
-        """Stop waiting for a response: the future stays undone."""
-        self._pending = {number: f for number, f in self._pending.items() if f is not future}
+        """Stop waiting for a response. The future is never done."""
+        self._pending_requests = {
+            number: f for number, f in self._pending_requests.items() if f is not future
+        }
 
     def service_is_ready(self) -> bool:
-        """Return whether the service is there."""
-        return self.partner_count() > 0
+        """Return whether the service is available.
+
+        A program that polls it in a loop lets time advance.
+        """
+        time_lock.poll(lambda: "" if self._course_partner_count() else self.__missing_service)
+        return self._course_is_ready()
+
+    def _course_is_ready(self) -> bool:
+        self._course_node.require("failed to check service availability")
+        return self._course_partner_count() > 0
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
-        """Wait until the service is there, [s]; None: without limit; returns whether it is."""
-        what = f"the service {self.full_name}"
-        return wait_for_partner(self.node_handle, self.service_is_ready, timeout_sec, what)
+        """Wait at most `timeout_sec` [s] for the service, without limit if None.
 
-    def is_for_me(self, client: int) -> bool:
-        """Return whether a response is to one of its own requests."""
-        return client == self.id
+        Return whether it is available.
+        """
+        what = f"the service {self._course_full_name}"
+        why = "" if timeout_sec is not None else self.__missing_service
+        with named_when_interrupted(lambda: why):
+            return wait_for_partner(self._course_node, self._course_is_ready, timeout_sec, what)
 
-    def take(self) -> Callable[[], object] | None:
-        """Remove the oldest response; returns the call that completes its future."""
-        if not self._queue:
+    def _course_is_for_me(self, client: int) -> bool:
+        """Return whether a response belongs to a request of this client."""
+        return client == self._course_id
+
+    def _course_take(self) -> Callable[[], object] | None:
+        """Remove the oldest response and return the function that sets the result of its future."""
+        if not self._course_queue:
             return None
-        client, number, cdr = self._queue.popleft()
-        self.note_taken(client, number, cdr)
-        future = self._pending.pop(number, None)
-        return self.on_unexpected if future is None else partial(self._bring, future, cdr)
+        client, number, cdr = self._course_queue.popleft()
+        self._course_note_taken(client, number, cdr)
+        future = self._pending_requests.pop(number, None)
+        if future is None:
+            return self._course_on_unexpected
+        return partial(self.__bring, future, cdr) if future._pending() else None
 
-    def _bring(self, future: Future[Any], cdr: bytes) -> None:
-        future._set_executor(self.node_handle.executor)
+    def __bring(self, future: Future[Any], cdr: bytes) -> None:
+        future._set_executor(self._course_node.executor)
         future.set_result(deserialize(cdr, self.srv_type.Response))
 
-    def _is_spun(self) -> bool:
-        executor = self.node_handle.executor
-        return executor is not None and any(n.handle is self.node_handle for n in executor.get_nodes())
+    @property
+    def __missing_service(self) -> str:
+        return f"it waited for the service {self._course_full_name}, which is not there."
+
+    def __describe_missing(self) -> str:
+        """Return why a response does not arrive, or "" if it may be on its way."""
+        if not self.__is_spun():
+            return (
+                f"the future is done only after {self._course_node.full_name} has been spun, as in "
+                "rclpy.spin_until_future_complete(node, future)."
+            )
+        return "" if self._course_partner_count() else self.__missing_service
+
+    def __is_spun(self) -> bool:
+        executor = self._course_node.executor
+        return executor is not None and executor._course_runs(self._course_node)
 
 
 def wait_for_partner(
     node: NodeHandle, is_ready: Callable[[], bool], timeout_sec: float | None, what: str
 ) -> bool:
-    """Poll until a partner is there, at most so long [s]; None: without limit. Returns whether it is."""
+    """Poll for a partner, at most `timeout_sec` [s], without limit if None.
+
+    Return whether there is one.
+    """
     graph = node.graph
+    if timeout_sec is not None and not timeout_sec > 0.0:
+        return is_ready()
     end_ns = None if timeout_sec is None else graph.now_ns + round(timeout_sec * S_TO_NS)
-    with baton.known():
+    with time_lock.hold():
         while node.context.ok() and not is_ready():
             if end_ns is not None and graph.now_ns >= end_ns:
                 break
-            baton.sleep_until(graph.now_ns + POLL_NS, what)
+            time_lock.sleep_until(graph.now_ns + POLL_NS, what)
     return is_ready()

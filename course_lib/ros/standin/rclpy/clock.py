@@ -1,11 +1,11 @@
-"""Clocks: all show robot time, unless a time source overrides that of a ROSClock."""
+"""Clocks. All of them show robot time, except a ROSClock whose time a time source overrides."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from enum import IntEnum
 
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import current_graph
+from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.time.time_lock import time_lock
 from rclpy.clock_type import ClockType as ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
@@ -15,21 +15,26 @@ from rclpy.utilities import get_default_context
 
 
 class ClockChange(IntEnum):
-    """The source of a clock's time before and after a jump."""
+    """The change of a clock's time source at a jump."""
 
     ROS_TIME_NO_CHANGE = 1
     ROS_TIME_ACTIVATED = 2
     ROS_TIME_DEACTIVATED = 3
     SYSTEM_TIME_NO_CHANGE = 4
 
+    def __str__(self) -> str:
+        return f"ClockChange.{self.name}"
+
 
 class JumpThreshold:
-    """The jumps of a clock that are reported.
+    """The jumps of a clock that are reported to a callback.
 
     Args:
-        min_forward: The shortest jump forwards, positive; None reports none.
-        min_backward: The shortest jump backwards, negative; None reports none.
-        on_clock_change: Whether ROS time's activation and deactivation are reported.
+        min_forward: The shortest reported jump forwards, positive; None: forward jumps are not
+            reported.
+        min_backward: The shortest reported jump backwards, negative; None: backward jumps are not
+            reported.
+        on_clock_change: Whether activation and deactivation of ROS time are reported.
     """
 
     def __init__(
@@ -47,7 +52,7 @@ class JumpThreshold:
 
 
 class TimeJump:
-    """A jump of a clock: the change of its source, and the time that it moved by."""
+    """A jump of a clock: the change of its time source and the difference in time."""
 
     def __init__(self, clock_change: ClockChange, delta: Duration) -> None:
         if not isinstance(clock_change, ClockChange):
@@ -57,16 +62,16 @@ class TimeJump:
 
     @property
     def clock_change(self) -> ClockChange:
-        """The change of the clock's source."""
+        """The change of the clock's time source."""
         return self._clock_change
 
     @property
     def delta(self) -> Duration:
-        """The time that the clock moved by; negative backwards, zero at a change of its source."""
+        """The difference in time: negative for a jump backwards, zero at a change of the time source."""
         return self._delta
 
     def exceeds(self, threshold: JumpThreshold) -> bool:
-        """Return whether a threshold wants the jump reported."""
+        """Return whether the jump has to be reported according to a threshold."""
         forward, backward = threshold.min_forward, threshold.min_backward
         changes = self._clock_change in (ClockChange.ROS_TIME_ACTIVATED, ClockChange.ROS_TIME_DEACTIVATED)
         return (
@@ -77,7 +82,7 @@ class TimeJump:
 
 
 class JumpHandle(AbstractContextManager["JumpHandle"]):
-    """The callbacks before and after a clock's jumps; made by `Clock.create_jump_callback`."""
+    """The callbacks before and after a clock's jumps, created by `Clock.create_jump_callback`."""
 
     def __init__(
         self,
@@ -99,7 +104,7 @@ class JumpHandle(AbstractContextManager["JumpHandle"]):
         clock.handle.jump_handles.append(self)
 
     def unregister(self) -> None:
-        """Call back no more."""
+        """Stop the callbacks."""
         if self._clock is not None:
             self._clock.handle.jump_handles.remove(self)
             self._clock = None
@@ -109,26 +114,27 @@ class JumpHandle(AbstractContextManager["JumpHandle"]):
 
 
 class ClockHandle:
-    """The state of a clock: the override of ROS time, and the callbacks of its jumps (rcl/src/rcl/time.c)."""
+    """The state of a clock: the override of ROS time and its jump callbacks (rcl/src/rcl/time.c)."""
 
     def __init__(self) -> None:
         self.is_overridden = False
-        self.override_ns = 0  # 0 until a time was set
+        # The override's time; 0 until one is set.
+        self.override_ns = 0
         self.jump_handles: list[JumpHandle] = []
 
     @property
     def now_ns(self) -> int:
-        """The time that the clock shows, [ns]."""
+        """The current time of the clock, [ns]."""
         return self.override_ns if self.is_overridden else current_graph().now_ns
 
     def activate(self, enabled: bool) -> None:
-        """Show the override's time, or robot time."""
+        """Switch to the override's time if `enabled`, else back to robot time."""
         if self.is_overridden != enabled:
             change = ClockChange.ROS_TIME_ACTIVATED if enabled else ClockChange.ROS_TIME_DEACTIVATED
             self._jump(TimeJump(change, Duration()), enabled, self.override_ns)
 
     def override(self, now_ns: int) -> None:
-        """Set the override's time, [ns]."""
+        """Set the time of the override, [ns]."""
         if self.is_overridden:
             delta = Duration(nanoseconds=now_ns - self.override_ns)
             self._jump(TimeJump(ClockChange.ROS_TIME_NO_CHANGE, delta), True, now_ns)
@@ -136,7 +142,10 @@ class ClockHandle:
             self.override_ns = now_ns
 
     def _jump(self, jump: TimeJump, overridden: bool, now_ns: int) -> None:
-        """Set the time between its callbacks; one that raises prevents those after it, not the jump."""
+        """Change the time, with the jump callbacks before and after.
+
+        A callback that raises prevents the callbacks after it, but not the jump.
+        """
         concerned = [one for one in self.jump_handles if jump.exceeds(one.threshold)]
         try:
             for one in concerned:
@@ -148,16 +157,17 @@ class ClockHandle:
 
 
 class _Sleep:
-    """A sleep until a time of a clock, [ns], which jumps of the clock can end."""
+    """A sleep until a time of a clock, [ns], which a jump of the clock can end."""
 
     def __init__(self, clock: ClockHandle, until_ns: int) -> None:
         self._clock = clock
         self._until_ns = until_ns
-        self.changed = False  # the source of the clock's time: the span has lost its meaning
+        # Whether the clock's time source has changed, after which the deadline has no meaning.
+        self.changed = False
         self.is_over = False
 
     def note(self, jump: TimeJump) -> None:
-        """End at the time, or at a change of the source."""
+        """End the sleep if its deadline has passed or the clock's time source has changed."""
         self.changed |= jump.clock_change is not ClockChange.ROS_TIME_NO_CHANGE
         self.is_over = self.changed or self._clock.now_ns >= self._until_ns
 
@@ -166,13 +176,13 @@ _WAKES = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=None)
 
 
 class Clock:
-    """A clock of one kind; `Clock(clock_type=ClockType.ROS_TIME)` is a ROSClock."""
+    """A clock of one type. `Clock(clock_type=ClockType.ROS_TIME)` returns a ROSClock."""
 
     clock_type: ClockType
     handle: ClockHandle
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> "Clock":
-        """Create a clock of the requested kind."""
+        """Create a clock of the requested type."""
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         clock = super().__new__(ROSClock if clock_type is ClockType.ROS_TIME else cls)
@@ -184,8 +194,8 @@ class Clock:
         return f"Clock(clock_type={self.clock_type.name})"
 
     def now(self) -> Time:
-        """Return the time that it is."""
-        baton.poll()
+        """Return the current time."""
+        time_lock.poll()
         return Time(nanoseconds=self.handle.now_ns, clock_type=self.clock_type)
 
     def create_jump_callback(
@@ -195,16 +205,17 @@ class Clock:
         pre_callback: Callable[[], object] | None = None,
         post_callback: Callable[[TimeJump], object] | None = None,
     ) -> JumpHandle:
-        """Call back before and after the jumps that exceed a threshold, until the handle is unregistered."""
+        """Register callbacks for jumps that exceed a threshold, until the handle is unregistered."""
         return JumpHandle(
             clock=self, threshold=threshold, pre_callback=pre_callback, post_callback=post_callback
         )
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
-        """Sleep until a time of this clock; False when something else came first.
+        """Sleep until a time of this clock. Return False if something else ended the sleep.
 
-        That is a shutdown, the end of the run, or ROS time's activation or deactivation. Overridden ROS
-        time wakes a sleeper when it moves; as in rclpy also one whose time had come before.
+        That is a shutdown, the end of the run, or the activation or deactivation of ROS time. While
+        ROS time is overridden, only a jump wakes the sleeper, even if `until` has already passed,
+        as in rclpy.
         """
         context = context or get_default_context()
         if not context.is_valid:
@@ -213,21 +224,21 @@ class Clock:
             raise ValueError("until's clock type does not match this clock's type")
         sleep, overridden = _Sleep(self.handle, until.nanoseconds), self.handle.is_overridden
         what = f"{self!r}.sleep_until{', which follows /clock' if overridden else ''}"
-        with baton.known(), self.create_jump_callback(_WAKES, post_callback=sleep.note):
-            baton.wait(
-                lambda: sleep.is_over or not context.is_valid,
+        with time_lock.hold(), self.create_jump_callback(_WAKES, post_callback=sleep.note):
+            time_lock.wait(
+                lambda: sleep.is_over or context.is_shut_down,
                 until_ns=None if overridden else until.nanoseconds,
                 what=what,
             )
         return context.is_valid and not sleep.changed and self.handle.now_ns >= until.nanoseconds
 
     def sleep_for(self, rel_time: Duration, context: Context | None = None) -> bool:
-        """Sleep for a span; otherwise as `sleep_until`."""
+        """Sleep for a duration; otherwise like `sleep_until`."""
         return self.sleep_until(self.now() + rel_time, context)
 
 
 class ROSClock(Clock):
-    """The clock of nodes; a TimeSource makes it follow the topic /clock."""
+    """The type of a node's clock. A TimeSource makes it follow the topic /clock."""
 
     def __new__(cls) -> "ROSClock":
         """Create a clock that shows ROS time."""
@@ -237,11 +248,11 @@ class ROSClock(Clock):
 
     @property
     def ros_time_is_active(self) -> bool:
-        """True while the clock shows the time that was set, like that of /clock, not robot time."""
+        """True while the clock shows the override's time, for example from /clock, instead of robot time."""
         return self.handle.is_overridden
 
     def _set_ros_time_is_active(self, enabled: bool) -> None:
-        """Show the time that was set, or robot time; only time sources call it."""
+        """Switch between the override's time and robot time. Only time sources call this."""
         self.handle.activate(enabled)
 
     def set_ros_time_override(self, time: Time) -> None:

@@ -1,10 +1,10 @@
-"""The kinds of clock."""
+"""The types of clocks."""
 
 from enum import IntEnum
 
 
 class ClockType(IntEnum):
-    """The kind of clock that a time was read from; in the kit all of them show robot time."""
+    """The type of the clock that a time was read from. In the kit all of them show robot time."""
 
     UNINITIALIZED = 0
     ROS_TIME = 1

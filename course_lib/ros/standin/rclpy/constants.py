@@ -1,3 +1,3 @@
-"""Numbers that several modules share."""
+"""Constants that several modules share."""
 
 S_TO_NS = 1_000_000_000  # [ns] / [s]

@@ -1,55 +1,109 @@
-"""The life between init and shutdown."""
+"""Contexts, which hold the state between `rclpy.init` and shutdown."""
 
+import os
+import signal
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
+from typing import Any
 
-from course_lib.ros.baton import baton
-from course_lib.ros.graph import current_graph
-from rclpy.exceptions import RCLError
-from rclpy.impl.arguments import Arguments, parse
+from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.time.time_lock import time_lock
+from rclpy.exceptions import RCLError, RCLInvalidROSArgsError
+from rclpy.impl.arguments import INVALID_ARGUMENTS, Arguments, parse
 from rclpy.impl.logging_severity import LogLevels
+
+NOT_INITIALIZED = "failed to initialize rcl: "
 
 
 class Context(AbstractContextManager["Context"]):
-    """The span from `init` to `shutdown`; it cannot be initialised a second time."""
+    """The state between `init` and `shutdown`. A context cannot be initialized a second time."""
 
     def __init__(self) -> None:
         self.graph = current_graph()
-        self.arguments = Arguments()  # of the command line, for all nodes
-        self._initialized = False
-        self._shut_down = False
+        # Command-line arguments that apply to all nodes of the context.
+        self.arguments = Arguments()
+        self.__initialized = False
+        self.__domain_id: int | None = None
+        # The signal handlers of the program that initialized the context; None if the end of the
+        # run does not act like Ctrl+C on it.
+        self.__program_handlers: dict[int, Any] | None = None
+        self.__shut_down = False
+        # Type names of the endpoints on each topic. A list holds equal names, one for each
+        # endpoint.
+        self.__types: dict[str, list[str]] = {}
         self._callbacks: list[Callable[[], object]] = []
 
     def init(
         self, args: list[str] | None = None, *, initialize_logging: bool = True, domain_id: int | None = None
     ) -> None:
-        """Initialise the context; `args` are the command line's, by default `sys.argv`."""
+        """Initialize the context. `args` is the command line, by default `sys.argv`."""
         if domain_id is not None and domain_id < 0:
             raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
-        if self._initialized:
+        if self.__initialized:
             raise RuntimeError("Context.init() must only be called once")
-        self.arguments = parse(sys.argv if args is None else args)
+        if not isinstance(args, list | None) or not isinstance(domain_id, int | None):
+            raise TypeError("__init__(): incompatible constructor arguments.")
+        try:
+            self.arguments = parse(sys.argv if args is None else args)
+        except RCLInvalidROSArgsError as error:
+            raise RCLError(f"{NOT_INITIALIZED}{str(error).removeprefix(INVALID_ARGUMENTS)}") from None
+        self.__domain_id = domain_id
         current_graph().part(LogLevels).by_logger |= self.arguments.log_levels
-        self._initialized = True
+        self.__initialized = True
+        if time_lock.is_interrupted_by_end() and not self.graph.ended:
+            handlers = time_lock.handlers()
+            self.__program_handlers = {} if handlers is None else handlers
         current_graph().part(Contexts).initialized.append(self)
 
     @property
     def is_valid(self) -> bool:
-        """True if it is initialised and not shut down; the end of the run does not change that."""
-        return self._initialized and not self._shut_down
+        """True between initialization and shutdown.
+
+        The end of the run shuts down, as Ctrl+C does.
+        """
+        if self.__shut_down or not self.__initialized:
+            return False
+        return not (self.graph.ended and self.__is_interrupted_by_end())
+
+    @property
+    def is_initialized(self) -> bool:
+        """True if the context was initialized, even if it has been shut down since then."""
+        return self.__initialized
+
+    @property
+    def is_shut_down(self) -> bool:
+        """True if the program or a signal shut it down. The end of a run ends waits by itself."""
+        return self.__shut_down
 
     def ok(self) -> bool:
-        """Return whether the program may go on: neither shut down nor at the end of the run."""
-        baton.poll()
-        return self.is_valid and not self.graph.ended
+        """Return whether the context is initialized and not shut down.
+
+        Command-line tools also stop at the end of a run.
+        """
+        time_lock.poll()
+        return self.is_valid and not (self.graph.ended and self.__program_handlers is None)
+
+    def get_domain_id(self) -> int:
+        """Return the number of the domain: that of `init`, else of the variable ROS_DOMAIN_ID, else 0."""
+        if not self.__initialized:
+            raise RuntimeError("Context must be initialized before it can have a domain id")
+        if not self.is_valid:
+            raise RCLError("Failed to get domain id: error not set")
+        return int(os.environ.get("ROS_DOMAIN_ID") or 0) if self.__domain_id is None else self.__domain_id
 
     def shutdown(self) -> None:
-        """Shut down; raises a RuntimeError before `init`, an RCLError after an earlier shutdown."""
-        if not self._initialized:
+        """Shut down.
+
+        Raises:
+            RuntimeError: The context is not initialized.
+            RCLError: The context is already shut down.
+        """
+        if not self.__initialized:
             raise RuntimeError("Context must be initialized before it can be shutdown")
-        if self._shut_down:
+        if not self.is_valid:
+            self.__shut_down = True
             raise RCLError("failed to shutdown: rcl_shutdown already called on the given context")
         self.try_shutdown()
 
@@ -62,12 +116,40 @@ class Context(AbstractContextManager["Context"]):
                 callback()
 
     def invalidate(self) -> None:
-        """Shut down without calling the callbacks: all that a signal handler may do."""
-        self._shut_down = True
+        """Shut down without the shutdown callbacks, which a signal handler must not run."""
+        self.__shut_down = True
+
+    def __is_interrupted_by_end(self) -> bool:
+        """Return whether Ctrl+C would reach rclpy's handler, which shuts contexts down.
+
+        It does not if `rclpy.init` installed no handler, or if the program has installed its own
+        instead.
+        """
+        if self.__program_handlers is None or not self.graph.part(Contexts).handles_interrupts:
+            return False
+        return not callable(self.__program_handlers.get(signal.SIGINT))
+
+    def claim_type(self, topic: str, type_name: str, failed: str) -> None:
+        """Register an endpoint's type on a topic.
+
+        Raises an RCLError if other endpoints on the topic have another type.
+        Fast DDS rejects a second type within one context. `failed` is the message of the error.
+        """
+        types = self.__types.setdefault(topic, [])
+        if types and types[0] != type_name:
+            raise RCLError(failed)
+        types.append(type_name)
+
+    def release_type(self, topic: str) -> None:
+        """Unregister an endpoint on a topic."""
+        self.__types[topic].pop()
 
     def on_shutdown(self, callback: Callable[[], object]) -> None:
-        """Call `callback()` at the shutdown, or now if that has been."""
-        if self._shut_down:
+        """Call `callback()` at the shutdown, or immediately if the context is already shut down."""
+        if not callable(callback):
+            # The placeholder is not filled in rclpy either.
+            raise TypeError("callback should be a callable, got {}", type(callback))
+        if self.__shut_down:
             callback()
         else:
             self._callbacks.append(callback)
@@ -84,12 +166,18 @@ class Context(AbstractContextManager["Context"]):
 class Contexts:
     """The contexts of one program in a run."""
 
-    default: Context | None = None  # of `rclpy.init()` without a context
+    # The context of `rclpy.init()` without a `context`.
+    default: Context | None = None
     initialized: list[Context] = field(default_factory=list)
+    # Whether `rclpy.init` has installed a handler of Ctrl+C.
+    handles_interrupts: bool = False
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
-    """Return the context that holds where none is passed; after `shutting_down` the next call makes one."""
+    """Return the default context.
+
+    After a call with `shutting_down`, the next call creates a new one.
+    """
     contexts = current_graph().part(Contexts)
     context = contexts.default or Context()
     contexts.default = None if shutting_down else context

@@ -1,12 +1,12 @@
-"""Events of publishers and subscriptions: partners that come and go or do not fit, and missed deadlines."""
+"""Events of publishers and subscriptions, for example matched endpoints and missed deadlines."""
 
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, fields, replace
+from enum import IntEnum
 from typing import Any
 
-from course_lib.ros.clock import Alarm
+from course_lib.ros.graph.graph import Alarm
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import UnsupportedEventTypeError as UnsupportedEventTypeError
 from rclpy.impl.node_handle import Entity, NodeHandle
@@ -14,9 +14,27 @@ from rclpy.logging import get_logger
 from rclpy.qos import QoSPolicyKind
 
 
+class RmwPolicyKind(IntEnum):
+    """A QoS policy as events report it, with the string representation of rclpy's C layer."""
+
+    INVALID = QoSPolicyKind.INVALID
+    DURABILITY = QoSPolicyKind.DURABILITY
+    DEADLINE = QoSPolicyKind.DEADLINE
+    LIVELINESS = QoSPolicyKind.LIVELINESS
+    RELIABILITY = QoSPolicyKind.RELIABILITY
+    HISTORY = QoSPolicyKind.HISTORY
+    LIFESPAN = QoSPolicyKind.LIFESPAN
+
+    def __str__(self) -> str:
+        return f"rmw_qos_policy_kind_t.RMW_QOS_POLICY_{self.name}"
+
+    def __repr__(self) -> str:
+        return f"<{self}: {self.value}>"
+
+
 @dataclass
 class QoSRequestedDeadlineMissedInfo:
-    """A count of events: in all, and since the last call."""
+    """The number of events in total, and since the last call."""
 
     total_count: int
     total_count_change: int
@@ -24,14 +42,14 @@ class QoSRequestedDeadlineMissedInfo:
 
 @dataclass
 class QoSRequestedIncompatibleQoSInfo(QoSRequestedDeadlineMissedInfo):
-    """A count of partners that did not fit, and the policy that was the reason for the last one."""
+    """The number of incompatible endpoints, and the policy that the last one was rejected for."""
 
-    last_policy_kind: QoSPolicyKind
+    last_policy_kind: RmwPolicyKind
 
 
 @dataclass
 class QoSSubscriptionMatchedInfo(QoSRequestedDeadlineMissedInfo):
-    """The number of partners that there have been, and that there are."""
+    """The number of matched endpoints in total, and of those that exist now."""
 
     current_count: int
     current_count_change: int
@@ -43,24 +61,58 @@ QoSLivelinessLostInfo = QoSRequestedDeadlineMissedInfo
 IncompatibleTypeInfo = QoSRequestedDeadlineMissedInfo
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
 QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo
-Tell = Callable[[Any], object]
+
+
+@dataclass
+class QoSLivelinessChangedInfo:
+    """The number of alive and not alive publishers, and the changes since the last call."""
+
+    alive_count: int
+    not_alive_count: int
+    alive_count_change: int
+    not_alive_count_change: int
+
+
+class QoSPublisherEventType(IntEnum):
+    """The types of publisher events."""
+
+    RCL_PUBLISHER_OFFERED_DEADLINE_MISSED = 0
+    RCL_PUBLISHER_LIVELINESS_LOST = 1
+    RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS = 2
+    RCL_PUBLISHER_INCOMPATIBLE_TYPE = 3
+    RCL_PUBLISHER_MATCHED = 4
+
+
+class QoSSubscriptionEventType(IntEnum):
+    """The types of subscription events."""
+
+    RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED = 0
+    RCL_SUBSCRIPTION_LIVELINESS_CHANGED = 1
+    RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS = 2
+    RCL_SUBSCRIPTION_MESSAGE_LOST = 3
+    RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE = 4
+    RCL_SUBSCRIPTION_MATCHED = 5
+
+
+Report = Callable[[Any], object]
 
 
 class Events:
-    """The counts of one publisher or subscription, and the receivers of its events, by the event's name."""
+    """The event counters of one publisher or subscription, and the receivers of its events, by event name."""
 
-    def __init__(self, tell: Mapping[str, Tell]) -> None:
+    def __init__(self, tell: Mapping[str, Report], handlers: "list[EventHandler]") -> None:
         self.tell = tell
+        self.handlers = handlers
         self._counts: Counter[str] = Counter()
 
     def count(self, event: str, **more: Any) -> None:
-        """Count an event and report it."""
+        """Count an event and report the new count."""
         self._counts[event] += 1
         kind = QoSRequestedIncompatibleQoSInfo if more else QoSRequestedDeadlineMissedInfo
         self._say(event, kind(self._counts[event], 1, **more))
 
     def matched(self, change: int) -> None:
-        """Report that a partner has come (1) or gone (-1)."""
+        """Report that a matched endpoint was added (1) or removed (-1)."""
         self._counts["partners"] += max(change, 0)
         self._counts["matched"] += change
         total, now = self._counts["partners"], self._counts["matched"]
@@ -72,23 +124,34 @@ class Events:
 
 
 class EventCallbacks:
-    """The callbacks for one side, by event; where none is given, a warning may be logged instead.
+    """Event callbacks of a publisher or subscription, by event.
 
-    Leases are not watched here: with a callback for `liveliness` a warning is logged that it is never called.
+    Without a callback, a warning may be logged.
+    Liveliness leases are not monitored here: a `liveliness` callback causes a warning that it is
+    never called.
     """
 
     _events: tuple[str, ...] = ("deadline", "incompatible_qos", "incompatible_type", "liveliness", "matched")
     _warning: str
+    deadline: Report | None
+    incompatible_qos: Report | None
+    incompatible_type: Report | None
+    liveliness: Report | None
+    matched: Report | None
 
-    def __init__(self, *, use_default_callbacks: bool = True, **callbacks: Tell | None) -> None:
+    def __init__(self, *, use_default_callbacks: bool = True, **callbacks: Report | None) -> None:
         for name in callbacks.keys() - set(self._events):
             raise TypeError(f"{type(self).__name__}.__init__() got an unexpected keyword argument '{name}'")
         self.use_default_callbacks = use_default_callbacks
-        self.callbacks = {name: callback for name, callback in callbacks.items() if callback is not None}
+        for name in self._events:
+            setattr(self, name, callbacks.get(name))
 
     def bind(self, node: NodeHandle, topic: str, callback_group: CallbackGroup) -> Events:
-        """Return the receivers: callbacks run in an executor, warnings are logged immediately."""
-        tell: dict[str, Tell] = {}
+        """Create the receivers of events. Callbacks run in an executor, warnings are logged directly."""
+        given = {name: getattr(self, name) for name in self._events}
+        callbacks: dict[str, Report] = {name: one for name, one in given.items() if one is not None}
+        tell: dict[str, Report] = {}
+        handlers: list[EventHandler] = []
         if self.use_default_callbacks:
             warn = get_logger(node.logger_name).warning
             text = f"Incompatible type on topic '{topic}', no messages will be sent to it."
@@ -96,18 +159,23 @@ class EventCallbacks:
             tell["incompatible_qos"] = lambda info: warn(
                 self._warning.format(topic, QoSPolicyKind(info.last_policy_kind).name)
             )
-        if "liveliness" in self.callbacks:
+        if "liveliness" in callbacks:
             warning = f"Liveliness is not watched here: its callback on '{topic}' runs on a robot only."
             get_logger(node.logger_name).warning(warning)
-        for name, callback in self.callbacks.items():
-            tell[name] = EventHandler(node, callback_group, callback).happen
-        return Events(tell)
+        # The default callbacks log immediately, so the handlers created for them never become
+        # ready.
+        handlers += [EventHandler(node, callback_group, tell[name]) for name in tell.keys() - callbacks]
+        for name, callback in callbacks.items():
+            handlers.append(EventHandler(node, callback_group, callback))
+            tell[name] = handlers[-1].happen
+        return Events(tell, handlers)
 
 
 class SubscriptionEventCallbacks(EventCallbacks):
-    """The callbacks of a subscription; messages are never lost here."""
+    """The event callbacks of a subscription. Messages are never lost here."""
 
     _events = (*EventCallbacks._events, "message_lost")
+    message_lost: Report | None
     _warning = (
         "New publisher discovered on topic '{}', offering incompatible QoS. "
         "No messages will be received from it. Last incompatible policy: {}"
@@ -115,7 +183,7 @@ class SubscriptionEventCallbacks(EventCallbacks):
 
 
 class PublisherEventCallbacks(EventCallbacks):
-    """The callbacks of a publisher."""
+    """The event callbacks of a publisher."""
 
     _warning = (
         "New subscription discovered on topic '{}', requesting incompatible QoS. "
@@ -124,25 +192,35 @@ class PublisherEventCallbacks(EventCallbacks):
 
 
 class EventHandler(Entity):
-    """A callback that an executor runs when an event has happened."""
+    """An entity whose callback an executor runs after an event."""
 
-    def __init__(self, node: NodeHandle, callback_group: CallbackGroup, callback: Tell) -> None:
+    def __init__(self, node: NodeHandle, callback_group: CallbackGroup, callback: Report) -> None:
         super().__init__(node, callback_group)
-        self._callback = callback
-        self._infos: deque[Any] = deque()
+        self.callback = callback
+        self._info: Any = None
 
     def happen(self, info: Any) -> None:
-        """Note what has happened."""
-        self._infos.append(info)
-        self.node_handle.mark_ready(self)
+        """Record an event. Events that occur before the callback runs are merged into one call."""
+        if self._info is None:
+            self._course_node.mark_ready(self)
+        else:
+            changes = (field.name for field in fields(info) if field.name.endswith("_change"))
+            info = replace(
+                info, **{name: getattr(self._info, name) + getattr(info, name) for name in changes}
+            )
+        self._info = info
 
-    def take(self) -> Callable[[], object]:
-        """Remove the oldest event; returns the call that reports it."""
-        return partial(self._callback, self._infos.popleft())
+    def _course_take(self) -> Callable[[], object]:
+        """Remove the recorded event and return the call that reports it."""
+        info, self._info = self._info, None
+        return lambda: self.callback(info)
 
 
 class Deadline:
-    """A deadline, [ns]: calls back whenever no message has been noted for that long, after the first one."""
+    """A deadline, [ns], which calls back each time this long has passed without a message.
+
+    It starts with the first message.
+    """
 
     def __init__(self, node: NodeHandle, limit_ns: int, missed: Callable[[], object]) -> None:
         self._node, self._limit_ns, self._missed = node, limit_ns, missed
@@ -150,14 +228,14 @@ class Deadline:
         self._alarm: Alarm | None = None
 
     def note(self) -> None:
-        """Note a message: the time begins again."""
+        """Record a message and restart the deadline."""
         self.stop()
         graph = self._node.graph
         due_ns = graph.now_ns + self._limit_ns
         self._alarm = graph.call_at(due_ns, self._ring, node=self._node.id, entity=self._entity)
 
     def stop(self) -> None:
-        """Stop until the next message."""
+        """Stop the deadline until the next message."""
         if self._alarm is not None:
             self._alarm.cancel()
 

@@ -1,44 +1,49 @@
-"""The exceptions of rclpy, with its texts."""
+"""The exceptions of rclpy, with its messages."""
 
 # ruff: noqa: N818 - the names are ROS's
 
 from typing import TYPE_CHECKING
 
-from course_lib.ros.program_thread import ShutDown
+from course_lib.ros.time.time_lock import ShutDown
 
 if TYPE_CHECKING:
     from rclpy.parameter import Parameter
 
 
+INVALID_CONTEXT = (
+    "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
+)
+
+
 class NotInitializedException(Exception):
-    """Something was asked of ROS before `rclpy.init()`."""
+    """A ROS function was called before `rclpy.init()`."""
 
     def __init__(self, message: str | None = None) -> None:
         super().__init__("rclpy.init() has not been called." + (f" msg:{message}" if message else ""))
 
 
 class RCLError(RuntimeError):
-    """An error that rcl, the layer below rclpy, reports."""
+    """An error reported by rcl, the layer below rclpy."""
 
 
 class RCLInvalidROSArgsError(RCLError):
-    """The arguments behind `--ros-args` are malformed."""
+    """The arguments after `--ros-args` are malformed."""
 
 
 class UnknownROSArgsError(RuntimeError):
-    """There are arguments behind `--ros-args` that ROS does not know."""
+    """There are arguments after `--ros-args` that ROS does not know."""
 
 
 class NodeNameNonExistentError(RCLError):
-    """A node of that name is not there."""
+    """There is no node of that name."""
 
 
 class NoTypeSupportImportedException(Exception):
-    """A type was used that has no type support; here every type has it."""
+    """The class has no ROS type support. Not raised here, where every message type has it."""
 
 
 class TimeoutException(Exception):
-    """No callback became ready in time."""
+    """No callback became ready before the timeout."""
 
 
 class ExternalShutdownException(ShutDown):
@@ -46,7 +51,7 @@ class ExternalShutdownException(ShutDown):
 
 
 class ShutdownException(Exception):
-    """An executor was shut down while it waited."""
+    """An executor was shut down while it was waiting."""
 
 
 class ConditionReachedException(Exception):
@@ -54,11 +59,11 @@ class ConditionReachedException(Exception):
 
 
 class UnsupportedEventTypeError(RCLError):
-    """An event that this middleware does not have; here it has all of them."""
+    """The middleware does not support an event type. Not raised here, where all are supported."""
 
 
-class InvalidHandle(Exception):
-    """Something was used that had been destroyed."""
+class InvalidHandle(RuntimeError):
+    """A destroyed object was used."""
 
     def __init__(self, message: str = "cannot use Destroyable because destruction was requested") -> None:
         super().__init__(message)
@@ -72,40 +77,41 @@ class ROSInterruptException(ShutDown):
 
 
 class NameValidationException(Exception):
-    """A name breaks the rules; the message points at the character."""
+    """A name is invalid. The message points at the wrong character."""
 
     _kind = "name"
 
     def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        self.name, self.error_msg, self.invalid_index = name, error_msg, invalid_index
         super().__init__(f"Invalid {self._kind}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
 
 
 class InvalidNamespaceException(NameValidationException):
-    """A namespace breaks the rules."""
+    """A namespace is invalid."""
 
     _kind = "namespace"
 
 
 class InvalidNodeNameException(NameValidationException):
-    """A node's name breaks the rules."""
+    """A node name is invalid."""
 
     _kind = "node name"
 
 
 class InvalidTopicNameException(NameValidationException):
-    """A topic's name breaks the rules."""
+    """A topic name is invalid."""
 
     _kind = "topic name"
 
 
 class InvalidServiceNameException(NameValidationException):
-    """A service's name breaks the rules."""
+    """A service name is invalid."""
 
     _kind = "service name"
 
 
 class ParameterException(Exception):
-    """The base of what can go wrong with parameters: a text, and the parameters that it is about."""
+    """Base class of parameter errors: a message and the names of the parameters."""
 
     _text = ""
 
@@ -114,7 +120,7 @@ class ParameterException(Exception):
 
 
 class ParameterNotDeclaredException(ParameterException):
-    """A parameter was used that had not been declared."""
+    """An undeclared parameter was used."""
 
     _text = "Invalid access to undeclared parameter(s)"
 
@@ -126,26 +132,26 @@ class ParameterAlreadyDeclaredException(ParameterException):
 
 
 class InvalidParameterException(ParameterException):
-    """A parameter's name is empty."""
+    """A parameter name is empty."""
 
     _text = "Invalid parameter name"
 
 
 class ParameterImmutableException(ParameterException):
-    """A read-only parameter was to be changed."""
+    """A read-only parameter cannot be changed."""
 
     _text = "Attempted to modify read-only parameter"
 
 
 class ParameterUninitializedException(ParameterException):
-    """A parameter was read that was declared with a type, and never got a value."""
+    """A parameter was read that was declared with a type only and has no value yet."""
 
     def __init__(self, parameter_name: str) -> None:
         super().__init__(parameter_name, f"The parameter '{parameter_name}' is not initialized")
 
 
 class InvalidParameterTypeException(ParameterException):
-    """A declared parameter was given a value of another type."""
+    """A declared parameter was set to a value of another type."""
 
     def __init__(self, desired_parameter: "Parameter", expected_type: str) -> None:
         super().__init__(
@@ -156,7 +162,7 @@ class InvalidParameterTypeException(ParameterException):
 
 
 class InvalidParameterValueException(ParameterException):
-    """A parameter's range or a callback refuses a value."""
+    """A value was rejected by the parameter's range or by a callback."""
 
     def __init__(self, parameter: str, value: object, reason: str) -> None:
         super().__init__(parameter, f"Invalid parameter value ({value}) for parameter. Reason: {reason}")

@@ -1,30 +1,87 @@
-"""Nodes, which ROS programs are made of."""
+"""Nodes, the units that ROS programs consist of."""
 
+import time
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TypedDict
+from functools import partial
+from operator import attrgetter
+from typing import Any, Literal, TypedDict, TypeVar, cast
 
-from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
+from rcl_interfaces.msg import (
+    ListParametersResult,
+    Log,
+    ParameterDescriptor,
+    ParameterEvent,
+    ParameterValue,
+    SetParametersResult,
+)
+from rcl_interfaces.msg import Parameter as ParameterMsg
 
-from course_lib.ros.graph import current_graph
+from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.messages import RosMessage, type_name
+from course_lib.ros.mistakes import Mistake, mark
 from course_lib.ros.notices import replacements
-from rclpy.clock import Clock
+from course_lib.ros.time.time_lock import time_lock
+from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.client import Client
+from rclpy.clock import Clock, ROSClock
+from rclpy.constants import S_TO_NS
 from rclpy.context import Context, get_default_context
 from rclpy.duration import Duration
+from rclpy.event_handler import Deadline, EventCallbacks, PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.exceptions import (
+    InvalidParameterValueException,
+    NameValidationException,
+    NotInitializedException,
+    ParameterImmutableException,
+    ParameterNotDeclaredException,
+    ParameterUninitializedException,
+    RCLError,
+)
 from rclpy.exceptions import NodeNameNonExistentError as NodeNameNonExistentError
-from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
-from rclpy.impl import names, node_parameters
+from rclpy.impl import names, private_names
 from rclpy.impl.arguments import Arguments, joined, parse
-from rclpy.impl.node_handle import NodeHandle
+from rclpy.impl.endpoint import Endpoint, TopicEnd, claim_topic, require_type
+from rclpy.impl.graph_queries import (
+    NamesAndTypes,
+    TopicEndpointInfo,
+    describe,
+    endpoints_of,
+    endpoints_on,
+    service_endpoints,
+    services,
+    sorted_types,
+    to_qos,
+)
+from rclpy.impl.node_handle import GuardCondition, NodeHandle
+from rclpy.impl.parameter_store import On, ParameterStore, Post, Pre
 from rclpy.impl.rcutils_logger import RcutilsLogger, Rosout
 from rclpy.logging import get_logger
 from rclpy.logging_service import LoggingService
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default
+from rclpy.qos_overriding_options import Declares, QoSOverridingOptions, overridden
+from rclpy.service import Service
+from rclpy.subscription import MessageInfo, Subscription
 from rclpy.time_source import TimeSource
+from rclpy.timer import Rate, Timer
 from rclpy.type_description_service import TypeDescriptionService
 
+# Interval between checks whether a node exists, as in rclpy [s].
+_LOOK = 0.1
+# The security enclave of every node, as security is not enabled.
+_ENCLAVE = "/"
+MsgT = TypeVar("MsgT", bound=RosMessage)
+OnMessage = Callable[[MsgT], object] | Callable[[MsgT, MessageInfo], object] | Callable[[bytes], object]
+_EMPTIED = (
+    "parameter list cannot be empty, this might be due to "
+    "pre_set_parameters_callback modifying the original parameters list."
+)
+
+HIDDEN_NODE_PREFIX = "_"
 _ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
 
 _SAME_NAME = (
@@ -50,26 +107,28 @@ class NodeOptions(TypedDict, total=False):
     enable_logger_service: bool
 
 
-class Node(node_parameters.Node):
+class Node:
     """A node, with its publishers, subscriptions, timers and parameters.
 
     Args:
-        node_name: Letters, digits and underscores; it does not begin with a digit.
-        context: Where it lives; default: what `rclpy.init()` has begun.
-        namespace: Put before its name and before its topics that do not begin with a slash.
-        cli_args: A command line for this node alone; it counts more than that of `rclpy.init()`.
-        use_global_arguments: Whether that of `rclpy.init()` counts, too.
-        parameter_overrides: Values that count more than the defaults of its parameters.
-        automatically_declare_parameters_from_overrides: Whether those are declared at once.
-        start_parameter_services: Whether other nodes may see and change its parameters.
-        allow_undeclared_parameters: Whether parameters may be used that were not declared.
-        enable_rosout: Whether its log is published on /rosout.
-        enable_logger_service: Whether other nodes may see and change the levels of its loggers.
+        node_name: Letters, digits and underscores; must not begin with a digit.
+        context: The node's context; default: the one that `rclpy.init()` has initialized.
+        namespace: Prefix of the node's name and of its relative topic names.
+        cli_args: Command-line arguments for this node only. They take precedence over the arguments
+            of `rclpy.init()`.
+        use_global_arguments: Whether the arguments of `rclpy.init()` apply as well.
+        parameter_overrides: Values that replace the defaults of the node's parameters.
+        automatically_declare_parameters_from_overrides: Whether all overrides are declared
+            immediately.
+        start_parameter_services: Whether other nodes can read and change the parameters.
+        allow_undeclared_parameters: Whether parameters can be used without a declaration.
+        enable_rosout: Whether log messages are published on /rosout.
+        enable_logger_service: Whether other nodes can read and change the levels of the loggers.
 
     Raises:
-        NotInitializedException: If `rclpy.init()` was not called.
-        InvalidNodeNameException: If the name breaks the rules.
-        InvalidNamespaceException: If the namespace does.
+        NotInitializedException: `rclpy.init()` was not called.
+        InvalidNodeNameException: The name is invalid.
+        InvalidNamespaceException: The namespace is invalid.
     """
 
     def __init__(
@@ -91,41 +150,55 @@ class Node(node_parameters.Node):
         if not context.is_valid:
             raise NotInitializedException("cannot create node")
         local = parse(cli_args or [])
+        for warning in local.warnings:
+            get_logger("rcl").warning(warning)
         arguments = joined(local, context.arguments) if use_global_arguments else local
-        super().__init__(_enter_graph(context, node_name, namespace or "", arguments))
-        self._logger = get_logger(self.handle.logger_name)
-        self._settle_same_names()
-        context.on_shutdown(self._leave_graph)
-        self._rosout = self.create_publisher(Log, "/rosout", _ROSOUT) if enable_rosout else None
-        if self._rosout is not None:
-            current_graph().part(Rosout).publish.setdefault(self.handle.logger_name, self._publish_log)
+        self.__handle = _enter_graph(context, node_name, namespace or "", arguments)
+        self.__clock = ROSClock()
+        self.__created_entities: list[Any] = []
+        # Entities that rcl creates in ROS, and rclpy therefore does not list.
+        self.__hidden_entities: list[Any] = []
+        self.__default_callback_group = MutuallyExclusiveCallbackGroup()
+        self.__rate_group = ReentrantCallbackGroup()
+        self.__logger = get_logger(self.handle.logger_name)
+        self.__settle_same_names()
+        context.on_shutdown(self.__leave_graph)
+        self.__rosout = self.create_publisher(Log, "/rosout", _ROSOUT) if enable_rosout else None
+        if self.__rosout is not None:
+            self._course_hide(self.__rosout)
+            current_graph().part(Rosout).publish.setdefault(self.handle.logger_name, self.__publish_log)
         events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         overrides = arguments.parameters(self.handle.full_name)
         overrides |= {parameter.name: parameter for parameter in parameter_overrides or []}
-        self._keep_parameters(overrides, allow_undeclared_parameters, events)
+        self.__parameter_store = ParameterStore(self.handle.full_name, self.__clock, events, overrides)
+        self.__allow_undeclared_parameters = allow_undeclared_parameters
         if automatically_declare_parameters_from_overrides:
             given = [(name, parameter.value, ParameterDescriptor()) for name, parameter in overrides.items()]
             self.declare_parameters("", given, ignore_override=True)
-        self._declare_own_parameters()
+        self.__time_source = TimeSource(node=self)
+        self.__time_source.attach_clock(self.__clock)
         if start_parameter_services:
             ParameterService(self)
         if enable_logger_service:
             LoggingService(self)
+        self.__type_description_service = TypeDescriptionService(self)
 
-    def _declare_own_parameters(self) -> None:
-        """Declare what every node of ROS has, unless an override did; `use_sim_time` sets its clock."""
-        self._time_source = TimeSource(node=self)
-        self._time_source.attach_clock(self._clock)
-        TypeDescriptionService(self)
+    # Relative tolerance of a floating-point value at the steps of its range.
+    PARAM_REL_TOL = 1e-6
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Report attributes of a student's class that have private names of rclpy."""
+        super().__init_subclass__(**kwargs)
+        private_names.check_class("Node", cls, private_names.USES | private_names.METHODS)
 
     @property
     def context(self) -> Context:
-        """The context that it lives in."""
+        """The node's context."""
         return self.handle.context
 
     @property
     def executor(self) -> Executor | None:
-        """The executor that it was added to last."""
+        """The executor that the node was added to last."""
         executor = self.handle.executor
         return executor if isinstance(executor, Executor) else None
 
@@ -139,36 +212,42 @@ class Node(node_parameters.Node):
             self.handle.executor = None
 
     def get_name(self) -> str:
-        """Return its name."""
-        return self.handle.name
+        """Return the name of the node."""
+        return self.handle.require().name
 
     def get_namespace(self) -> str:
-        """Return its namespace."""
-        return self.handle.namespace
+        """Return the namespace of the node."""
+        return self.handle.require().namespace
 
     def get_fully_qualified_name(self) -> str:
-        """Return its namespace and its name as one."""
-        return self.handle.full_name
+        """Return the fully qualified name: the namespace and the name."""
+        return self.handle.require().full_name
 
     def get_clock(self) -> Clock:
-        """Return its clock."""
-        return self._clock
+        """Return the clock of the node."""
+        return self.__clock
 
     def get_logger(self) -> RcutilsLogger:
-        """Return its logger."""
-        return self._logger
+        """Return the logger of the node."""
+        return self.__logger
 
     def destroy_node(self) -> None:
-        """Destroy the node with everything in it; doing so again changes nothing."""
-        self.handle.graph.wake(self.handle.id)  # so that its partners count down
-        while self._created:
-            self._created.pop().destroy()
-        self._leave_graph()
+        """Destroy the node and all its entities. Calling it twice is allowed."""
+        # Endpoints on the other side have to update their numbers of partners.
+        self.handle.graph.show_node(self.handle.id)
+        for entities in (self.__created_entities, self.__hidden_entities):
+            while entities:
+                entities.pop().destroy()
+        self.__leave_graph()
+        self.handle.is_destroyed = True
 
-    def _settle_same_names(self) -> None:
-        """Register the node; in a notebook it replaces one of the same name, elsewhere ROS warns of that."""
-        nodes, name = current_graph().part(OwnNodes).by_id, self.get_fully_qualified_name()
-        namesakes = [other for other in nodes.values() if other.get_fully_qualified_name() == name]
+    def __settle_same_names(self) -> None:
+        """Register the node.
+
+        In a notebook it replaces a node of the same name; elsewhere ROS's warning is logged.
+        """
+        nodes, name = current_graph().part(OwnNodes).by_id, self.handle.full_name
+        namesakes = [other for other in nodes.values() if other.handle.full_name == name]
         nodes[self.handle.id] = self
         if namesakes and not self.handle.graph.notebook:
             get_logger("rcl.logging_rosout").warning(_SAME_NAME.format(self.handle.logger_name))
@@ -177,27 +256,659 @@ class Node(node_parameters.Node):
             for other in namesakes:
                 other.destroy_node()
 
-    def _leave_graph(self) -> None:
+    def __leave_graph(self) -> None:
         current_graph().part(OwnNodes).by_id.pop(self.handle.id, None)
         rosout = current_graph().part(Rosout).publish
-        if rosout.get(self.handle.logger_name) == self._publish_log:
+        if rosout.get(self.handle.logger_name) == self.__publish_log:
             del rosout[self.handle.logger_name]
         self.handle.leave()
 
-    def _publish_log(self, message: Log) -> None:
-        if self._rosout is not None and self.context.is_valid:
-            self._rosout.publish(message)
+    def __publish_log(self, message: Log) -> None:
+        if self.__rosout is not None and self.context.is_valid:
+            self.__rosout.publish(message)
+
+    @property
+    def handle(self) -> NodeHandle:
+        """The node's handle in the graph."""
+        return self.__handle
+
+    def __usable(self, failed: str = "") -> NodeHandle:
+        """Return the handle for an rcl call.
+
+        Raise an error if the node is destroyed or its context invalid.
+        """
+        return self.__handle.require(failed)
+
+    def get_node_names(self) -> list[str]:
+        """List the names of all nodes."""
+        return [name for name, _ in self.get_node_names_and_namespaces()]
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        """List (name, namespace) for all nodes."""
+        return [
+            (node.name, node.namespace) for node in self.__usable("Failed to get node names").graph.nodes()
+        ]
+
+    def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
+        """List all topics with their types."""
+        infos = self.__usable("failed to get topic names and types").graph.endpoints()
+        return sorted_types((info.topic, info.type_name) for info in infos if info.service is None)
+
+    def get_service_names_and_types(self) -> NamesAndTypes:
+        """List all services with their types.
+
+        As in ROS, services with clients only are included.
+        """
+        return services(self.__usable("failed to get service names and types").graph.endpoints())
+
+    def count_publishers(self, topic_name: str) -> int:
+        """Return the number of publishers on a topic."""
+        self.__usable("Error in rcl_count_publishers")
+        time_lock.poll()
+        return len(endpoints_on(self.handle, topic_name, "pub"))
+
+    def count_subscribers(self, topic_name: str) -> int:
+        """Return the number of subscriptions on a topic."""
+        self.__usable("Error in rcl_count_subscribers")
+        time_lock.poll()
+        return len(endpoints_on(self.handle, topic_name, "sub"))
+
+    def get_publishers_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """List the publishers on a topic with their QoS."""
+        node = self.__usable("Failed to get information by topic for publishers")
+        return [describe(info, node.graph.nodes()) for info in endpoints_on(node, topic_name, "pub")]
+
+    def get_subscriptions_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """List the subscriptions on a topic with their QoS."""
+        node = self.__usable("Failed to get information by topic for subscriptions")
+        return [describe(info, node.graph.nodes()) for info in endpoints_on(node, topic_name, "sub")]
+
+    def get_fully_qualified_node_names(self) -> list[str]:
+        """List the fully qualified names of all nodes."""
+        return [node.full_name for node in self.__usable("Failed to get node names").graph.nodes()]
+
+    def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
+        """List (name, namespace, enclave) for all nodes."""
+        return [(*pair, _ENCLAVE) for pair in self.get_node_names_and_namespaces()]
+
+    def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
+        """Wait at most `timeout` [s] for a node. Return whether it exists."""
+        wanted, until = f"/{fully_qualified_node_name.removeprefix('/')}", time.time() + timeout
+        while wanted not in self.get_fully_qualified_node_names():
+            if time.time() >= until:
+                return False
+            time.sleep(_LOOK)
+        return True
+
+    def get_publisher_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> NamesAndTypes:
+        """List the topics that a node publishes on.
+
+        Raise NodeNameNonExistentError if there is no such node.
+        """
+        node = self.__usable("failed to get publisher names and types")
+        infos = endpoints_of(node, node_name, node_namespace, "publisher")
+        return sorted_types((i.topic, i.type_name) for i in infos if i.service is None and i.kind == "pub")
+
+    def get_subscriber_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> NamesAndTypes:
+        """List the topics that a node subscribes to."""
+        node = self.__usable("failed to get subscriber names and types")
+        infos = endpoints_of(node, node_name, node_namespace, "subscriber")
+        return sorted_types((i.topic, i.type_name) for i in infos if i.service is None and i.kind == "sub")
+
+    def get_service_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
+        """List the services of a node."""
+        node = self.__usable("failed to get service names and types")
+        return services(i for i in endpoints_of(node, node_name, node_namespace, "service") if i.is_service)
+
+    def get_client_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
+        """List the services that a node has clients for."""
+        node = self.__usable("failed to get client names and types")
+        return services(i for i in endpoints_of(node, node_name, node_namespace, "client") if i.is_client)
+
+    def count_services(self, service_name: str) -> int:
+        """Return the number of servers of a service."""
+        ends = service_endpoints(self.__usable(), service_name, "Error in rcl_count_services")
+        return sum(end.is_service for end in ends)
+
+    def count_clients(self, service_name: str) -> int:
+        """Return the number of clients of a service."""
+        ends = service_endpoints(self.__usable(), service_name, "Error in rcl_count_clients")
+        return sum(end.is_client for end in ends)
+
+    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
+        """Return the full name of a topic for this node. Raise RCLError if the name is invalid."""
+        return self.__resolve_or_fail(topic, "topic", only_expand)
+
+    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
+        """Return the full name of a service for this node.
+
+        Raise RCLError if the name is invalid.
+        """
+        return self.__resolve_or_fail(service, "service", only_expand)
+
+    def __resolve_or_fail(self, name: str, kind: names.Kind, only_expand: bool) -> str:
+        if name is None:
+            raise RCLError("failed to resolve name: input_topic_name argument is null")
+        try:
+            return self._course_resolve(name, kind, only_expand)
+        except (ValueError, NameValidationException) as error:
+            raise RCLError(f"failed to resolve name: {names.complaint_of(error)}") from None
+
+    def _course_resolve(self, name: str, kind: names.Kind, only_expand: bool = False) -> str:
+        """Return the full name for a new entity.
+
+        An invalid name raises NameValidationException or ValueError.
+        """
+        node = self.__usable()
+        if name is None:
+            raise RCLError("failed to validate name: topic_name argument is null")
+        if not isinstance(name, str):
+            raise TypeError("rclpy_resolve_name(): incompatible function arguments.")
+        full = names.expand_name(name, node.name, node.namespace, kind)
+        return full if only_expand else node.arguments.remapped(full, node.name, node.namespace, kind)
+
+    @property
+    def default_callback_group(self) -> CallbackGroup:
+        """The group of all callbacks that are created without a group."""
+        # Accessed under rclpy's own name: without `super().__init__()`, the error is the same as on
+        # a robot.
+        group: CallbackGroup = cast("Any", self)._default_callback_group
+        return group
+
+    publishers = property(lambda self: self.__created_of(Publisher), doc="The node's publishers.")
+    subscriptions = property(lambda self: self.__created_of(Subscription), doc="The node's subscriptions.")
+    clients = property(lambda self: self.__created_of(Client), doc="The node's clients.")
+    services = property(lambda self: self.__created_of(Service), doc="The node's services.")
+    timers = property(lambda self: self.__created_of(Timer), doc="The node's timers.")
+    guards = property(lambda self: self.__created_of(GuardCondition), doc="The node's guard conditions.")
+
+    def create_publisher(
+        self,
+        msg_type: type[MsgT],
+        topic: str,
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: PublisherEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
+        publisher_class: type[Publisher[Any]] = Publisher,
+    ) -> Publisher[MsgT]:
+        """Create a publisher.
+
+        Args:
+            msg_type: The class of its messages.
+            topic: `x` is relative to the node's namespace, `~/x` to the node's name; `/x` is
+                absolute.
+            qos_profile: The QoS profile, or only the depth of the queue.
+            callback_group: The group of `event_callbacks`.
+            event_callbacks: Callbacks for events, such as matched subscriptions.
+            qos_overriding_options: The policies that parameters can override.
+            publisher_class: The class of the publisher.
+        """
+        group, events = callback_group or self.default_callback_group, event_callbacks
+        if not isinstance(events, PublisherEventCallbacks | None):
+            raise TypeError("__init__(): incompatible constructor arguments.")
+        node, full_topic = self.handle, self._course_resolve(topic, "topic")
+        node.require("Failed to create publisher")
+        require_type(msg_type, "message")
+        profile = self.__overridden_profile("publisher", full_topic, qos_profile, qos_overriding_options)
+        claim_topic(node, "publisher", full_topic, type_name(msg_type))
+        added = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), to_qos(profile, "pub"))
+        publisher = publisher_class(Endpoint(node, added, full_topic), msg_type, topic, profile)
+        self.__keep_endpoint(publisher, events or PublisherEventCallbacks(), group)
+        return publisher
+
+    def create_subscription(
+        self,
+        msg_type: type[MsgT],
+        topic: str,
+        callback: "OnMessage[MsgT]",
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: SubscriptionEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
+        raw: bool = False,
+    ) -> Subscription[MsgT]:
+        """Create a subscription.
+
+        Args:
+            msg_type: The class of its messages.
+            topic: The topic: `x` is relative to the node's namespace, `~/x` to the node's name,
+                `/x` is absolute.
+            callback: Called with each message, or with each message and its MessageInfo; may be a
+                coroutine.
+            qos_profile: The QoS profile, or only the depth of the queue.
+            callback_group: The group, which controls which callbacks may run at the same time.
+            event_callbacks: Callbacks for events, such as matched publishers.
+            qos_overriding_options: The policies that parameters can override.
+            raw: Whether the callback receives serialized bytes instead of messages.
+        """
+        group, events = callback_group or self.default_callback_group, event_callbacks
+        if not isinstance(events, SubscriptionEventCallbacks | None):
+            raise TypeError("__init__(): incompatible constructor arguments.")
+        full_topic = self._course_resolve(topic, "topic")
+        self.handle.require("Failed to create subscription")
+        require_type(msg_type, "message")
+        profile = self.__overridden_profile("subscription", full_topic, qos_profile, qos_overriding_options)
+        claim_topic(self.handle, "subscription", full_topic, type_name(msg_type))
+        subscription = Subscription(self.handle, msg_type, topic, full_topic, callback, group, profile, raw)
+        self.__keep_endpoint(subscription, events or SubscriptionEventCallbacks(), group)
+        return subscription
+
+    def create_client(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Client:
+        """Create a client of the service `srv_name`.
+
+        `callback_group` is the group of its responses.
+        """
+        self.handle.require("failed to create client")
+        full_name = self.__full_service_name(srv_type, srv_name)
+        group = callback_group or self.default_callback_group
+        client = Client(self.handle, group, srv_type, srv_name, full_name, qos_profile)
+        self.__created_entities.append(client)
+        return client
+
+    def create_service(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Service:
+        """Create a service.
+
+        `callback(request, response)`, a function or coroutine, returns the filled response.
+        """
+        self.handle.require("failed to create service")
+        full_name = self.__full_service_name(srv_type, srv_name)
+        group = callback_group or self.default_callback_group
+        service = Service(callback, self.handle, group, srv_type, srv_name, full_name, qos_profile)
+        self.__created_entities.append(service)
+        return service
+
+    def create_timer(
+        self,
+        timer_period_sec: float,
+        callback: Callable[[], object] | None,
+        callback_group: CallbackGroup | None = None,
+        clock: Clock | None = None,
+        autostart: bool = True,
+    ) -> Timer:
+        """Create a timer that calls `callback` every `timer_period_sec` [s], first after one period."""
+        try:
+            period_ns = int(float(timer_period_sec) * S_TO_NS)
+        except (TypeError, ValueError) as error:
+            mark(error, Mistake.PERIOD)
+            raise
+        group = callback_group or self.default_callback_group
+        timer = Timer(self.handle, callback, group, period_ns, clock or self.__clock, autostart=autostart)
+        self.__created_entities.append(timer)
+        return timer
+
+    def create_guard_condition(
+        self, callback: Callable[[], object], callback_group: CallbackGroup | None = None
+    ) -> GuardCondition:
+        """Create a guard condition, whose callback runs after each `trigger()`."""
+        guard = GuardCondition(self.handle, callback, callback_group or self.default_callback_group)
+        self.__created_entities.append(guard)
+        return guard
+
+    def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
+        """Create a rate for loops at a frequency [Hz]. Another thread has to spin the node."""
+        if frequency <= 0:
+            raise ValueError("frequency must be > 0")
+        return Rate(
+            self.create_timer(1.0 / frequency, None, self.__rate_group, clock), context=self.handle.context
+        )
+
+    def add_waitable(self, waitable: Any) -> None:
+        """Add an entity created elsewhere. It is destroyed together with the node."""
+        self.__created_entities.append(waitable)
+
+    def remove_waitable(self, waitable: Any) -> None:
+        """Remove an entity that was added with `add_waitable`."""
+        self.__created_entities.remove(waitable)
+
+    def _course_hide(self, entity: Any) -> None:
+        """Exclude an entity from the lists of the node's entities.
+
+        It is still destroyed with the node.
+        """
+        self.__created_entities.remove(entity)
+        self.__hidden_entities.append(entity)
+
+    def destroy_publisher(self, publisher: Any) -> bool:
+        """Destroy a publisher.
+
+        Like the methods below, it returns False if the node has no such entity of this kind.
+        """
+        return self.__destroy(publisher, Publisher)
+
+    def destroy_subscription(self, subscription: Any) -> bool:
+        """Destroy a subscription."""
+        return self.__destroy(subscription, Subscription)
+
+    def destroy_client(self, client: Any) -> bool:
+        """Destroy a client."""
+        return self.__destroy(client, Client)
+
+    def destroy_service(self, service: Any) -> bool:
+        """Destroy a service."""
+        return self.__destroy(service, Service)
+
+    def destroy_timer(self, timer: Any) -> bool:
+        """Destroy a timer."""
+        return self.__destroy(timer, Timer)
+
+    def destroy_guard_condition(self, guard: Any) -> bool:
+        """Destroy a guard condition."""
+        return self.__destroy(guard, GuardCondition)
+
+    def _course_destroy(self, entity: Any) -> bool:
+        """Destroy an entity of any kind, hidden or not."""
+        if entity in self.__hidden_entities:
+            self.__hidden_entities.remove(entity)
+            entity.destroy()
+            return True
+        return self.__destroy(entity, object)
+
+    def __destroy(self, entity: Any, kind: type[Any]) -> bool:
+        if not isinstance(entity, kind) or entity not in self.__created_entities:
+            return False
+        self.__created_entities.remove(entity)
+        entity.destroy()
+        return True
+
+    def destroy_rate(self, rate: Rate) -> bool:
+        """Destroy a rate and wake the thread that sleeps in it."""
+        rate.destroy()
+        return self.destroy_timer(rate._timer)
+
+    def __keep_endpoint(self, end: TopicEnd[Any], events: EventCallbacks, group: CallbackGroup) -> None:
+        self.__created_entities.append(end)
+        told = events.bind(self.handle, end.topic, group)
+        end.event_handlers = told.handlers
+        limit_ns = to_qos(end.qos_profile, "pub").deadline_ns
+        if limit_ns is not None and "deadline" in told.tell:
+            end._course_deadline = Deadline(self.handle, limit_ns, partial(told.count, "deadline"))
+        end.handle.watch(told)
+
+    def __overridden_profile(
+        self,
+        kind: Literal["publisher", "subscription"],
+        topic: str,
+        qos_profile: QoSProfile | int,
+        options: QoSOverridingOptions | None,
+    ) -> QoSProfile:
+        if not isinstance(qos_profile, QoSProfile):
+            if not isinstance(qos_profile, int):
+                raise TypeError(f"Expected QoSProfile or int, but received {type(qos_profile)!r}")
+            if qos_profile < 0:
+                raise ValueError("history depth must be greater than or equal to zero")
+            qos_profile = QoSProfile(depth=qos_profile)
+        return overridden(cast("Declares", self), kind, topic, qos_profile, options)
+
+    def __created_of(self, kind: type) -> Iterator[Any]:
+        return (created for created in self.__created_entities if isinstance(created, kind))
+
+    def __full_service_name(self, srv_type: Any, srv_name: str) -> str:
+        """Validate a service's type and return its full name."""
+        require_type(srv_type, "service")
+        if not isinstance(srv_name, str):
+            raise TypeError("__init__(): incompatible constructor arguments.")
+        return self._course_resolve(srv_name, "service")
+
+    def get_parameter_or(self, name: str, alternative_value: Parameter | None = None) -> Parameter:
+        """Return a parameter, or the alternative if it is not declared or has no value."""
+        parameter = self.__parameter_store.values.get(name)
+        if parameter is not None and parameter.type_ is not Parameter.Type.NOT_SET:
+            return parameter
+        return alternative_value or Parameter(name, Parameter.Type.NOT_SET)
+
+    def set_parameters(self, parameter_list: list[Parameter]) -> list[SetParametersResult]:
+        """Set parameters one after the other and return a result for each.
+
+        Raise at an undeclared parameter.
+        """
+        return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Set all parameters or none of them. Raise at an undeclared parameter."""
+        if self.__parameter_store.pre_set_callbacks:
+            parameter_list = [
+                parameter
+                for call in self.__parameter_store.pre_set_callbacks
+                for parameter in call(parameter_list)
+            ]
+            if not parameter_list:
+                return SetParametersResult(successful=False, reason=_EMPTIED)
+        if not all(isinstance(parameter, Parameter) for parameter in parameter_list):
+            raise TypeError(f"parameter must be instance of type '{Parameter!r}'")
+        undeclared = [p.name for p in parameter_list if p.name not in self.__parameter_store.values]
+        if undeclared and not self.__allow_undeclared_parameters:
+            # rclpy intends to list all of them, but its generator is partly consumed by then.
+            raise ParameterNotDeclaredException(undeclared[1:])
+        return self.__parameter_store.change(parameter_list, {})
+
+    def add_pre_set_parameters_callback(self, callback: Pre) -> None:
+        """Add a callback that runs before a change; `callback(parameters)` returns the parameters to set."""
+        _require_callable(callback)
+        self.__parameter_store.pre_set_callbacks.insert(0, callback)
+
+    def add_on_set_parameters_callback(self, callback: On) -> None:
+        """Add a validation callback; `callback(parameters)` returns a SetParametersResult."""
+        _require_callable(callback)
+        self.__parameter_store.on_set_callbacks.insert(0, callback)
+
+    def add_post_set_parameters_callback(self, callback: Post) -> None:
+        """Add a callback that runs after a change: `callback(parameters)`."""
+        _require_callable(callback)
+        self.__parameter_store.post_set_callbacks.insert(0, callback)
+
+    def remove_pre_set_parameters_callback(self, callback: Pre) -> None:
+        """Remove the callback. Raise ValueError if it was not added."""
+        self.__parameter_store.pre_set_callbacks.remove(callback)
+
+    def remove_on_set_parameters_callback(self, callback: On) -> None:
+        """Remove the callback. Raise ValueError if it was not added."""
+        self.__parameter_store.on_set_callbacks.remove(callback)
+
+    def remove_post_set_parameters_callback(self, callback: Post) -> None:
+        """Remove the callback. Raise ValueError if it was not added."""
+        self.__parameter_store.post_set_callbacks.remove(callback)
+
+    def declare_parameter(
+        self,
+        name: str,
+        value: Any = None,
+        descriptor: ParameterDescriptor | None = None,
+        ignore_override: bool = False,
+    ) -> Parameter:
+        """Declare a parameter and return it with its current value.
+
+        Args:
+            name: The parameter's name.
+            value: The default value, or a `Parameter.Type` if there is no default.
+            descriptor: The description and limits; `dynamic_typing` allows values of any type.
+            ignore_override: Whether overrides from outside the program are ignored.
+        """
+        more = () if value is None and descriptor is None else (value, descriptor or ParameterDescriptor())
+        return self.declare_parameters("", [(name, *more)], ignore_override)[0]
+
+    def declare_parameters(
+        self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
+    ) -> list[Parameter]:
+        """Declare parameters in a namespace, each as (name), (name, value) or (name, value, descriptor)."""
+        return self.__parameter_store.declare(namespace, parameters, ignore_override=ignore_override)
+
+    def undeclare_parameter(self, name: str) -> None:
+        """Remove a parameter. Raise an error if it is not declared or is read-only."""
+        if name not in self.__parameter_store.values:
+            raise ParameterNotDeclaredException(name)
+        if self.__parameter_store.descriptors[name].read_only:
+            raise ParameterImmutableException(name)
+        del self.__parameter_store.values[name], self.__parameter_store.descriptors[name]
+
+    def set_descriptor(
+        self, name: str, descriptor: ParameterDescriptor, alternative_value: ParameterValue | None = None
+    ) -> ParameterValue:
+        """Replace a parameter's descriptor and return the resulting value.
+
+        If the current value does not conform to the descriptor, `alternative_value` is set. Raises
+        an error if neither conforms, or if the parameter is read-only or not declared.
+        """
+        if name not in self.__parameter_store.values:
+            return self.get_parameter(name).get_parameter_value()
+        if self.__parameter_store.descriptors[name].read_only:
+            raise ParameterImmutableException(name)
+        values = [self.get_parameter(name)]
+        if alternative_value is not None:
+            values.append(Parameter.from_parameter_msg(ParameterMsg(name=name, value=alternative_value)))
+        for parameter in values:
+            result = self.__parameter_store.change([parameter], {name: descriptor})
+            if result.successful:
+                return parameter.get_parameter_value()
+        raise InvalidParameterValueException(name, values[-1].value, result.reason)
+
+    def has_parameter(self, name: str) -> bool:
+        """Return whether a parameter is declared."""
+        return name in self.__parameter_store.values
+
+    def get_parameter(self, name: str) -> Parameter:
+        """Return a parameter. Raise an error if it is not declared or has no value yet."""
+        parameter = self.__parameter_store.values.get(name)
+        if parameter is None:
+            if self.__allow_undeclared_parameters:
+                return Parameter(name, Parameter.Type.NOT_SET)
+            raise ParameterNotDeclaredException(name)
+        is_unset = parameter.type_ is Parameter.Type.NOT_SET
+        if is_unset and not self.__parameter_store.descriptors[name].dynamic_typing:
+            raise ParameterUninitializedException(name)
+        return parameter
+
+    def get_parameters(self, names: Sequence[str]) -> list[Parameter]:
+        """Return several parameters, with the errors of `get_parameter`."""
+        if not all(isinstance(name, str) for name in names):
+            raise TypeError("All names must be instances of type str")
+        return [self.get_parameter(name) for name in names]
+
+    def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
+        """Return the parameters whose names begin with `prefix.`, by the remainder of their names."""
+        start = f"{prefix}." if prefix else ""
+        values = self.__parameter_store.values
+        return {name[len(start) :]: value for name, value in values.items() if name.startswith(start)}
+
+    def get_parameter_type(self, name: str) -> int:
+        """Return the number of a parameter's type.
+
+        As in rclpy it is an int, not a `Parameter.Type`.
+        """
+        if name in self.__parameter_store.values or not self.__allow_undeclared_parameters:
+            self.describe_parameter(name)
+            return int(self.__parameter_store.values[name].type_.value)
+        return Parameter.Type.NOT_SET.value
+
+    def get_parameter_types(self, names: Sequence[str]) -> list[int]:
+        """Return the type numbers of several parameters."""
+        return [self.get_parameter_type(name) for name in names]
+
+    def describe_parameter(self, name: str) -> ParameterDescriptor:
+        """Return the descriptor of a parameter.
+
+        Raise ParameterNotDeclaredException if it is not declared.
+        """
+        if name not in self.__parameter_store.descriptors and not self.__allow_undeclared_parameters:
+            raise ParameterNotDeclaredException(name)
+        return self.__parameter_store.descriptors.get(name) or ParameterDescriptor()
+
+    def describe_parameters(self, names: Sequence[str]) -> list[ParameterDescriptor]:
+        """Return the descriptors of several parameters."""
+        return [self.describe_parameter(name) for name in names]
+
+    def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
+        """List names below prefixes, at most `depth` tokens deep (0: no limit), and their prefixes."""
+        if not isinstance(prefixes, list | tuple):
+            raise TypeError("The prefixes argument must be a list")
+        if not isinstance(depth, int):
+            raise TypeError("The depth must be instance of type int")
+        if depth < 0:
+            raise ValueError("The depth must be greater than or equal to zero")
+
+        def shown(name: str) -> bool:
+            rests = [name[len(p) + 1 :] for p in prefixes if name.startswith(f"{p}.")] if prefixes else [name]
+            return name in prefixes or any(not depth or rest.count(".") < depth for rest in rests)
+
+        names = [name for name in self.__parameter_store.values if shown(name)]
+        above = dict.fromkeys(name.rpartition(".")[0] for name in names if "." in name)
+        return ListParametersResult(names=names, prefixes=list(above))
+
+
+def _require_callable(callback: object) -> None:
+    if not callable(callback):
+        # rclpy passes the placeholder unfilled as well.
+        raise TypeError("Callback must be callable, got {}", type(callback))
+
+
+def _list(entities: str) -> Callable[[Any], object]:
+    return lambda node: list(getattr(node, entities))
+
+
+_KEPT: dict[str, Callable[[Any], object]] = {
+    f"_{name}": _list(name)
+    for name in ("publishers", "subscriptions", "clients", "services", "timers", "guards")
+}
+_KEPT |= {name: attrgetter(f"_Node_{name}") for name in private_names.USES if name not in _KEPT}
+_KEPT |= {
+    name: attrgetter(f"_Node__parameter_store.{attribute}")
+    for name, attribute in {
+        "_parameters": "values",
+        "_descriptors": "descriptors",
+        "_parameter_overrides": "overrides",
+        "_parameter_event_publisher": "events",
+        "_pre_set_parameters_callbacks": "pre_set_callbacks",
+        "_on_set_parameters_callbacks": "on_set_callbacks",
+        "_post_set_parameters_callbacks": "post_set_callbacks",
+    }.items()
+}
+_KEPT["_context"] = attrgetter("context")
+_KEPT["_type_description_service"] = attrgetter("_Node__type_description_service")
+private_names.watch_names("Node", Node, private_names.USES, _KEPT)
 
 
 @dataclass
 class OwnNodes:
-    """The nodes that one program has made in a run and not destroyed."""
+    """The nodes that one program has created in a run and not destroyed."""
 
-    by_id: dict[int, Node] = field(default_factory=dict)  # in the graph
+    # By the node's id in the graph.
+    by_id: dict[int, Node] = field(default_factory=dict)
 
 
 def _enter_graph(context: Context, name: str, namespace: str, arguments: Arguments) -> NodeHandle:
-    """Check the names and enter the graph; a namespace may be written without its leading slash."""
+    """Validate the names and add the node to the graph.
+
+    The namespace may lack its leading slash.
+    """
+    if name is None:
+        raise RCLError("error creating node: name argument is null")
+    if not isinstance(name, str) or not isinstance(namespace, str):
+        raise TypeError("__init__(): incompatible constructor arguments.")
     names.validate_node_name(name)
     name = arguments.renamed(name, "__node", name)
     namespace = arguments.renamed(name, "__ns", namespace)

@@ -1,4 +1,4 @@
-"""A parameter of a node."""
+"""Parameters of nodes."""
 
 import array
 from enum import Enum
@@ -9,10 +9,10 @@ from rcl_interfaces.msg import ParameterValue
 
 
 class Parameter:
-    """A name, a type and a value; the type is found from the value, or has to agree with it."""
+    """A name, a type and a value. The type is inferred from the value or has to match it."""
 
     class Type(Enum):
-        """The types that a parameter can have, numbered as in rcl_interfaces/msg/ParameterType."""
+        """The types of parameters, numbered as in rcl_interfaces/msg/ParameterType."""
 
         NOT_SET = 0
         BOOL = 1
@@ -27,7 +27,7 @@ class Parameter:
 
         @classmethod
         def from_parameter_value(cls, parameter_value: object) -> "Parameter.Type":
-            """Find the type of a value; raises TypeError if parameters cannot hold it."""
+            """Infer the type of a value. Raise TypeError if parameters cannot have such a value."""
             for kind in cls:
                 if kind.check(parameter_value):
                     return kind
@@ -53,7 +53,7 @@ class Parameter:
             raise TypeError(f"type must be an instance of '{Parameter.Type!r}'")
         if not type_.check(value):
             raise ValueError(f"Type '{type_}' and value '{value}' do not agree")
-        self._name, self._type, self._value = name, type_, value
+        self._name, self._type_, self._value = name, type_, value
 
     @property
     def name(self) -> str:
@@ -63,7 +63,7 @@ class Parameter:
     @property
     def type_(self) -> "Parameter.Type":
         """The parameter's type."""
-        return self._type
+        return self._type_
 
     @property
     def value(self) -> Any:
@@ -71,14 +71,14 @@ class Parameter:
         return self._value
 
     def get_parameter_value(self) -> ParameterValue:
-        """Return the value as a message, with the one field set that its type names."""
+        """Convert the value to a message, in which the field for its type is set."""
         message = ParameterValue(type=self.type_.value)
         if self.type_ is not Parameter.Type.NOT_SET:
             setattr(message, f"{self.type_.name.lower()}_value", self.value)
         return message
 
     def to_parameter_msg(self) -> ParameterMsg:
-        """Return the parameter as a message."""
+        """Convert the parameter to a message."""
         return ParameterMsg(name=self.name, value=self.get_parameter_value())
 
     @classmethod
@@ -96,7 +96,11 @@ _ELEMENTS: dict[str, type] = {"BOOL": bool, "INTEGER": int, "DOUBLE": float, "ST
 
 
 def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
-    """Return what a message holds, None if it is not set; raises a RuntimeError for an unknown type."""
+    """Return the value in a message, or None if it is not set.
+
+    Raises:
+        RuntimeError: The type is unknown.
+    """
     try:
         kind = Parameter.Type(parameter_value.type)
     except ValueError:
@@ -108,15 +112,29 @@ def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
 
 
 def get_parameter_value(string_value: str) -> ParameterValue:
-    """Return the value that a text means in YAML, as on the command line; what is no parameter is a text."""
-    from course_lib.ros.parameter_yaml import read_value  # YAML is needed only here
+    """Parse a string as YAML and convert the value to a message.
+
+    A value that parameters cannot have is kept as a string. PyYAML's rules differ from the rules of
+    rcl, which parses values on the command line: `1e3` is a string here.
+    """
+    # Imported late, because only this function needs YAML.
+    import yaml  # type: ignore[import-untyped]
 
     try:
-        value = read_value(string_value)
-        Parameter.Type.from_parameter_value(value)
-    except (ValueError, TypeError):
-        value = None
-    return Parameter("", value=string_value if value is None else value).get_parameter_value()
+        value = yaml.safe_load(string_value)
+    except yaml.parser.ParserError:
+        value = string_value
+    if isinstance(value, list) and not value:
+        return ParameterValue(type=Parameter.Type.BOOL_ARRAY.value)
+    try:
+        kind = Parameter.Type.from_parameter_value(value)
+    except TypeError:
+        kind = Parameter.Type.NOT_SET
+    if kind in (Parameter.Type.NOT_SET, Parameter.Type.STRING):
+        return Parameter(
+            "", value=string_value if value is None or kind.value == 0 else value
+        ).get_parameter_value()
+    return Parameter("", kind, value).get_parameter_value()
 
 
 def parameter_dict_from_yaml_file(
@@ -125,15 +143,19 @@ def parameter_dict_from_yaml_file(
     target_nodes: list[str] | None = None,
     namespace: str = "",
 ) -> dict[str, ParameterMsg]:
-    """Read a file as `--params-file` takes it: those of `target_nodes`, or of all nodes, by name.
+    """Read a parameter file as `--params-file` does, for `target_nodes` or for all nodes.
 
-    Raises a RuntimeError with rclpy's text if it is no such file, or says nothing about these nodes.
+    Raises:
+        RuntimeError: The file is not a parameter file or has no values for these nodes; the text is
+            rclpy's.
     """
-    from course_lib.ros.parameter_yaml import read_file  # YAML is needed only here
+    from course_lib.ros.programs.parameter_yaml import read_file  # YAML is needed only here
 
     try:
         nodes = dict(read_file(parameter_file))
     except ValueError as error:
+        if isinstance(error.__cause__, OSError):
+            raise error.__cause__ from None
         raise RuntimeError(f"{parameter_file} is not a valid ROS parameter file: {error}") from error
     missing = [name for name in target_nodes or () if name not in nodes]
     if missing:

@@ -1,4 +1,4 @@
-"""The services with which other nodes see and change a node's parameters."""
+"""The services with which other nodes read and change a node's parameters."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from rcl_interfaces import srv
 from rcl_interfaces.msg import SetParametersResult
 
 from rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
-from rclpy.impl.node_parameters import Node
+from rclpy.impl.node_handle import NodeInterface
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_parameters
 
@@ -21,17 +21,20 @@ SERVICES: dict[str, Any] = {
 
 
 class ParameterService:
-    """The services of a node's parameters; a node makes one by default."""
+    """The parameter services of a node. A node creates one by default."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: NodeInterface) -> None:
         self._node = node
         for name, kind in SERVICES.items():
             answer = getattr(self, f"_{name}")
-            node.create_service(kind, f"~/{name}", answer, qos_profile=qos_profile_parameters)
+            node.create_service(
+                kind, f"{node.handle.name}/{name}", answer, qos_profile=qos_profile_parameters
+            )
 
     def _describe_parameters(self, request: Any, response: Any) -> Any:
-        """Describe all requested parameters, or none if one of them is not there, as in ROS."""
-        if all(map(self._node.has_parameter, request.names)) or self._node._allow_undeclared_parameters:
+        """Describe all requested parameters, or none if one of them is not declared, as in ROS."""
+        node: Any = self._node
+        if all(map(node.has_parameter, request.names)) or node._allow_undeclared_parameters:
             response.descriptors = self._node.describe_parameters(request.names)
         return response
 
@@ -55,14 +58,14 @@ class ParameterService:
         return response
 
     def _set_parameters(self, request: Any, response: Any) -> Any:
-        response.results = [self._set_all([parameter]) for parameter in request.parameters]
+        response.results = [self.__set_all([parameter]) for parameter in request.parameters]
         return response
 
     def _set_parameters_atomically(self, request: Any, response: Any) -> Any:
-        response.result = self._set_all(request.parameters)
+        response.result = self.__set_all(request.parameters)
         return response
 
-    def _set_all(self, messages: list[Any]) -> SetParametersResult:
+    def __set_all(self, messages: list[Any]) -> SetParametersResult:
         try:
             return self._node.set_parameters_atomically([Parameter.from_parameter_msg(m) for m in messages])
         except ParameterNotDeclaredException as error:

@@ -1,30 +1,45 @@
 """Publishers."""
 
 from course_lib.ros.messages import serialize
+from course_lib.ros.time.time_lock import time_lock
+from rclpy.duration import Duration
 from rclpy.exceptions import RCLError
 from rclpy.impl.endpoint import MsgT, TopicEnd
 
 
 class Publisher(TopicEnd[MsgT]):
-    """A publisher on a topic; made by `Node.create_publisher`."""
+    """A publisher on a topic, created by `Node.create_publisher`."""
 
     def publish(self, msg: MsgT | bytes) -> None:
-        """Publish a message, or the bytes of one, as it is now.
+        """Publish a message, or the bytes of a serialized message.
 
-        Changing it afterwards changes nothing for its receivers. One of another type raises a TypeError.
+        The message is copied, so later changes of it have no effect. Raises a TypeError for a
+        message of another type.
         """
         handle = self.handle.require()
-        if not isinstance(msg, (self.msg_type, bytes)):
+        if type(msg) is not self.msg_type and not isinstance(msg, (self.msg_type, bytes)):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
         if not handle.node.context.is_valid:
             raise RCLError("Failed to publish: publisher's context is invalid")
+        # A thread that publishes in a loop without a pause would stop robot time otherwise.
+        time_lock.poll()
         handle.node.graph.publish(handle.id, msg if isinstance(msg, bytes) else serialize(msg))
-        if self.deadline is not None:
-            self.deadline.note()
+        if self._course_deadline is not None:
+            self._course_deadline.note()
 
     def get_subscription_count(self) -> int:
-        """Count the subscriptions that it reaches."""
-        return self.partner_count()
+        """Return the number of matched subscriptions."""
+        if not self.handle.require().node.context.is_valid:
+            raise RCLError("failed to get subscription count: publisher's context is invalid")
+        missing = f"no subscription to {self.topic_name} matches."
+        time_lock.poll(lambda: "" if self._course_partner_count() else missing)
+        return self._course_partner_count()
+
+    def wait_for_all_acked(self, timeout: Duration = Duration(seconds=-1)) -> bool:  # noqa: B008
+        """Return True: published messages have already been delivered, because none are lost in transit."""
+        self.handle.require()
+        return True
 
     def assert_liveliness(self) -> None:
-        """Do nothing: leases are not watched here."""
+        """Do nothing. Liveliness leases are not monitored here."""
+        self.handle.require()

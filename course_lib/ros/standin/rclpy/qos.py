@@ -1,18 +1,107 @@
-"""Quality of service: what a publisher offers and a subscription requests."""
-
-# ruff: noqa: N818 - the names are ROS's
+"""Quality of service (QoS): what a publisher offers and a subscription requests."""
 
 import warnings
+from collections.abc import Iterator
 from enum import Enum, IntEnum
 from typing import Any
 
 from rclpy.duration import Duration
-from rclpy.impl.qos_compatibility import QoSCompatibility as QoSCompatibility
-from rclpy.impl.qos_compatibility import qos_check_compatible as qos_check_compatible
+
+# Incompatible pairs: (policy, publisher's value, subscription's value, text).
+_CLASHES = (
+    ("reliability", "BEST_EFFORT", "RELIABLE", "Best effort publisher and reliable subscription"),
+    ("durability", "VOLATILE", "TRANSIENT_LOCAL", "Volatile publisher and transient local subscription"),
+    (
+        "liveliness", "AUTOMATIC", "MANUAL_BY_TOPIC",
+        "Publisher's liveliness is automatic and subscription's is manual by topic",
+    ),
+)  # fmt: skip
+# Pairs in which one value is SYSTEM_DEFAULT or UNKNOWN. For each policy: the subscription's value
+# that leads to a warning and its text, then the same for the publisher's value.
+_DOUBTS = {
+    "reliability": (
+        "RELIABLE", "Reliable subscription, but publisher is {}",
+        "BEST_EFFORT", "Best effort publisher, but subscription is {}",
+    ),
+    "durability": (
+        "TRANSIENT_LOCAL", "Transient local subscription, but publisher is {}",
+        "VOLATILE", "Volatile publisher, but subscription is {}",
+    ),
+    "liveliness": (
+        "MANUAL_BY_TOPIC", "Subscription's liveliness is manual by topic, but publisher's is {}",
+        "AUTOMATIC", "Publisher's liveliness is automatic, but subscription's is {}",
+    ),
+}  # fmt: skip
+_OPEN = ("SYSTEM_DEFAULT", "UNKNOWN")
+# The duration that is compared after each policy: its name, the text if the publisher has none, and
+# the text if the subscription's is shorter.
+_TIMES = {
+    "durability": (
+        "deadline",
+        "Subscription has a deadline, but publisher does not",
+        "Subscription deadline is less than publisher deadline",
+    ),
+    "liveliness": (
+        "liveliness_lease_duration",
+        "Subscription has a liveliness lease duration, but publisher does not",
+        "Subscription liveliness lease duration is less than publisher",
+    ),
+}
+
+
+class QoSCompatibility(Enum):
+    """Whether a publisher can reach a subscription.
+
+    At WARNING it depends on the middleware's defaults.
+    """
+
+    OK = 0
+    WARNING = 1
+    ERROR = 2
+
+
+def qos_check_compatible(publisher_qos: Any, subscription_qos: Any) -> tuple[QoSCompatibility, str]:
+    """Return whether two QoS profiles are compatible, and the reasons if they are not."""
+    errors = list(_errors(publisher_qos, subscription_qos))
+    if errors:
+        return QoSCompatibility.ERROR, "".join(f"ERROR: {text};" for text in errors)
+    doubts = list(_doubts(publisher_qos, subscription_qos))
+    level = QoSCompatibility.WARNING if doubts else QoSCompatibility.OK
+    return level, "".join(f"WARNING: {text};" for text in doubts)
+
+
+def _doubts(publisher: Any, subscription: Any) -> Iterator[str]:
+    for policy, (requested, of_publisher, offered, of_subscription) in _DOUBTS.items():
+        ours, theirs = getattr(publisher, policy).name, getattr(subscription, policy).name
+        if ours in _OPEN and theirs in _OPEN:
+            # This misspelling is ROS's own.
+            spelled = "durabilty" if policy == "durability" else policy
+            both = f"is {ours.lower()} and subscription {policy} is {theirs.lower()}"
+            yield f"Publisher {spelled} {both}"
+        elif ours in _OPEN and theirs == requested:
+            yield of_publisher.format(ours.lower())
+        elif ours == offered and theirs in _OPEN:
+            yield of_subscription.format(theirs.lower())
+
+
+def _errors(publisher: Any, subscription: Any) -> Iterator[str]:
+    for policy, offer, request, text in _CLASHES:
+        if (getattr(publisher, policy).name, getattr(subscription, policy).name) == (offer, request):
+            yield text
+        if policy in _TIMES:
+            name, missing, shorter = _TIMES[policy]
+            offered, requested = (getattr(qos, name).nanoseconds for qos in (publisher, subscription))
+            if requested and not offered:
+                yield missing
+            elif requested and requested < offered:
+                yield shorter
+
+
+# ruff: noqa: N818 - the names are ROS's
 
 
 class QoSPolicyKind(IntEnum):
-    """Names the policy that keeps a publisher and a subscription apart."""
+    """The QoS policies, as events report an incompatible policy."""
 
     INVALID = 1
     DURABILITY = 2
@@ -27,7 +116,7 @@ class QoSPolicyKind(IntEnum):
 
 
 class _DeprecatedAlias:
-    """A policy's value under its name of rmw: `RMW_QOS_POLICY_RELIABILITY_RELIABLE`."""
+    """A policy value under its deprecated rmw name, for example `RMW_QOS_POLICY_RELIABILITY_RELIABLE`."""
 
     def __init__(self, name: str, deprecated: str) -> None:
         self._name, self._deprecated = name, deprecated
@@ -39,26 +128,26 @@ class _DeprecatedAlias:
 
 
 class QoSPolicyEnum(IntEnum):
-    """The values of one policy."""
+    """Base class of the enumerations of policy values."""
 
     @classmethod
     def short_keys(cls) -> list[str]:
-        """List the names in small letters."""
+        """List the names in lower case."""
         return [name.lower() for name in cls.__members__]
 
     @classmethod
     def get_from_short_key(cls, name: str) -> int:
-        """Return a value by its name, in capital or small letters."""
+        """Return the value with this name. Case is ignored."""
         return cls[name.upper()].value
 
     @property
     def short_key(self) -> str:
-        """The name in small letters."""
+        """The name in lower case."""
         return self.name.lower()
 
 
 class HistoryPolicy(QoSPolicyEnum):
-    """The samples that are kept: the last `depth`, or all."""
+    """Which samples are kept: the last `depth` samples, or all."""
 
     SYSTEM_DEFAULT = 0
     KEEP_LAST = 1
@@ -67,7 +156,7 @@ class HistoryPolicy(QoSPolicyEnum):
 
 
 class ReliabilityPolicy(QoSPolicyEnum):
-    """Lost samples are sent again, or not."""
+    """Whether lost samples are sent again."""
 
     SYSTEM_DEFAULT = 0
     RELIABLE = 1
@@ -77,7 +166,7 @@ class ReliabilityPolicy(QoSPolicyEnum):
 
 
 class DurabilityPolicy(QoSPolicyEnum):
-    """A subscription that comes late gets the last samples, or not."""
+    """Whether late-joining subscriptions receive the last samples."""
 
     SYSTEM_DEFAULT = 0
     TRANSIENT_LOCAL = 1
@@ -87,7 +176,7 @@ class DurabilityPolicy(QoSPolicyEnum):
 
 
 class LivelinessPolicy(QoSPolicyEnum):
-    """The source of a publisher's signs of life."""
+    """How a publisher's liveliness is asserted."""
 
     SYSTEM_DEFAULT = 0
     AUTOMATIC = 1
@@ -97,7 +186,7 @@ class LivelinessPolicy(QoSPolicyEnum):
 
 
 class InvalidQoSProfileException(Exception):
-    """A profile was made of arguments that do not fit together."""
+    """A profile was created with incompatible arguments."""
 
     def __init__(self, *args: object) -> None:
         super().__init__("Invalid QoSProfile", *args)
@@ -110,7 +199,8 @@ QoSLivelinessPolicy = LivelinessPolicy
 
 UNSPECIFIED = Duration()
 DeadlineBestAvailable = Duration(nanoseconds=2**63 - 2)
-LivelinessLeaseDurationeBestAvailable = DeadlineBestAvailable  # rclpy spells it so
+# Spelled as in rclpy.
+LivelinessLeaseDurationeBestAvailable = DeadlineBestAvailable
 
 POLICIES: dict[str, type[QoSPolicyEnum]] = {
     "history": HistoryPolicy,
@@ -137,9 +227,9 @@ _DEFAULTS: dict[str, Any] = {
 
 
 class QoSProfile:
-    """The quality of service of one publisher or subscription.
+    """The QoS of one publisher or subscription.
 
-    `depth` or `history` is required; the rest defaults to reliable and volatile.
+    `depth` or `history` is required. The other policies default to reliable and volatile.
     """
 
     history: HistoryPolicy
@@ -164,6 +254,8 @@ class QoSProfile:
             setattr(self, name, value)
 
     def __setattr__(self, name: str, value: Any) -> None:
+        if name not in _DEFAULTS:
+            raise AttributeError(f"'QoSProfile' object has no attribute '{name}'")
         policy = POLICIES.get(name)
         wanted = int if policy else type(_DEFAULTS.get(name))
         if not isinstance(value, wanted):
@@ -217,8 +309,9 @@ qos_profile_best_available = QoSProfile(
 
 
 class QoSPresetProfiles(Enum):
-    """The presets by name."""
+    """The predefined profiles by name."""
 
+    UNKNOWN = qos_profile_unknown
     DEFAULT = qos_profile_default
     SYSTEM_DEFAULT = qos_profile_system_default
     SENSOR_DATA = qos_profile_sensor_data
@@ -226,20 +319,19 @@ class QoSPresetProfiles(Enum):
     PARAMETERS = qos_profile_parameters
     PARAMETER_EVENTS = qos_profile_parameter_events
     ACTION_STATUS_DEFAULT = qos_profile_action_status_default
-    UNKNOWN = qos_profile_unknown
     BEST_AVAILABLE = qos_profile_best_available
 
     @classmethod
     def short_keys(cls) -> list[str]:
-        """List the names in small letters."""
+        """List the names in lower case."""
         return [name.lower() for name in cls.__members__]
 
     @classmethod
     def get_from_short_key(cls, name: str) -> QoSProfile:
-        """Return a profile by its name, in capital or small letters."""
+        """Return the profile with this name. Case is ignored."""
         return cls[name.upper()].value
 
 
 def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
-    """Return the name of a policy, as it stands in QoSProfile."""
+    """Return the name of a policy."""
     return QoSPolicyKind(policy_kind).name

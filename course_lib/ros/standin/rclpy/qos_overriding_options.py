@@ -1,4 +1,4 @@
-"""Parameters by which a user overrides the quality of service of a publisher or a subscription."""
+"""Parameters with which users override the QoS of a publisher or subscription."""
 
 from collections.abc import Callable, Iterable
 from copy import copy
@@ -13,12 +13,12 @@ from rclpy.qos import POLICIES, QoSPolicyEnum, QoSPolicyKind, QoSProfile
 
 
 class InvalidQosOverridesError(Exception):
-    """The callback of the options refuses a profile."""
+    """The validation callback of the options has rejected a profile."""
 
 
 @dataclass
 class QosCallbackResult:
-    """A callback's answer: whether a profile is valid, and why not."""
+    """The result of a validation callback: whether a profile is valid, and the reason if not."""
 
     successful: bool = False
     reason: str = ""
@@ -29,12 +29,12 @@ _DEFAULT = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILIT
 
 
 class QoSOverridingOptions:
-    """The policies that have parameters.
+    """The QoS policies that parameters can override.
 
     Args:
-        policy_kinds: Those policies.
-        callback: Called with the overridden profile; returns whether it is valid.
-        entity_id: Tells several publishers or subscriptions on one topic apart.
+        policy_kinds: The policies.
+        callback: Called with the resulting profile; returns whether it is valid.
+        entity_id: Distinguishes several publishers or subscriptions on one topic.
     """
 
     def __init__(
@@ -52,12 +52,12 @@ class QoSOverridingOptions:
     def with_default_policies(
         cls, *, callback: QosCallbackType | None = None, entity_id: str | None = None
     ) -> "QoSOverridingOptions":
-        """Return the options for history, depth and reliability."""
+        """Return options for history, depth and reliability."""
         return cls(_DEFAULT, callback=callback, entity_id=entity_id)
 
 
 class Declares(Protocol):
-    """A node, as far as its parameters matter here."""
+    """The part of a node that declares parameters."""
 
     def declare_parameter(self, name: str, value: Any, descriptor: ParameterDescriptor) -> Any:
         """Declare a parameter."""
@@ -73,9 +73,11 @@ def overridden(
     profile: QoSProfile,
     options: QoSOverridingOptions | None,
 ) -> QoSProfile:
-    """Declare the parameters, and return the profile with what they say.
+    """Declare the parameters and return the profile with their values.
 
-    Raises an InvalidQosOverridesError if the callback refuses it, a RuntimeError for an unknown value.
+    Raises:
+        InvalidQosOverridesError: The callback rejects the profile.
+        RuntimeError: A parameter has an unknown value.
     """
     if options is None:
         return profile
@@ -87,8 +89,13 @@ def overridden(
         field = policy.name.lower()
         name = f"qos_overrides.{topic}.{kind}{suffix}.{field}"
         descriptor = ParameterDescriptor(description=f"{field} {about}", read_only=True)
+        default = getattr(profile, field)
+        if isinstance(default, QoSPolicyEnum):
+            default = default.short_key
+        elif isinstance(default, Duration):
+            default = default.nanoseconds
         try:
-            value = node.declare_parameter(name, _plain(getattr(profile, field)), descriptor).value
+            value = node.declare_parameter(name, default, descriptor).value
         except ParameterAlreadyDeclaredException:
             value = node.get_parameter(name).value
         setattr(profile, field, _policy(field, value))
@@ -98,16 +105,8 @@ def overridden(
     return profile
 
 
-def _plain(value: Any) -> str | int | bool:
-    """Return a policy's value as a parameter."""
-    if isinstance(value, QoSPolicyEnum):
-        return value.short_key
-    plain: str | int | bool = value.nanoseconds if isinstance(value, Duration) else value
-    return plain
-
-
 def _policy(field: str, value: Any) -> Any:
-    """Return a policy's value from its parameter."""
+    """Convert a parameter value to a policy's value."""
     if field not in POLICIES:
         return Duration(nanoseconds=value) if field in ("lifespan", "deadline") or "lease" in field else value
     try:

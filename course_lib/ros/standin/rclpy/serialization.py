@@ -1,6 +1,24 @@
-"""Messages as bytes (CDR), as they travel and as bags hold them."""
+"""Serialization of messages to CDR, the format of bags and of the wire."""
 
-from course_lib.ros.messages import deserialize as deserialize_message
-from course_lib.ros.messages import serialize as serialize_message
+from typing import TypeVar
 
-__all__ = ["deserialize_message", "serialize_message"]
+from course_lib.ros.messages import RosMessage, deserialize, serialize
+from rclpy.impl.endpoint import NO_TYPE_SUPPORT
+
+MsgT = TypeVar("MsgT", bound=RosMessage)
+
+
+def serialize_message(message: RosMessage) -> bytes:
+    """Serialize a message."""
+    if not isinstance(message, RosMessage):
+        raise AttributeError(NO_TYPE_SUPPORT.format("type"))
+    return serialize(message)
+
+
+def deserialize_message(serialized_message: bytes, message_type: type[MsgT]) -> MsgT:
+    """Deserialize a message. Raise a CourseError if the bytes are not a message of this type."""
+    if not (isinstance(message_type, type) and issubclass(message_type, RosMessage)):
+        raise AttributeError(NO_TYPE_SUPPORT.format("type"))
+    if not isinstance(serialized_message, bytes):
+        raise TypeError("rclpy_deserialize(): incompatible function arguments.")
+    return deserialize(serialized_message, message_type)

@@ -1,4 +1,4 @@
-"""Services, which answer requests, and the half of them that clients share."""
+"""Services, which respond to requests, and the base class that they share with clients."""
 
 from collections import deque
 from collections.abc import Callable
@@ -7,14 +7,13 @@ from typing import Any
 
 from service_msgs.msg import ServiceEventInfo
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.topics import SERVICE_HEADER, SERVICE_TOPICS
 from course_lib.ros.messages import RosMessage, deserialize, serialize, type_name
 from course_lib.ros.mistakes import Mistake, mark, marked
-from course_lib.ros.topics import SERVICE_HEADER, SERVICE_TOPICS
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
-from rclpy.exceptions import RCLError
-from rclpy.impl.endpoint import Endpoint
+from rclpy.impl.endpoint import Endpoint, claim_service
 from rclpy.impl.graph_queries import to_qos
 from rclpy.impl.node_handle import Entity, NodeHandle
 from rclpy.qos import QoSProfile
@@ -26,7 +25,7 @@ _ANSWERING = (ServiceEventInfo.RESPONSE_SENT, ServiceEventInfo.REQUEST_RECEIVED)
 
 
 class ServiceEnd(Entity):
-    """A service or, if it `asks`, a client; `qos_profile` holds for both topics."""
+    """A service or, if it `asks`, a client. `qos_profile` applies to both of its topics."""
 
     def __init__(
         self,
@@ -41,21 +40,27 @@ class ServiceEnd(Entity):
     ) -> None:
         super().__init__(node, group)
         self.srv_type, self.srv_name, self.qos_profile = srv_type, srv_name, qos_profile
-        self.full_name = full_name
+        self._course_full_name = full_name
         graph: Graph = node.graph
         names = [f"{prefix}{full_name}{suffix}" for prefix, suffix in SERVICE_TOPICS]
         types = [type_name(part) for part in (srv_type.Request, srv_type.Response)]
+        claim_service(node, "client" if asks else "service", full_name, types[0])
         sent, heard = (0, 1) if asks else (1, 0)
         offered, wanted = to_qos(qos_profile, "pub"), to_qos(qos_profile, "sub")
-        self.id = graph.add_publisher(node.id, names[sent], types[sent], offered)
+        self._course_id = graph.add_publisher(node.id, names[sent], types[sent], offered)
         heard_id = graph.add_subscription(
-            node.id, self.entity, names[heard], types[heard], wanted, self._receive
+            node.id, self._course_entity, names[heard], types[heard], wanted, self.__receive
         )
-        self._ends = (Endpoint(node, self.id, names[sent]), Endpoint(node, heard_id, names[heard]))
-        self._queue: deque[tuple[int, int, bytes]] = deque()
-        self._events: ServiceEvents | None = None
-        self._sent, self._taken = _ASKING if asks else _ANSWERING
-        self._heard_type = srv_type.Response if asks else srv_type.Request
+        self.__ends = (Endpoint(node, self._course_id, names[sent]), Endpoint(node, heard_id, names[heard]))
+        self.__ends[0].claimed = f"rq{full_name}"
+        self._course_queue: deque[tuple[int, int, bytes]] = deque()
+        self.__events: ServiceEvents | None = None
+        self.__sent, self.__taken = _ASKING if asks else _ANSWERING
+        self.__received_type = srv_type.Response if asks else srv_type.Request
+
+    def _course_require(self) -> None:
+        """Raise InvalidHandle if the service or client has been destroyed."""
+        self.__ends[0].require()
 
     def configure_introspection(
         self,
@@ -63,87 +68,110 @@ class ServiceEnd(Entity):
         service_event_qos_profile: QoSProfile,
         introspection_state: ServiceIntrospectionState,
     ) -> None:
-        """Publish what is sent and taken on `<service>/_service_event`, or no longer.
+        """Publish the requests and responses on `<service>/_service_event`, or stop doing so.
 
         Args:
-            clock: Its time stamps the events.
-            service_event_qos_profile: The publisher's quality of service.
-            introspection_state: Whether events are published, and whether with the messages.
+            clock: The clock for the time stamps of the events.
+            service_event_qos_profile: The QoS of the publisher.
+            introspection_state: Whether events are published, and whether they contain the
+                messages.
         """
-        self._ends[0].require()
-        if self._events is not None:
-            self._events.close()
-        self._events = None
+        self.__ends[0].require()
+        if not isinstance(clock, Clock):
+            raise AttributeError(f"'{type(clock).__name__}' object has no attribute 'handle'")
+        if self.__events is not None:
+            self.__events.close()
+        self.__events = None
         if introspection_state is not ServiceIntrospectionState.OFF:
-            self._events = ServiceEvents(
-                self.node_handle,
+            self.__events = ServiceEvents(
+                self._course_node,
                 self.srv_type,
-                self.full_name,
+                self._course_full_name,
                 clock,
                 service_event_qos_profile,
                 introspection_state,
             )
 
-    def note_taken(self, client: int, number: int, cdr: bytes) -> None:
-        """Publish the event that a message was taken, if that is wanted."""
-        if self._events is not None:
-            self._events.publish(self._taken, client, number, deserialize(cdr, self._heard_type))
+    def _course_note_taken(self, client: int, number: int, cdr: bytes) -> None:
+        """Publish the event that a message was received, if introspection is enabled."""
+        if self.__events is not None:
+            self.__events.publish(self.__taken, client, number, deserialize(cdr, self.__received_type))
+
+    @property
+    def logger_name(self) -> str:
+        """The name of the node's logger."""
+        self.__ends[0].require()
+        return self._course_node.logger_name
 
     @property
     def service_name(self) -> str:
-        """The fully resolved name."""
-        self._ends[0].require()
-        return self.full_name
+        """The fully qualified name."""
+        self.__ends[0].require()
+        return self._course_full_name
 
     def destroy(self) -> None:
-        """Leave the graph; call the node's `destroy_service` or `destroy_client` instead."""
-        for end in self._ends:
+        """Leave the graph. Call the node's `destroy_service` or `destroy_client` instead."""
+        for end in self.__ends:
             end.destroy()
-        if self._events is not None:
-            self._events.close()
-        self._queue.clear()
+        if self.__events is not None:
+            self.__events.close()
+        self._course_queue.clear()
 
-    def partner_count(self) -> int:
-        """Count the subscriptions that its messages reach."""
-        return self._ends[0].require().partner_count()
+    def _course_partner_count(self) -> int:
+        """Return the number of matched subscriptions on the other side."""
+        return self.__ends[0].require()._course_partner_count()
 
-    def send(self, client: int, number: int, message: RosMessage) -> None:
-        """Send a client's request, or the response to it."""
-        self._ends[0].require()
-        if not self.node_handle.context.is_valid:
-            raise RCLError("Failed to send: the context is invalid")
-        self.node_handle.graph.publish(self.id, SERVICE_HEADER.pack(client, number) + serialize(message))
-        if self._events is not None:
-            self._events.publish(self._sent, client, number, message)
+    def _course_send(self, client: int, number: int, message: RosMessage) -> None:
+        """Send a request of a client, or the response to it."""
+        self.__ends[0].require()
+        # In ROS the middleware accepts the message, but no one receives it.
+        if not self._course_node.context.is_valid:
+            return
+        self._course_node.graph.publish(
+            self._course_id, SERVICE_HEADER.pack(client, number) + serialize(message)
+        )
+        if self.__events is not None:
+            self.__events.publish(self.__sent, client, number, message)
 
-    def is_for_me(self, client: int) -> bool:
-        """Return whether a message is for this end: a service takes all requests."""
+    def _course_is_for_me(self, client: int) -> bool:
+        """Return whether a message is addressed to this end. A service accepts all requests."""
         return True
 
-    def _receive(self, data: bytes, source_ns: int, received_ns: int) -> None:
+    def __receive(self, data: bytes, source_ns: int, received_ns: int) -> None:
         client, number = SERVICE_HEADER.unpack_from(data)
-        if self.is_for_me(client):
-            self._queue.append((client, number, data[SERVICE_HEADER.size :]))
-            self.node_handle.mark_ready(self)
+        if self._course_is_for_me(client):
+            self._course_queue.append((client, number, data[SERVICE_HEADER.size :]))
+            self._course_node.mark_ready(self)
 
 
 class Service(ServiceEnd):
-    """A service; made by `Node.create_service`."""
+    """A service, created by `Node.create_service`."""
 
     def __init__(self, callback: Callable[[Any, Any], Any], *args: Any) -> None:
         self.callback = callback
         super().__init__(*args, asks=False)
 
-    def take(self) -> Callable[[], object] | None:
-        """Remove the oldest request; returns the call that answers it."""
-        if not self._queue:
-            return None
-        client, number, cdr = self._queue.popleft()
-        self.note_taken(client, number, cdr)
-        return partial(self._answer, client, number, deserialize(cdr, self.srv_type.Request))
+    def send_response(self, response: Any, header: Any) -> None:
+        """Send the response to a request. `header` identifies the request."""
+        if not isinstance(response, self.srv_type.Response):
+            raise TypeError
+        self._course_require()
+        client, number = header
+        self._course_send(client, number, response)
 
-    async def _answer(self, client: int, number: int, request: Any) -> None:
-        """Send the response of the callback, maybe a coroutine; raises TypeError for anything else."""
+    def _course_take(self) -> Callable[[], object] | None:
+        """Remove the oldest request and return the call that responds to it."""
+        if not self._course_queue:
+            return None
+        client, number, cdr = self._course_queue.popleft()
+        self._course_note_taken(client, number, cdr)
+        return partial(self._course_answer, client, number, deserialize(cdr, self.srv_type.Request))
+
+    async def _course_answer(self, client: int, number: int, request: Any) -> None:
+        """Call the callback, which may be a coroutine, and send its response.
+
+        Raise TypeError for another result.
+        """
         try:
             response = await await_or_execute(self.callback, request, self.srv_type.Response())
         except TypeError as error:
@@ -151,11 +179,11 @@ class Service(ServiceEnd):
             raise
         if not isinstance(response, self.srv_type.Response):
             raise marked(TypeError(), Mistake.RESPONSE)
-        self.send(client, number, response)
+        self._course_send(client, number, response)
 
 
 class LateService(Service):
-    """A service with the callback `callback(request, respond)`, which may respond at any time."""
+    """A service whose callback `callback(request, respond)` may respond at any later time."""
 
-    async def _answer(self, client: int, number: int, request: Any) -> None:
-        await await_or_execute(self.callback, request, partial(self.send, client, number))
+    async def _course_answer(self, client: int, number: int, request: Any) -> None:
+        await await_or_execute(self.callback, request, partial(self._course_send, client, number))

@@ -1,4 +1,4 @@
-"""Service introspection: what is sent and taken for a service, on its topic `_service_event`."""
+"""Service introspection, which publishes requests and responses on the topic `<service>/_service_event`."""
 
 from enum import IntEnum
 from typing import Any
@@ -14,7 +14,7 @@ from rclpy.time import Time
 
 
 class ServiceIntrospectionState(IntEnum):
-    """The content of a service's events: none are published, without the messages, or with them."""
+    """The content of service events: no events, events without messages, or events with messages."""
 
     OFF = 0
     METADATA = 1
@@ -22,7 +22,7 @@ class ServiceIntrospectionState(IntEnum):
 
 
 class ServiceEvents:
-    """Publishes the events of a service or a client."""
+    """Publisher of the events of a service or client."""
 
     def __init__(
         self,
@@ -40,7 +40,7 @@ class ServiceEvents:
         )
 
     def publish(self, event_type: int, client: int, number: int, message: RosMessage) -> None:
-        """Publish that a request or a response was sent or taken."""
+        """Publish the event that a request or response was sent or received."""
         info = ServiceEventInfo(
             event_type=event_type,
             stamp=Time(nanoseconds=self._clock.handle.now_ns).to_msg(),
@@ -54,5 +54,5 @@ class ServiceEvents:
         self._graph.publish(self._id, serialize(event))
 
     def close(self) -> None:
-        """Leave the topic."""
+        """Remove the publisher from the graph."""
         self._graph.remove_endpoint(self._id)

@@ -1,4 +1,7 @@
-"""Ctrl+C and SIGTERM: both shut the contexts down; Ctrl+C also raises KeyboardInterrupt, as ever."""
+"""Ctrl+C and SIGTERM: both shut the contexts down.
+
+Ctrl+C also raises KeyboardInterrupt, as usual.
+"""
 
 import signal
 import threading
@@ -6,13 +9,13 @@ from enum import IntFlag
 from types import FrameType
 from typing import Any
 
-from course_lib.ros.graph import current_graph
-from course_lib.ros.own_signals import real_getsignal, real_signal
+from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.time.time_lock import real_getsignal, real_signal, time_lock
 from rclpy.context import Contexts
 
 
 class SignalHandlerOptions(IntFlag):
-    """The signals that are to be handled."""
+    """The signals to handle."""
 
     NO = 0
     SIGINT = 1
@@ -20,11 +23,13 @@ class SignalHandlerOptions(IntFlag):
     ALL = 3
 
 
-_former: dict[int, Any] = {}  # the handlers that ours stand in front of; a process has one set of them
+# The handlers that were replaced, by signal number. A process has one set of handlers.
+_former: dict[int, Any] = {}
 
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
-    """Install the handlers; Python allows that in the main thread only, elsewhere nothing happens."""
+    """Install the handlers. Do nothing outside the main thread, where Python does not allow it."""
+    current_graph().part(Contexts).handles_interrupts = SignalHandlerOptions.SIGINT in options
     if threading.current_thread() is not threading.main_thread():
         return
     for option in (SignalHandlerOptions.SIGINT, SignalHandlerOptions.SIGTERM):
@@ -34,7 +39,8 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
 
 
 def uninstall_signal_handlers() -> None:
-    """Put the former handlers back, where nobody has replaced ours."""
+    """Restore the previous handlers, except where the program has replaced rclpy's handler."""
+    current_graph().part(Contexts).handles_interrupts = False
     if threading.current_thread() is threading.main_thread():
         for number, former in _former.items():
             if real_getsignal(number) is _handle:
@@ -44,6 +50,7 @@ def uninstall_signal_handlers() -> None:
 def _handle(number: int, frame: FrameType | None) -> None:
     for context in current_graph().part(Contexts).initialized:
         context.invalidate()
+    time_lock.record_signal()
     former = _former.get(number)
     if callable(former):
         former(number, frame)

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any, TypedDict
 
 from course_lib.ros.messages import deserialize, type_name
+from course_lib.ros.time.time_lock import time_lock
 from rclpy.callback_groups import CallbackGroup
 from rclpy.impl.endpoint import Endpoint, MsgT, TopicEnd
 from rclpy.impl.graph_queries import to_qos
@@ -16,7 +17,10 @@ from rclpy.qos import QoSProfile
 
 
 class MessageInfo(TypedDict):
-    """The times of publication and reception of a message, [ns]; the middleware counts nothing."""
+    """The times of publication and reception of a message, [ns].
+
+    The middleware does not number messages.
+    """
 
     source_timestamp: int
     received_timestamp: int
@@ -25,7 +29,7 @@ class MessageInfo(TypedDict):
 
 
 class Subscription(Entity, TopicEnd[MsgT]):
-    """A subscription to a topic; made by `Node.create_subscription`."""
+    """A subscription to a topic, created by `Node.create_subscription`."""
 
     def __init__(
         self,
@@ -41,26 +45,26 @@ class Subscription(Entity, TopicEnd[MsgT]):
         Entity.__init__(self, node, callback_group)
         self.callback = callback
         self.raw = raw
-        self._takes_info = _takes_info(callback)
-        self._queue: deque[tuple[bytes, int, int]] = deque()
+        self.__takes_info = _takes_info(callback)
+        self.__queue: deque[tuple[bytes, int, int]] = deque()
         qos = to_qos(qos_profile, "sub")
-        self._capacity = qos.depth if qos.history == "keep_last" else None
+        self.__capacity = qos.depth if qos.history == "keep_last" else None
         added = node.graph.add_subscription(
-            node.id, self.entity, full_topic, type_name(msg_type), qos, self._receive
+            node.id, self._course_entity, full_topic, type_name(msg_type), qos, self.__receive
         )
         TopicEnd.__init__(self, Endpoint(node, added, full_topic), msg_type, topic, qos_profile)
 
-    def is_ready(self) -> bool:
-        """Return whether a message has come that its callback has not got yet."""
-        return bool(self._queue)
+    def _course_is_ready(self) -> bool:
+        """Return whether a received message waits for the callback."""
+        return bool(self.__queue)
 
-    def take(self) -> Callable[[], object] | None:
-        """Remove the oldest message; returns the call with a copy of its own, made from the bytes."""
-        if not self._queue:
+    def _course_take(self) -> Callable[[], object] | None:
+        """Remove the oldest message and return the call with a copy, deserialized from its bytes."""
+        if not self.__queue:
             return None
-        cdr, source_ns, received_ns = self._queue.popleft()
+        cdr, source_ns, received_ns = self.__queue.popleft()
         message: Any = cdr if self.raw else deserialize(cdr, self.msg_type)
-        if not self._takes_info:
+        if not self.__takes_info:
             return partial(self.callback, message)
         info = MessageInfo(
             source_timestamp=source_ns,
@@ -71,28 +75,35 @@ class Subscription(Entity, TopicEnd[MsgT]):
         return partial(self.callback, message, info)
 
     def get_publisher_count(self) -> int:
-        """Count the publishers that it hears."""
-        return self.partner_count()
+        """Return the number of matched publishers."""
+        missing = f"no publisher of {self.topic_name} matches."
+        time_lock.poll(lambda: "" if self._course_partner_count() else missing)
+        return self._course_partner_count()
 
     def destroy(self) -> None:
-        """Leave the topic and forget what came in."""
+        """Leave the topic and discard the received messages."""
         super().destroy()
-        self._queue.clear()
+        self.__queue.clear()
 
-    def _receive(self, cdr: bytes, source_ns: int, received_ns: int) -> None:
-        """Queue a message; a full queue loses its oldest one, whose turn the next one takes."""
-        if self.deadline is not None:
-            self.deadline.note()
-        full = len(self._queue) == self._capacity
+    def __receive(self, cdr: bytes, source_ns: int, received_ns: int) -> None:
+        """Queue a message.
+
+        A full queue drops its oldest message. The new message takes its turn in the executor, so
+        that a burst of messages does not delay other callbacks.
+        """
+        if self._course_deadline is not None:
+            self._course_deadline.note()
+        full = len(self.__queue) == self.__capacity
         if full:
-            self._queue.popleft()
-        self._queue.append((cdr, source_ns, received_ns))
+            self.__queue.popleft()
+        self.__queue.append((cdr, source_ns, received_ns))
         if not full:
-            self.node_handle.mark_ready(self)
+            self._course_node.mark_ready(self)
+            self._course_node.note_work()
 
 
 def _takes_info(callback: Callable[..., object]) -> bool:
-    """Return whether a callback takes a MessageInfo as well."""
+    """Return whether a callback accepts a MessageInfo as second argument."""
     for count in (1, 2):
         with suppress(TypeError):
             inspect.signature(callback).bind(*[None] * count)

@@ -1,7 +1,7 @@
-"""A point in time."""
+"""Points in time."""
 
 from functools import total_ordering
-from typing import overload
+from typing import NoReturn, SupportsIndex, overload
 
 import builtin_interfaces.msg
 
@@ -9,14 +9,15 @@ from rclpy.clock_type import ClockType
 from rclpy.constants import S_TO_NS
 from rclpy.duration import Duration
 
-_LIMIT = 2**63  # [ns] what ROS stores
+# ROS stores times as signed 64-bit nanoseconds.
+_LIMIT = 2**63
 
 
 @total_ordering
 class Time:
-    """A point in time of one kind of clock; times of different kinds do not mix.
+    """A point in time of one type of clock. Times of different clock types cannot be combined.
 
-    `Time()` is zero, which means "the latest" to tf2.
+    `Time()` is zero, which tf2 interprets as "the latest".
     """
 
     def __init__(
@@ -31,22 +32,28 @@ class Time:
         total = int(seconds * S_TO_NS) + int(nanoseconds)
         if total >= _LIMIT:
             raise OverflowError("Total nanoseconds value is too large to store in C time point.")
-        self._nanoseconds = total
-        self._clock_type = clock_type
+        self.__nanoseconds = total
+        self.__clock_type = clock_type
 
     @property
     def nanoseconds(self) -> int:
         """Nanoseconds since the clock's epoch."""
-        return self._nanoseconds
+        return self.__nanoseconds
 
     @property
     def clock_type(self) -> ClockType:
-        """The kind of clock that this time belongs to."""
-        return self._clock_type
+        """The type of the clock that this time belongs to."""
+        return self.__clock_type
 
     def seconds_nanoseconds(self) -> tuple[int, int]:
-        """Split into whole seconds and the nanoseconds that remain."""
+        """Return the whole seconds and the remaining nanoseconds."""
         return divmod(self.nanoseconds, S_TO_NS)
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
+        raise TypeError("cannot pickle 'rclpy._rclpy_pybind11.rcl_time_point_t' object")
+
+    def __copy__(self) -> "Time":
+        return Time(nanoseconds=self.nanoseconds, clock_type=self.clock_type)
 
     def __repr__(self) -> str:
         return f"Time(nanoseconds={self.nanoseconds}, clock_type={self.clock_type.name})"
@@ -67,7 +74,7 @@ class Time:
     def __sub__(self, other: Duration) -> "Time": ...
     def __sub__(self, other: "Time | Duration") -> "Time | Duration":
         if isinstance(other, Time):
-            self._require_same_clock(other, "subtract")
+            self.__require_same_clock(other, "subtract")
             return Duration(nanoseconds=self.nanoseconds - other.nanoseconds)
         if not isinstance(other, Duration):
             return NotImplemented
@@ -79,27 +86,27 @@ class Time:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Time):
             return NotImplemented
-        self._require_same_clock(other, "compare")
+        self.__require_same_clock(other, "compare")
         return self.nanoseconds == other.nanoseconds
 
     def __lt__(self, other: object) -> bool:
         if not isinstance(other, Time):
             return NotImplemented
-        self._require_same_clock(other, "compare")
+        self.__require_same_clock(other, "compare")
         return self.nanoseconds < other.nanoseconds
 
     def to_msg(self) -> builtin_interfaces.msg.Time:
-        """Return the time as a message, as headers carry it."""
+        """Convert the time to a message."""
         seconds, nanoseconds = self.seconds_nanoseconds()
         return builtin_interfaces.msg.Time(sec=seconds, nanosec=nanoseconds)
 
     @classmethod
     def from_msg(cls, msg: builtin_interfaces.msg.Time, clock_type: ClockType = ClockType.ROS_TIME) -> "Time":
-        """Create a time from a message, by default of ROS_TIME, unlike `Time()`."""
+        """Create a time from a message. The default clock type is ROS_TIME, unlike in `Time()`."""
         if not isinstance(msg, builtin_interfaces.msg.Time):
             raise TypeError("Must pass a builtin_interfaces.msg.Time object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)
 
-    def _require_same_clock(self, other: "Time", verb: str) -> None:
+    def __require_same_clock(self, other: "Time", verb: str) -> None:
         if self.clock_type != other.clock_type:
             raise TypeError(f"Can't {verb} times with different clock types")

@@ -1,4 +1,4 @@
-"""Time sources, by which the clocks of a node follow the topic /clock while `use_sim_time` is true."""
+"""Time sources, which let the clocks of a node follow the topic /clock while `use_sim_time` is true."""
 
 import weakref
 
@@ -8,7 +8,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from course_lib.ros.notices import say
 from rclpy.clock import Clock, ROSClock
 from rclpy.clock_type import ClockType
-from rclpy.impl.node_parameters import Node
+from rclpy.impl.node_handle import NodeHandle, NodeInterface
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -17,21 +17,23 @@ from rclpy.time import Time
 
 CLOCK_TOPIC = "/clock"
 USE_SIM_TIME_NAME = "use_sim_time"
-PATIENCE_NS = 2_000_000_000  # [ns] robot time without a publisher of /clock, before a hint
+# Robot time without a publisher of /clock after which a hint is printed.
+PATIENCE_NS = 2_000_000_000
 _QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 class TimeSource:
-    """Overrides the time of its clocks by /clock while its node's `use_sim_time` is true.
+    """Overrides the time of its clocks by /clock while `use_sim_time` of its node is true.
 
-    Until the first message they show 0. The subscription is in the node's default callback group: time
-    stands still while a callback of that group runs.
+    Until the first message the clocks show 0. The subscription is in the node's default callback
+    group, so the clocks do not advance while a callback of that group runs.
     """
 
-    def __init__(self, *, node: Node | None = None) -> None:
+    def __init__(self, *, node: NodeInterface | None = None) -> None:
         self._clock_sub: Subscription[ClockMessage] | None = None
-        self._node: weakref.ref[Node] | None = None
-        self._associated_clocks: dict[ROSClock, None] = {}  # a set that keeps its order
+        self._node_weak_ref: weakref.ref[NodeInterface] | None = None
+        # A dict serves as an ordered set.
+        self._associated_clocks: dict[ROSClock, None] = {}
         self._last_time_set = Time(clock_type=ClockType.ROS_TIME)
         self._ros_time_is_active = False
         if node is not None:
@@ -53,18 +55,18 @@ class TimeSource:
         if enabled and node is not None and self._clock_sub is None:
             self._clock_sub = node.create_subscription(ClockMessage, CLOCK_TOPIC, self.clock_callback, _QOS)
             handle = node.handle
-            handle.graph.call_at(handle.graph.now_ns + PATIENCE_NS, self._hint, node=handle.id, entity=0)
+            handle.graph.call_at(handle.graph.now_ns + PATIENCE_NS, self.__hint, node=handle.id, entity=0)
         elif not enabled and node is not None and self._clock_sub is not None:
             node.destroy_subscription(self._clock_sub)
             self._clock_sub = None
 
-    def attach_node(self, node: Node) -> None:
-        """Follow a node's `use_sim_time`, which is declared if it is not yet."""
-        if not isinstance(node, Node):
+    def attach_node(self, node: NodeInterface) -> None:
+        """Follow a node's `use_sim_time`. The parameter is declared if the node has not done so."""
+        if not isinstance(getattr(node, "handle", None), NodeHandle):
             raise TypeError("Node must be of type rclpy.node.Node")
-        if self._node is not None:
+        if self._node_weak_ref is not None:
             self.detach_node()
-        self._node = weakref.ref(node)
+        self._node_weak_ref = weakref.ref(node)
         if not node.has_parameter(USE_SIM_TIME_NAME):
             node.declare_parameter(USE_SIM_TIME_NAME, False)
         parameter, logger = node.get_parameter(USE_SIM_TIME_NAME), get_logger(node.handle.logger_name)
@@ -79,16 +81,16 @@ class TimeSource:
         node.add_on_set_parameters_callback(self._on_parameter_event)
 
     def detach_node(self) -> None:
-        """Follow the node no more; the clocks keep what they show."""
+        """Stop following the node. The clocks keep their current time."""
         if self._clock_sub is not None:
             node = self._get_node()
             if node is None:
                 raise RuntimeError("Unable to destroy previously created clock subscription")
             node.destroy_subscription(self._clock_sub)
-        self._clock_sub = self._node = None
+        self._clock_sub = self._node_weak_ref = None
 
     def attach_clock(self, clock: Clock) -> None:
-        """Override a clock's time from now on."""
+        """Override the time of a clock from now on."""
         if not isinstance(clock, ROSClock):
             raise ValueError("Only clocks with type ROS_TIME can be attached.")
         clock.set_ros_time_override(self._last_time_set)
@@ -102,7 +104,7 @@ class TimeSource:
             clock.set_ros_time_override(self._last_time_set)
 
     def _on_parameter_event(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """Switch with the parameter; refuse a value that is not a bool."""
+        """Follow a change of `use_sim_time`. Reject a value that is not a bool."""
         for parameter in parameter_list:
             if parameter.name != USE_SIM_TIME_NAME:
                 continue
@@ -116,10 +118,10 @@ class TimeSource:
             return SetParametersResult(successful=False, reason=reason)
         return SetParametersResult(successful=True)
 
-    def _hint(self) -> None:
-        """Print why nothing happens, if nobody publishes the time."""
+    def __hint(self) -> None:
+        """Print a hint that the clock does not advance because /clock has no publisher."""
         node, clock = self._get_node(), self._clock_sub
-        if node is None or node.handle.has_left or clock is None or clock.get_publisher_count():
+        if node is None or node.handle.has_left or clock is None or clock._course_partner_count():
             return
         if not self._last_time_set.nanoseconds:
             name, topic = node.handle.full_name, clock.topic_name
@@ -128,5 +130,5 @@ class TimeSource:
                 "timers wait. Start a simulation or `ros2 bag play --clock`, or set use_sim_time to false."
             )
 
-    def _get_node(self) -> Node | None:
-        return None if self._node is None else self._node()
+    def _get_node(self) -> NodeInterface | None:
+        return None if self._node_weak_ref is None else self._node_weak_ref()

@@ -1,30 +1,37 @@
-"""Timers, and the rates that are made of them."""
+"""Timers, and rates, which are based on timers."""
 
+import threading
 from collections.abc import Callable
 
-from course_lib.ros.baton import DeadlockError, baton
-from course_lib.ros.clock import Alarm
+from course_lib.ros.graph.graph import Alarm
 from course_lib.ros.mistakes import Mistake, marked
 from course_lib.ros.notices import say
+from course_lib.ros.time.time_lock import DeadlockError, time_lock
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ClockChange, ClockType, JumpHandle, JumpThreshold, TimeJump
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidHandle, RCLError, ROSInterruptException
+from rclpy.exceptions import INVALID_CONTEXT, InvalidHandle, RCLError, ROSInterruptException
 from rclpy.impl.node_handle import Entity, NodeHandle
 
-SHORTEST_NS = 1_000_000  # [ns] a period of 0 means "as fast as possible"; callbacks take no robot time
+# rcl stores periods as signed 64-bit nanoseconds.
+_LONGEST_NS = 2**63 - 1
+# A period of 0 means "as fast as possible". Callbacks take no robot time, so time needs a minimal
+# step.
+SHORTEST_NS = 1_000_000
+# Time after which a sleeping rate checks whether anything spins its node.
+_OVERDUE_NS = 1_000_000_000
 _ANY_JUMP = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=Duration(nanoseconds=-1))
 
 
 class Timer(Entity):
-    """A callback once per period, first after one full period; made by `Node.create_timer`.
+    """A callback that runs once per period, first after one full period; created by `Node.create_timer`.
 
-    Calls that are late keep their phase, calls that are missed are skipped (rcl/src/rcl/timer.c). Under
-    `use_sim_time` a timer is due when its clock has jumped to the time of its call, or past it.
+    Late calls keep their phase, missed calls are skipped (rcl/src/rcl/timer.c). With `use_sim_time`
+    a timer is due when its clock jumps to the time of its next call or beyond it.
     """
 
-    mistake = Mistake.TIMER_CALLBACK
+    _course_mistake = Mistake.TIMER_CALLBACK
 
     def __init__(
         self,
@@ -36,75 +43,97 @@ class Timer(Entity):
         *,
         autostart: bool = True,
     ) -> None:
+        if abs(timer_period_ns) > _LONGEST_NS:
+            raise TypeError("__init__(): incompatible constructor arguments.")
         if timer_period_ns < 0:
             raise RCLError("failed to create timer: timer period must be non-negative")
+        if not node.context.is_valid:
+            raise RCLError(f"failed to create timer: {INVALID_CONTEXT}")
         super().__init__(node, callback_group)
         self.callback = callback
         self.clock = clock
-        self.timer_period_ns = timer_period_ns
-        self._graph = node.graph
-        self._last_ns = clock.handle.now_ns
-        self._alarm: Alarm | None = None
-        self._due = False  # it has become ready and was not taken yet
-        self._canceled = not autostart
-        self._hinted = False
-        self.is_destroyed = False
-        self._next_ns = clock.handle.now_ns + timer_period_ns
-        self._left_ns = 0  # until the next call, before a jump; 0 if the clock showed no time yet
-        self._credit_ns = 0  # of that, what counts when the clock gets another source of time
-        self._jumps: JumpHandle | None = None
+        self.__period_ns = timer_period_ns
+        self.__graph = node.graph
+        self.__last_ns = clock.handle.now_ns
+        self.__alarm: Alarm | None = None
+        # Whether the timer has become ready and has not been taken yet.
+        self.__due = False
+        self.__canceled = not autostart
+        self.__hinted = False
+        self._course_is_destroyed = False
+        self.__next_ns = clock.handle.now_ns + timer_period_ns
+        # Time until the next call, measured before a jump; 0 if the clock showed no time yet.
+        self.__left_ns = 0
+        # The part of it that is kept when the time source of the clock changes.
+        self.__credit_ns = 0
+        self.__jumps: JumpHandle | None = None
         if clock.clock_type is ClockType.ROS_TIME:
-            self._jumps = clock.create_jump_callback(
-                _ANY_JUMP, pre_callback=self._before_jump, post_callback=self._after_jump
+            self.__jumps = clock.create_jump_callback(
+                _ANY_JUMP, pre_callback=self.__before_jump, post_callback=self.__after_jump
             )
         if autostart:
-            self._arm()
+            self.__arm()
+            self._course_node.note_work()
 
-    def take(self) -> Callable[[], object] | None:
-        """Return the callback if its time has come, and schedule the next call, in phase."""
-        if not self._due:
+    @property
+    def timer_period_ns(self) -> int:
+        """The period, [ns]. A new period applies after the next call."""
+        return self.__require().__period_ns
+
+    @timer_period_ns.setter
+    def timer_period_ns(self, value: int) -> None:
+        self.__require().__period_ns = int(value)
+
+    def _course_take(self) -> Callable[[], object] | None:
+        """Return the callback if it is due, and schedule the next call in phase."""
+        if not self.__due:
             return None
-        self._due = False
-        now_ns = self._last_ns = self.clock.handle.now_ns
-        self._next_ns += self.timer_period_ns
-        if self._next_ns <= now_ns:
-            late_ns = now_ns - self._next_ns
-            missed = 1 + late_ns // self.timer_period_ns if self.timer_period_ns else 0
-            self._next_ns = self._next_ns + missed * self.timer_period_ns if missed else now_ns
-        self._arm()
+        self.__due = False
+        now_ns = self.__last_ns = self.clock.handle.now_ns
+        self.__next_ns += self.__period_ns
+        if self.__next_ns <= now_ns:
+            late_ns = now_ns - self.__next_ns
+            missed = 1 + late_ns // self.__period_ns if self.__period_ns else 0
+            self.__next_ns = self.__next_ns + missed * self.__period_ns if missed else now_ns
+        self.__arm()
         if self.callback is None:
             raise marked(TypeError("'NoneType' object is not callable"), Mistake.NO_CALLBACK)
         return self.callback
 
-    def note_time_taken(self, span_ns: int) -> None:
-        """Print a hint, once, if the callback took a whole period or more."""
-        if self._hinted or not 0 < self.timer_period_ns <= span_ns:
+    def _course_note_time_taken(self, span_ns: int) -> None:
+        """Print a hint, once, if the callback took at least one period."""
+        if self.__hinted or not 0 < self.__period_ns <= span_ns:
             return
-        self._hinted = True
-        took, period = f"{span_ns * 1e-9:g} s", f"{self.timer_period_ns * 1e-9:g} s"
-        name = f"{getattr(self.callback, '__name__', 'the callback')} of {self.node_handle.full_name}"
+        self.__hinted = True
+        took, period = f"{span_ns * 1e-9:g} s", f"{self.__period_ns * 1e-9:g} s"
+        name = f"{getattr(self.callback, '__name__', 'the callback')} of {self._course_node.full_name}"
         say(
             f"hint: {name} took {took}, and its timer's period is {period}: the node is always late, and its "
             "other callbacks wait. Return at once, without time.sleep; the timer calls again."
         )
 
     def cancel(self) -> None:
-        """Stop calling back, until `reset`."""
-        self._require()
-        self._canceled = True
-        self._disarm()
+        """Stop the timer until `reset`."""
+        self.__require()
+        self.__canceled = True
+        self.__disarm()
 
     def reset(self) -> None:
-        """Begin a full period now, also after `cancel`."""
-        self._require()
-        self._disarm()
-        self._canceled = False
-        self._next_ns = self.clock.handle.now_ns + self.timer_period_ns
-        self._arm()
+        """Start a full period now, even after `cancel`."""
+        self.__require()
+        self.__disarm()
+        self.__canceled = False
+        self.__next_ns = self.clock.handle.now_ns + self.__period_ns
+        self.__arm()
+
+    @property
+    def _course_is_due(self) -> bool:
+        """Whether a call is due that no executor has made yet."""
+        return self.__due
 
     def is_canceled(self) -> bool:
-        """Return whether it was cancelled."""
-        return self._require()._canceled
+        """Return whether the timer is cancelled."""
+        return self.__require().__canceled
 
     def is_ready(self) -> bool:
         """Return whether a call is due."""
@@ -112,109 +141,145 @@ class Timer(Entity):
         return remaining_ns is not None and remaining_ns <= 0
 
     def time_since_last_call(self) -> int:
-        """Return the time since the last call, or since its making, [ns]."""
-        return self._require().clock.handle.now_ns - self._last_ns
+        """Return the time since the last call, or since the creation of the timer, [ns]."""
+        return self.__require().clock.handle.now_ns - self.__last_ns
 
     def time_until_next_call(self) -> int | None:
-        """Return the time until the next call, [ns], negative if it is late; None if it was cancelled."""
-        self._require()
-        return None if self._canceled else self._next_ns - self.clock.handle.now_ns
+        """Return the time until the next call, [ns]; negative if late, None if the timer is cancelled."""
+        self.__require()
+        return None if self.__canceled else self.__next_ns - self.clock.handle.now_ns
 
     def destroy(self) -> None:
-        """Stop for good; call `Node.destroy_timer` instead."""
-        self.is_destroyed = True
-        self._disarm()
-        if self._jumps is not None:
-            self._jumps.unregister()
+        """Stop permanently. Call `Node.destroy_timer` instead."""
+        self._course_is_destroyed = True
+        self.__disarm()
+        if self.__jumps is not None:
+            self.__jumps.unregister()
 
-    def _require(self) -> "Timer":
-        if self.is_destroyed:
+    def __require(self) -> "Timer":
+        if self._course_is_destroyed:
             raise InvalidHandle
         return self
 
-    def _before_jump(self) -> None:
-        """Note the time until the next call: it counts on in the time of another source."""
+    def __before_jump(self) -> None:
+        """Store the time until the next call, which is kept if the time source changes."""
         now_ns = self.clock.handle.now_ns
-        self._left_ns = self._next_ns - now_ns if now_ns else 0
+        self.__left_ns = self.__next_ns - now_ns if now_ns else 0
 
-    def _after_jump(self, jump: TimeJump) -> None:
-        """Move the next call as rcl does, then become due, or wait."""
+    def __after_jump(self, jump: TimeJump) -> None:
+        """Move the next call as rcl does, then become ready or wait."""
         now_ns = self.clock.handle.now_ns
         if jump.clock_change is not ClockChange.ROS_TIME_NO_CHANGE:
-            self._credit_ns = self._left_ns or self._credit_ns
-            if now_ns and self._credit_ns:
-                self._last_ns, self._credit_ns = now_ns - self._credit_ns, 0
-                self._next_ns = self._last_ns + self.timer_period_ns
-        elif now_ns < self._next_ns and now_ns < self._last_ns:
-            self._next_ns, self._last_ns = now_ns + self.timer_period_ns, now_ns
-        if self.timer_period_ns and not self._canceled:
-            self._arm()
+            self.__credit_ns = self.__left_ns or self.__credit_ns
+            if now_ns and self.__credit_ns:
+                self.__last_ns, self.__credit_ns = now_ns - self.__credit_ns, 0
+                self.__next_ns = self.__last_ns + self.__period_ns
+        elif now_ns < self.__next_ns and now_ns < self.__last_ns:
+            self.__next_ns, self.__last_ns = now_ns + self.__period_ns, now_ns
+        if self.__period_ns and not self.__canceled:
+            self.__arm()
 
-    def _arm(self) -> None:
-        """Become due at the time of the next call; a clock that follows /clock comes there by a jump."""
-        if self._alarm is not None:
-            self._alarm.cancel()
-        if not self.clock.handle.is_overridden or not self.timer_period_ns:
-            due_ns = self._next_ns if self.timer_period_ns else self._graph.now_ns + SHORTEST_NS
-            self._alarm = self._graph.call_at(
-                due_ns, self._ring, node=self.node_handle.id, entity=self.entity
+    def __arm(self) -> None:
+        """Schedule the next call. A clock that follows /clock reaches its time by a jump."""
+        if self.__alarm is not None:
+            self.__alarm.cancel()
+        if not self.clock.handle.is_overridden or not self.__period_ns:
+            due_ns = self.__next_ns if self.__period_ns else self.__graph.now_ns + SHORTEST_NS
+            self.__alarm = self.__graph.call_at(
+                due_ns, self.__ring, node=self._course_node.id, entity=self._course_entity
             )
-        elif self._next_ns <= self.clock.handle.now_ns:
-            self._ring()
+        elif self.__next_ns <= self.clock.handle.now_ns:
+            self.__ring()
         else:
-            self._due = False
+            self.__due = False
 
-    def _disarm(self) -> None:
-        self._due = False
-        if self._alarm is not None:
-            self._alarm.cancel()
+    def __disarm(self) -> None:
+        self.__due = False
+        if self.__alarm is not None:
+            self.__alarm.cancel()
 
-    def _ring(self) -> None:
-        if not self._due:
-            self._due = True
-            self.node_handle.mark_ready(self)
+    def __ring(self) -> None:
+        if not self.__due:
+            self.__due = True
+            self._course_node.mark_ready(self)
 
 
 class Rate:
-    """A sleep with which a loop keeps a frequency; made by `Node.create_rate`.
+    """Sleeps such that a loop keeps a frequency; created by `Node.create_rate`.
 
-    Another thread must spin the node: the rate's timer is a callback like any other.
+    Another thread must spin the node, because the rate's timer needs an executor like any other.
     """
 
     def __init__(self, timer: Timer, *, context: Context) -> None:
-        self.timer = timer
-        self._context = context
-        self._ticks = 0
-        self._destroyed = False
-        timer.callback = self._tick
+        self._timer = timer
+        self.__context = context
+        # Behaves like a threading.Event: a tick before `sleep` ends it immediately, so that a loop
+        # which spins the node and sleeps in the same thread continues.
+        self.__has_ticked = False
+        self.__sleepers = 0
+        self.__has_reminded = False
+        self._is_destroyed = False
+        timer.callback = self.__tick
 
     def sleep(self) -> None:
-        """Block until the next tick; raises ROSInterruptException if the context is shut down meanwhile."""
-        if self._destroyed:
+        """Block until the next tick.
+
+        Raise ROSInterruptException if the context is shut down during the sleep.
+        """
+        if self._is_destroyed:
             raise RuntimeError("Rate cannot sleep because it has been destroyed")
-        if self.timer.is_destroyed:
+        if self._timer._course_is_destroyed:
             raise InvalidHandle("Rate cannot sleep because the timer has been destroyed")
-        executor = self.timer.node_handle.executor
-        if executor is not None and executor.is_held_up(self.timer):
+        executor = self._timer._course_node.executor
+        if not self.__has_ticked and executor is not None and executor._course_holds_up(self._timer):
             raise DeadlockError(
                 "Rate.sleep() waits for a tick that comes only after this callback has ended. Use a timer, "
                 "or a MultiThreadedExecutor."
             )
-        ticks = self._ticks
 
         def wakes() -> bool:
-            ended = self._destroyed or self.timer.is_destroyed or not self._context.is_valid
-            return ended or self._ticks > ticks
+            ended = self._is_destroyed or self._timer._course_is_destroyed or self.__context.is_shut_down
+            return ended or self.__has_ticked
 
         what = "a rate's next tick, for which another thread has to spin the node"
-        with baton.known():
-            baton.wait(wakes, until_ns=None, what=what)
-        if not self._context.is_valid or baton.is_shut_down():
+        node, sleeper = self._timer._course_node, threading.get_ident()
+        overdue_ns = node.graph.now_ns + 2 * self._timer.timer_period_ns + _OVERDUE_NS
+        reminder = node.graph.call_at(
+            overdue_ns, lambda: self.__remind(sleeper), node=node.id, entity=self._timer._course_entity
+        )
+        self.__sleepers += 1
+        try:
+            with time_lock.hold():
+                time_lock.wait(wakes, until_ns=None, what=what)
+        except KeyboardInterrupt:
+            self.__remind(sleeper)
+            raise
+        finally:
+            reminder.cancel()
+            self.__sleepers -= 1
+            if not self.__sleepers:
+                self.__has_ticked = False
+        if not self.__context.is_valid or time_lock.is_shut_down():
             raise ROSInterruptException
 
-    def destroy(self) -> None:
-        """Wake the thread that sleeps in it, and refuse further sleeps."""
-        self._destroyed = True
+    def __remind(self, sleeper: int) -> None:
+        """Print a hint, once, with a thread's line if it sleeps although no thread spins the node."""
+        from course_lib.ros.tracebacks import line_of_thread
 
-    def _tick(self) -> None:
-        self._ticks += 1
+        node = self._timer._course_node
+        is_spun = node.executor is not None and node.executor._course_runs(node)
+        if self.__has_reminded or is_spun or not self._timer._course_is_due:
+            return
+        self.__has_reminded = True
+        say(
+            f"hint: {line_of_thread(sleeper) or 'Rate.sleep()'}: the tick does not come, as no thread spins "
+            f"{node.full_name}. Spin it in a thread: threading.Thread(target=rclpy.spin, args=(node,), "
+            "daemon=True).start(). Or use a timer, without a rate."
+        )
+
+    def destroy(self) -> None:
+        """Wake the sleeping threads and reject further sleeps."""
+        self._is_destroyed = True
+
+    def __tick(self) -> None:
+        self.__has_ticked = True

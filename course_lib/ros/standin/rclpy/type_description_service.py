@@ -1,4 +1,4 @@
-"""The service by which others ask for the definition of a type that a node uses."""
+"""The service with which other nodes request the definition of a type that a node uses."""
 
 import re
 from typing import Any
@@ -7,9 +7,9 @@ from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from type_description_interfaces.msg import Field, FieldType, IndividualTypeDescription, TypeSource
 from type_description_interfaces.srv import GetTypeDescription
 
-from course_lib.ros.messages.definitions import typestore
-from course_lib.ros.messages.hashes import described, type_hash
-from rclpy.impl.node_parameters import Node
+from course_lib.ros.messages.definitions import EVENT_PART, field_definitions, typestore
+from course_lib.ros.messages.hashes import describe_type, type_hash
+from rclpy.impl.node_handle import NodeInterface
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
 
@@ -19,9 +19,9 @@ _HASH = re.compile(r"RIHS01_[0-9a-f]{64}")
 
 
 class TypeDescriptionService:
-    """The service `get_type_description` of a node, unless the node's parameter is false."""
+    """The service `get_type_description` of a node, unless a parameter of the node disables it."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: NodeInterface) -> None:
         self._node = node
         name = START_TYPE_DESCRIPTION_SERVICE_PARAM
         if not node.has_parameter(name):
@@ -37,31 +37,39 @@ class TypeDescriptionService:
             said = f"Invalid type for parameter '{name}' {chosen.type_!r} should be bool"
             get_logger(node.handle.logger_name).error(said)
         if self.enabled:
-            node.create_service(GetTypeDescription, "~/get_type_description", self._answer)
+            node.create_service(GetTypeDescription, f"{node.handle.name}/get_type_description", self.__answer)
 
-    def _answer(
+    def __answer(
         self, request: GetTypeDescription.Request, response: GetTypeDescription.Response
     ) -> GetTypeDescription.Response:
-        """Describe the type with the requested hash, with the reasons of rcl/src/rcl/node.c."""
+        """Describe the type with the requested hash.
+
+        Failure reasons are quoted from rcl/src/rcl/node.c.
+        """
         if not _HASH.fullmatch(request.type_hash):
             response.failure_reason = "Failed to parse type hash"
             return response
-        name = self._used().get(request.type_hash)
+        name = self.__used().get(request.type_hash)
         if name is None:
             response.failure_reason = "Type not currently in use by this node"
             return response
-        first, *others = described(name).values()
+        first, *others = describe_type(name).values()
         response.type_description.type_description = _individual(first)
         others.sort(key=lambda one: one["type_name"])
         response.type_description.referenced_type_descriptions = [_individual(one) for one in others]
         if request.include_type_sources:
             names = (one["type_name"] for one in (first, *others))
-            response.type_sources = [_source(name) for name in names if name in typestore().fielddefs]
+            # Service types and their events are not defined by a message's file.
+            response.type_sources = [
+                _source(name)
+                for name in names
+                if name in field_definitions() and not name.endswith(EVENT_PART)
+            ]
         response.successful = True
         return response
 
-    def _used(self) -> dict[str, str]:
-        """Return the types of the node's publishers, subscriptions, services and clients by their hashes."""
+    def __used(self) -> dict[str, str]:
+        """Return the types of the node's endpoints by their hashes."""
         handle = self._node.handle
         mine = (info for info in handle.graph.endpoints() if info.node == handle.id)
         names = {info.type_name if info.service is None else info.service[1] for info in mine}
@@ -74,6 +82,6 @@ def _individual(description: dict[str, Any]) -> IndividualTypeDescription:
 
 
 def _source(type_name: str) -> TypeSource:
-    """Return a message's definition, without the comments of its file; a service's own has no counterpart."""
+    """Return a message's definition without comments."""
     text = typestore().generate_msgdef(type_name)[0].partition("=" * 80)[0]
     return TypeSource(type_name=type_name, encoding="msg", raw_file_contents=text)

@@ -1,4 +1,4 @@
-"""The default context, and the part of the command line that is not for ROS."""
+"""Access to the default context, and the command-line arguments that are not for ROS."""
 
 import sys
 from collections.abc import Sequence
@@ -6,39 +6,34 @@ from collections.abc import Sequence
 from rclpy.constants import S_TO_NS
 from rclpy.context import Context
 from rclpy.context import get_default_context as get_default_context
+from rclpy.impl.arguments import without_ros
 
 RMW = "rmw_course_lib"
 
 
 def ok(*, context: Context | None = None) -> bool:
-    """Return whether the context is initialised and not shut down, and the run goes on."""
+    """Return whether the context is initialized and not shut down, and the run has not ended."""
     return (context or get_default_context()).ok()
 
 
 def get_rmw_implementation_identifier() -> str:
-    """Return the name of the middleware: the kit's own."""
+    """Return the name of the middleware, which is the kit's own."""
     return RMW
 
 
 def get_available_rmw_implementations() -> set[str]:
-    """Return the names of the middlewares that are there."""
+    """Return the names of the available middlewares."""
     return {RMW}
 
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
-    """Return the arguments without those between `--ros-args` and `--`; `sys.argv` if none are given."""
-    kept: list[str] = []
-    for_ros = False
-    for argument in sys.argv if args is None else args:
-        if argument == "--ros-args":
-            for_ros = True
-        elif for_ros and argument == "--":
-            for_ros = False
-        elif not for_ros:
-            kept.append(argument)
-    return kept
+    """Return the arguments (default: `sys.argv`) that are not for ROS.
+
+    Those between `--ros-args` and `--` are left out, and remappings like `chatter:=other`.
+    """
+    return without_ros(sys.argv if args is None else args)
 
 
 def timeout_sec_to_nsec(timeout_sec: float | None) -> int:
-    """Convert a time limit to [ns]; -1 stands for none (None or negative)."""
+    """Convert a timeout to [ns]. None and negative values become -1, which means no timeout."""
     return -1 if timeout_sec is None or timeout_sec < 0 else int(float(timeout_sec) * S_TO_NS)

@@ -1,4 +1,4 @@
-"""Compression of bags."""
+"""Compression options of bags."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -21,7 +21,7 @@ NONE, FILE, MESSAGE = CompressionMode
 
 @dataclass
 class CompressionOptions:
-    """A compression; queues and threads change nothing in a bag."""
+    """Compression of a bag. The numbers of queues and threads have no effect on its content."""
 
     compression_format: str = ""
     compression_mode: CompressionMode = CompressionMode.NONE
@@ -29,7 +29,11 @@ class CompressionOptions:
     compression_threads: int = 0
 
     def checked(self) -> str:
-        """Return the part that is compressed; raises a BagError for none and for unknown formats."""
+        """Return what is compressed.
+
+        Raises:
+            BagError: Nothing is compressed, or the format is unknown.
+        """
         if self.compression_mode == CompressionMode.NONE:
             raise BagError("SequentialCompressionWriter requires a CompressionMode that is not NONE!")
         if self.compression_format not in FORMATS:
@@ -40,7 +44,7 @@ class CompressionOptions:
 
 
 def compression_mode_from_string(compression_mode: str) -> CompressionMode:
-    """Return a mode by its name in any letters; an empty one is NONE."""
+    """Return the mode with this name, ignoring case. An empty name means NONE."""
     try:
         return CompressionMode[compression_mode.upper() or "NONE"]
     except KeyError:

@@ -8,12 +8,12 @@ from rclpy.time import Time
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, bag_metadata, read_bag, topic_counts
-from course_lib.recording.salvage import data_files
+from course_lib.recording.bag import data_files
 from rosbag2_py._storage import BagError, BagMetadata, TopicInformation, TopicMetadata
 
 
 def folder_of(uri: str) -> Path:
-    """Return a bag's folder; programs name the one file in it as well.
+    """Return the folder of a bag. If a bag has one file, `uri` may also be this file.
 
     Raises:
         BagError: The file is one of several.
@@ -27,7 +27,7 @@ def folder_of(uri: str) -> Path:
 
 
 def whole(uri: str) -> Recording:
-    """Read a bag; raises a BagError where there is none."""
+    """Read a bag. Raise a BagError if there is none."""
     try:
         return read_bag(folder_of(uri))
     except CourseError as error:
@@ -35,15 +35,15 @@ def whole(uri: str) -> Recording:
 
 
 class Info:
-    """A reader of metadata."""
+    """Reads the metadata of bags."""
 
     def read_metadata(self, uri: str, storage_id: str) -> BagMetadata:
-        """Return the metadata of a bag; its storage is found out."""
+        """Return the metadata of a bag. Its storage is detected, so `storage_id` has no effect."""
         return metadata(folder_of(uri), whole(uri))
 
 
 def metadata(folder: Path, recording: Recording) -> BagMetadata:
-    """Return the metadata of a bag; where a recorder was killed, of what it holds."""
+    """Return a bag's metadata, or compute it from the content if its recorder was killed."""
     about = bag_metadata(folder)
     files = [str(name) for name in about.get("relative_file_paths", ())]
     return BagMetadata(
@@ -64,7 +64,7 @@ def metadata(folder: Path, recording: Recording) -> BagMetadata:
 
 
 def topics(folder: Path, recording: Recording) -> list[TopicInformation]:
-    """List the topics of a bag, also those without messages."""
+    """List the topics of a bag, including topics without messages."""
     offered = {(topic.name, topic.type_name): list(topic.offered) for topic in recording.topics()}
     counts = topic_counts(bag_metadata(folder), recording)
     return [

@@ -18,7 +18,7 @@ from rosbag2_py._storage import (
 
 
 class SequentialReader:
-    """A reader of one message after the other; the storage is found out, whatever the options name."""
+    """Reads messages one after the other. The storage is detected, regardless of the options."""
 
     def __init__(self) -> None:
         self._recording: Recording | None = None
@@ -27,11 +27,11 @@ class SequentialReader:
         self._at = 0
 
     def open(self, storage_options: StorageOptions, converter_options: ConverterOptions) -> None:
-        """Open a bag; raises a RuntimeError where there is none."""
+        """Open a bag. Raise a RuntimeError if there is none."""
         self.open_uri(storage_options.uri)
 
     def open_uri(self, uri: str) -> None:
-        """Open a bag by its folder, or by the file in it."""
+        """Open a bag, given by its folder or by its only file."""
         self._recording = whole(uri)
         self._folder = folder_of(uri)
         self._samples = sorted(self._recording.samples, key=lambda sample: sample.stamp_ns)
@@ -42,14 +42,14 @@ class SequentialReader:
         self._recording = None
 
     def has_next(self) -> bool:
-        """Return whether a message is left, of the topics that are asked for."""
+        """Return whether there is a further message on the selected topics."""
         self._opened()
-        while self._at < len(self._samples) and not _passes(self._filter, self._samples[self._at].topic):
+        while self._at < len(self._samples) and not _is_selected(self._filter, self._samples[self._at].topic):
             self._at += 1
         return self._at < len(self._samples)
 
     def read_next(self) -> tuple[str, bytes, int]:
-        """Return the next message: topic, CDR bytes and stamp in [ns]."""
+        """Return the topic, CDR bytes and stamp [ns] of the next message."""
         if not self.has_next():
             raise BagError("Bag is at end. No next message.")
         sample = self._samples[self._at]
@@ -57,21 +57,24 @@ class SequentialReader:
         return sample.topic, sample.cdr, sample.stamp_ns
 
     def seek(self, timestamp: int) -> None:
-        """Go to the first message at or after a stamp, [ns]; when reading backwards, at or before it."""
+        """Move to the first message at or after a stamp [ns].
+
+        When reading backwards, move to the last message at or before it.
+        """
         self._opened()
         sign = -1 if self._reverse else 1
         self._at = bisect_left(self._samples, sign * timestamp, key=lambda sample: sign * sample.stamp_ns)
 
     def set_filter(self, storage_filter: StorageFilter) -> None:
-        """Read some topics only, from here on."""
+        """Select the topics to read from now on."""
         self._filter = storage_filter
 
     def reset_filter(self) -> None:
-        """Read all topics again, from here on."""
+        """Read all topics from now on."""
         self._filter = StorageFilter()
 
     def set_read_order(self, order: ReadOrder) -> bool:
-        """Read in an order, from here on; True: it can be done."""
+        """Set the order of reading from now on. Return True, because every order is supported."""
         self._opened()
         if order.reverse != self._reverse:
             self._reverse = order.reverse
@@ -80,7 +83,7 @@ class SequentialReader:
         return True
 
     def get_all_topics_and_types(self) -> list[TopicMetadata]:
-        """List the topics."""
+        """List the topics of the bag."""
         return [topic.topic_metadata for topic in topics(self._folder, self._opened())]
 
     def get_metadata(self) -> BagMetadata:
@@ -94,17 +97,17 @@ class SequentialReader:
 
 
 class SequentialCompressionReader(SequentialReader):
-    """A reader of compressed bags; the other one reads them here, too."""
+    """A reader of compressed bags, which SequentialReader reads here as well."""
 
 
 def get_registered_readers() -> set[str]:
-    """Return the storages that can be read."""
+    """Return the supported storages."""
     return set(STORAGES)
 
 
-def _passes(chosen: StorageFilter, topic: str) -> bool:
-    named = [*chosen.topics, *chosen.services_events]
-    wanted = topic in named or bool(chosen.regex and re.search(chosen.regex, topic))
-    excluded = topic in [*chosen.exclude_topics, *chosen.exclude_service_events]
-    excluded = excluded or bool(chosen.regex_to_exclude and re.search(chosen.regex_to_exclude, topic))
-    return (wanted or not (named or chosen.regex)) and not excluded
+def _is_selected(chosen: StorageFilter, topic: str) -> bool:
+    names = [*chosen.topics, *chosen.services_events]
+    is_included = topic in names or bool(chosen.regex and re.search(chosen.regex, topic))
+    is_excluded = topic in [*chosen.exclude_topics, *chosen.exclude_service_events]
+    is_excluded = is_excluded or bool(chosen.regex_to_exclude and re.search(chosen.regex_to_exclude, topic))
+    return (is_included or not (names or chosen.regex)) and not is_excluded

@@ -3,28 +3,29 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Any
 
 from rclpy.duration import Duration
 from rclpy.time import Time
 
 from course_lib.errors import CourseError
-from course_lib.ros.qos import Qos
+from course_lib.ros.graph.topics import Qos
 
 STORAGES = ("mcap", "sqlite3")
 
 
 class BagError(CourseError, RuntimeError):
-    """An error of a bag; ROS raises a RuntimeError."""
+    """An error about a bag. It is also a RuntimeError, which ROS raises."""
 
 
 def get_default_storage_id() -> str:
-    """Return the storage of bags for which none is named."""
+    """Return the storage of new bags if none is specified."""
     return STORAGES[0]
 
 
 @dataclass
 class ConverterOptions:
-    """Serialization formats; bags of the kit hold CDR, as those of ROS."""
+    """Serialization formats. Bags of the kit contain CDR, as in ROS."""
 
     input_serialization_format: str = ""
     output_serialization_format: str = ""
@@ -32,11 +33,12 @@ class ConverterOptions:
 
 @dataclass
 class StorageOptions:
-    """A bag's folder and storage, and what a writer does with messages.
+    """The folder and storage of a bag, and how a writer handles messages.
 
-    Only messages whose stamps are from `start_time_ns` to `end_time_ns` are written, [ns]; -1 is no limit.
-    With `snapshot_mode` the last `max_cache_size` bytes are kept until `take_snapshot()` writes them. Bags
-    are one file here: a writer says so where `max_bagfile_size` or `max_bagfile_duration` ask for several.
+    Only messages with stamps from `start_time_ns` to `end_time_ns` [ns] are written; -1 is no
+    limit. With `snapshot_mode` the last `max_cache_size` bytes are kept until `take_snapshot()`
+    writes them. Bags are not split here: a writer prints a notice if `max_bagfile_size` or
+    `max_bagfile_duration` is set.
     """
 
     uri: str
@@ -52,15 +54,16 @@ class StorageOptions:
     custom_data: dict[str, str] = field(default_factory=dict)
 
 
+# Storage -> preset profile -> what is compressed.
 PRESETS = {
     "mcap": {"none": "none", "fastwrite": "none", "zstd_fast": "storage", "zstd_small": "storage"},
     "sqlite3": {"none": "none", "resilient": "none"},
-}  # storage -> preset profile -> what is compressed
+}
 
 
 @dataclass
 class StorageFilter:
-    """The topics to read: those named or matching `regex`, or all; without the excluded ones."""
+    """The topics to read: listed topics and those matching `regex`, or all; without the excluded topics."""
 
     topics: list[str] = field(default_factory=list)
     services_events: list[str] = field(default_factory=list)
@@ -82,20 +85,20 @@ class TopicMetadata:
     type_description_hash: str = ""
 
     def equals(self, other: "TopicMetadata") -> bool:
-        """Return whether two topics are the same."""
+        """Return whether two topics are equal."""
         return self == other
 
 
 @dataclass
 class TopicInformation:
-    """A topic of a bag with the count of its messages."""
+    """A topic of a bag and the number of its messages."""
 
     topic_metadata: TopicMetadata
     message_count: int
 
 
 class ReadOrderSortBy(IntEnum):
-    """The stamps that messages are read by."""
+    """The stamp by which messages are sorted."""
 
     ReceivedTimestamp = 0
     PublishedTimestamp = 1
@@ -104,7 +107,7 @@ class ReadOrderSortBy(IntEnum):
 
 @dataclass
 class ReadOrder:
-    """An order of reading; a bag of the kit has the same one by each kind of stamp."""
+    """The order of reading. In the kit's bags it is the same for every kind of stamp."""
 
     sort_by: ReadOrderSortBy = ReadOrderSortBy.ReceivedTimestamp
     reverse: bool = False
@@ -112,7 +115,7 @@ class ReadOrder:
 
 @dataclass(repr=False)
 class BagMetadata:
-    """The content of a bag in numbers; its text is that of `ros2 bag info`."""
+    """The metadata of a bag. Its string is the output of `ros2 bag info`."""
 
     version: int = 9
     bag_size: int = 0
@@ -130,3 +133,53 @@ class BagMetadata:
 
     def __repr__(self) -> str:
         return self.text()
+
+
+class _NotOffered:
+    instead = ""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        raise BagError(f"The kit has no rosbag2_py.{type(self).__name__}. Instead: {self.instead}")
+
+
+class LocalMessageDefinitionSource(_NotOffered):
+    """Writes type definitions to files. Not implemented."""
+
+    instead = "ros2 interface show TYPE."
+
+
+class MetadataIo(_NotOffered):
+    """Reads and writes metadata files. Not implemented."""
+
+    instead = "rosbag2_py.Info().read_metadata(uri, storage_id)."
+
+
+class Player(_NotOffered):
+    """Plays bags. Not implemented."""
+
+    instead = "ros2 bag play BAG, or a SequentialReader and publish(cdr) in a timer."
+
+
+class PlayOptions(Player):
+    """Options of a Player. Not implemented."""
+
+
+class Recorder(_NotOffered):
+    """Records bags. Not implemented."""
+
+    instead = "ros2 bag record TOPIC, or a SequentialWriter in a subscription's callback."
+
+
+class RecordOptions(Recorder):
+    """Options of a Recorder. Not implemented."""
+
+
+class Reindexer(_NotOffered):
+    """Restores missing metadata. Not implemented."""
+
+    instead = "nothing is needed: the kit reads bags whose metadata.yaml is missing."
+
+
+def bag_rewrite(*args: Any) -> None:
+    """Raise a BagError, as converting bags is not implemented."""
+    raise BagError("The kit has no rosbag2_py.bag_rewrite. Instead: SequentialReader and SequentialWriter.")

@@ -26,7 +26,10 @@ _CLOSED = "Bag is not open. Call open() before writing."
 
 
 class SequentialWriter:
-    """A writer of messages in the order in which they come; the bag is closed with it."""
+    """Writes messages to a bag in the order of the calls.
+
+    The bag is closed when the writer is deleted.
+    """
 
     def __init__(self) -> None:
         self._writer: BagWriter | None = None
@@ -37,7 +40,7 @@ class SequentialWriter:
         self._close: Callable[[], object] = lambda: None
 
     def open(self, storage_options: StorageOptions, converter_options: ConverterOptions) -> None:
-        """Create the bag; raises a RuntimeError where its folder is there, or an option is unknown."""
+        """Create a bag. Raise a RuntimeError if its folder exists or an option is unknown."""
         self.close()
         storage, compression = _checked(storage_options, converter_options)
         folder = Path(storage_options.uri)
@@ -52,10 +55,11 @@ class SequentialWriter:
             )
         self._folder, self._types, self._options = folder, {}, storage_options
         self._cache.clear()
-        self._close = weakref.finalize(self, _complete, self._writer, folder)  # also where Python ends
+        # Closes the bag when Python exits, too.
+        self._close = weakref.finalize(self, _complete, self._writer, folder)
 
     def create_topic(self, topic_with_type: TopicMetadata) -> None:
-        """Add a topic; raises a RuntimeError for a type that is not known."""
+        """Add a topic. Raise a RuntimeError if its type is unknown."""
         writer = self._opened()
         if topic_with_type.name not in self._types:
             with _explained(self._folder):
@@ -63,12 +67,12 @@ class SequentialWriter:
             self._types[topic_with_type.name] = topic_with_type.type
 
     def remove_topic(self, topic_with_type: TopicMetadata) -> None:
-        """Accept no more messages of a topic."""
+        """Reject further messages of a topic."""
         self._opened()
         self._types.pop(topic_with_type.name, None)
 
     def write(self, topic_name: str, message: bytes, time_stamp: int) -> None:
-        """Append a message, as CDR bytes, with its stamp in [ns]."""
+        """Append a message, given as CDR bytes, with its stamp [ns]."""
         writer = self._opened()
         if topic_name not in self._types:
             raise BagError(
@@ -78,7 +82,8 @@ class SequentialWriter:
             raise TypeError(f"Expected bytes, got {type(message)}: call serialize_message(message) first.")
         if index(time_stamp) < 0:
             raise BagError(f"Failed to write on topic '{topic_name}': the stamp {time_stamp} is below 0 ns.")
-        if _is_outside(self._options, time_stamp):
+        begin_ns, end_ns = self._options.start_time_ns, self._options.end_time_ns
+        if 0 <= begin_ns > time_stamp or 0 <= end_ns < time_stamp:
             return
         if self._options.snapshot_mode:
             self._keep(topic_name, message, time_stamp)
@@ -87,7 +92,7 @@ class SequentialWriter:
             writer.write(topic_name, self._types[topic_name], time_stamp, message)
 
     def take_snapshot(self) -> bool:
-        """Write the messages that were kept; False where the bag was not opened in snapshot mode."""
+        """Write the cached messages. Return False if the bag was not opened in snapshot mode."""
         writer = self._opened()
         if not self._options.snapshot_mode:
             say("SequentialWriter take_snapshot called when snapshot mode is disabled")
@@ -99,11 +104,11 @@ class SequentialWriter:
         return True
 
     def split_bagfile(self) -> None:
-        """Refuse: a bag of the kit is one file."""
+        """Raise a BagError, as bags are not split here."""
         raise BagError(f"{_ONE_FILE} Close the bag and open another one.")
 
     def close(self) -> None:
-        """Complete the bag."""
+        """Complete and close the bag."""
         self._writer = None
         self._close()
 
@@ -120,7 +125,7 @@ class SequentialWriter:
 
 
 class SequentialCompressionWriter(SequentialWriter):
-    """A writer that compresses the file or each message."""
+    """A writer that compresses the whole file or each message."""
 
     def __init__(self, compression_options: CompressionOptions) -> None:
         super().__init__()
@@ -128,17 +133,20 @@ class SequentialCompressionWriter(SequentialWriter):
 
 
 def get_registered_compressors() -> set[str]:
-    """Return the compressions that can be written."""
+    """Return the supported compression formats."""
     return set(FORMATS)
 
 
 def get_registered_writers() -> set[str]:
-    """Return the storages that can be written."""
+    """Return the supported storages."""
     return set(STORAGES)
 
 
 def _checked(options: StorageOptions, converter: ConverterOptions) -> tuple[str, str]:
-    """Return storage and compression of a new bag; options that the kit does not have are refused."""
+    """Return the storage and compression of a new bag.
+
+    Reject options that the kit does not support.
+    """
     storage = options.storage_id or get_default_storage_id()
     if storage not in STORAGES:
         raise BagError(f"There is no storage {storage!r}. Choose one of {', '.join(STORAGES)}.")
@@ -158,11 +166,6 @@ def _checked(options: StorageOptions, converter: ConverterOptions) -> tuple[str,
         if getattr(options, option):
             say(f"{_ONE_FILE} {option}={getattr(options, option)} changes nothing.")
     return storage, presets[preset]
-
-
-def _is_outside(options: StorageOptions, stamp_ns: int) -> bool:
-    begins = options.start_time_ns
-    return (begins >= 0 and stamp_ns < begins) or 0 <= options.end_time_ns < stamp_ns
 
 
 def _complete(writer: BagWriter, folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""Messages as YAML, as CSV and as dictionaries."""
+"""Conversions of messages to YAML, CSV and dictionaries."""
 
 from collections import OrderedDict
 from typing import Any
@@ -14,21 +14,21 @@ def message_to_yaml(
     no_str: bool = False,
     flow_style: bool = False,
 ) -> str:
-    """Return a message as YAML, in a block or on one line; long values may be left out."""
+    """Convert a message to YAML, in block or flow style. Long values can be truncated."""
     return to_yaml(msg, Style(truncate_length, no_arr, no_str, flow_style))
 
 
 def message_to_csv(
     msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
 ) -> str:
-    """Return a message's values, separated by commas."""
+    """Convert a message's values to comma-separated text."""
     return to_csv(msg, Style(truncate_length, no_arr, no_str))
 
 
 def message_to_ordereddict(
     msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
 ) -> "OrderedDict[str, Any]":
-    """Return a message as dictionaries in the order of its fields."""
+    """Convert a message to nested dictionaries in the order of its fields."""
     ordered: OrderedDict[str, Any] = _ordered(to_dict(msg, Style(truncate_length, no_arr, no_str)))
     return ordered
 

@@ -1,41 +1,41 @@
-"""Types by name."""
+"""Lookup of interface classes by name."""
 
 from importlib import import_module
 from typing import Any
 
 
 def get_interface(identifier: str) -> Any:
-    """Return the class of a type with its folder, like std_msgs/msg/String."""
+    """Return the class for a full type name such as std_msgs/msg/String."""
     return _imported(identifier, None)
 
 
 def get_message(identifier: str) -> Any:
-    """Return the class of a message, like std_msgs/msg/String or std_msgs/String."""
+    """Return the class of a message type such as std_msgs/msg/String or std_msgs/String."""
     return _checked(identifier, "msg", is_message, "a message")
 
 
 def get_service(identifier: str) -> Any:
-    """Return the class of a service, like std_srvs/srv/Trigger."""
+    """Return the class of a service type such as std_srvs/srv/Trigger."""
     return _checked(identifier, "srv", is_service, "a service")
 
 
 def get_action(identifier: str) -> Any:
-    """Return the class of an action, like example_interfaces/action/Fibonacci."""
+    """Return the class of an action type such as example_interfaces/action/Fibonacci."""
     return _checked(identifier, "action", is_action, "an action")
 
 
 def is_message(interface: Any) -> bool:
-    """Return whether something is a message or its class."""
+    """Return whether an object is a message or a message class."""
     return hasattr(interface, "get_fields_and_field_types")
 
 
 def is_service(interface: Any) -> bool:
-    """Return whether something is a service's class."""
+    """Return whether an object is a service class."""
     return hasattr(interface, "Request") and hasattr(interface, "Response")
 
 
 def is_action(interface: Any) -> bool:
-    """Return whether something is an action's class."""
+    """Return whether an object is an action class."""
     return all(hasattr(interface, part) for part in ("Goal", "Result", "Feedback"))
 
 

@@ -1,4 +1,4 @@
-"""Point clouds as numpy arrays, and back (common_interfaces, sensor_msgs_py)."""
+"""Conversions between point clouds and numpy arrays (sensor_msgs_py of common_interfaces)."""
 
 import sys
 from array import array
@@ -25,14 +25,16 @@ def read_points(
     uvs: Iterable[int] | None = None,
     reshape_organized_cloud: bool = False,
 ) -> "np.ndarray[Any, Any]":
-    """Read points as a structured array with a column per field.
+    """Read points as a structured array with one column per field.
 
     Args:
         cloud: The message.
-        field_names: Which fields; None: all.
-        skip_nans: Leave out points with a NaN, unless the cloud says that it has none.
-        uvs: Only the points with these numbers.
-        reshape_organized_cloud: Give a cloud with rows as (width, height), as in ROS.
+        field_names: The fields to read; None: all.
+        skip_nans: Whether points with a NaN are left out. Has no effect if the cloud is marked as
+            dense.
+        uvs: Indices of the points to read; None: all.
+        reshape_organized_cloud: Whether an organized cloud is returned in the shape (width,
+            height), as in ROS.
     """
     assert isinstance(cloud, PointCloud2), "Cloud is not a sensor_msgs.msg.PointCloud2"
     kind = dtype_from_fields(cloud.fields, point_step=cloud.point_step)
@@ -61,7 +63,7 @@ def read_points_numpy(
     uvs: Iterable[int] | None = None,
     reshape_organized_cloud: bool = False,
 ) -> "np.ndarray[Any, Any]":
-    """Read points as an array (points, fields); the fields have to be of one type."""
+    """Read points as an array of shape (points, fields). All fields must have the same type."""
     assert all(
         field.datatype == cloud.fields[0].datatype
         for field in cloud.fields[1:]
@@ -80,12 +82,13 @@ def read_points_list(
 ) -> list[Any]:
     """Read points as named tuples."""
     names = [field.name for field in cloud.fields] if field_names is None else field_names
-    point: Any = namedtuple("Point", names)  # type: ignore[misc]  # the names are the cloud's
+    # The field names are known at run time only.
+    point: Any = namedtuple("Point", names)  # type: ignore[misc]
     return [point._make(values) for values in read_points(cloud, names, skip_nans, uvs)]
 
 
 def dtype_from_fields(fields: Iterable[PointField], point_step: int | None = None) -> "np.dtype[Any]":
-    """Return the numpy type of one point, `point_step` [B] long; each value of a field has a column."""
+    """Return the numpy type of one point, `point_step` bytes long, with a column for each value."""
     columns: dict[str, tuple[str, int]] = {}
     for number, field in enumerate(fields):
         kind = _DATATYPES[field.datatype]
@@ -133,7 +136,7 @@ def create_cloud(
 
 
 def create_cloud_xyz32(header: Header, points: Iterable[Any]) -> PointCloud2:
-    """Create a cloud of (x, y, z) points, [m]."""
+    """Create a cloud from points (x, y, z), [m]."""
     fields = [
         PointField(name=name, offset=4 * number, datatype=PointField.FLOAT32, count=1)
         for number, name in enumerate("xyz")

@@ -1,4 +1,7 @@
-"""Transforms of the stamped types of geometry_msgs; importing it registers them for buffers."""
+"""Transformations of the stamped types of geometry_msgs.
+
+Importing the module registers them for buffers.
+"""
 
 from typing import Any
 
@@ -19,20 +22,20 @@ from geometry_msgs.msg import (
 from tf2_ros.buffer_interface import TransformRegistration
 
 from course_lib.arrays import Floats
-from course_lib.ros.tf2_transform import IDENTITY, Transform, compose, scaled_to_one
-from course_lib.ros.tf2_transform import Pose as Placement
+from course_lib.ros.tf2 import IDENTITY, Transform, compose, to_unit_quaternion
+from course_lib.ros.tf2 import Pose as Placement
 
 
 def do_transform_point(point: PointStamped, transform: TransformStamped) -> PointStamped:
-    """Return a point in the transform's parent frame."""
+    """Transform a point to the parent frame of the transform."""
     x, y, z = _placed(transform, point.point)[0]
     return PointStamped(header=transform.header, point=Point(x=x, y=y, z=z))
 
 
 def do_transform_vector3(vector3: Vector3Stamped, transform: TransformStamped) -> Vector3Stamped:
-    """Return a vector turned as the transform turns.
+    """Rotate a vector to the parent frame of the transform.
 
-    As in ROS 2 this sets the translation of the transform that is passed in to zero.
+    As in ROS 2, the translation of the passed transform is set to zero.
     """
     shift = transform.transform.translation
     shift.x = shift.y = shift.z = 0.0
@@ -42,21 +45,24 @@ def do_transform_vector3(vector3: Vector3Stamped, transform: TransformStamped) -
 
 
 def do_transform_pose(pose: Pose, transform: TransformStamped) -> Pose:
-    """Return a pose, without a header, in the transform's parent frame; its quaternion has w >= 0."""
+    """Transform a pose without a header to the transform's parent frame.
+
+    Its quaternion has w >= 0.
+    """
     (x, y, z), turned = _placed(transform, pose.position, pose.orientation)
     qx, qy, qz, qw = turned if turned[3] >= 0 else (-part for part in turned)
     return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
 
 
 def do_transform_pose_stamped(pose: PoseStamped, transform: TransformStamped) -> PoseStamped:
-    """Return a pose in the transform's parent frame."""
+    """Transform a pose to the parent frame of the transform."""
     return PoseStamped(header=transform.header, pose=do_transform_pose(pose.pose, transform))
 
 
 def do_transform_pose_with_covariance_stamped(
     pose: PoseWithCovarianceStamped, transform: TransformStamped
 ) -> PoseWithCovarianceStamped:
-    """Return a pose and its covariance in the transform's parent frame."""
+    """Transform a pose with its covariance to the parent frame of the transform."""
     result = PoseWithCovarianceStamped(header=transform.header)
     result.pose.pose = do_transform_pose(pose.pose.pose, transform)
     result.pose.covariance = transform_covariance(pose.pose.covariance, transform)
@@ -64,14 +70,14 @@ def do_transform_pose_with_covariance_stamped(
 
 
 def do_transform_polygon_stamped(polygon: PolygonStamped, transform: TransformStamped) -> PolygonStamped:
-    """Return a polygon in the transform's parent frame."""
+    """Transform a polygon to the parent frame of the transform."""
     places = [_placed(transform, point)[0] for point in polygon.polygon.points]
     points = [Point32(x=x, y=y, z=z) for x, y, z in places]
     return PolygonStamped(header=transform.header, polygon=Polygon(points=points))
 
 
 def transform_covariance(cov_in: Floats, transform: TransformStamped) -> Floats:
-    """Return a covariance of (x, y, z) and turns about them in the transform's parent frame, shape (36,)."""
+    """Transform a covariance of (x, y, z, rotation about x, y, z) to the parent frame, shape (36,)."""
     turn = Transform.from_message(transform).matrix()[:3, :3]
     both = np.kron(np.eye(2), turn)
     covariance: Floats = both @ np.reshape(cov_in, (6, 6)) @ both.T
@@ -79,10 +85,13 @@ def transform_covariance(cov_in: Floats, transform: TransformStamped) -> Floats:
 
 
 def _placed(transform: TransformStamped, place: Any, turn: Quaternion | None = None) -> Placement:
-    """Apply a transform to a place and a turn; quaternions count as unit ones, zero as no turn."""
+    """Apply a transform to a position and an orientation.
+
+    Quaternions are normalized. The zero quaternion counts as no rotation.
+    """
     shift, outer = Transform.from_message(transform).pose
-    inner = IDENTITY[1] if turn is None else scaled_to_one((turn.x, turn.y, turn.z, turn.w))
-    return compose((shift, scaled_to_one(outer)), ((place.x, place.y, place.z), inner))
+    inner = IDENTITY[1] if turn is None else to_unit_quaternion((turn.x, turn.y, turn.z, turn.w))
+    return compose((shift, to_unit_quaternion(outer)), ((place.x, place.y, place.z), inner))
 
 
 _registration = TransformRegistration()

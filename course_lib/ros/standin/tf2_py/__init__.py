@@ -1,6 +1,6 @@
-from course_lib.ros.tf2_transform import ConnectivityException as ConnectivityException
-from course_lib.ros.tf2_transform import ExtrapolationException as ExtrapolationException
-from course_lib.ros.tf2_transform import InvalidArgumentException as InvalidArgumentException
-from course_lib.ros.tf2_transform import LookupException as LookupException
-from course_lib.ros.tf2_transform import TimeoutException as TimeoutException
-from course_lib.ros.tf2_transform import TransformException as TransformException
+from course_lib.ros.tf2 import ConnectivityException as ConnectivityException
+from course_lib.ros.tf2 import ExtrapolationException as ExtrapolationException
+from course_lib.ros.tf2 import InvalidArgumentException as InvalidArgumentException
+from course_lib.ros.tf2 import LookupException as LookupException
+from course_lib.ros.tf2 import TimeoutException as TimeoutException
+from course_lib.ros.tf2 import TransformException as TransformException

@@ -1,4 +1,5 @@
-# tf2_ros imports its modules by *, and so these are its names, too; the official URDF tutorial imports one.
+# As in tf2_ros, the names of its modules are importable from the package. The official URDF
+# tutorial imports one of them.
 from geometry_msgs.msg import TransformStamped as TransformStamped
 from rclpy.duration import Duration as Duration
 from rclpy.node import Node as Node
@@ -12,9 +13,11 @@ from tf2_py import *  # noqa: F403  # tf2's exceptions
 
 from tf2_ros.buffer import Buffer as Buffer
 from tf2_ros.buffer_interface import BufferInterface as BufferInterface
+from tf2_ros.buffer_interface import ConvertRegistration as ConvertRegistration
 from tf2_ros.buffer_interface import NotImplementedException as NotImplementedException
 from tf2_ros.buffer_interface import TransformRegistration as TransformRegistration
 from tf2_ros.buffer_interface import TypeException as TypeException
+from tf2_ros.buffer_interface import convert as convert
 from tf2_ros.static_transform_broadcaster import StaticTransformBroadcaster as StaticTransformBroadcaster
 from tf2_ros.transform_broadcaster import TransformBroadcaster as TransformBroadcaster
 from tf2_ros.transform_listener import TransformListener as TransformListener

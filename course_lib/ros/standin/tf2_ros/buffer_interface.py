@@ -1,4 +1,4 @@
-"""The base of buffers, and the types that they can transform; `import tf2_geometry_msgs` registers them."""
+"""The base class of buffers, and the types that they can transform."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar, TypeAlias, TypeVar
@@ -9,17 +9,18 @@ from rclpy.duration import Duration
 from rclpy.time import Time
 from std_msgs.msg import Header
 
-AnyTime: TypeAlias = Time | builtin_interfaces.msg.Time  # of any kind of clock: tf2 does not look
+# A time of any clock type, because tf2 ignores the type.
+AnyTime: TypeAlias = Time | builtin_interfaces.msg.Time
 Obj = TypeVar("Obj")
 NO_WAIT = Duration()
 
 
 class TypeException(Exception):  # noqa: N818  # ROS's name
-    """Nobody has said how a type is transformed."""
+    """No function is registered for transforming or converting a type."""
 
 
 class TransformRegistration:
-    """The functions that transform types; all buffers share them."""
+    """The functions that transform types, shared by all buffers."""
 
     _transforms: ClassVar[dict[type[Any], Callable[[Any, TransformStamped], Any]]] = {}
 
@@ -28,38 +29,103 @@ class TransformRegistration:
         self._transforms[key] = callback
 
     def get(self, key: type[Any]) -> Callable[[Any, TransformStamped], Any]:
-        """Return the function that transforms a type; raises TypeException if there is none."""
+        """Return the function that transforms a type. Raise TypeException if there is none."""
         if key not in self._transforms:
             raise TypeException(f"Type {key} is not loaded or supported")
         return self._transforms[key]
 
 
+class ConvertRegistration:
+    """The functions that convert types to and from messages, shared by all buffers."""
+
+    _to_msg: ClassVar[dict[type[Any], Callable[[Any], Any]]] = {}
+    _from_msg: ClassVar[dict[type[Any], Callable[[Any], Any]]] = {}
+    _convert: ClassVar[dict[tuple[type[Any], type[Any]], Callable[[Any], Any]]] = {}
+
+    def add_to_msg(self, key: type[Any], callback: Callable[[Any], Any]) -> None:
+        """Register the function that converts a type to a message."""
+        self._to_msg[key] = callback
+
+    def add_from_msg(self, key: type[Any], callback: Callable[[Any], Any]) -> None:
+        """Register the function that converts a message to a type."""
+        self._from_msg[key] = callback
+
+    def add_convert(self, key: tuple[type[Any], type[Any]], callback: Callable[[Any], Any]) -> None:
+        """Register the function that converts one type to another."""
+        self._convert[key] = callback
+
+    def get_to_msg(self, key: type[Any]) -> Callable[[Any], Any]:
+        """Return the function that converts a type to a message.
+
+        Raise TypeException if there is none.
+        """
+        return _registered(self._to_msg, key)
+
+    def get_from_msg(self, key: type[Any]) -> Callable[[Any], Any]:
+        """Return the function that converts a message to a type.
+
+        Raise TypeException if there is none.
+        """
+        return _registered(self._from_msg, key)
+
+    def get_convert(self, key: tuple[type[Any], type[Any]]) -> Callable[[Any], Any]:
+        """Return the function that converts one type to another.
+
+        Raise TypeException if there is none.
+        """
+        return _registered(self._convert, key)
+
+
+def _registered(functions: dict[Any, Callable[[Any], Any]], key: Any) -> Callable[[Any], Any]:
+    if key not in functions:
+        raise TypeException(f"Type {key} is not loaded or supported")
+    return functions[key]
+
+
+def convert(a: Any, b_type: type[Obj]) -> Obj:
+    """Convert an object to another type, directly or through a message."""
+    registry = ConvertRegistration()
+    if (type(a), b_type) in registry._convert:
+        converted: Obj = registry.get_convert((type(a), b_type))(a)
+    else:
+        converted = registry.get_from_msg(b_type)(registry.get_to_msg(type(a))(a))
+    return converted
+
+
 class NotImplementedException(Exception):  # noqa: N818  # ROS's name
-    """A buffer of the program's own does not say how it finds transforms."""
+    """A subclass of BufferInterface does not implement the lookup of transforms."""
 
     def __init__(self) -> None:
         super().__init__("CanTransform or LookupTransform not implemented")
 
 
 class BufferInterface:
-    """The base of all buffers: one that finds transforms can transform messages."""
+    """Base class of buffers, which transforms messages.
+
+    Subclasses implement the lookup of transforms.
+    """
 
     def lookup_transform(
         self, target_frame: str, source_frame: str, time: AnyTime, timeout: Duration = NO_WAIT
     ) -> TransformStamped:
-        """Return the transform from the source frame to the target frame; for buffers to define."""
+        """Return the transform from the source frame to the target frame.
+
+        Subclasses must override it.
+        """
         raise NotImplementedException
 
     def can_transform(
         self, target_frame: str, source_frame: str, time: AnyTime, timeout: Duration = NO_WAIT
     ) -> Any:
-        """Return whether a lookup would succeed; for buffers to define."""
+        """Return whether a lookup would succeed. Subclasses must override it."""
         raise NotImplementedException
 
     def transform(self, object_stamped: Obj, target_frame: str, timeout: Duration = NO_WAIT) -> Obj:
         """Transform a message with a header into another frame, at the time of its stamp.
 
-        Raises a TypeException for an unknown type; `import tf2_geometry_msgs` registers its types.
+        Raises:
+            TypeException: The type is not registered; `import tf2_geometry_msgs` registers its
+                types.
         """
         do_transform = TransformRegistration().get(type(object_stamped))
         header: Header = getattr(object_stamped, "header")  # noqa: B009  # Obj is any type with a header

@@ -1,4 +1,4 @@
-"""The broadcaster of transforms that hold at any time."""
+"""The broadcaster of static transforms."""
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -8,10 +8,11 @@ from tf2_ros.transform_broadcaster import Transforms, as_list
 
 
 class StaticTransformBroadcaster:
-    """A broadcaster on /tf_static, which sends all transforms so far each time; by default TRANSIENT_LOCAL.
+    """Broadcasts static transforms on /tf_static, by default with TRANSIENT_LOCAL durability.
 
-    As in ROS 2 Jazzy it keeps the first object that it was given for a child frame: another one for the same
-    child changes nothing, the same one with new numbers does.
+    Each message contains all transforms sent so far. As in ROS 2 Jazzy, the first object for a
+    child frame is kept: a second object for the same child has no effect, but changes of the first
+    object have.
     """
 
     def __init__(self, node: Node, qos: QoSProfile | int | None = None) -> None:
@@ -21,7 +22,7 @@ class StaticTransformBroadcaster:
         self.net_message = TFMessage()
 
     def sendTransform(self, transform: Transforms) -> None:  # noqa: N802  # ROS's name
-        """Send a transform or several, with all earlier ones."""
+        """Send one or more transforms, together with all earlier ones."""
         kept = self.net_message.transforms
         for one in as_list(transform):
             if all(one.child_frame_id != other.child_frame_id for other in kept):

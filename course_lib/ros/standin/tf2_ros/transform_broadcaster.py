@@ -1,4 +1,4 @@
-"""The broadcaster of transforms that change."""
+"""The broadcaster of dynamic transforms."""
 
 from collections.abc import Iterable
 
@@ -11,16 +11,16 @@ Transforms = TransformStamped | Iterable[TransformStamped]
 
 
 class TransformBroadcaster:
-    """A broadcaster on /tf; `qos` may also be only a depth."""
+    """Broadcasts transforms on /tf. `qos` may be a QoS profile or a depth."""
 
     def __init__(self, node: Node, qos: QoSProfile | int | None = None) -> None:
         self.pub_tf = node.create_publisher(TFMessage, "/tf", QoSProfile(depth=100) if qos is None else qos)
 
     def sendTransform(self, transform: Transforms) -> None:  # noqa: N802  # ROS's name
-        """Send a transform or several."""
+        """Send one or more transforms."""
         self.pub_tf.publish(TFMessage(transforms=as_list(transform)))
 
 
 def as_list(transform: Transforms) -> list[TransformStamped]:
-    """Return one transform or several as a list."""
+    """Return one or more transforms as a list."""
     return [transform] if isinstance(transform, TransformStamped) else list(transform)

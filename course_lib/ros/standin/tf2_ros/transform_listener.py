@@ -1,4 +1,4 @@
-"""Fills a buffer with what is sent on /tf and /tf_static."""
+"""The listener that fills a buffer with the transforms on /tf and /tf_static."""
 
 import threading
 from contextlib import suppress
@@ -15,9 +15,10 @@ _AUTHORITY = "default_authority"
 
 
 class TransformListener:
-    """Puts transforms into a buffer while its node spins; with `spin_thread` in a thread of its own.
+    """Stores received transforms in a buffer while its node is spun.
 
-    By default it keeps 100 messages of /tf and of /tf_static, whose publishers are to be TRANSIENT_LOCAL.
+    With `spin_thread` it spins the node in its own thread. By default the queues hold 100 messages,
+    and /tf_static is subscribed to with TRANSIENT_LOCAL durability.
     """
 
     def __init__(
@@ -33,7 +34,8 @@ class TransformListener:
             static_qos = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.buffer = buffer
         self.node = node
-        self.group = ReentrantCallbackGroup()  # a callback of the node may wait for transforms
+        # Reentrant, so that a callback of the node can wait for transforms.
+        self.group = ReentrantCallbackGroup()
         self.tf_sub = node.create_subscription(
             TFMessage, "/tf", self.callback, 100 if qos is None else qos, callback_group=self.group
         )
@@ -46,22 +48,23 @@ class TransformListener:
             self.dedicated_listener_thread.start()
 
     def unregister(self) -> None:
-        """Listen no more."""
+        """Destroy the subscriptions."""
         self.node.destroy_subscription(self.tf_sub)
         self.node.destroy_subscription(self.tf_static_sub)
 
     def callback(self, data: TFMessage) -> None:
-        """Store transforms that change."""
+        """Store dynamic transforms."""
         for transform in data.transforms:
             self.buffer.set_transform(transform, _AUTHORITY)
 
     def static_callback(self, data: TFMessage) -> None:
-        """Store transforms that hold at any time."""
+        """Store static transforms."""
         for transform in data.transforms:
             self.buffer.set_transform_static(transform, _AUTHORITY)
 
     def _spin(self) -> None:
         self.executor.add_node(self.node)
-        with suppress(ExternalShutdownException):  # the program has ended
+        # Raised when the program ends.
+        with suppress(ExternalShutdownException):
             self.executor.spin()
         self.executor.remove_node(self.node)

@@ -1,4 +1,4 @@
-"""Transforms of point clouds; importing it registers them for buffers."""
+"""Transformation of point clouds. Importing the module registers it for buffers."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ _XYZ = ["x", "y", "z"]
 
 
 def transform_points(point_cloud: Any, transform: Transform) -> Matrix:
-    """Return points, shape (N, 3), in the transform's parent frame."""
+    """Transform points, shape (N, 3), to the parent frame of the transform."""
     shift, turn = transform.translation, transform.rotation
     rotation = quat2mat((turn.w, turn.x, turn.y, turn.z))
     placed: Matrix = point_cloud @ rotation.T + (shift.x, shift.y, shift.z)
@@ -24,7 +24,10 @@ def transform_points(point_cloud: Any, transform: Transform) -> Matrix:
 
 
 def do_transform_cloud(cloud: PointCloud2, transform: Transform | TransformStamped) -> PointCloud2:
-    """Return a cloud in the transform's parent frame; fields beside x, y and z stay as they are."""
+    """Transform a cloud to the parent frame of the transform.
+
+    Fields other than x, y and z are unchanged.
+    """
     header = Header(stamp=cloud.header.stamp, frame_id=cloud.header.frame_id)
     if isinstance(transform, TransformStamped):
         header.frame_id, transform = transform.header.frame_id, transform.transform

@@ -6,9 +6,9 @@ import { part } from "./parts.js";
 /** @typedef {import("../protocol.js").PanelRow} Row */
 /** @typedef {import("../protocol.js").Order} Order */
 
-/** The state of all panels as Python has sent it, and the desks of a page that show it. */
+/** The last state of all panels received from Python, and the desks of a page that show it. */
 export class DeskState {
-  /** @param {(order: any) => void} send carries an order to Python @param {boolean} resting nothing can be edited */
+  /** @param {(order: any) => void} send sends an order to Python @param {boolean} resting whether the panels are read-only */
   constructor(send, resting = false) {
     this.resting = resting;
     this.values = /** @type {PanelState} */ ({}); // complete after the first news
@@ -35,10 +35,10 @@ export class DeskState {
   }
 }
 
-/** RViz's tools, panels and status line around one view; there once Python has said something. */
+/** RViz's tools, panels and status line around one view; created after the first message from Python. */
 export class Desk {
   /**
-   * @param {HTMLElement} element gets all of it @param {HTMLElement} host holds the view
+   * @param {HTMLElement} element contains everything @param {HTMLElement} host contains the view
    * @param {import("../view.js").View} view @param {DeskState} state
    */
   constructor(element, host, view, state) {
@@ -49,7 +49,7 @@ export class Desk {
     const style = part("style", { textContent: DESK_STYLE });
     this.frame = part("div", { className: "course-viewer" }, style, host);
     this.frame.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
-      if (!event.ctrlKey && !event.metaKey && !event.altKey) event.stopPropagation(); // they are not the notebook's
+      if (!event.ctrlKey && !event.metaKey && !event.altKey) event.stopPropagation(); // these keys must not reach the notebook
     });
     this.frame.classList.toggle("course-resting", state.resting);
     host.classList.add("course-host");

@@ -3,7 +3,7 @@ import { part } from "./parts.js";
 /** @typedef {import("../protocol.js").PanelRow} Row */
 /** @typedef {{element: any, update: (value: any) => void}} Control */
 
-/** @param {number} value as short as six digits allow */
+/** @param {number} value formatted with at most six digits */
 const short = (value) => String(Number(Number(value).toPrecision(6)));
 
 /** @param {number[]} rgb */
@@ -12,7 +12,7 @@ const hex = (rgb) => `#${rgb.map((part) => part.toString(16).padStart(2, "0")).j
 const rgb = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
 
 /**
- * A text field that only takes a new value when nobody is typing in it.
+ * A text field that accepts a new value only while the user is not typing in it.
  * @param {any} fields @param {(field: any) => void} onchange @param {(value: any) => string} show
  */
 function typed(fields, onchange, show = String) {

@@ -14,11 +14,11 @@ const HINTS = {
   measure: "Click on two points to measure their distance. Right-click to reset.",
 };
 
-/** What the mouse does in a view while a tool of RViz is chosen. */
+/** The actions of the mouse in a view while one of RViz's tools is selected. */
 export class Gestures {
   /**
-   * @param {import("../view.js").View} view @param {(order: import("./desk.js").Order) => void} act told what was done
-   * @param {(text: string) => void} say shows a hint @param {() => void} leave goes back to the first tool
+   * @param {import("../view.js").View} view @param {(order: import("./desk.js").Order) => void} act called with an order
+   * @param {(text: string) => void} say shows a hint @param {() => void} leave selects the first tool
    */
   constructor(view, act, say, leave) {
     this.view = view;
@@ -50,7 +50,7 @@ export class Gestures {
     this.view.canvas.style.cursor = isForCamera(tool.gesture) ? "" : "crosshair";
   }
 
-  /** @param {any} event of the pointer or the keyboard @returns {boolean} whether it is taken */
+  /** @param {any} event of the pointer or the keyboard @returns {boolean} whether it is handled */
   hear(event) {
     const gesture = this.tool.gesture;
     if (gesture === "camera" || !event.type.startsWith("pointer")) return false;
@@ -58,10 +58,10 @@ export class Gestures {
     if (gesture === "pose") return this.pose(event);
     if (event.type === "pointermove" && !event.buttons && gesture === "point") this.hover(event);
     if (gesture === "measure" && event.type === "pointerdown" && event.button === 2) this.take(this.tool);
-    return false; // the view turns on, and tells clicks
+    return false; // the view is turned, and reports clicks
   }
 
-  /** @param {PointerEvent} event on an interactive marker or not @returns {boolean} whether it is taken */
+  /** @param {PointerEvent} event on an interactive marker or not @returns {boolean} whether it is handled */
   interact(event) {
     const kind = event.type.slice("pointer".length);
     if (!this.held && (kind === "up" || (kind === "move" && event.buttons))) return false; // the camera is turned
@@ -75,14 +75,15 @@ export class Gestures {
       this.view.canvas.focus({ preventScroll: true });
     }
     const { shiftKey: shift, ctrlKey: ctrl } = event;
-    const from = { ...this.view.orbit.seen(), pixel: this.view.orbit.pixel(this.view.canvas.clientHeight) };
+    const { clientWidth, clientHeight } = this.view.canvas;
+    const from = { ...this.view.orbit.seen(), pixel: this.view.orbit.pixel(clientWidth, clientHeight) };
     this.act({ act: "UseControl", event: kind, origin, direction, point, shift, ctrl, ...this.held, ...from });
     if (kind === "up" || kind === "cancel") [this.held, this.wantsMenu] = [null, true];
     event.preventDefault();
     return true;
   }
 
-  /** @param {Click} click as the view tells it @returns {boolean} whether the tool took it */
+  /** @param {Click} click reported by the view @returns {boolean} whether the tool handled it */
   click(click) {
     const gesture = this.tool.gesture;
     if (isForCamera(gesture) || click.button !== 0) return !isForCamera(gesture);
@@ -99,7 +100,7 @@ export class Gestures {
     return true;
   }
 
-  /** @param {Click} click as the view tells it */
+  /** @param {Click} click reported by the view */
   select({ path, index }) {
     const node = path === undefined ? null : this.view.mirror.nodes.get(path);
     this.show(node ? new THREE.BoxHelper(node, 0xffffff) : null);
@@ -143,7 +144,7 @@ export class Gestures {
     return true;
   }
 
-  /** @param {any} event @returns {any} where the pointer is on the ground of the fixed frame */
+  /** @param {any} event @returns {any} the point below the pointer on the ground plane of the fixed frame */
   ground(event) {
     const { origin, direction } = this.view.pick(event);
     const far = -origin[2] / direction[2];
@@ -168,7 +169,7 @@ export class Gestures {
     this.show(new THREE.Line(shape, new THREE.LineBasicMaterial({ color: this.settings.color, depthTest: false })));
   }
 
-  /** @param {any} object shown over the scene in place of the one before, never picked */
+  /** @param {any} object shown over the scene, replacing the previous one; it is never picked */
   show(object) {
     if (this.drawn) this.view.mirror.drop(this.drawn);
     this.drawn = object;
@@ -178,5 +179,5 @@ export class Gestures {
   }
 }
 
-/** @param {ToolButton["gesture"]} gesture @returns {boolean} whether the mouse turns the view, where nothing is pressed */
+/** @param {ToolButton["gesture"]} gesture @returns {boolean} whether the mouse turns the view while no control is pressed */
 const isForCamera = (gesture) => gesture === "camera" || gesture === "interact";

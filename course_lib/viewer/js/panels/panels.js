@@ -10,8 +10,8 @@ const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
 /** RViz's tools, Displays and Views panels and status line. */
 export class Panels {
   /**
-   * @param {HTMLElement} frame gets them @param {import("../view.js").View} view what they are around
-   * @param {import("./desk.js").DeskState} state what they show
+   * @param {HTMLElement} frame contains the panels @param {import("../view.js").View} view the view in the middle
+   * @param {import("./desk.js").DeskState} state the displayed state
    */
   constructor(frame, view, state) {
     this.frame = frame;
@@ -50,7 +50,7 @@ export class Panels {
     this.choose(0);
   }
 
-  /** @param {Partial<PanelState>} changed fields: lists that did not change stay, as somebody may be in them */
+  /** @param {Partial<PanelState>} changed fields; unchanged lists are not replaced, because they may have the focus */
   update(changed) {
     const { values } = this.state;
     this.tree.update(this.state.rowsOf(values.tree));
@@ -102,7 +102,7 @@ export class Panels {
     return made;
   }
 
-  /** @param {number} index of the tool that the mouse is for from now on */
+  /** @param {number} index of the tool to select */
   choose(index) {
     this.buttons.forEach((one, at) => (one.ariaPressed = String(at === index)));
     this.gestures.take(this.state.values.toolbar[index]);
@@ -129,14 +129,14 @@ export class Panels {
   add() {
     this.addable = part("select", { size: 14 });
     this.fillAddable();
-    const row = this.tree.chosen; // a group gets it
+    const row = this.tree.chosen; // a display is added to the selected group
     ask(this.frame, "Add", this.addable, (choice) => this.state.act({ act: "AddDisplay", ...JSON.parse(choice), row }));
     this.state.act({ act: "LookAgain" }); // the graph may have new topics
   }
 
   fillAddable() {
     const { types, topics } = this.state.values;
-    /** @param {string} label @param {[string, string][]} all values with what is shown of them */
+    /** @param {string} label @param {[string, string][]} all values with their displayed texts */
     const choices = (label, all) =>
       part("optgroup", { label }, ...all.map(([value, text]) => new Option(text, value)));
     /** @type {[string, string][]} */
@@ -241,14 +241,14 @@ export class Panels {
     event.stopPropagation();
   }
 
-  /** Look from where a new view does, as RViz's key Z has it. */
+  /** Restore the default camera, like RViz's key Z. */
   returnHome() {
     clearTimeout(this.turning);
-    this.view.turnedAt = -Infinity; // the hands are off
+    this.view.turnedAt = -Infinity; // the view is not being turned by hand
     this.state.act({ act: "HomeView" });
   }
 
-  /** Tell Python where the view looks from now, once it rests. */
+  /** Report the camera to Python once the view has stopped moving. */
   turned() {
     clearTimeout(this.turning);
     this.turning = setTimeout(() => {
@@ -257,7 +257,7 @@ export class Panels {
   }
 }
 
-/** @param {HTMLSelectElement} list @param {string[]} words its choices, replaced only when they are others */
+/** @param {HTMLSelectElement} list @param {string[]} words its options, replaced only if they have changed */
 function fill(list, words) {
   if (words.join("\n") === [...list.options].map((option) => option.value).join("\n")) return;
   const chosen = list.selectedIndex;

@@ -14,16 +14,16 @@ export function part(tag, fields = {}, ...children) {
 }
 
 /**
- * Make a button with a name for those who do not see it.
+ * Make a button with a name for screen readers.
  * @param {string | Node} sign @param {string} name @param {() => void} onclick
  */
 export const button = (sign, name, onclick) =>
   part("button", { type: "button", title: name, ariaLabel: name, onclick }, sign);
 
 /**
- * Ask something in a small window; Escape leaves it.
+ * Show a small dialog with one field; Escape closes it.
  * @param {HTMLElement} host @param {string} title @param {any} field an input or a list
- * @param {(value: string) => void} act told what was chosen
+ * @param {(value: string) => void} act called with the chosen value
  */
 export function ask(host, title, field, act) {
   field.ariaLabel = title;
@@ -40,7 +40,7 @@ export function ask(host, title, field, act) {
   if (field.size) field.ondblclick = () => form.requestSubmit();
   field.onkeydown = (/** @type {KeyboardEvent} */ event) => {
     if (event.key !== "Enter") return;
-    event.preventDefault(); // or the button that gets the focus back is pressed too
+    event.preventDefault(); // otherwise the button that receives the focus would be pressed, too
     form.requestSubmit();
   };
   host.append(box);

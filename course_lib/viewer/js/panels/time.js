@@ -15,11 +15,11 @@ const TIME_STYLE = `
 /** @typedef {import("../protocol.js").TimeState} Time */
 /** @typedef {import("../protocol.js").TimeChange} TimeChange */
 
-/** RViz's Time panel: what time it is, and who may change that: play, pause, step, speed, scrub, loop. */
+/** RViz's Time panel: the time, and controls to play, pause, step, change the speed, seek and loop. */
 export class TimeBar {
   /**
-   * @param {HTMLElement} host @param {(change: TimeChange) => void} act told what is done
-   * @param {HTMLElement} keys where Space, comma, period, Home, End and L are heard
+   * @param {HTMLElement} host @param {(change: TimeChange) => void} act called with each change
+   * @param {HTMLElement} keys the element whose keys Space, comma, period, Home, End and L are handled
    */
   constructor(host, act, keys = host) {
     this.act = act;
@@ -53,7 +53,7 @@ export class TimeBar {
     const range = time.range ?? [0, 0];
     for (const one of [this.back, this.scrub, this.loop]) one.hidden = !time.range;
     Object.assign(this.scrub, { min: range[0], max: range[1] });
-    if (!this.scrub.matches(":active")) this.scrub.value = String(time.elapsed); // somebody may hold it
+    if (!this.scrub.matches(":active")) this.scrub.value = String(time.elapsed); // the user may be dragging it
     this.scrub.setAttribute("aria-valuetext", `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s`);
     this.loop.ariaPressed = String(time.loop ?? false);
     this.speed.value = String(time.rate);
@@ -78,8 +78,8 @@ export class TimeBar {
 }
 
 /**
- * Show the time below a view as soon as Python says it, and tell Python what is done there.
- * @param {import("../link.js").Link} link @param {HTMLElement} element with the view @returns {() => void} ends that
+ * Show the time below a view once Python has sent it, and send the user's changes to Python.
+ * @param {import("../link.js").Link} link @param {HTMLElement} element with the view @returns {() => void} removes the time bar
  */
 export function timeBelow(link, element) {
   /** @type {TimeBar | null} */
@@ -93,14 +93,14 @@ export function timeBelow(link, element) {
   };
   link.timeBars.add(update);
   if (link.player) link.player.show();
-  else link.send({ type: "time" }); // an empty change: Python answers, if it has a time
+  else link.send({ type: "time" }); // an empty change, to which Python responds if it has a time
   return () => {
     link.timeBars.delete(update);
     bar?.box.remove();
   };
 }
 
-/** @param {Time} time @returns {string} as RViz's Time panel says it */
+/** @param {Time} time @returns {string} the text of RViz's Time panel */
 function timeText({ now, elapsed, range, wall, wallElapsed, note }) {
   const parts = now === undefined ? [] : [`ROS Time: ${now.toFixed(2)}`];
   parts.push(`ROS Elapsed: ${elapsed.toFixed(2)}${range ? ` of ${range[1].toFixed(2)} s` : ""}`);

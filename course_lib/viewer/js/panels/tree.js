@@ -1,10 +1,10 @@
 import { editorFor } from "./editors.js";
 import { part } from "./parts.js";
 
-/** Rows in a tree with a value each, as RViz's panels have them. */
+/** A tree of rows with values, as in RViz's panels. */
 export class Tree {
   /**
-   * @param {string} label @param {(order: import("./desk.js").Order) => void} act told what is edited
+   * @param {string} label @param {(order: import("./desk.js").Order) => void} act called with each edit
    * @param {(row: any) => string} listFor id of a list of suggestions for a row
    */
   constructor(label, act, listFor) {
@@ -14,7 +14,7 @@ export class Tree {
     this.element.onkeydown = (/** @type {KeyboardEvent} */ event) => this.key(event);
     /** @type {Map<string, any>} the rows that were drawn, by key */
     this.drawn = new Map();
-    /** @type {Map<string, boolean>} which were opened or closed by hand */
+    /** @type {Map<string, boolean>} the rows that the user has expanded or collapsed */
     this.opened = new Map();
     /** @type {import("./editors.js").Row[]} */
     this.rows = [];
@@ -38,12 +38,12 @@ export class Tree {
     const stay = new Set(shown);
     for (const old of [...this.element.children]) if (!stay.has(old)) old.remove();
     shown.forEach((element, index) => {
-      const there = this.element.children[index]; // those that stay are not moved: somebody may be in them
+      const there = this.element.children[index]; // remaining rows are not moved, because they may have the focus
       if (there !== element) this.element.insertBefore(element, there ?? null);
     });
     for (const key of this.drawn.keys()) if (!depths.has(key)) this.drawn.delete(key);
     if (stay.has(chosen)) return this.choose(this.chosen, false);
-    const next = shown[Math.min(Math.max(at, 0), shown.length - 1)]; // what comes after the one that is gone
+    const next = shown[Math.min(Math.max(at, 0), shown.length - 1)]; // the row after the removed one
     this.choose(next?.dataset.key ?? "", isHere);
   }
 
@@ -72,7 +72,7 @@ export class Tree {
     return element;
   }
 
-  /** @param {import("./editors.js").Row} row @param {string} shape what the row is made for */
+  /** @param {import("./editors.js").Row} row @param {string} shape the row's structure */
   made(row, shape) {
     const set = (/** @type {any} */ value) => this.act({ act: "SetValue", row: row.key, value });
     const editor = editorFor(row, set, this.listFor(row));

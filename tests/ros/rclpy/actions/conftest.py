@@ -1,5 +1,7 @@
 """A server's node, a client and an executor that spins both."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import pytest
@@ -9,7 +11,7 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from tests.ros.rclpy.actions.fibonacci import Drive
 
 

@@ -1,8 +1,10 @@
 """The tutorial's server of an action, and what its clients do."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 from example_interfaces.action import Fibonacci
 from rclpy.action import ActionClient
@@ -28,7 +30,7 @@ def count(goal: ServerGoalHandle) -> Fibonacci.Result:
     return Fibonacci.Result(sequence=numbers)
 
 
-Drive = Callable[[Future[Any]], Any]
+Drive: TypeAlias = "Callable[[Future[Any]], Any]"
 
 
 def send(client: ActionClient, until_done: Drive, order: int = 3, **more: Any) -> ClientGoalHandle:

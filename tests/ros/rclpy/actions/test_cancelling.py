@@ -11,7 +11,7 @@ from tests.ros.rclpy.actions.fibonacci import Drive, count, send
 
 
 @pytest.mark.parametrize("answer", CancelResponse)
-def test_a_goal_is_cancelled_if_the_server_lets_it(
+def test_goal_is_canceled_if_the_server_accepts_the_cancellation(
     server_node: Node, client: ActionClient, until_done: Drive, answer: CancelResponse
 ) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", count, cancel_callback=lambda goal: answer)
@@ -25,7 +25,7 @@ def test_a_goal_is_cancelled_if_the_server_lets_it(
     assert again.return_code == CancelGoal.Response.ERROR_GOAL_TERMINATED
 
 
-def test_nothing_is_cancelled_unless_the_server_says_so(
+def test_goal_is_not_canceled_if_the_server_rejects_the_cancellation(
     server_node: Node, client: ActionClient, until_done: Drive
 ) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", count)
@@ -33,7 +33,7 @@ def test_nothing_is_cancelled_unless_the_server_says_so(
     assert response.goals_canceling == []
 
 
-def test_all_goals_are_cancelled_by_a_request_that_names_none(
+def test_cancel_request_without_a_goal_id_cancels_all_goals(
     server_node: Node, node: Node, client: ActionClient, until_done: Drive
 ) -> None:
     ActionServer(

@@ -11,11 +11,11 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from course_lib.ros.baton import DeadlockError
+from course_lib.ros.time.time_lock import DeadlockError
 from tests.ros.rclpy.actions.fibonacci import Drive, count, send
 
 
-def test_a_goal_callback_that_returns_something_else_rejects_with_a_warning(
+def test_invalid_return_value_of_a_goal_callback_rejects_the_goal_with_a_warning(
     server_node: Node, client: ActionClient, until_done: Drive, capfd: pytest.CaptureFixture[str]
 ) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", count, goal_callback=lambda goal: None)
@@ -24,7 +24,7 @@ def test_a_goal_callback_that_returns_something_else_rejects_with_a_warning(
     assert f"[server.action_server]: {warning}" in capfd.readouterr().err
 
 
-def test_a_callback_that_ends_no_goal_aborts_it_with_ros_s_warning(
+def test_execute_callback_without_a_final_state_aborts_the_goal_with_the_warning_of_ros(
     server_node: Node, client: ActionClient, until_done: Drive, capfd: pytest.CaptureFixture[str]
 ) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", lambda goal: Fibonacci.Result())
@@ -34,7 +34,7 @@ def test_a_callback_that_ends_no_goal_aborts_it_with_ros_s_warning(
     )
 
 
-def test_an_exception_aborts_the_goal_and_is_logged(
+def test_exception_in_a_callback_aborts_the_goal_and_is_logged(
     server_node: Node, client: ActionClient, until_done: Drive, capfd: pytest.CaptureFixture[str]
 ) -> None:
     def fail(goal: ServerGoalHandle) -> Fibonacci.Result:
@@ -43,12 +43,15 @@ def test_an_exception_aborts_the_goal_and_is_logged(
     ActionServer(server_node, Fibonacci, "fibonacci", fail)
     answer = until_done(send(client, until_done).get_result_async())
     assert (answer.status, list(answer.result.sequence)) == (GoalStatus.STATUS_ABORTED, [])
-    said = capfd.readouterr().err
-    assert "Error raised in execute callback: no way" in said
-    assert "ValueError: no way" in said
+    errors = capfd.readouterr().err
+    assert "Error raised in execute callback: no way" in errors
+    assert "ValueError: no way" in errors
+    # The traceback shows the callback, without lines of the kit.
+    assert 'in fail\n    raise ValueError("no way")' in errors
+    assert "course_lib" not in errors
 
 
-def test_an_impossible_transition_has_rcl_s_text(
+def test_invalid_goal_transition_raises_the_error_text_of_rcl(
     server_node: Node, client: ActionClient, until_done: Drive
 ) -> None:
     said: list[str] = []
@@ -69,7 +72,7 @@ def test_an_impossible_transition_has_rcl_s_text(
     ]
 
 
-def test_wrong_types_are_refused_as_in_ros(node: Node, client: ActionClient) -> None:
+def test_wrong_types_are_rejected_as_in_ros(node: Node, client: ActionClient) -> None:
     with pytest.raises(TypeError, match=r"^$"):
         client.send_goal_async(Fibonacci.Result())
     with pytest.raises(RuntimeError, match=r"^The action type provided is not valid .*message or service$"):
@@ -82,7 +85,7 @@ def test_wrong_types_are_refused_as_in_ros(node: Node, client: ActionClient) -> 
         ActionServer(node, Fibonacci, "fibonacci", None)  # type: ignore[arg-type]  # the mistake that is tested
 
 
-def test_send_goal_in_a_callback_is_a_deadlock_that_is_named(
+def test_send_goal_in_a_callback_raises_deadlock_error(
     node: Node, server_node: Node, client: ActionClient
 ) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", count)
@@ -91,7 +94,7 @@ def test_send_goal_in_a_callback_is_a_deadlock_that_is_named(
         rclpy.spin(node)
 
 
-def test_a_second_server_of_that_name_is_warned_of(
+def test_second_server_with_the_same_name_causes_a_warning(
     node: Node, server_node: Node, client: ActionClient, until_done: Drive, capfd: pytest.CaptureFixture[str]
 ) -> None:
     for _ in range(2):

@@ -4,7 +4,7 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from action_msgs.msg import GoalStatus
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from example_interfaces.action import Fibonacci
 from rclpy.action import ActionClient, ActionServer, GoalResponse
 from rclpy.action.server import ServerGoalHandle
@@ -13,11 +13,11 @@ from rclpy.node import Node
 from unique_identifier_msgs.msg import UUID
 
 from course_lib.recording import read_bag, record, write_bag
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
 from tests.ros.rclpy.actions.fibonacci import SECOND, Drive, count, later, send
 
 
-def test_a_goal_is_accepted_executed_and_answered(
+def test_goal_is_accepted_executed_and_its_result_returned(
     begun: Graph, server_node: Node, client: ActionClient, until_done: Drive
 ) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", count)
@@ -35,7 +35,7 @@ def test_a_goal_is_accepted_executed_and_answered(
     assert handle.status == GoalStatus.STATUS_SUCCEEDED
 
 
-def test_execute_callbacks_may_be_coroutines(
+def test_execute_callbacks_can_be_coroutines(
     server_node: Node, client: ActionClient, until_done: Drive
 ) -> None:
     async def wait_a_turn(goal: ServerGoalHandle) -> Fibonacci.Result:
@@ -48,7 +48,7 @@ def test_execute_callbacks_may_be_coroutines(
     assert list(answer.result.sequence) == [7]
 
 
-def test_a_goal_can_be_rejected_and_its_result_is_unknown(
+def test_goal_can_be_rejected_and_then_has_an_unknown_result(
     server_node: Node, client: ActionClient, until_done: Drive
 ) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", count, goal_callback=lambda goal: GoalResponse.REJECT)
@@ -70,14 +70,16 @@ def test_send_goal_waits_while_another_thread_spins(
     executor.shutdown()
 
 
-def test_without_a_server_waiting_ends_in_time(begun: Graph, client: ActionClient) -> None:
+def test_wait_for_server_without_a_server_returns_at_its_timeout(begun: Graph, client: ActionClient) -> None:
     assert not client.server_is_ready()
     start_ns = begun.now_ns
     assert not client.wait_for_server(timeout_sec=0.5)
     assert begun.now_ns - start_ns == SECOND // 2
 
 
-def test_a_result_is_kept_for_a_while(server_node: Node, client: ActionClient, until_done: Drive) -> None:
+def test_result_expires_after_the_result_timeout(
+    server_node: Node, client: ActionClient, until_done: Drive
+) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", count, result_timeout=1)
     handle = send(client, until_done, order=1)
     for _ in range(2):
@@ -86,7 +88,9 @@ def test_a_result_is_kept_for_a_while(server_node: Node, client: ActionClient, u
     assert until_done(handle.get_result_async()).status == GoalStatus.STATUS_UNKNOWN
 
 
-def test_an_id_that_is_taken_is_rejected(server_node: Node, client: ActionClient, until_done: Drive) -> None:
+def test_goal_with_a_duplicate_id_is_rejected(
+    server_node: Node, client: ActionClient, until_done: Drive
+) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", count)
     one = UUID(uuid=range(16))
     first = send(client, until_done, goal_uuid=one)
@@ -94,7 +98,7 @@ def test_an_id_that_is_taken_is_rejected(server_node: Node, client: ActionClient
     assert not send(client, until_done, goal_uuid=one).accepted
 
 
-def test_what_an_action_publishes_is_recorded_and_read_again(
+def test_action_feedback_is_recorded_and_read_back_from_a_bag(
     begun: Graph, server_node: Node, client: ActionClient, until_done: Drive, tmp_path: Path
 ) -> None:
     recorder = record(begun)
@@ -104,3 +108,20 @@ def test_what_an_action_publishes_is_recorded_and_read_again(
     read = read_bag(tmp_path / "bag")
     feedback: list[Any] = [message for _, message in read.messages("/fibonacci/_action/feedback")]
     assert [list(message.feedback.sequence) for message in feedback] == [[0, 1, 1], [0, 1, 1, 2]]
+
+
+def test_goal_status_is_published_from_acceptance_on(
+    node: Node, server_node: Node, client: ActionClient, until_done: Drive
+) -> None:
+    ActionServer(server_node, Fibonacci, "fibonacci", count)
+    states: list[int] = []
+    node.create_subscription(
+        GoalStatusArray,
+        "fibonacci/_action/status",
+        lambda message: states.append(message.status_list[0].status),
+        10,
+    )
+    until_done(send(client, until_done).get_result_async())
+    until_done(later(server_node))
+    expected = [GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_SUCCEEDED]
+    assert states == expected

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from tests.ros.rclpy.actions.fibonacci import count
 
 
-def test_the_graph_knows_actions_by_their_hidden_topics(
+def test_graph_lists_actions_by_their_hidden_topics_and_services(
     node: Node, server_node: Node, client: ActionClient
 ) -> None:
     server = ActionServer(server_node, Fibonacci, "fibonacci", count)

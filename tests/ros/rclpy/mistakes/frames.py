@@ -5,7 +5,8 @@ FRAMES = [
     (
         "Buffer().lookup_transform('map', 'base', Time())",
         'tf2.LookupException: "map" passed to lookupTransform argument target_frame does not exist. ',
-        "is the frame published, spelt so? %ros2 run tf2_tools view_frames.",
+        "is the frame published under this name? `%ros2 run tf2_tools view_frames`. A node that can "
+        "continue without the frame catches TransformException.",
     ),
     (
         "Buffer().lookup_transform('/map', 'base', Time())",
@@ -20,7 +21,7 @@ FRAMES = [
         "buffer.lookup_transform('map', 'base', Time())",
         "tf2.ConnectivityException: Could not find a connection between 'map' and 'base' because "
         "they are not part of the same tree.Tf has two or more unconnected trees.",
-        "a transform between two trees is missing: %ros2 run tf2_tools view_frames.",
+        "a transform between two trees is missing: `%ros2 run tf2_tools view_frames`.",
     ),
     (
         "buffer = Buffer()\n"
@@ -30,7 +31,7 @@ FRAMES = [
         "tf2.ExtrapolationException: Lookup would require extrapolation into the future.  "
         "Requested time 3.000000 but the latest data is at time 2.000000, when looking up "
         "transform from frame [base] to frame [map]",
-        "ask for the latest one, Time(), or give a timeout.",
+        "request the latest transform with `Time()`, or pass a timeout.",
     ),
     (
         "Buffer().set_transform(transform('', 'base', 1), 'me')",
@@ -48,6 +49,6 @@ FRAMES = [
         "Buffer().transform(Marker(), 'map')",
         "tf2_ros.buffer_interface.TypeException: Type <class "
         "'visualization_msgs.msg._marker.Marker'> is not loaded or supported",
-        "import tf2_geometry_msgs: it knows points and poses.",
+        "`import tf2_geometry_msgs`, which supports points and poses.",
     ),
 ]

@@ -5,12 +5,12 @@ MESSAGES = [
     (
         "Twist().linear.x = 1",
         "AssertionError: The 'x' field must be of type 'float'",
-        "write the number with a point: 1.0, or float(x).",
+        "write the number with a decimal point: 1.0, or float(x).",
     ),
     (
         "Twist(linear=(1.0, 0.0, 0.0))",
         "AssertionError: The 'linear' field must be a sub message of type 'Vector3'",
-        "make one, with names: Vector3(x=1.0, ...).",
+        "create one, with named fields: `Vector3(x=1.0, y=1.0, z=1.0)`.",
     ),
     (
         "Int32(data=1.5)",
@@ -30,78 +30,103 @@ MESSAGES = [
     (
         "ColorRGBA(r=255)",
         "AssertionError: The 'r' field must be of type 'float'",
-        "colours go from 0.0 to 1.0: write 1.0, not 1.",
+        "colors go from 0.0 to 1.0: write 1.0, not 1 and not 255.",
     ),
     (
         "DiagnosticStatus(level=0)",
         "AssertionError: The 'level' field must be of type 'bytes' or 'ByteString' with length 1",
-        "write DiagnosticStatus.OK, WARN, ERROR or STALE.",
+        "write `DiagnosticStatus.OK`, WARN, ERROR or STALE.",
     ),
     (
         "String('hello')",
         "TypeError: String.__init__() takes 1 positional argument but 2 were given",
-        "name what you give: String(data=...).",
+        "pass the argument by name: `String(data='text')`.",
+    ),
+    (
+        "Marker().color.a = 0,8",
+        "AssertionError: The 'a' field must be of type 'float'",
+        "this is 2 numbers, (0, 8): a decimal number has a point, 0.8, not a comma.",
+    ),
+    (
+        "Marker().scale.x = '1.0'",
+        "AssertionError: The 'x' field must be of type 'float'",
+        "this is the string '1.0': remove the quotes, or convert it with float(…).",
+    ),
+    (
+        "Marker().pose.position = PoseStamped().pose",
+        "AssertionError: The 'position' field must be a sub message of type 'Point'",
+        "this is a Pose: take its field position.",
+    ),
+    (
+        "Marker().pose.position = Marker().scale",
+        "AssertionError: The 'position' field must be a sub message of type 'Point'",
+        "this is a Vector3: `Point(x=v.x, y=v.y, z=v.z)` has its numbers, where v is the Vector3.",
+    ),
+    (
+        "Marker().header.stamp = Node('a').get_clock().now().to_msg",
+        "AssertionError: The 'stamp' field must be a sub message of type 'Time'",
+        "this is the function to_msg, which is not called: are its ( ) missing?",
     ),
     (
         "String(dta='hello')",
         "AssertionError: Invalid arguments passed to constructor: dta",
-        "the message has no such field: %ros2 interface show lists them.",
+        "did you mean `data`?",
     ),
     (
         "message = String()\nmessage.dta = 'hello'",
         "AttributeError: 'String' object has no attribute 'dta'",
-        "did you mean data? %ros2 interface show example_interfaces/msg/String or std_msgs/msg/String "
-        "lists its fields.",
+        "did you mean `data`? `%ros2 interface show std_msgs/msg/String` lists its fields.",
     ),
     (
         "Marker().scal.x = 1.0",
         "AttributeError: 'Marker' object has no attribute 'scal'",
-        "did you mean scale? %ros2 interface show visualization_msgs/msg/Marker lists its fields.",
+        "did you mean `scale`? `%ros2 interface show visualization_msgs/msg/Marker` lists its fields.",
     ),
     (
         "Marker().position.z = 1.0",
         "AttributeError: 'Marker' object has no attribute 'position'",
-        "did you mean pose.position? %ros2 interface show visualization_msgs/msg/Marker lists its fields.",
+        "did you mean `pose.position`? "
+        "`%ros2 interface show visualization_msgs/msg/Marker` lists its fields.",
     ),
     (
         "Marker.CUB",
         "AttributeError: type object 'Marker' has no attribute 'CUB'",
-        "did you mean CUBE? %ros2 interface show visualization_msgs/msg/Marker lists its fields.",
+        "did you mean `CUBE`? `%ros2 interface show visualization_msgs/msg/Marker` lists its fields.",
     ),
     (
         "Marker(type='CUBE')",
         "AssertionError: The 'type' field must be of type 'int'",
-        "give a constant, like Marker.CUBE.",
+        "use a constant, like `Marker.CUBE`.",
     ),
     (
         "PoseStamped().pose.position = (1.0, 2.0, 3.0)",
         "AssertionError: The 'position' field must be a sub message of type 'Point'",
-        "make one, with names: Point(x=1.0, ...).",
+        "create one, with named fields: `Point(x=1.0, y=1.0, z=1.0)`.",
     ),
     (
         "PoseStamped().pose.orientation = 1.57",
         "AssertionError: The 'orientation' field must be a sub message of type 'Quaternion'",
-        "Quaternion(z=sin(yaw / 2), w=cos(yaw / 2)).",
+        "a turn by yaw about z is `Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`.",
     ),
     (
         "Marker().lifetime = Duration(seconds=1.0)",
         "AssertionError: The 'lifetime' field must be a sub message of type 'Duration'",
-        "write Duration(seconds=1.0).to_msg(), with rclpy's Duration.",
+        "write `Duration(seconds=1.0).to_msg()`, with rclpy's Duration.",
     ),
     (
         "Marker().points.x",
         "AttributeError: 'list' object has no attribute 'x'",
-        "it holds several: take one, like [0], or go through it with for.",
+        "it contains several items: select one, like [0], or loop over it with for.",
     ),
     (
         "open('no_such.rviz')",
         "FileNotFoundError: [Errno 2] No such file or directory: 'no_such.rviz'",
-        "save the layout there first: viewer.save_rviz('a_name.rviz'), or Ctrl+S.",
+        "save the layout there first: `viewer.save_rviz('a_name.rviz')`, or Ctrl+S.",
     ),
     (
         "PoseStamped().header.stamp = node.get_clock().now()",
         "AssertionError: The 'stamp' field must be a sub message of type 'Time'",
-        "write self.get_clock().now().to_msg(), where self is the node.",
+        "write `self.get_clock().now().to_msg()`, where self is the node.",
     ),
     (
         "PoseStamped().header.frame_id = None",
@@ -113,11 +138,11 @@ MESSAGES = [
         "marker.points.append((1.0, 2.0, 3.0))\n"
         "node.create_publisher(Marker, 'marker', 10).publish(marker)",
         "AssertionError: The 'points' field must be a set or sequence and each value of type 'Point'",
-        "give a list of them: [Point(x=1.0, ...)].",
+        "use a list of them: `[Point(x=1.0, y=1.0, z=1.0)]`.",
     ),
     (
         "Marker().points = Point()",
         "AssertionError: The 'points' field must be a set or sequence and each value of type 'Point'",
-        "give a list of them: [Point(x=1.0, ...)].",
+        "use a list of them: `[Point(x=1.0, y=1.0, z=1.0)]`.",
     ),
 ]

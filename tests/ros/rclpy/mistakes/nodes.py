@@ -8,22 +8,23 @@ NODES = [
         "        self.publisher = self.create_publisher(String, 'chatter', 10)\n"
         "Robot()",
         "AttributeError: 'Robot' object has no attribute '_default_callback_group'",
-        "call super().__init__('a_name') first in Robot.__init__().",
+        "call `super().__init__('a_name')` first in Robot.__init__().",
     ),
     (
         "class Robot(Node):\n    def __init__(self):\n        super().__init__()\nRobot()",
         "TypeError: Node.__init__() missing 1 required positional argument: 'node_name'",
-        "name the node: super().__init__('a_name'), in def __init__ with two underscores on each side.",
+        "give the node a name: `super().__init__('a_name')`, in def __init__ with two underscores on each "
+        "side.",
     ),
     (
         "node.create_timer(0.1, lambda event: None)\nrclpy.spin(node)",
         "TypeError: <lambda>() missing 1 required positional argument: 'event'",
-        "a timer gives no argument: write def tick(self).",
+        "a timer passes no argument: write `def tick(self)`.",
     ),
     (
         "node.create_timer(0.1, lambda timer, event: None)\nrclpy.spin(node)",
         "TypeError: <lambda>() missing 2 required positional arguments: 'timer' and 'event'",
-        "a timer gives no argument: write def tick(self).",
+        "a timer passes no argument: write `def tick(self)`.",
     ),
     (
         "class Robot(Node):\n"
@@ -33,7 +34,7 @@ NODES = [
         "    def tick(): ...\n"
         "rclpy.spin(Robot())",
         "TypeError: Robot.tick() takes 0 positional arguments but 1 was given",
-        "write self first: def tick(self).",
+        "write self first: `def tick(self)`.",
     ),
     (
         "class Robot(Node):\n"
@@ -44,52 +45,54 @@ NODES = [
         "        self.get_logger().info('tick')\n"
         "rclpy.spin(Robot())",
         "NameError: name 'self' is not defined",
-        "write self as the method's first parameter: def heard(self, msg).",
+        "write self as the method's first parameter: `def tick(self)`.",
     ),
     (
         "class Robot(Node):\n    def __init__(): ...\nRobot()",
         "TypeError: Robot.__init__() takes 0 positional arguments but 1 was given",
-        "write self first: def __init__(self).",
+        "write self first: `def __init__(self)`.",
     ),
     (
         "class Robot(Node):\n    def go(speed): ...\nRobot('a').go(1.0)",
         "TypeError: Robot.go() takes 1 positional argument but 2 were given",
-        "is self first in def go(self, ...)?",
+        "is self first in def go(self, …)?",
     ),
     (
         "Publisher",
         "NameError: name 'Publisher' is not defined",
-        "define or import Publisher first; in a notebook run the cells above, from the first one on.",
+        "define or import Publisher first, or put it in quotes if it is a string; in a notebook run the "
+        "cells above, beginning with the first one.",
     ),
     (
         "MarkerArray()",
         "NameError: name 'MarkerArray' is not defined",
-        "import it: from visualization_msgs.msg import MarkerArray; in a notebook run the first cells again.",
+        "import it: `from visualization_msgs.msg import MarkerArray`; "
+        "in a notebook run the first cells again.",
     ),
     (
         "def f():\n    g()\ndef g():\n    f()\nglobals().update(f=f, g=g)\nf()",
         "RecursionError: maximum recursion depth exceeded",
-        "a function calls itself without an end, or two call each other.",
+        "a function calls itself endlessly, or two functions call each other.",
     ),
     (
         "node.create_timer(0.1, print('tick'))\nrclpy.spin(node)",
         "TypeError: 'NoneType' object is not callable",
-        "give the function itself, without (): self.tick, not self.tick().",
+        "pass the function itself, without (): `self.tick`, not self.tick().",
     ),
     (
         "node.create_timer(-0.1, lambda: None)",
         "rclpy.exceptions.RCLError: failed to create timer: timer period must be non-negative",
-        "give the period in seconds, like 0.1 for 10 Hz.",
+        "pass the period in seconds, like 0.1 for 10 Hz.",
     ),
     (
         "node.create_timer(print, 0.1)",
         "TypeError: float() argument must be a string or a real number, not 'builtin_function_or_method'",
-        "first the period in seconds, then the function: create_timer(1.0, self.tick).",
+        "pass the period in seconds first, then the function: `self.create_timer(1.0, self.tick)`.",
     ),
     (
         "class Robot(Node):\n    def __init__(self):\n        super.__init__('a')\nRobot()",
         "TypeError: descriptor '__init__' requires a 'super' object but received a 'str'",
-        "write super().__init__('a_name'), with () after super.",
+        "write `super().__init__('a_name')`, with () after super.",
     ),
     (
         "class Robot(Node):\n"
@@ -98,27 +101,27 @@ NODES = [
         "        self.pub = self.create_publisher(String, 'chatter', 10)\n"
         "Robot().publisher",
         "AttributeError: 'Robot' object has no attribute 'publisher'",
-        "set self.publisher in Robot.__init__, spelled the same.",
+        "set `self.publisher` in Robot.__init__, spelled the same.",
     ),
     (
         "node.create_timer('0.1 s', lambda: None)",
         "ValueError: could not convert string to float: '0.1 s'",
-        "give the period in seconds, as a number.",
+        "pass the period in seconds, as a number.",
     ),
     (
         "rclpy.shutdown()\nNode('late')",
         "rclpy.exceptions.NotInitializedException: rclpy.init() has not been called. msg:cannot create node",
-        "call rclpy.init() first.",
+        "call `rclpy.init()` first.",
     ),
     (
         "rclpy.init()",
         "RuntimeError: Context.init() must only be called once",
-        "one rclpy.init() per program; rclpy.ok() says if it was.",
+        "call rclpy.init() once per program; `rclpy.ok()` returns True after it.",
     ),
     (
         "rclpy.shutdown()\nrclpy.shutdown()",
         "RuntimeError: Context must be initialized before it can be shutdown",
-        "rclpy.try_shutdown() never complains.",
+        "`rclpy.try_shutdown()` never raises an error.",
     ),
     (
         "Node('my robot')",
@@ -145,8 +148,8 @@ NODES = [
         "use letters, digits and underscores, and begin with a letter, like /robot_1.",
     ),
     (
-        "rate = node.create_rate(10)\nnode.create_timer(0.1, rate.sleep)\nrclpy.spin(node)",
-        "course_lib.ros.baton.DeadlockError: Rate.sleep() waits for a tick that comes only after "
+        "rate = node.create_rate(1)\nnode.create_timer(0.1, rate.sleep)\nrclpy.spin(node)",
+        "course_lib.ros.time.time_lock.DeadlockError: Rate.sleep() waits for a tick that comes only after "
         "this callback has ended. Use a timer, or a MultiThreadedExecutor.",
         "",
     ),
@@ -158,18 +161,18 @@ NODES = [
     (
         "rclpy.spin()",
         "TypeError: spin() missing 1 required positional argument: 'node'",
-        "say which node: rclpy.spin(node).",
+        "pass the node: rclpy.spin(node).",
     ),
     (
         "node.get_logger().info(5)",
         "TypeError: rclpy_logging_rcutils_log(): incompatible function arguments: the message must "
         "be a str, not int; write str(...) or an f-string",
-        "write one f-string: info(f'speed: {speed}').",
+        "write one f-string: `self.get_logger().info(f'speed: {speed}')`.",
     ),
     (
         "node.get_logger().info('speed:', 5)",
         "TypeError: RcutilsLogger.info() takes 2 positional arguments but 3 were given",
-        "write one f-string: info(f'speed: {speed}').",
+        "write one f-string: `self.get_logger().info(f'speed: {speed}')`.",
     ),
     (
         "for say in ('info', 'error'):\n    getattr(node.get_logger(), say)('hello')",
@@ -181,6 +184,6 @@ NODES = [
         "class Camera(LifecycleNode):\n    def on_configure(self, state):\n        pass\n"
         "Camera('camera').trigger_configure()",
         "AttributeError: 'NoneType' object has no attribute 'to_label'",
-        "end the callback with: return TransitionCallbackReturn.SUCCESS.",
+        "end the callback with `return TransitionCallbackReturn.SUCCESS`.",
     ),
 ]

@@ -10,34 +10,33 @@ PARAMETERS = [
     (
         "node.get_parameter('speed')",
         "rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared parameter(s): speed",
-        "declare it first: self.declare_parameter('a_name', 1.0).",
+        "declare it first: `self.declare_parameter('a_name', 1.0)`.",
     ),
     (
         "node.set_parameters([Parameter('speed', value=1)])",
         "rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared parameter(s): []",
-        "declare it first: self.declare_parameter('a_name', 1.0).",
+        "declare it first: `self.declare_parameter('a_name', 1.0)`.",
     ),
     (
         "node.declare_parameter('speed', 1.0)\nprint(node.get_parameter('speed') * 2)",
         "TypeError: unsupported operand type(s) for *: 'Parameter' and 'int'",
-        "ask for its value: get_parameter('a_name').value.",
+        "read its value: `self.get_parameter('a_name').value`.",
     ),
     (
         "node.declare_parameter('speed', {'max': 1.0})",
         "TypeError: The given value is not one of the allowed types '{'max': 1.0}'.",
-        "bool, int, float, str, or lists.",
+        "use bool, int, float, str, or lists of them.",
     ),
     (
         "node.declare_parameter('speeds', [1, 'fast'])",
         "TypeError: The given value is not a list of one of the allowed types '[1, 'fast']'.",
-        "bool, int, float, str, or lists.",
+        "use bool, int, float, str, or lists of them.",
     ),
     (
-        "node.declare_parameter('speed', 1.0)\n"
-        "node.add_on_set_parameters_callback(lambda parameters: None)\n"
-        "node.set_parameters([Parameter('speed', value=2.0)])",
-        "AttributeError: 'NoneType' object has no attribute 'successful'",
-        "end the callback with: return SetParametersResult(successful=True).",
+        "node.add_on_set_parameters_callback(lambda parameters: None)\nnode.declare_parameter('speed', 1.0)",
+        "rclpy.exceptions.InvalidParameterValueException: Invalid parameter value (1.0) for parameter. "
+        "Reason: Callback returned an invalid type: speed",
+        "end the callback with `return SetParametersResult(successful=True)`.",
     ),
     (
         "node.declare_parameter('speed', Parameter.Type.DOUBLE)\nnode.get_parameter('speed').value",

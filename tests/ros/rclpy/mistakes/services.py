@@ -5,19 +5,19 @@ SERVICES = [
     (
         "client = node.create_client(AddTwoInts, 'add')\nclient.call_async(AddTwoInts.Request()).sum",
         "AttributeError: 'Future' object has no attribute 'sum'",
-        "it comes later: await it, or add_done_callback(f).",
+        "the result is not available yet: `await future`, or `future.add_done_callback(f)`.",
     ),
     (
         "client = node.create_client(AddTwoInts, 'add')\nclient.call_async(AddTwoInts)",
         "TypeError",
-        "give a request, with (): AddTwoInts.Request(a=1, b=2).",
+        "pass a request, with (): `AddTwoInts.Request(a=1, b=2)`.",
     ),
     (
         "node.create_client(AddTwoInts.Request, 'add')",
         "RuntimeError: The service type provided is not valid (<class "
         "'example_interfaces.srv._add_two_ints.AddTwoInts_Request'>), this might be a message or "
         "action",
-        "they are in .msg, .srv and .action.",
+        "import types from .msg, .srv or .action.",
     ),
     (
         "node.create_service(AddTwoInts, 'add', lambda request, response: None)\n"
@@ -25,7 +25,7 @@ SERVICES = [
         "client.call_async(AddTwoInts.Request())\n"
         "rclpy.spin(node)",
         "TypeError",
-        "end the service's callback with: return response.",
+        "end the service's callback with `return response`.",
     ),
     (
         "node.create_service(AddTwoInts, 'add', lambda request, response: request.a + request.b)\n"
@@ -33,7 +33,7 @@ SERVICES = [
         "client.call_async(AddTwoInts.Request())\n"
         "rclpy.spin(node)",
         "TypeError",
-        "end the service's callback with: return response.",
+        "end the service's callback with `return response`.",
     ),
     (
         "node.create_service(AddTwoInts, 'add', lambda request: None)\n"
@@ -41,14 +41,14 @@ SERVICES = [
         "client.call_async(AddTwoInts.Request())\n"
         "rclpy.spin(node)",
         "TypeError: <lambda>() takes 1 positional argument but 2 were given",
-        "write def answer(self, request, response).",
+        "write `def answer(self, request, response)`.",
     ),
     (
         "node.create_service(AddTwoInts, 'add', lambda request, response: response)\n"
         "client = node.create_client(AddTwoInts, 'add')\n"
         "node.create_timer(0.1, lambda: client.call(AddTwoInts.Request()))\n"
         "rclpy.spin(node)",
-        "course_lib.ros.baton.DeadlockError: call() on /add waits for a response that is taken "
+        "course_lib.ros.time.time_lock.DeadlockError: call() on /add waits for a response that is taken "
         "only after this callback has ended. Use call_async() with add_done_callback() or await; "
         "or a MultiThreadedExecutor, with the client in another callback group.",
         "",
@@ -56,7 +56,7 @@ SERVICES = [
     (
         "AddTwoInts()",
         "NotImplementedError: Service classes can not be instantiated",
-        "make its request: AddTwoInts.Request(a=1).",
+        "create its request: `AddTwoInts.Request(a=1)`.",
     ),
     (
         "ActionServer(node, Fibonacci, 'count', lambda goal: goal.succeed())\n"
@@ -68,12 +68,12 @@ SERVICES = [
     (
         "ActionClient(node, Fibonacci, 'count').send_goal_async(5)",
         "TypeError",
-        "give a goal, with (): Fibonacci.Goal(order=5).",
+        "pass a goal, with (): `Fibonacci.Goal(order=5)`.",
     ),
     (
         "ActionServer(node, AddTwoInts, 'count', print)",
         "RuntimeError: The action type provided is not valid (<class "
         "'example_interfaces.srv._add_two_ints.AddTwoInts'>), this might be a message or service",
-        "they are in .msg, .srv and .action.",
+        "import types from .msg, .srv or .action.",
     ),
 ]

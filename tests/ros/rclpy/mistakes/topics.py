@@ -6,7 +6,7 @@ TOPICS = [
         "node.create_subscription(String, 'chatter', lambda: None, 10)",
         "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
         "argument(to get only the message) or two (to get message and message info)",
-        "write def heard(self, msg), and give self.heard, without ().",
+        "the callback gets the message: write `def heard(self, msg)`, and pass `self.heard`, without ().",
     ),
     (
         "class Robot(Node):\n"
@@ -16,49 +16,49 @@ TOPICS = [
         "robot.create_subscription(String, 'chatter', robot.heard, 10)",
         "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
         "argument(to get only the message) or two (to get message and message info)",
-        "write def heard(self, msg), and give self.heard, without ().",
+        "the callback gets the message: write `def heard(self, msg)`, and pass `self.heard`, without ().",
     ),
     (
         "node.create_subscription(String, 'chatter', print('heard'), 10)",
         "RuntimeError: Subscription.__init__(): callback should be either be callable with one "
         "argument(to get only the message) or two (to get message and message info)",
-        "write def heard(self, msg), and give self.heard, without ().",
+        "the callback gets the message: write `def heard(self, msg)`, and pass `self.heard`, without ().",
     ),
     (
         "node.create_publisher(String, 'chatter', 10).publish('hello')",
         "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'str'>",
-        "put it into a message: String(data=...).",
+        "put it into a message: String(data=…).",
     ),
     (
         "node.create_publisher(Marker, 'cubes', 10).publish('marker')",
         "TypeError: Expected <class 'visualization_msgs.msg._marker.Marker'>, got <class 'str'>",
-        "publish a message: make one with Marker(), and fill in its fields.",
+        "publish a message: create one with `Marker()`, and set its fields.",
     ),
     (
         "node.create_publisher('chatter', String, 10)",
         "TypeError: rclpy_resolve_name(): incompatible function arguments.",
-        "the type first, then the name in quotes: create_publisher(Marker, '/a_topic', 10).",
+        "pass the type first, then the name in quotes: `self.create_publisher(Marker, '/a_topic', 10)`.",
     ),
     (
         "node.create_publisher(String, 'chatter', 10).publish(String)",
         "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'type'>",
-        "make an object: String(), with ().",
+        "create an object: `String()`, with ().",
     ),
     (
         "node.create_publisher(String, 'chatter', 10).publish(Twist())",
         "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class "
         "'geometry_msgs.msg._twist.Twist'>",
-        "publish a String, or make a publisher for the other type.",
+        "publish a String, or create a publisher for the other type.",
     ),
     (
         "node.create_publisher(String, 'chatter')",
         "TypeError: Node.create_publisher() missing 1 required positional argument: 'qos_profile'",
-        "say how many messages are kept, like 10, as the last argument.",
+        "pass the number of messages to keep, like 10, as the last argument.",
     ),
     (
         "node.create_publisher(String, 'chatter', '10')",
         "TypeError: Expected QoSProfile or int, but received <class 'str'>",
-        "say how many messages are kept, like 10.",
+        "pass the number of messages to keep, like 10.",
     ),
     (
         "node.create_publisher(String, 'chatter', -1)",
@@ -70,13 +70,13 @@ TOPICS = [
         "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 "
         "message type but it should be a ROS 2 message type. Make sure to source your ROS 2 "
         "workspace after your ROS 1 workspace.",
-        "give the class: from std_msgs.msg import String.",
+        "pass the class: `from std_msgs.msg import String`.",
     ),
     (
         "node.create_publisher(AddTwoInts, 'chatter', 10)",
         "RuntimeError: The message type provided is not valid (<class "
         "'example_interfaces.srv._add_two_ints.AddTwoInts'>), this might be a service or action",
-        "they are in .msg, .srv and .action.",
+        "import types from .msg, .srv or .action.",
     ),
     (
         "node.create_publisher(String, 'my chatter', 10)",
@@ -107,18 +107,18 @@ TOPICS = [
         "node.destroy_publisher(publisher)\n"
         "publisher.publish(String())",
         "rclpy.exceptions.InvalidHandle: cannot use Destroyable because destruction was requested",
-        "it was destroyed before; make a new one, or destroy it later.",
+        "it was destroyed before; create a new one, or destroy it later.",
     ),
     (
         "QoSProfile()",
         "rclpy.qos.InvalidQoSProfileException: ('Invalid QoSProfile', 'History and/or depth "
         "settings are required.')",
-        "say how many messages are kept: depth=10.",
+        "pass the number of messages to keep: `QoSProfile(depth=10)`.",
     ),
     (
         "QoSProfile(dept=10)",
         "AssertionError: Invalid arguments passed to constructor: dict_keys(['dept'])",
-        "it takes depth, reliability, ...",
+        "its arguments are depth, reliability, ...",
     ),
     (
         "best = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)\n"
@@ -138,7 +138,8 @@ TOPICS = [
     ),
     (
         "node.create_publisher(String, 'chatter', 1)\nnode.create_subscription(Int32, 'chatter', print, 1)",
-        "[WARN] [robot]: Incompatible type on topic 'chatter', no messages will be sent to it.",
-        "",
+        "rclpy.exceptions.RCLError: Failed to create subscription: invalid allocator",
+        "the program already uses this name with another type. One topic or service has one type: "
+        "`%ros2 topic info /a_topic` and `%ros2 service type /a_service` show it.",
     ),
 ]

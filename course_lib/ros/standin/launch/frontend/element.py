@@ -1,37 +1,42 @@
-"""The elements of XML and YAML launch files: what each stands for, and how its attributes are read."""
+"""The elements of XML and YAML launch files: which action each creates, and how its attributes are read."""
 
 import shlex
 from collections.abc import Callable, Sequence
+from contextvars import ContextVar
 from dataclasses import dataclass
-from importlib import import_module
+from functools import partial
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NoReturn, TypeAlias
 
 from course_lib.errors import did_you_mean
+from course_lib.ros.programs.missing_packages import NotHereError
+from course_lib.ros.programs.packages import why_not_found
 from launch.conditions import IfCondition, UnlessCondition
-from launch.entities import Action, Condition, InvalidLaunchFileError, LaunchDescription
-from launch.frontend.entity import Entity, EntityError
-from launch.frontend.grammar import Parts, parse_substitution, unescaped
-from launch.frontend.reading import read_entity
+from launch.entities import Action, Condition, InvalidLaunchFileError, LaunchContext, LaunchDescription
+from launch.frontend.entity import Entity, EntityError, read_entity
+from launch.frontend.grammar import Parts, load_extensions, parse_substitution, unescaped
 from launch.substitutions import TextSubstitution
 
-Reader: TypeAlias = Callable[[Entity, str], Any]  # of an attribute; None where it is not there
-_OF_ROS_1 = {  # elements, and what stands for them
+# Reads an attribute of an entity; None if it is missing.
+Reader: TypeAlias = Callable[[Entity, str], Any]
+# Elements of ROS 1, with their replacements in ROS 2.
+_OF_ROS_1 = {
     "machine": "start the launch on each computer",
     "param": "it stands in a node, or it is set_parameter",
     "remap": "it stands in a node, or it is set_remap",
     "rosparam": "it is <param from=…/> in a node",
 }
-_EXTENSIONS = ("launch.frontend.elements", "launch_ros.frontend")  # ROS finds them by entry points
+# Elements of simulator packages, which cannot run here.
+_OF_SIMULATOR = {"ros_gz_bridge": "ros_gz_bridge", "gz_server": "ros_gz_sim", "gz_spawn_model": "ros_gz_sim"}
 
 
 class InvalidFrontendLaunchFileError(InvalidLaunchFileError):
-    """An XML or YAML file does not describe a launch; the text names the file and the line."""
+    """An XML or YAML file is not a valid launch file. The message has the file and the line."""
 
 
 @dataclass(frozen=True)
 class Attribute:
-    """An attribute, or elements of a tag: its name, how it is read, and the argument that it becomes."""
+    """An attribute or child tag of an element: its name, its reader, and the argument that it becomes."""
 
     name: str
     read: Reader
@@ -41,54 +46,70 @@ class Attribute:
 
 @dataclass(frozen=True)
 class Element:
-    """One element: what makes an action, or a part of one, of its attributes; it may have a condition."""
+    """An element: the function that creates an action or part of one, and the attributes."""
 
     make: Callable[..., Any]
     attributes: Sequence[Attribute] = ()
     conditional: bool = True
 
 
-ELEMENTS: dict[str, Element] = {}  # of actions
+# The elements that create actions, by tag.
+ELEMENTS: dict[str, Element] = {}
+# The file that is being read, which actions store for error messages.
+_file: ContextVar[Path] = ContextVar("file", default=Path())
 
 
 def description_of(file: Path) -> LaunchDescription:
-    """Return what an XML or YAML file describes; raises a CourseError with the line of a mistake."""
-    for extension in _EXTENSIONS:
-        import_module(extension)
+    """Parse an XML or YAML launch file. Raise a CourseError with the line of an error."""
+    load_extensions()
     try:
         root = read_entity(file)
         if root.type_name != "launch":
             raise EntityError(root.line, f"the root is '{root.type_name}', expected 'launch'")
         reason = root.get("deprecated")
-        description = LaunchDescription(inner_actions(root), deprecated_reason=reason)
+        token = _file.set(file)
+        try:
+            description = LaunchDescription(inner_actions(root), deprecated_reason=reason)
+        finally:
+            _file.reset(token)
         root.refuse_rest(["deprecated"])
     except EntityError as error:
-        raise InvalidFrontendLaunchFileError(f"{file}, line {error.line}: {error}.") from error
+        text = str(error) if str(error).endswith((".", "?")) else f"{error}."
+        raise InvalidFrontendLaunchFileError(f"{file}, line {error.line}: {text}") from error
     return description
 
 
 def inner_actions(entity: Entity, but: str = "") -> list[Action]:
-    """Return the actions that the elements in an entity stand for, without those of one tag."""
+    """Return the actions of an entity's child elements, except those with the tag `but`."""
     return [_action(child) for child in entity.children if child.type_name != but]
+
+
+def _leave_out(reason: str, context: LaunchContext) -> NoReturn:
+    raise NotHereError(reason)
 
 
 def _action(entity: Entity) -> Action:
     element = ELEMENTS.get(entity.type_name)
-    if element is None:
-        raise entity.error(f"there is no such element{_other_element(entity.type_name)}")
-    action = built(entity, element)
+    action: Action
+    if element is not None:
+        action = built(entity, element)
+    elif entity.type_name in _OF_SIMULATOR:
+        action = Action(partial(_leave_out, why_not_found(_OF_SIMULATOR[entity.type_name])))
+    else:
+        name = entity.type_name
+        other = f" in ROS 2: {_OF_ROS_1[name]}" if name in _OF_ROS_1 else did_you_mean(name, ELEMENTS)
+        other = other or f". There are: {', '.join(sorted(ELEMENTS))}"
+        raise entity.error(f"there is no such element{other}")
     assert isinstance(action, Action)
+    action.place = (str(_file.get()), entity.line)
     return action
 
 
-def _other_element(name: str) -> str:
-    if name in _OF_ROS_1:
-        return f" in ROS 2: {_OF_ROS_1[name]}"
-    return did_you_mean(name, ELEMENTS) or f". There are: {', '.join(sorted(ELEMENTS))}"
-
-
 def built(entity: Entity, element: Element) -> Any:
-    """Return what an element stands for; raises an EntityError for any mistake in it."""
+    """Create the action or part that an element describes.
+
+    Raise an EntityError if it is invalid.
+    """
     try:
         arguments: dict[str, Any] = {}
         for attribute in element.attributes:
@@ -96,7 +117,9 @@ def built(entity: Entity, element: Element) -> Any:
             if value is not None:
                 arguments[attribute.argument or attribute.name] = value
             elif attribute.needed:
-                raise entity.error(f"it needs '{attribute.name}'{_of_ros_1(entity, attribute.name)}")
+                is_of_ros_1 = attribute.name == "exec" and entity.get("type") is not None
+                more = ". This is a file of ROS 1: in ROS 2 the executable is exec, not type" * is_of_ros_1
+                raise entity.error(f"it needs '{attribute.name}'{more}")
         if element.conditional and (condition := _condition(entity)) is not None:
             arguments["condition"] = condition
         names = {attribute.name for attribute in element.attributes if attribute.name}
@@ -106,11 +129,6 @@ def built(entity: Entity, element: Element) -> Any:
         raise
     except (ValueError, RuntimeError, TypeError) as error:
         raise entity.error(str(error)) from error
-
-
-def _of_ros_1(entity: Entity, name: str) -> str:
-    is_old = name == "exec" and entity.get("type") is not None
-    return ". This is a file of ROS 1: in ROS 2 the executable is exec, not type" if is_old else ""
 
 
 def _condition(entity: Entity) -> Condition | None:
@@ -123,19 +141,19 @@ def _condition(entity: Entity) -> Condition | None:
 
 
 def text(entity: Entity, name: str) -> Parts | None:
-    """Read text with substitutions."""
+    """Read an attribute as a string with substitutions."""
     value = entity.get(name)
     return None if value is None else parse_substitution(value)
 
 
 def word(entity: Entity, name: str) -> str | None:
-    """Read text without substitutions."""
+    """Read an attribute as a string without substitutions."""
     value = entity.get(name)
     return None if value is None else unescaped(value)
 
 
 def of(kind: type) -> Reader:
-    """Return the reader of a value of a kind, for which text with substitutions may stand."""
+    """Return a reader for values of a type, or for strings with substitutions in their place."""
 
     def read(entity: Entity, name: str) -> Any:
         value = entity.get(name, kind)
@@ -145,24 +163,30 @@ def of(kind: type) -> Reader:
 
 
 def actions(entity: Entity, name: str) -> list[Action]:
-    """Read the actions in an entity; elements of the tag `name` are others."""
+    """Read the child elements as actions, except those with the tag `name`."""
     return inner_actions(entity, name)
 
 
 def pairs(first: str, second: str) -> Reader:
-    """Return the reader of elements with two attributes."""
+    """Return a reader for child elements with two attributes."""
     attributes = (Attribute(first, text, "one", True), Attribute(second, text, "other", True))
     return several(Element(lambda one, other: (tuple(one), other), attributes, conditional=False))
 
 
+def launch_arguments(entity: Entity, name: str) -> list[Any] | None:
+    """Read the arguments of an included file: `let` elements, or `arg` elements as in older files."""
+    found = [pair for tag in ("arg", "let") for pair in pairs("name", "value")(entity, tag) or ()]
+    return found or None
+
+
 def mapping(entity: Entity, name: str) -> dict[Any, Any] | None:
-    """Read elements with name and value."""
+    """Read child elements with a name and a value as a dictionary."""
     found = pairs("name", "value")(entity, name)
     return None if found is None else dict(found)
 
 
 def several(element: Element) -> Reader:
-    """Return the reader of elements of a tag, as a list."""
+    """Return a reader for all child elements of a tag, as a list."""
 
     def read(entity: Entity, name: str) -> list[Any] | None:
         return [built(child, element) for child in entity.named(name)] or None
@@ -171,7 +195,7 @@ def several(element: Element) -> Reader:
 
 
 def on_exit(entity: Entity, name: str) -> Any:
-    """Read the reaction to an end: `shutdown` is the only one."""
+    """Read the action at the exit of a process. `shutdown` is the only one."""
     value = entity.get(name)
     if value not in (None, "shutdown"):
         raise entity.error(f"{name} is '{value}', expected shutdown")
@@ -179,12 +203,13 @@ def on_exit(entity: Entity, name: str) -> Any:
 
 
 def command_line(entity: Entity, name: str) -> list[Parts] | None:
-    """Read a command line as its words; substitutions stay within one."""
+    """Read a command line as a list of words. A substitution is never split."""
     value = entity.get(name)
     if value is None:
         return None
     words: list[Parts] = []
-    joins = False  # the next part to the last word
+    # Whether the next part continues the last word.
+    joins = False
     for part in parse_substitution(value):
         if not isinstance(part, TextSubstitution):
             words = [*words[:-1], [*words[-1], part]] if joins else [*words, [part]]

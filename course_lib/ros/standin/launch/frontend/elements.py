@@ -8,10 +8,10 @@ from launch.frontend.element import (
     Attribute,
     Element,
     command_line,
+    launch_arguments,
     mapping,
     of,
     on_exit,
-    pairs,
     several,
     text,
     word,
@@ -22,7 +22,8 @@ from launch.frontend.grammar import SUBSTITUTIONS, Form
 _NAME = Attribute("name", text, needed=True)
 _VALUE = Attribute("value", text, needed=True)
 _INNER = Attribute("", inner, "actions")
-PROCESS = (  # of all elements that start a process
+# Attributes of all elements that start a process.
+PROCESS = (
     Attribute("cwd", text),
     Attribute("name", text),
     Attribute("on_exit", on_exit),
@@ -67,7 +68,7 @@ ELEMENTS |= {
         actions.IncludeLaunchDescription,
         (
             Attribute("file", text, "launch_description_source", needed=True),
-            Attribute("arg", pairs("name", "value"), "launch_arguments"),
+            Attribute("let", launch_arguments, "launch_arguments"),
         ),
     ),
     "let": Element(actions.SetLaunchConfiguration, (_NAME, _VALUE)),
@@ -87,7 +88,7 @@ ELEMENTS |= {
 
 
 def _expression(value: Some, modules: Some = "math") -> substitutions.PythonExpression:
-    """Return `$(eval …)`; the second argument are the names of modules, with commas between."""
+    """Create `$(eval …)`. The second argument contains module names, separated by commas."""
     names = text_of(LaunchContext(), modules).split(",")
     return substitutions.PythonExpression(value, [name.strip() for name in names if name.strip()])
 

@@ -1,11 +1,16 @@
-"""An element of an XML or YAML launch file, with its attributes and the elements in it."""
+"""Elements of XML and YAML launch files, with their attributes and child elements."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
+from xml.parsers import expat
 
-import yaml  # type: ignore[import-untyped]  # it ships no types
+import yaml  # type: ignore[import-untyped]
 
 from course_lib.errors import did_you_mean
+
+# The package has no type information.
+
 
 _WORDS: dict[type | None, str] = {
     str: "text; put quotes around it",
@@ -17,7 +22,7 @@ _WORDS: dict[type | None, str] = {
 
 
 class EntityError(ValueError):
-    """A fault of a launch file, with the line where it is."""
+    """An error in a launch file, with its line."""
 
     def __init__(self, line: int, text: str) -> None:
         super().__init__(text)
@@ -25,7 +30,10 @@ class EntityError(ValueError):
 
 
 class Entity:
-    """One element; `type_name` is its tag. What is asked for is noted: the rest is a mistake."""
+    """An element with the tag `type_name`.
+
+    It records which attributes and children are read, because all others are errors.
+    """
 
     def __init__(self, type_name: str, line: int) -> None:
         self.type_name, self.line = type_name, line
@@ -33,23 +41,26 @@ class Entity:
 
     @property
     def children(self) -> "Sequence[Entity]":
-        """The elements in it."""
+        """The child elements."""
         raise NotImplementedError
 
     def named(self, name: str) -> "Sequence[Entity]":
-        """Return the elements of a tag in it."""
+        """Return the child elements with a tag."""
         raise NotImplementedError
 
     def get(self, name: str, kind: type | None = str) -> Any:
-        """Return an attribute, or None; one of another kind than text may be text with substitutions."""
+        """Return an attribute, or None.
+
+        Instead of a non-string, a string with substitutions is returned, too.
+        """
         raise NotImplementedError
 
     def refuse_rest(self, known: Sequence[str]) -> None:
-        """Raise an EntityError for an attribute or an element that nothing has asked for."""
+        """Raise an EntityError for an attribute or child element that has not been read."""
         raise NotImplementedError
 
     def error(self, text: str) -> EntityError:
-        """Return an error of this element."""
+        """Create an error for this element."""
         return EntityError(self.line, f"<{self.type_name}>: {text}")
 
     def _wrong(self, name: str, kind: type | None, value: object) -> EntityError:
@@ -57,7 +68,7 @@ class Entity:
 
 
 class XmlEntity(Entity):
-    """An element of XML; attributes are text, which becomes what is asked for."""
+    """An XML element. Its attributes are strings, which are converted to the requested type."""
 
     def __init__(self, type_name: str, line: int, attributes: dict[str, str]) -> None:
         super().__init__(type_name, line)
@@ -66,17 +77,17 @@ class XmlEntity(Entity):
 
     @property
     def children(self) -> "Sequence[XmlEntity]":
-        """The elements in it."""
+        """The child elements."""
         self._asked |= {element.type_name for element in self.elements}
         return self.elements
 
     def named(self, name: str) -> "Sequence[XmlEntity]":
-        """Return the elements of a tag in it."""
+        """Return the child elements with a tag."""
         self._asked.add(name)
         return [element for element in self.elements if element.type_name == name]
 
     def get(self, name: str, kind: type | None = str) -> Any:
-        """Return an attribute as text or value, a list where `name-sep` says what is between its parts."""
+        """Return an attribute as the requested type; as a list if `name-sep` gives a separator."""
         self._asked |= {name, f"{name}-sep"}
         text = self.attributes.get(name)
         if text is None:
@@ -102,7 +113,7 @@ class XmlEntity(Entity):
         return value
 
     def refuse_rest(self, known: Sequence[str]) -> None:
-        """Raise an EntityError for an attribute or an element that nothing has asked for."""
+        """Raise an EntityError for an attribute or child element that has not been read."""
         for name in self.attributes:
             if name not in self._asked:
                 raise self.error(_unexpected("attribute", name, known))
@@ -112,7 +123,7 @@ class XmlEntity(Entity):
 
 
 class YamlEntity(Entity):
-    """An element of YAML: a mapping, or a list of elements; values have their types already."""
+    """A YAML element: a mapping or a list of elements. Its values already have types."""
 
     def __init__(self, type_name: str, line: int, value: Any, lines: dict[int, int]) -> None:
         super().__init__(type_name, line)
@@ -120,7 +131,7 @@ class YamlEntity(Entity):
 
     @property
     def children(self) -> "Sequence[YamlEntity]":
-        """The elements in it: the list, or the one behind `children`."""
+        """The child elements: the list itself, or the list of the key `children`."""
         self._asked.add("children")
         inner = self._value.get("children") if isinstance(self._value, dict) else self._value
         if not isinstance(inner, list):
@@ -136,7 +147,7 @@ class YamlEntity(Entity):
         return YamlEntity(str(name), line, inner, self._lines)
 
     def named(self, name: str) -> "Sequence[YamlEntity]":
-        """Return the mappings in the list behind a key."""
+        """Return the mappings in the list of a key."""
         found = self._mapping().get(name)
         self._asked.add(name)
         if found is None:
@@ -146,7 +157,7 @@ class YamlEntity(Entity):
         return [YamlEntity(name, self._lines.get(id(one), self.line), one, self._lines) for one in found]
 
     def get(self, name: str, kind: type | None = str) -> Any:
-        """Return the value behind a key."""
+        """Return the value of a key."""
         self._asked.add(name)
         value = self._mapping().get(name)
         if value is not None and not isinstance(value, str) and not _fits(value, kind):
@@ -161,7 +172,7 @@ class YamlEntity(Entity):
         return self._value
 
     def refuse_rest(self, known: Sequence[str]) -> None:
-        """Raise an EntityError for a key that nothing has asked for."""
+        """Raise an EntityError for a key that has not been read."""
         for name in self._value if isinstance(self._value, dict) else ():
             if name not in self._asked:
                 raise self.error(_unexpected("key", str(name), known))
@@ -174,5 +185,126 @@ def _fits(value: object, kind: type | None) -> bool:
 
 
 def _unexpected(what: str, name: str, known: Sequence[str]) -> str:
+    if name == "ns":
+        return f"unexpected {what} 'ns'. In ROS 2 write <push-ros-namespace namespace=\"…\"/> in a group"
     there = f" It has: {', '.join(sorted(known))}." if known else ""
     return f"unexpected {what} '{name}'{did_you_mean(name, known) or '.'}{there}"
+
+
+# The package has no type information.
+
+
+# Limit on the size of a file [bytes].
+_LARGEST = 4 * 2**20
+# Limit on the nesting of elements.
+_DEEPEST = 50
+# Limit on the number of values of a YAML file, counted again for each alias.
+_MOST = 50_000
+
+
+def read_entity(file: Path) -> Entity:
+    """Return the root of a launch file.
+
+    Raises:
+        EntityError: The file is not valid.
+        OSError: The file cannot be read.
+    """
+    data = file.read_bytes()
+    if len(data) > _LARGEST:
+        raise EntityError(1, f"it has {len(data)} bytes, more than a launch file can have ({_LARGEST})")
+    is_yaml = file.suffix in (".yaml", ".yml") or (file.suffix != ".xml" and data.lstrip()[:1] != b"<")
+    return _yaml_root(data) if is_yaml else _XmlReader().root_of(data)
+
+
+class _XmlReader:
+    """Builds entities from the events of the expat parser."""
+
+    def __init__(self) -> None:
+        self._open: list[XmlEntity] = []
+        self._root: XmlEntity | None = None
+        self._parser = expat.ParserCreate()
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.EntityDeclHandler = self._refuse_entity
+
+    def root_of(self, data: bytes) -> Entity:
+        """Parse the data and return the root element."""
+        try:
+            self._parser.Parse(data, True)
+        except expat.ExpatError as error:
+            raise EntityError(error.lineno, f"not XML: {expat.ErrorString(error.code)}") from error
+        # expat raises an error for a file without elements.
+        assert self._root is not None
+        return self._root
+
+    def _start(self, name: str, attributes: dict[str, str]) -> None:
+        element = XmlEntity(name, self._parser.CurrentLineNumber, attributes)
+        if self._open:
+            self._open[-1].elements.append(element)
+        else:
+            self._root = element
+        self._open.append(element)
+        if len(self._open) > _DEEPEST:
+            raise element.error(f"more than {_DEEPEST} elements are nested")
+
+    def _end(self, name: str) -> None:
+        self._open.pop()
+
+    def _refuse_entity(self, name: str, *rest: object) -> None:
+        line = self._parser.CurrentLineNumber
+        raise EntityError(line, f"the file declares the entity '{name}', which launch files do not need")
+
+
+# The package has no type information.
+class _Loader(yaml.SafeLoader):  # type: ignore[misc]
+    """Records the line of each mapping."""
+
+    def __init__(self, data: bytes) -> None:
+        super().__init__(data)
+        # Lines by the identity of the mapping.
+        self.lines: dict[int, int] = {}
+
+    def construct_object(self, node: Any, deep: bool = False) -> Any:
+        """Construct the value of a node and record its line."""
+        value = super().construct_object(node, deep)
+        if isinstance(node, yaml.MappingNode):
+            self.lines[id(value)] = node.start_mark.line + 1
+        return value
+
+
+def _yaml_root(data: bytes) -> Entity:
+    try:
+        loader = _Loader(data)
+        node = loader.get_single_node()
+        if node is None or not isinstance(node, yaml.MappingNode) or len(node.value) != 1:
+            raise EntityError(1, "expected one key, `launch:`, with a list of elements")
+        _check_size(node)
+        [(name, value)] = loader.construct_document(node).items()
+    except yaml.YAMLError as error:
+        raise _yaml_error(error, data) from error
+    except RecursionError as error:
+        raise EntityError(1, f"more than {_DEEPEST} elements are nested") from error
+    return YamlEntity(str(name), node.start_mark.line + 1, value, loader.lines)
+
+
+def _yaml_error(error: Any, data: bytes) -> EntityError:
+    mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+    # The data before a character that is not allowed in YAML.
+    before = data[: getattr(error, "position", 0)]
+    problem = getattr(error, "problem", None) or str(error).splitlines()[0]
+    return EntityError(mark.line + 1 if mark else before.count(b"\n") + 1, f"not YAML: {problem}")
+
+
+def _check_size(root: Any) -> None:
+    """Raise an EntityError if there are too many nodes, or too deep ones, with aliases expanded."""
+    waiting, count = [(root, 1)], 0
+    while waiting:
+        node, depth = waiting.pop()
+        count += 1
+        if depth > 2 * _DEEPEST or count > _MOST:
+            what = f"more than {_MOST} values" if count > _MOST else f"more than {_DEEPEST} nested elements"
+            raise EntityError(node.start_mark.line + 1, f"{what}, with all aliases followed")
+        if isinstance(node, yaml.SequenceNode):
+            waiting += [(one, depth + 1) for one in node.value]
+        elif isinstance(node, yaml.MappingNode):
+            waiting += [(one, depth + 1) for pair in node.value for one in pair]

@@ -1,8 +1,9 @@
-"""The grammar of texts in XML and YAML launch files, with `$(name argument 'another argument')` in them."""
+"""The grammar of substitutions in launch files: `$(name argument 'another argument')`."""
 
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from typing import NoReturn
 
 from course_lib.errors import did_you_mean
@@ -10,9 +11,10 @@ from launch.entities import Substitution
 from launch.substitutions import TextSubstitution
 
 Parts = list[Substitution]
-_DEEPEST = 50  # substitutions in one another
+# Limit on the nesting of substitutions.
+_DEEPEST = 50
 _NAME = re.compile(r"[A-Za-z][\w-]*")
-# By the quote that the text stands in: what is text there, and what is text as an argument without quotes.
+# By the surrounding quote: the pattern of plain text there, and in an unquoted argument.
 _STRING = {quote: re.compile(rf"(?:\\.|[^$\\{quote}]|\\|\$(?!\())+", re.DOTALL) for quote in ("", "'", '"')}
 _WORD = {
     "": re.compile(r"(?:\\[()$'\"\\]|\\|[^ '\"\\$()]|\$(?!\())+"),
@@ -24,7 +26,7 @@ _OF_ROS_1 = {"arg": "var", "find": "find-pkg-share", "optenv": "env"}
 
 @dataclass(frozen=True)
 class Form:
-    """One substitution of launch files: what makes it of its arguments, and how many these are."""
+    """A substitution of launch files: the function that creates it, and its allowed numbers of arguments."""
 
     make: Callable[..., Substitution]
     least: int = 0
@@ -32,10 +34,21 @@ class Form:
 
 
 SUBSTITUTIONS: dict[str, Form] = {}
+# Modules that register elements and substitutions. ROS finds such extensions by their entry points.
+_EXTENSIONS = ("launch.frontend.elements", "launch_ros.frontend")
+
+
+def load_extensions() -> None:
+    """Register all elements and substitutions."""
+    for extension in _EXTENSIONS:
+        import_module(extension)
 
 
 def parse_substitution(text: str) -> Parts:
-    """Parse a text with `$(…)`; raises ValueError that shows where it is wrong."""
+    """Parse a string with `$(…)`. Raise a ValueError that shows the position of an error."""
+    if "$(" in text:
+        # Parameter files of Python launch files have substitutions, too.
+        load_extensions()
     if not text:
         return [TextSubstitution(text="")]
     reader = _Reader(text)
@@ -46,23 +59,23 @@ def parse_substitution(text: str) -> Parts:
 
 
 def unescaped(text: str) -> str:
-    r"""Return a text with `\(` and the like replaced by the character itself."""
+    r"""Replace escaped characters such as `\(` with the characters themselves."""
     return re.sub(r"\\(.)", r"\1", text)
 
 
 class _Reader:
-    """Reads a text from `at` on."""
+    """Parses a string from position `at`."""
 
     def __init__(self, text: str) -> None:
         self.text, self.at = text, 0
         self._depth = 0
 
     def template(self, quote: str) -> Parts:
-        """Read texts and substitutions up to the quote that ends them, or to the end."""
+        """Parse text and substitutions up to the closing quote or the end."""
         return self._parts(_STRING[quote], quote)
 
     def fail(self, expected: str) -> NoReturn:
-        """Raise ValueError."""
+        """Raise a ValueError for the current position."""
         rest = self.text[self.at : self.at + 20]
         found = f"found {rest!r}" if rest else "the text ends"
         raise ValueError(f"{self.text!r}, character {self.at + 1}: expected {expected}, {found}")

@@ -1,4 +1,4 @@
-"""Events of nodes in a launch; the kit's stand-in."""
+"""Events of nodes in a launch."""
 
 from launch_ros.events import lifecycle as lifecycle
 from launch_ros.events import matchers as matchers

@@ -1,4 +1,4 @@
-"""Events of lifecycle nodes: a wanted transition, and one that was made."""
+"""Events of lifecycle nodes: a requested transition, and a completed one."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -13,7 +13,7 @@ _TRANSITIONS = [f"TRANSITION_{name}" for name in (*_NAMES, "INACTIVE_SHUTDOWN", 
 
 
 class ChangeState(Event):
-    """A transition that the matching lifecycle nodes are asked for."""
+    """The request that the matching lifecycle nodes execute a transition."""
 
     valid_transitions: ClassVar[dict[int, str]] = {getattr(Transition, name): name for name in _TRANSITIONS}
 
@@ -25,7 +25,7 @@ class ChangeState(Event):
 
 
 class StateTransition(Event):
-    """A transition that a lifecycle node has made; `action` is its LifecycleNode."""
+    """A transition that a lifecycle node has executed. `action` is its LifecycleNode."""
 
     def __init__(self, *, action: Any, msg: TransitionEvent) -> None:
         self.action, self.msg, self.timestamp = action, msg, msg.timestamp

@@ -1,7 +1,10 @@
-"""Actions: goals that take a while, report on the way, and can be cancelled."""
+"""Actions: long-running goals that report feedback and can be cancelled."""
 
 from rclpy.action.client import ActionClient as ActionClient
 from rclpy.action.client import get_action_names_and_types as get_action_names_and_types
 from rclpy.action.server import ActionServer as ActionServer
 from rclpy.action.server import CancelResponse as CancelResponse
 from rclpy.action.server import GoalResponse as GoalResponse
+
+# As in rclpy, `rclpy.node.Node` is there after `from rclpy.action import ActionClient`.
+from rclpy.node import Node as _Node  # noqa: F401

@@ -1,5 +1,7 @@
 """Action clients."""
 
+from __future__ import annotations
+
 import uuid
 from collections.abc import Callable
 from functools import partial
@@ -12,10 +14,13 @@ from builtin_interfaces.msg import Time
 from unique_identifier_msgs.msg import UUID
 
 from course_lib.ros.mistakes import Mistake, marked
+from course_lib.ros.time.time_lock import time_lock
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client, wait_for_partner
 from rclpy.impl.endpoint import require_type
 from rclpy.impl.graph_queries import NamesAndTypes, actions
+from rclpy.impl.names import require_action_name
+from rclpy.impl.node_handle import require_node
 from rclpy.qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
 from rclpy.task import Future, await_or_execute
 
@@ -26,13 +31,13 @@ OnFeedback = Callable[[Any], object]
 
 
 class ClientGoalHandle:
-    """A goal as its client sees it: the result of the future of `send_goal_async`.
+    """A goal on the client's side: the result of the future of `send_goal_async`.
 
-    `accepted` and `stamp` say whether and when the server took it; `status`, a constant of
-    action_msgs/msg/GoalStatus, is what the server published of it last.
+    `accepted` and `stamp` are the server's response. `status`, a constant of
+    action_msgs/msg/GoalStatus, is the status that the server published last.
     """
 
-    def __init__(self, action_client: "ActionClient", goal_id: UUID, goal_response: Any) -> None:
+    def __init__(self, action_client: ActionClient, goal_id: UUID, goal_response: Any) -> None:
         self._action_client = action_client
         self.goal_id = goal_id
         self.accepted = bool(goal_response.accepted)
@@ -49,39 +54,43 @@ class ClientGoalHandle:
         return f"ClientGoalHandle <id={self.goal_id.uuid}, {state}>"
 
     def cancel_goal(self) -> CancelGoal.Response:
-        """Request the cancellation and wait for the answer, which another thread has to take."""
-        response: CancelGoal.Response = self._action_client._cancels.call(self._cancel_request())
+        """Request the cancellation and block until another thread has received the response."""
+        response: CancelGoal.Response = self._action_client._course_cancels.call(self.__cancel_request())
         return response
 
     def cancel_goal_async(self) -> Future[CancelGoal.Response]:
-        """Request the cancellation."""
-        return self._action_client._cancels.call_async(self._cancel_request())
+        """Request the cancellation and return the future of the response."""
+        return self._action_client._course_cancels.call_async(self.__cancel_request())
 
     def get_result(self) -> Any:
-        """Wait for its end, which another thread has to take; the answer holds `status` and `result`."""
-        return self._action_client._results.call(self._action_client._result_request(self))
+        """Block until another thread has received the result.
+
+        The response holds `status` and `result`.
+        """
+        return self._action_client._course_results.call(self._action_client._course_result_request(self))
 
     def get_result_async(self) -> Future[Any]:
-        """Request its end; the answer holds `status` and `result`."""
+        """Request the result and return its future. The response holds `status` and `result`."""
         client = self._action_client
-        future = client._results.call_async(client._result_request(self))
+        future = client._course_results.call_async(client._course_result_request(self))
         future.add_done_callback(lambda _: client._feedback_callbacks.pop(bytes(self.goal_id.uuid), None))
         return future
 
-    def _cancel_request(self) -> CancelGoal.Request:
+    def __cancel_request(self) -> CancelGoal.Request:
         return CancelGoal.Request(goal_info=GoalInfo(goal_id=self.goal_id))
 
 
 class ActionClient:
     """A client of an action server.
 
-    `action_type` is like `example_interfaces.action.Fibonacci`; `callback_group` is the group of its
-    callbacks. The five profiles are those of the services and the topics that it uses.
+    `action_type` is a class like `example_interfaces.action.Fibonacci`; `callback_group` is the
+    group of the client's callbacks. The five QoS profiles apply to the services and topics that
+    make up the action.
     """
 
     def __init__(
         self,
-        node: "Node",
+        node: Node,
         action_type: Any,
         action_name: str,
         *,
@@ -92,115 +101,148 @@ class ActionClient:
         feedback_sub_qos_profile: QoSProfile | int = 10,
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
+        group = callback_group or node.default_callback_group
         require_type(action_type, "action")
+        require_node(node.handle, "Failed to create action client")
+        require_action_name(action_name, "client", node.handle.name, node.handle.namespace)
+        self.__is_destroyed = False
         self._node, self._action_type, self._action_name = node, action_type, action_name
         self._logger = node.get_logger().get_child("action_client")
-        self._goals: WeakValueDictionary[bytes, ClientGoalHandle] = WeakValueDictionary()
+        self._goal_handles: WeakValueDictionary[bytes, ClientGoalHandle] = WeakValueDictionary()
         self._feedback_callbacks: dict[bytes, OnFeedback] = {}
-        impl, group = action_type.Impl, callback_group
-        self._sends = self._client("send_goal", "goal", impl.SendGoalService, goal_service_qos_profile, group)
-        self._cancels = self._client("cancel_goal", "cancel", CancelGoal, cancel_service_qos_profile, group)
-        self._results = self._client(
+        impl = action_type.Impl
+        self.__sends = self.__create_client(
+            "send_goal", "goal", impl.SendGoalService, goal_service_qos_profile, group
+        )
+        self._course_cancels = self.__create_client(
+            "cancel_goal", "cancel", CancelGoal, cancel_service_qos_profile, group
+        )
+        self._course_results = self.__create_client(
             "get_result", "result", impl.GetResultService, result_service_qos_profile, group
         )
-        self._ends: list[Any] = [self._sends, self._cancels, self._results]
+        self.__ends: list[Any] = [self.__sends, self._course_cancels, self._course_results]
         topics: tuple[tuple[str, Any, Callable[[Any], object], QoSProfile | int], ...] = (
-            ("feedback", impl.FeedbackMessage, self._on_feedback, feedback_sub_qos_profile),
-            ("status", GoalStatusArray, self._on_status, status_sub_qos_profile),
+            ("feedback", impl.FeedbackMessage, self.__on_feedback, feedback_sub_qos_profile),
+            ("status", GoalStatusArray, self.__on_status, status_sub_qos_profile),
         )
         for name, kind, hear, qos in topics:
             topic = f"{action_name}/_action/{name}"
-            self._ends.append(node.create_subscription(kind, topic, hear, qos, callback_group=group))
+            self.__ends.append(node.create_subscription(kind, topic, hear, qos, callback_group=group))
+        for end in self.__ends:
+            node._course_hide(end)
 
-    def _client(
+    def __create_client(
         self, name: str, word: str, kind: Any, qos: QoSProfile, group: CallbackGroup | None
     ) -> Client:
-        """Create the client of one of the action's services; `word` is for its warnings."""
+        """Create the client of one of the action's services.
+
+        `word` names the service in warnings.
+        """
         full_name = f"{self._action_name}/_action/{name}"
         client = self._node.create_client(kind, full_name, qos_profile=qos, callback_group=group)
-        client.on_unexpected = partial(self._warn, word)
+        client._course_on_unexpected = partial(self.__warn, word)
         return client
 
     def send_goal(self, goal: Any, **kwargs: Any) -> Any:
-        """Send a goal and wait for its end, which another thread has to take.
+        """Send a goal and block until another thread has received its result.
 
-        Returns an answer that holds `status` and `result`. Not for callbacks, which it would block: there it
-        is a DeadlockError, where ROS hangs.
+        Returns a response with `status` and `result`. Must not be called in a callback, which it
+        would block: it raises a DeadlockError there, where ROS hangs.
         """
-        request = self._request(goal, **kwargs)
-        return self._accept(request, self._sends.call(request)).get_result()
+        request = self.__request(goal, **kwargs)
+        return self.__accept(request, self.__sends.call(request)).get_result()
 
     def send_goal_async(
         self, goal: Any, feedback_callback: OnFeedback | None = None, goal_uuid: UUID | None = None
     ) -> Future[ClientGoalHandle]:
-        """Send a goal; the future brings its handle when the server has accepted or rejected it.
+        """Send a goal and return a future of its handle, which the server's response completes.
 
-        An object that is not a goal of this action raises a TypeError without a text, as in rclpy.
+        An object that is not a goal of this action raises a TypeError without a message, as in
+        rclpy.
         """
-        request = self._request(goal, feedback_callback, goal_uuid)
+        request = self.__request(goal, feedback_callback, goal_uuid)
         future: Future[ClientGoalHandle] = Future()
 
         def bring(answer: Future[Any]) -> None:
             future._set_executor(self._node.executor)
-            future.set_result(self._accept(request, answer.result()))
+            future.set_result(self.__accept(request, answer.result()))
 
-        self._sends.call_async(request).add_done_callback(bring)
+        response = self.__sends.call_async(request)
+        response.add_done_callback(bring)
+        future._course_unmet = response._course_unmet
         return future
 
     def server_is_ready(self) -> bool:
-        """Return whether a server is there."""
-        return all(end.partner_count() for end in self._ends)
+        """Return whether an action server is available.
+
+        A program that polls it in a loop lets time advance.
+        """
+        missing = f"the action server {self._action_name} is not there."
+        time_lock.poll(lambda: "" if self._course_is_ready() else missing)
+        return self._course_is_ready()
+
+    def _course_is_ready(self) -> bool:
+        return all(end._course_partner_count() for end in self.__ends)
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
-        """Wait until a server is there, [s]; None: without limit; returns whether it is."""
+        """Wait at most `timeout_sec` [s] for a server, without limit if None.
+
+        Return whether there is one.
+        """
         what = f"the action {self._action_name}"
-        return wait_for_partner(self._node.handle, self.server_is_ready, timeout_sec, what)
+        return wait_for_partner(self._node.handle, self._course_is_ready, timeout_sec, what)
 
     def destroy(self) -> None:
-        """Leave the graph."""
-        for end in self._ends:
-            self._node.destroy_publisher(end)
+        """Destroy the clients and subscriptions that make up the action client."""
+        if self.__is_destroyed:
+            # The client is not among the waitables of its node any more.
+            raise ValueError("list.remove(x): x not in list")
+        for end in self.__ends:
+            self._node._course_destroy(end)
+        self.__is_destroyed = True
 
-    def _request(
+    def __request(
         self, goal: Any, feedback_callback: OnFeedback | None = None, goal_uuid: UUID | None = None
     ) -> Any:
         if not isinstance(goal, self._action_type.Goal):
             raise marked(TypeError(), Mistake.GOAL)
+        if goal_uuid is not None:
+            bytes(goal_uuid.uuid)
         goal_id = goal_uuid or UUID(uuid=list(uuid.uuid4().bytes))
         if feedback_callback is not None:
             self._feedback_callbacks[bytes(goal_id.uuid)] = feedback_callback
         return self._action_type.Impl.SendGoalService.Request(goal_id=goal_id, goal=goal)
 
-    def _result_request(self, handle: ClientGoalHandle) -> Any:
+    def _course_result_request(self, handle: ClientGoalHandle) -> Any:
         return self._action_type.Impl.GetResultService.Request(goal_id=handle.goal_id)
 
-    def _accept(self, request: Any, response: Any) -> ClientGoalHandle:
+    def __accept(self, request: Any, response: Any) -> ClientGoalHandle:
         handle = ClientGoalHandle(self, request.goal_id, response)
         if handle.accepted:
             key = bytes(request.goal_id.uuid)
-            if key in self._goals:
+            if key in self._goal_handles:
                 raise RuntimeError(f"Two goals were accepted with the same ID ({handle})")
-            self._goals[key] = handle
+            self._goal_handles[key] = handle
         return handle
 
-    async def _on_feedback(self, message: Any) -> None:
+    async def __on_feedback(self, message: Any) -> None:
         callback = self._feedback_callbacks.get(bytes(message.goal_id.uuid))
         if callback is not None:
             await await_or_execute(callback, message)
 
-    def _on_status(self, message: GoalStatusArray) -> None:
+    def __on_status(self, message: GoalStatusArray) -> None:
         for one in message.status_list:
-            handle = self._goals.get(bytes(one.goal_info.goal_id.uuid))
+            handle = self._goal_handles.get(bytes(one.goal_info.goal_id.uuid))
             if handle is not None:
                 handle.status = one.status
 
-    def _warn(self, word: str) -> None:
+    def __warn(self, word: str) -> None:
         self._logger.warning(
             f"Ignoring unexpected {word} response. There may be more than one action server for the action "
             f"'{self._action_name}'"
         )
 
 
-def get_action_names_and_types(node: "Node") -> NamesAndTypes:
-    """List all actions with their types."""
+def get_action_names_and_types(node: Node) -> NamesAndTypes:
+    """List all actions of the graph with their types."""
     return actions(node.handle.graph.endpoints())

@@ -1,4 +1,4 @@
-"""The arguments behind `--ros-args` on a command line: parameters, other names, log levels."""
+"""The arguments after `--ros-args` on a command line: parameters, remappings, log levels."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -10,9 +10,15 @@ from rclpy.impl import names
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.parameter import Parameter
 
-_RULE = re.compile(r"(?:(?P<node>[A-Za-z_]\w*):)?(?P<match>[\w~/{}.-]+):=(?P<to>.*)", re.DOTALL)
+_RULE = re.compile(
+    r"(?:(?P<node>[A-Za-z_]\w*):(?!//))?(?:(?P<kind>rostopic|rosservice)://)?(?P<match>[\w~/{}.-]+):=(?P<to>.*)",
+    re.DOTALL,
+)
+INVALID_ARGUMENTS = "Failed to parse ROS arguments: "
+_SCHEMES: dict[str, names.Kind] = {"rostopic": "topic", "rosservice": "service"}
 _FLAGS = {"-p": "--param", "-r": "--remap"}
-_WORDS = {  # what rcl calls a flag's value, and what it says where there is none
+# rcl's term for the value of each flag, and its message if the value is missing.
+_WORDS = {
     "--param": ("parameter override rule", "No parameter override rule found."),
     "--remap": ("remap rule", "No remap rule found."),
     "--params-file": ("params file", "No file path provided."),
@@ -22,40 +28,49 @@ _WORDS = {  # what rcl calls a flag's value, and what it says where there is non
 
 @dataclass(frozen=True)
 class Remap:
-    """`from:=to`; of all nodes, or of those of one name."""
+    """A remapping rule `from:=to`, for all nodes or for nodes of one name."""
 
     node: str | None
-    match: str  # a topic or a service, or __node, or __ns
+    # A topic or service name, or __node, or __ns.
+    match: str
     to: str
+    # None: the rule applies to topics and services.
+    kind: names.Kind | None = None
 
 
 @dataclass
 class Arguments:
-    """The settings of one command line."""
+    """The ROS arguments of one command line."""
 
-    remaps: list[Remap] = field(default_factory=list)  # the first that fits counts
-    overrides: list[tuple[str, dict[str, Any]]] = field(default_factory=list)  # by nodes; the last counts
-    log_levels: dict[str, LoggingSeverity] = field(default_factory=dict)  # by logger; "" is every one
+    # The first matching rule wins.
+    remaps: list[Remap] = field(default_factory=list)
+    # Parameter values by node name pattern; the last matching entry wins.
+    overrides: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
+    # Levels by logger name; "" applies to all loggers.
+    log_levels: dict[str, LoggingSeverity] = field(default_factory=dict)
+    # Warnings that rcl logs about the command line.
+    warnings: list[str] = field(default_factory=list)
 
     def renamed(self, node_name: str, what: str, name: str) -> str:
-        """Return the node's name (`what` is __node) or namespace (__ns) that replaces `name`."""
+        """Apply the remapping rules to a node name (`what` is __node) or namespace (__ns)."""
         return next((rule.to for rule in self._of(node_name) if rule.match == what), name)
 
     def remapped(self, full: str, node_name: str, namespace: str, kind: names.Kind) -> str:
-        """Return the full name that replaces a topic's or a service's."""
+        """Apply the remapping rules to a fully qualified topic or service name."""
         for rule in self._of(node_name):
-            if not rule.match.startswith("__"):
+            if not rule.match.startswith("__") and rule.kind in (None, kind):
                 match, to = (names.expand_name(n, node_name, namespace, kind) for n in (rule.match, rule.to))
                 if match == full:
                     return to
         return full
 
     def parameters(self, full_node_name: str) -> dict[str, Parameter]:
-        """Return the values for the parameters of one node."""
+        """Return the parameter overrides of one node, by parameter name."""
         found: dict[str, Parameter] = {}
         for nodes, values in self.overrides:
             if _pattern(nodes).fullmatch(full_node_name):
-                found |= {name: Parameter(name, value=value) for name, value in values.items()}
+                # In rcl an empty list has no type, so it is not a value.
+                found |= {n: Parameter(n, value=None if v == [] else v) for n, v in values.items()}
         return found
 
     def _of(self, node_name: str) -> Iterator[Remap]:
@@ -63,8 +78,22 @@ class Arguments:
 
 
 def parse(args: Sequence[str]) -> Arguments:
-    """Read a command line; raises RCLInvalidROSArgsError or UnknownROSArgsError, with rcl's texts."""
-    parsed, unknown, words = Arguments(), list[str](), _for_ros(args)
+    """Parse a command line.
+
+    Raises:
+        RCLInvalidROSArgsError: An argument is malformed; the message is rcl's.
+        UnknownROSArgsError: There are arguments that ROS does not know.
+    """
+    parsed, unknown = Arguments(), list[str]()
+    words = (word for word, is_for_ros in _split(args) if is_for_ros)
+    for word in (word for word, is_for_ros in _split(args) if not is_for_ros):
+        remap = _ros_1_remap(word)
+        if remap is not None:
+            parsed.remaps.append(remap)
+            parsed.warnings.append(
+                f"Found remap rule '{word}'. This syntax is deprecated. "
+                f"Use '--ros-args --remap {word}' instead."
+            )
     for word in words:
         flag = _FLAGS.get(word, word)
         if flag not in _WORDS:
@@ -73,41 +102,64 @@ def parse(args: Sequence[str]) -> Arguments:
         what, missing = _WORDS[flag]
         value = next(words, None)
         if value is None:
-            raise _invalid(f"Couldn't parse trailing {word} flag. {missing}")
+            raise RCLInvalidROSArgsError(f"{INVALID_ARGUMENTS}Couldn't parse trailing {word} flag. {missing}")
         try:
             _add(parsed, flag, value)
         except ValueError as error:
-            raise _invalid(f"Couldn't parse {what}: '{word} {value}'. Error: {error}") from error
+            complaint = f"Couldn't parse {what}: '{word} {value}'. Error: {error}"
+            raise RCLInvalidROSArgsError(f"{INVALID_ARGUMENTS}{complaint}") from error
     if unknown:
         raise UnknownROSArgsError(repr(unknown))
     return parsed
 
 
 def joined(first: Arguments, second: Arguments) -> Arguments:
-    """Join two sets of arguments, of which the first one counts more."""
+    """Merge two sets of arguments. The first one takes precedence."""
     levels = second.log_levels | first.log_levels
     return Arguments(first.remaps + second.remaps, second.overrides + first.overrides, levels)
 
 
 def _pattern(nodes: str) -> "re.Pattern[str]":
-    """Return the pattern of full names of nodes: `*` is one part of a name, `**` any number of them."""
+    """Compile a node name pattern: `*` matches one token of a full name, `**` any number of tokens."""
     parts = re.split(r"(/\*\*|/\*)", nodes if nodes.startswith("/") else f"/{nodes}")
     wild = {"/**": r"(/\w+)*", "/*": r"(/\w+)"}
     return re.compile("".join(wild.get(part, re.escape(part)) for part in parts))
 
 
-def _for_ros(args: Sequence[str]) -> Iterator[str]:
+def without_ros(args: Sequence[str]) -> list[str]:
+    """Return the arguments of the program itself. Raises the errors of `parse`."""
+    parse(args)
+    return [word for word, is_for_ros in _split(args) if not is_for_ros and _ros_1_remap(word) is None]
+
+
+def _split(args: Sequence[str]) -> Iterator[tuple[str, bool]]:
+    """Yield each argument except `--ros-args` and the `--` that ends it, and whether it is for ROS."""
     for_ros = False
     for word in args:
-        if word in ("--ros-args", "--"):
+        if not isinstance(word, str):
+            raise TypeError("bad argument type for built-in operation")
+        if word == "--ros-args" or (word == "--" and for_ros):
             for_ros = word == "--ros-args"
-        elif for_ros:
-            yield word
+        else:
+            yield word, for_ros
+
+
+def _ros_1_remap(word: str) -> Remap | None:
+    """Parse a remapping in ROS 1 style, `chatter:=other`; return None for an argument of the program."""
+    rule = _RULE.fullmatch(word)
+    if rule is None:
+        return None
+    node, match, to = rule.group("node", "match", "to")
+    try:
+        _check_remap(match, to)
+    except ValueError:
+        return None
+    return Remap(node, "__node" if match == "__name" else match, to)
 
 
 def _add(parsed: Arguments, flag: str, value: str) -> None:
-    """Add one flag's value; raises ValueError if it is wrong."""
-    from course_lib.ros.parameter_yaml import read_file, read_value  # YAML is needed only here
+    """Add the value of one flag. Raise ValueError if it is invalid."""
+    from course_lib.ros.programs.parameter_yaml import read_file, read_value  # YAML is needed only here
 
     if flag == "--params-file":
         parsed.overrides += read_file(value)
@@ -122,14 +174,25 @@ def _add(parsed: Arguments, flag: str, value: str) -> None:
             raise ValueError("Expected name:=value" if flag == "--param" else "Expected from:=to")
         node, match, to = rule.group("node", "match", "to")
         if flag == "--param":
+            _check_parameter_name(match)
             parsed.overrides.append((f"/**/{node}" if node else "/**", {match: read_value(to)}))
         else:
             _check_remap(match, to)
-            parsed.remaps.append(Remap(node, "__node" if match == "__name" else match, to))
+            kind = _SCHEMES.get(rule["kind"] or "")
+            parsed.remaps.append(Remap(node, "__node" if match == "__name" else match, to, kind))
+
+
+def _check_parameter_name(name: str) -> None:
+    """Raise the error of rcl's parser for the first character that a parameter name cannot contain."""
+    wrong = re.search(r"[^\w./]", name, re.ASCII)
+    if re.match(r"[^A-Za-z_~/]", name):
+        raise ValueError("Expecting token or wildcard")
+    if wrong is not None:
+        raise ValueError(f"Expected lexeme type (22) not found, search ended at index {wrong.start()}")
 
 
 def _check_remap(match: str, to: str) -> None:
-    """Raise NameValidationException, which rcl reports as part of its own complaint, for a bad name."""
+    """Raise a ValueError if a name in a remapping rule is invalid. rcl quotes its text in its own error."""
     try:
         if match in ("__node", "__name"):
             names.validate_node_name(to)
@@ -140,7 +203,3 @@ def _check_remap(match: str, to: str) -> None:
             names.validate_topic_name(to)
     except NameValidationException as error:
         raise ValueError(str(error)) from error
-
-
-def _invalid(text: str) -> RCLInvalidROSArgsError:
-    return RCLInvalidROSArgsError(f"Failed to parse ROS arguments: {text}")

@@ -1,72 +1,86 @@
-"""Publishers and subscriptions as the graph knows them, and their matching."""
+"""Publishers and subscriptions on the side of the graph, and their matching."""
 
 from typing import Any, Generic, Literal, TypeVar
 from weakref import WeakKeyDictionary
 
-from course_lib.ros.graph import Graph
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.topics import EndpointInfo
 from course_lib.ros.messages import RosMessage
-from course_lib.ros.topics import EndpointInfo
-from rclpy.event_handler import Deadline, Events
-from rclpy.exceptions import InvalidHandle
+from course_lib.ros.mistakes import Mistake, marked
+from rclpy.event_handler import Deadline, Events, RmwPolicyKind
+from rclpy.exceptions import InvalidHandle, RCLError
 from rclpy.impl.node_handle import NodeHandle
-from rclpy.qos import QoSPolicyKind, QoSProfile
+from rclpy.qos import QoSProfile
 
 MsgT = TypeVar("MsgT", bound=RosMessage)
 
-# The events by endpoint; of all programs that share a graph.
-_told: WeakKeyDictionary[Graph, dict[int, Events]] = WeakKeyDictionary()
+NO_TYPE_SUPPORT = (
+    "type object '{}' has no attribute '_TYPE_SUPPORT'"
+    " This might be a ROS 1 message type but it should be a ROS 2 message type."
+    " Make sure to source your ROS 2 workspace after your ROS 1 workspace."
+)
+
+# The events of each endpoint, by endpoint id. Shared by all programs of a graph.
+_events: WeakKeyDictionary[Graph, dict[int, Events]] = WeakKeyDictionary()
 
 
 class Endpoint:
-    """A publisher or a subscription in the graph: its node, its id there and its full topic."""
+    """A publisher or subscription in the graph: its node, its id there and its full topic name."""
 
     def __init__(self, node: NodeHandle, endpoint: int, topic_name: str) -> None:
         self.node = node
         self.id = endpoint
         self.topic_name = topic_name
+        # The topic or service whose type is registered in the node's context.
+        self.claimed = ""
         self._destroyed = False
 
     def require(self) -> "Endpoint":
-        """Return itself; raises InvalidHandle if it has been destroyed."""
+        """Return the endpoint itself. Raise InvalidHandle if it has been destroyed."""
         if self._destroyed:
             raise InvalidHandle
         return self
 
     def destroy(self) -> None:
-        """Leave the graph, once; messages that are on their way do not arrive any more."""
+        """Leave the graph.
+
+        Messages in transit are no longer delivered. Calling it twice is allowed.
+        """
         if self._destroyed:
             return
         self._destroyed = True
-        _told.get(self.node.graph, {}).pop(self.id, None)
+        if self.claimed:
+            self.node.context.release_type(self.claimed)
+        _events.get(self.node.graph, {}).pop(self.id, None)
         for publisher, subscription in self.partners():
             for side in _sides(self.node.graph, publisher, subscription):
                 side.matched(-1)
         self.node.graph.remove_endpoint(self.id)
 
-    def partner_count(self) -> int:
-        """Count the endpoints that it exchanges messages with."""
+    def _course_partner_count(self) -> int:
+        """Return the number of matched endpoints."""
         return len(self.partners())
 
     def partners(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
-        """List (publisher, subscription) for each endpoint that it exchanges messages with."""
+        """List (publisher, subscription) for each matched endpoint."""
         alike = [pair for pair in self._pairs() if pair[0].type_name == pair[1].type_name]
-        return [pair for pair in alike if self.node.graph.apart(*pair) is None]
+        return [pair for pair in alike if self.node.graph.incompatible_policy(*pair) is None]
 
     def watch(self, events: Events) -> None:
-        """Report all endpoints on the other side of the topic to `events`, and this one to theirs."""
-        _told.setdefault(self.node.graph, {})[self.id] = events
+        """Report the matching endpoints to `events`, and this endpoint to their events."""
+        _events.setdefault(self.node.graph, {})[self.id] = events
         for publisher, subscription in self._pairs():
-            policy = self.node.graph.apart(publisher, subscription)
+            policy = self.node.graph.incompatible_policy(publisher, subscription)
             for side in _sides(self.node.graph, publisher, subscription):
                 if publisher.type_name != subscription.type_name:
                     side.count("incompatible_type")
                 elif policy is not None:
-                    side.count("incompatible_qos", last_policy_kind=QoSPolicyKind[policy])
+                    side.count("incompatible_qos", last_policy_kind=RmwPolicyKind[policy])
                 else:
                     side.matched(1)
 
     def _pairs(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
-        """List (publisher, subscription) for each endpoint on the other side of the topic."""
+        """List (publisher, subscription) for each endpoint on the other side of the topic, matched or not."""
         on_topic = self.node.graph.endpoints_on(self.topic_name)
         me = next((info for info in on_topic if info.id == self.id), None)
         if me is None:
@@ -76,45 +90,85 @@ class Endpoint:
 
 
 def _sides(graph: Graph, *infos: EndpointInfo) -> list[Events]:
-    """Return the events of endpoints; those of another process are reported there."""
-    told = _told.get(graph, {})
+    """Return the events of endpoints.
+
+    Endpoints of other processes are reported in their own process.
+    """
+    told = _events.get(graph, {})
     return [told[info.id] for info in infos if info.id in told]
 
 
 class TopicEnd(Generic[MsgT]):
-    """The common part of publishers and subscriptions: message type, topic as given, place in the graph."""
+    """Base class of publishers and subscriptions: message type, topic as given, endpoint in the graph."""
 
     def __init__(self, handle: Endpoint, msg_type: type[MsgT], topic: str, qos_profile: QoSProfile) -> None:
         self.handle = handle
+        handle.claimed = handle.topic_name
         self.msg_type = msg_type
         self.topic = topic
         self.qos_profile = qos_profile
-        self.deadline: Deadline | None = None
+        self.event_handlers: list[Any] = []
+        self._course_deadline: Deadline | None = None
+
+    @property
+    def logger_name(self) -> str:
+        """The name of the node's logger."""
+        return self.handle.require().node.logger_name
 
     @property
     def topic_name(self) -> str:
-        """The fully resolved topic."""
+        """The fully qualified topic name."""
         return self.handle.require().topic_name
 
-    def partner_count(self) -> int:
-        """Count the endpoints that it exchanges messages with."""
-        return self.handle.require().partner_count()
+    def _course_partner_count(self) -> int:
+        """Return the number of matched endpoints."""
+        return self.handle.require()._course_partner_count()
 
     def destroy(self) -> None:
-        """Leave the topic; call the node's `destroy_publisher` or `destroy_subscription` instead."""
+        """Leave the topic.
+
+        Call the node's `destroy_publisher` or `destroy_subscription` instead.
+        """
         self.handle.destroy()
-        if self.deadline is not None:
-            self.deadline.stop()
+        if self._course_deadline is not None:
+            self._course_deadline.stop()
+
+
+def claim_topic(node: NodeHandle, kind: Literal["publisher", "subscription"], topic: str, type_: str) -> None:
+    """Register a topic's type.
+
+    Raise the errors of rcl and Fast DDS if the context has another type for it.
+    """
+    wanted = (
+        f"create_publisher() called for existing topic name rt{topic} with incompatible type {_idl(type_)}"
+    )
+    reason = wanted if kind == "publisher" else "invalid allocator"
+    try:
+        node.context.claim_type(topic, type_, f"Failed to create {kind}: {reason}")
+    except RCLError as error:
+        raise marked(error, Mistake.TWO_TYPES) from None
+
+
+def claim_service(node: NodeHandle, kind: Literal["service", "client"], name: str, type_: str) -> None:
+    """Register a service's type. Raise the error of rcl if the context has another type for it."""
+    wanted = f"existing request topic name rq{name}Request with incompatible type {_idl(type_)}"
+    failed = f"failed to create {kind}: create_{kind}() called for {wanted}"
+    try:
+        node.context.claim_type(f"rq{name}", type_, failed)
+    except RCLError as error:
+        raise marked(error, Mistake.TWO_TYPES) from None
+
+
+def _idl(type_name: str) -> str:
+    """Return the DDS name of a type."""
+    package, kind, name = type_name.split("/")
+    return f"{package}::{kind}::dds_::{name}_"
 
 
 def require_type(given: Any, kind: Literal["message", "service", "action"]) -> None:
-    """Raise the error of rclpy for a class that is not a type of this kind."""
+    """Raise rclpy's error if a class is not a type of this kind."""
     if not isinstance(given, type) or not hasattr(given, "_TYPE_NAME"):
-        raise AttributeError(
-            f"type object '{type(given).__name__}' has no attribute '_TYPE_SUPPORT'"
-            " This might be a ROS 1 message type but it should be a ROS 2 message type."
-            " Make sure to source your ROS 2 workspace after your ROS 1 workspace."
-        )
+        raise AttributeError(NO_TYPE_SUPPORT.format(type(given).__name__))
     found = (
         "message" if issubclass(given, RosMessage) else "service" if hasattr(given, "Request") else "action"
     )

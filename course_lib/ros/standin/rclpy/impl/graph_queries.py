@@ -1,65 +1,192 @@
-"""The graph in rclpy's words: its topics, services and actions with their types, endpoints and their QoS."""
+"""Graph queries in rclpy's data types: names and types of topics, services and actions, endpoints, QoS."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Literal
 
-from course_lib.ros.graph import EndpointInfo, NodeInfo
-from course_lib.ros.qos import Qos
+from course_lib.errors import CourseError
+from course_lib.ros.graph.graph import EndpointInfo, NodeInfo
+from course_lib.ros.graph.topics import Qos
 from rclpy.duration import Duration, Infinite
-from rclpy.qos import POLICIES, DeadlineBestAvailable, QoSProfile
+from rclpy.exceptions import NameValidationException, NodeNameNonExistentError, RCLError
+from rclpy.impl import names
+from rclpy.impl.node_handle import NodeHandle
+from rclpy.qos import (
+    POLICIES,
+    DeadlineBestAvailable,
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSPresetProfiles,
+    QoSProfile,
+)
 
 NamesAndTypes = list[tuple[str, list[str]]]
-_FITTING = {  # of BEST_AVAILABLE: offered, requested
+# Values that BEST_AVAILABLE resolves to: offered by publishers, requested by subscriptions.
+_FITTING = {
     "reliability": ("reliable", "best_effort"),
     "durability": ("transient_local", "volatile"),
     "liveliness": ("automatic", "automatic"),
 }
-_TOPIC, _TYPE = "/_action/feedback", "_FeedbackMessage"  # each action has such a topic
+# Each action has such a topic, by which it is recognized.
+_TOPIC, _TYPE = "/_action/feedback", "_FeedbackMessage"
 
 
 class TopicEndpointTypeEnum(IntEnum):
-    """The kinds of endpoint."""
+    """The kinds of endpoints."""
 
     INVALID = 0
     PUBLISHER = 1
     SUBSCRIPTION = 2
 
 
-@dataclass
+class TypeHash:
+    """The hash of a type: the version of the algorithm, and 32 bytes."""
+
+    def __init__(self, version: int = -1, value: bytes = bytes(32)) -> None:
+        self.version = version
+        self.value = value
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, TypeHash) and vars(self) == vars(other)
+
+    __hash__ = None  # type: ignore[assignment]  # hashes can be changed
+
+    def __str__(self) -> str:
+        is_valid = self.version > 0 and len(self.value) == 32
+        return f"RIHS{self.version:02}_{self.value.hex()}" if is_valid else "INVALID"
+
+
 class TopicEndpointInfo:
     """A publisher or a subscription on a topic."""
 
     node_name: str
     node_namespace: str
     topic_type: str
+    topic_type_hash: TypeHash
     endpoint_type: TopicEndpointTypeEnum
     endpoint_gid: list[int]
     qos_profile: QoSProfile
 
+    def __init__(self, **kwargs: Any) -> None:
+        defaults: dict[str, Any] = {
+            "node_name": "",
+            "node_namespace": "",
+            "topic_type": "",
+            "topic_type_hash": TypeHash(),
+            "endpoint_type": TopicEndpointTypeEnum.INVALID,
+            "endpoint_gid": [],
+            "qos_profile": QoSPresetProfiles.UNKNOWN.value,
+        }
+        if not defaults.keys() >= kwargs.keys():
+            raise AssertionError(f"Invalid arguments passed to constructor: {kwargs.keys()!r}")
+        for name, default in defaults.items():
+            value = kwargs.get(name, default)
+            if not isinstance(value, type(default)):
+                raise AssertionError
+            setattr(self, name, value)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, TopicEndpointInfo) and vars(self) == vars(other)
+
+    __hash__ = None  # type: ignore[assignment]  # infos can be changed
+
+    def __str__(self) -> str:
+        qos = self.qos_profile
+        depth = f" ({qos.depth})" if qos.history is HistoryPolicy.KEEP_LAST else ""
+        rows = {
+            "Node name": self.node_name,
+            "Node namespace": self.node_namespace,
+            "Topic type": self.topic_type,
+            "Topic type hash": self.topic_type_hash,
+            "Endpoint type": self.endpoint_type.name,
+            "GID": ".".join(format(byte, "02x") for byte in self.endpoint_gid),
+        }
+        policies = {
+            "Reliability": qos.reliability.name,
+            "History (Depth)": f"{qos.history.name}{depth}",
+            "Durability": qos.durability.name,
+            "Lifespan": qos.lifespan,
+            "Deadline": qos.deadline,
+            "Liveliness": qos.liveliness.name,
+            "Liveliness lease duration": qos.liveliness_lease_duration,
+        }
+        lines = [f"{name}: {value}" for name, value in rows.items()]
+        return "\n".join(
+            [*lines, "QoS profile:", *(f"  {name}: {value}" for name, value in policies.items())]
+        )
+
 
 def describe(info: EndpointInfo, nodes: Iterable[NodeInfo]) -> TopicEndpointInfo:
-    """Return the description of an endpoint; `nodes` are those of the graph."""
+    """Return rclpy's description of an endpoint. `nodes` are the nodes of the graph."""
     node = next(node for node in nodes if node.id == info.node)
     kind = TopicEndpointTypeEnum.PUBLISHER if info.kind == "pub" else TopicEndpointTypeEnum.SUBSCRIPTION
+    profile = to_profile(info.qos)
+    # Fast DDS does not transmit how many samples an endpoint keeps.
+    profile.history, profile.depth = HistoryPolicy.UNKNOWN, 0
     return TopicEndpointInfo(
         node_name=node.name,
         node_namespace=node.namespace,
         topic_type=info.type_name,
+        topic_type_hash=_hash_of(info.type_name),
         endpoint_type=kind,
         endpoint_gid=list(info.id.to_bytes(16, "big")),
-        qos_profile=to_profile(info.qos),
+        qos_profile=profile,
     )
 
 
+def _hash_of(type_name: str) -> TypeHash:
+    """Return the hash of a type, or an invalid hash if the type is unknown here."""
+    # Imported late: few programs need hashes, and computing them loads all type definitions.
+    from course_lib.ros.messages.hashes import type_hash
+
+    try:
+        version, _, value = type_hash(type_name).removeprefix("RIHS").partition("_")
+    except CourseError:
+        return TypeHash()
+    return TypeHash(int(version), bytes.fromhex(value))
+
+
+def endpoints_on(node: NodeHandle, topic_name: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
+    """List the publishers or subscriptions on a topic, whose name is resolved for a node."""
+    full = names.expand_topic_name(topic_name, node.name, node.namespace)
+    names.validate_full_topic_name(full)
+    full = node.arguments.remapped(full, node.name, node.namespace, "topic")
+    return [info for info in node.graph.endpoints_on(full) if info.kind == kind]
+
+
+def service_endpoints(node: NodeHandle, service_name: str, failed: str) -> list[EndpointInfo]:
+    """List the endpoints of a service, whose name is resolved for a node."""
+    full = names.expand_topic_name(service_name, node.name, node.namespace)
+    names.validate_full_topic_name(full, is_service=True)
+    full = node.arguments.remapped(full, node.name, node.namespace, "service")
+    infos = node.require(failed).graph.endpoints()
+    return [info for info in infos if info.service is not None and info.service[0] == full]
+
+
+def endpoints_of(asking: NodeHandle, name: str, namespace: str, what: str) -> list[EndpointInfo]:
+    """List the endpoints of a node. Raise an RCLError if there is no such node."""
+    try:
+        names.validate_node_name(name)
+        names.validate_namespace(namespace)
+    except NameValidationException as error:
+        failed = f"failed to get {what} names and types: {error.error_msg}, result: 2"
+        raise RCLError(failed) from None
+    graph = asking.graph
+    found = [node.id for node in graph.nodes() if (node.name, node.namespace) == (name, namespace)]
+    if not found:
+        raise NodeNameNonExistentError(
+            f"cannot get {what} names and types for nonexistent node: error not set"
+        )
+    return [info for info in graph.endpoints() if info.node == found[0]]
+
+
 def services(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
-    """List the services of which endpoints are servers or clients."""
+    """List the services for which there are server or client endpoints."""
     return sorted_types(info.service for info in endpoints if info.service is not None)
 
 
 def sorted_types(pairs: Iterable[tuple[str, str]]) -> NamesAndTypes:
-    """Sort (name, type) pairs: each name once, with all its types."""
+    """Merge (name, type) pairs into one sorted entry per name, with all its types."""
     types: dict[str, set[str]] = {}
     for name, type_name in pairs:
         types.setdefault(name, set()).add(type_name)
@@ -67,7 +194,7 @@ def sorted_types(pairs: Iterable[tuple[str, str]]) -> NamesAndTypes:
 
 
 def actions(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
-    """List the actions that endpoints serve or use."""
+    """List the actions for which there are server or client endpoints."""
     return sorted_types(
         (info.topic.removesuffix(_TOPIC), info.type_name.removesuffix(_TYPE))
         for info in endpoints
@@ -76,12 +203,26 @@ def actions(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
 
 
 def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
-    """Convert a profile; for values that it leaves to the system, DDS's defaults of such an endpoint hold."""
+    """Convert a QoS profile.
+
+    Policies set to SYSTEM_DEFAULT get the DDS default for this kind of endpoint.
+    """
+    if not isinstance(profile, QoSProfile):
+        raise AttributeError(f"'{type(profile).__name__}' object has no attribute 'get_c_qos_profile'")
     chosen = {name: getattr(profile, name) for name in POLICIES}
+    if any(one.name == "UNKNOWN" for one in chosen.values()):
+        failed = "publisher: create_publisher() failed setting topic QoS"
+        raise RCLError(f"Failed to create {failed if kind == 'pub' else 'subscription: invalid allocator'}")
+    if kind == "pub" and chosen["durability"] is DurabilityPolicy.SYSTEM_DEFAULT:
+        # DDS specifies volatile as the default of a writer; Fast DDS uses transient local.
+        chosen["durability"] = DurabilityPolicy.TRANSIENT_LOCAL
+    # For BEST_AVAILABLE, the value that matches most endpoints: a publisher offers the strongest
+    # value, a subscription requests the weakest.
+    best = 0 if kind == "pub" else 1
     policies: dict[str, Any] = {
-        name: _best_available(name, kind) if one.name == "BEST_AVAILABLE" else one.name.lower()
+        name: _FITTING[name][best] if one.name == "BEST_AVAILABLE" else one.name.lower()
         for name, one in chosen.items()
-        if one and one.name != "UNKNOWN"
+        if one
     }
     if kind == "sub":
         policies.setdefault("reliability", "best_effort")
@@ -94,14 +235,8 @@ def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
     )
 
 
-def _best_available(policy: str, kind: Literal["pub", "sub"]) -> str:
-    """Return the value that fits most partners: what a publisher offers fits all that it is asked for."""
-    offered, requested = _FITTING[policy]
-    return offered if kind == "pub" else requested
-
-
 def to_profile(qos: Qos) -> QoSProfile:
-    """Return the profile of an endpoint of the graph, as ROS reports it."""
+    """Return the QoS profile of an endpoint as ROS reports it."""
     policies = {name: policy[getattr(qos, name).upper()] for name, policy in POLICIES.items()}
     return QoSProfile(
         depth=qos.depth,
@@ -113,7 +248,7 @@ def to_profile(qos: Qos) -> QoSProfile:
 
 
 def _limit(duration: Duration) -> int | None:
-    """Return a limit in [ns]; unspecified (zero) and infinite are none."""
+    """Return a limit in [ns]; None if it is unspecified (zero) or infinite."""
     return duration.nanoseconds if 0 < duration.nanoseconds < DeadlineBestAvailable.nanoseconds else None
 
 

@@ -1,4 +1,4 @@
-"""rclpy's layer in C, of which programs use the exceptions."""
+"""Stand-in for rclpy's C extension. Programs use only its exceptions."""
 
 from rclpy import exceptions as rclpy_implementation
 

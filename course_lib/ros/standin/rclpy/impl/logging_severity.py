@@ -1,4 +1,4 @@
-"""Severities of log messages, and the levels that a program has set."""
+"""Severities of log messages, and the log levels that a program has set."""
 
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -17,6 +17,6 @@ class LoggingSeverity(IntEnum):
 
 @dataclass
 class LogLevels:
-    """The levels that one program has set in a run."""
+    """The log levels of one program in a run, by logger name."""
 
     by_logger: dict[str, int] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""ROS's rules for the names of nodes, namespaces and topics (rmw and rcl, validate_*.c)."""
+"""ROS's rules for the names of nodes, namespaces and topics (validate_*.c in rmw and rcl)."""
 
 import re
 from collections.abc import Callable
@@ -8,15 +8,21 @@ from typing import Literal
 from rclpy.exceptions import (
     InvalidNamespaceException,
     InvalidNodeNameException,
+    InvalidParameterException,
     InvalidServiceNameException,
     InvalidTopicNameException,
+    NameValidationException,
+    RCLError,
 )
 
+HIDDEN_TOPIC_PREFIX = "_"
+TOPIC_SEPARATOR_STRING = "/"
 Kind = Literal["topic", "service"]
 _ERRORS = {"topic": InvalidTopicNameException, "service": InvalidServiceNameException}
-Rules = tuple[tuple[str, str], ...]  # what must not be found, and the complaint; the first one counts
+# Patterns of invalid names and their error texts. The first match is reported.
+Rules = tuple[tuple[str, str], ...]
 
-# A match's group "at", or else its beginning, is the character that the complaint points at.
+# The error points at the group "at" of a match or, without such a group, at the match's beginning.
 NODE_NAME: Rules = (
     (r"^\Z", "node name must not be empty"),
     (r"[^A-Za-z0-9_]", "node name must not contain characters other than alphanumerics or '_'"),
@@ -28,12 +34,14 @@ TOPIC_NAME: Rules = (
     (r"^[0-9]", "topic name token must not start with a number"),
     (r"/\Z", "topic name must not end with a forward slash"),
 )
-TOPIC_TOKENS: Rules = (
-    (r"/(?P<at>[0-9])", "topic name token must not start with a number"),
+TOPIC_TOKENS: Rules = ((r"/(?P<at>[0-9])", "topic name token must not start with a number"),)
+# Applies to actions only: rcl's own check of this rule misses it in other names, like `~t`.
+_ACTION_TOKENS: Rules = (
     (r"^~(?P<at>[^/])", "topic name must not have a tilde '~' that is not followed by a forward slash '/'"),
 )
 _WORD = r"(?:[A-Za-z_][A-Za-z0-9_]*)?"
-_SOUND = rf"~?(?:[A-Za-z0-9_/]|{{{_WORD}}})*"  # a topic's name up to its first bad character
+# Matches a topic name up to its first invalid character.
+_SOUND = rf"~?(?:[A-Za-z0-9_/]|{{{_WORD}}})*"
 _AFTER_SOUND: Rules = (
     (rf"^{{{_WORD}\Z|^}}", "topic name must not have unmatched (unbalanced) curly braces '{}'"),
     (r"^\{(?P<at>[0-9])", "substitution name must not start with a number"),
@@ -46,7 +54,7 @@ _AFTER_SOUND: Rules = (
 )
 
 
-def _absolute(what: str, unless: str, length: str, limit: int) -> Rules:
+def _absolute(what: str, unless: str, length: str, limit: int, limit_name: str) -> Rules:
     return (
         (r"^\Z", f"{what} must not be empty"),
         (r"^[^/]", f"{what} must be absolute, it must lead with a '/'"),
@@ -54,22 +62,22 @@ def _absolute(what: str, unless: str, length: str, limit: int) -> Rules:
         (r"[^A-Za-z0-9_/]", f"{what} must not contain characters other than alphanumerics, '_', or '/'"),
         (r"/(?P<at>/)", f"{what} must not contain repeated '/'"),
         (r"/(?P<at>[0-9])", f"{what} must not have a token that starts with a number"),
-        (rf"^.{{{limit - 1}}}(?P<at>.)(?=.)", f"{length} should not exceed '{limit}'"),
+        (rf"^.{{{limit - 1}}}(?P<at>.)(?=.)", f"{length} should not exceed '{limit_name}'"),
     )
 
 
-NAMESPACE = _absolute("namespace", ", unless only a '/'", "namespace", 245)
-FULL_TOPIC = _absolute("topic name", "", "topic length", 247)
+NAMESPACE = _absolute("namespace", ", unless only a '/'", "namespace", 245, "RMW_NAMESPACE_MAX_NAME_LENGTH")
+FULL_TOPIC = _absolute("topic name", "", "topic length", 247, "255U - 8U")
 
 
 def validate_node_name(name: str) -> bool:
-    """Raise InvalidNodeNameException unless `name` may be a node's name; else return True, as rclpy does."""
+    """Raise InvalidNodeNameException if `name` is not a valid node name; else return True, as in rclpy."""
     _refuse(name, NODE_NAME, InvalidNodeNameException)
     return True
 
 
 def validate_namespace(namespace: str) -> bool:
-    """Raise InvalidNamespaceException unless `namespace` is a valid absolute namespace; else return True."""
+    """Raise InvalidNamespaceException unless `namespace` is valid and absolute; else return True."""
     if namespace != "/":
         _refuse(namespace, NAMESPACE, InvalidNamespaceException)
     return True
@@ -77,13 +85,20 @@ def validate_namespace(namespace: str) -> bool:
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
     """Raise Invalid(Topic or Service)NameException unless `name` is valid and absolute; else return True."""
+    if not isinstance(name, str):
+        raise TypeError("rclpy_get_validation_error_for_full_topic_name(): incompatible function arguments.")
     _refuse(name, FULL_TOPIC, _ERRORS["service" if is_service else "topic"])
     return True
 
 
-@lru_cache  # every node has the same services
+# Cached because every node creates services of the same names.
+@lru_cache
 def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
-    """Raise Invalid(Topic or Service)NameException unless `name` may be written for one; else return True."""
+    """Raise Invalid(Topic or Service)NameException unless `name` is valid; else return True."""
+    if name is None:
+        raise RCLError("failed to validate name: topic_name argument is null")
+    if not isinstance(name, str):
+        raise TypeError("rclpy_get_validation_error_for_topic_name(): incompatible function arguments.")
     error = _ERRORS["service" if is_service else "topic"]
     _refuse(name, TOPIC_NAME, error)
     sound = re.match(_SOUND, name)
@@ -93,13 +108,79 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
 
 
 def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:
-    """Return the full name of a topic of a node, as `rclpy.expand_topic_name` does."""
-    return expand_name(topic_name, node_name, node_namespace)
+    """Expand a topic name of a node to its full name, which is not validated itself.
+
+    Raises ValueError with rcl's message if one of the names is invalid.
+    """
+    if topic_name is None:
+        raise RCLError("failed to do name expansion: input_topic_name argument is null")
+    if not isinstance(topic_name, str):
+        raise TypeError("rclpy_expand_topic_name(): incompatible function arguments.")
+    for check, what, name in (
+        (validate_topic_name, "topic name", topic_name),
+        (validate_node_name, "node name", node_name),
+        (validate_namespace, "node namespace", node_namespace),
+    ):
+        try:
+            check(name)
+        except NameValidationException as error:
+            raise ValueError(f"{what} '{name}' is invalid: {error.error_msg}") from None
+    return _expanded(topic_name, node_name, node_namespace)
 
 
 def expand_name(topic: str, node_name: str, namespace: str, kind: Kind = "topic") -> str:
-    """Expand a name: `x` is in the namespace, `~/x` under the node; `{node}` and `{ns}` are replaced."""
+    """Expand a topic or service name to its full name and validate it.
+
+    `x` is relative to the namespace, `~/x` to the node's name; `{node}` and `{ns}` are substituted.
+    """
     validate_topic_name(topic, is_service=kind == "service")
+    full = _expanded(topic, node_name, namespace)
+    _refuse(full, FULL_TOPIC, _ERRORS[kind])
+    return full
+
+
+def complaint_of(error: ValueError | NameValidationException) -> str:
+    """Return the reason why a name is invalid, without the name."""
+    if isinstance(error, NameValidationException):
+        return error.error_msg
+    return str(error).partition(" is invalid: ")[2]
+
+
+def require_action_name(name: str, side: Literal["client", "server"], node_name: str, namespace: str) -> None:
+    """Raise the errors of rcl_action if an action cannot have this name."""
+    failed = f"Failed to create action {side}"
+    if name is None:
+        raise ValueError(f"{failed}: action_name argument is null")
+    if not isinstance(name, str):
+        raise TypeError("__init__(): incompatible constructor arguments.")
+    if not name and side == "client":
+        raise ValueError(f"{failed}: failed to get goal service name")
+    colon = ": : " if side == "server" else ": "
+    prefix = f"{failed} due to invalid topic name '{name}' {colon}"
+    if not name:
+        raise ValueError(f"{prefix}invalid empty action name")
+    try:
+        # rcl_action validates the name of its first service, so some errors differ from those for a
+        # topic.
+        expand_name(f"{name}/_action/send_goal", node_name, namespace)
+        _refuse(name, _ACTION_TOKENS, InvalidTopicNameException)
+    except (ValueError, NameValidationException) as error:
+        raise ValueError(f"{prefix}{complaint_of(error)}") from None
+
+
+def topic_or_service_is_hidden(name: str) -> bool:
+    """Return whether a token of a name begins with an underscore."""
+    return any(part.startswith(HIDDEN_TOPIC_PREFIX) for part in name.split("/"))
+
+
+def validate_parameter_name(name: str) -> bool:
+    """Raise InvalidParameterException if the name is empty; else return True, as in rclpy."""
+    if not name:
+        raise InvalidParameterException(name)
+    return True
+
+
+def _expanded(topic: str, node_name: str, namespace: str) -> str:
     prefix = namespace.rstrip("/")
     expanded = f"{prefix}/{node_name}{topic[1:]}" if topic.startswith("~") else topic
     known = {"node": node_name, "ns": namespace, "namespace": namespace}
@@ -107,13 +188,11 @@ def expand_name(topic: str, node_name: str, namespace: str, kind: Kind = "topic"
         if word not in known:
             raise ValueError(f"topic name '{topic}' is invalid: unknown substitution: {{{word}}}")
         expanded = expanded.replace(f"{{{word}}}", known[word])
-    full = expanded if expanded.startswith("/") else f"{prefix}/{expanded}"
-    _refuse(full, FULL_TOPIC, _ERRORS[kind])
-    return full
+    return expanded if expanded.startswith("/") else f"{prefix}/{expanded}"
 
 
 def join(namespace: str, name: str) -> str:
-    """Join a namespace and a name to a fully qualified name."""
+    """Join a namespace and a name into a fully qualified name."""
     return f"{namespace.rstrip('/')}/{name}"
 
 

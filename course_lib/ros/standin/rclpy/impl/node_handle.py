@@ -1,46 +1,107 @@
-"""A node as the graph knows it, and the entities in it that wait for an executor."""
+"""A node on the side of the graph, and its entities that are ready for an executor."""
 
-import itertools
 import weakref
 from collections import deque
-from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Protocol
 
-from course_lib.ros.graph import NodesOfProgram
+from rcl_interfaces.msg import SetParametersResult
+
+from course_lib.ros.graph.graph import FailedNodes, NodesOfProgram, UnspunNodes
 from course_lib.ros.mistakes import Mistake
 from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context
-from rclpy.exceptions import InvalidHandle
+from rclpy.exceptions import INVALID_CONTEXT, InvalidHandle, RCLError
 from rclpy.impl import names
 from rclpy.impl.arguments import Arguments
-from rclpy.task import TaskRunner
-
-_order = itertools.count()  # in which entities become ready
+from rclpy.task import TaskRunner, order
 
 
 class HandledNode(Protocol):
-    """A node, as an executor knows it."""
+    """The part of a node that executors use."""
 
     @property
     def handle(self) -> "NodeHandle":
-        """The node in the graph."""
+        """The node's handle in the graph."""
+
+
+class NodeInterface(HandledNode, Protocol):
+    """The methods of a node that other modules of rclpy call.
+
+    A protocol, because `rclpy.node` imports these modules and they cannot import it.
+    """
+
+    @property
+    def create_service(self) -> Callable[..., Any]:
+        """See `rclpy.node.Node.create_service`."""
+
+    @property
+    def create_subscription(self) -> Callable[..., Any]:
+        """See `rclpy.node.Node.create_subscription`."""
+
+    @property
+    def destroy_subscription(self) -> Callable[..., bool]:
+        """See `rclpy.node.Node.destroy_subscription`."""
+
+    @property
+    def declare_parameter(self) -> Callable[..., Any]:
+        """See `rclpy.node.Node.declare_parameter`."""
+
+    @property
+    def has_parameter(self) -> Callable[[str], bool]:
+        """See `rclpy.node.Node.has_parameter`."""
+
+    @property
+    def get_parameter(self) -> Callable[[str], Any]:
+        """See `rclpy.node.Node.get_parameter`."""
+
+    @property
+    def get_parameters(self) -> Callable[[Sequence[str]], list[Any]]:
+        """See `rclpy.node.Node.get_parameters`."""
+
+    @property
+    def get_parameter_types(self) -> Callable[[Sequence[str]], list[int]]:
+        """See `rclpy.node.Node.get_parameter_types`."""
+
+    @property
+    def describe_parameters(self) -> Callable[[Sequence[str]], list[Any]]:
+        """See `rclpy.node.Node.describe_parameters`."""
+
+    @property
+    def list_parameters(self) -> Callable[[list[str], int], Any]:
+        """See `rclpy.node.Node.list_parameters`."""
+
+    @property
+    def set_parameters(self) -> Callable[[list[Any]], list[Any]]:
+        """See `rclpy.node.Node.set_parameters`."""
+
+    @property
+    def set_parameters_atomically(self) -> Callable[[list[Any]], SetParametersResult]:
+        """See `rclpy.node.Node.set_parameters_atomically`."""
+
+    @property
+    def add_on_set_parameters_callback(self) -> Callable[[Callable[..., Any]], None]:
+        """See `rclpy.node.Node.add_on_set_parameters_callback`."""
 
 
 class NodeExecutor(TaskRunner, Protocol):
-    """An executor, as its nodes and their entities know it."""
+    """The part of an executor that nodes and their entities use."""
 
     def get_nodes(self) -> "list[HandledNode]":
-        """List the nodes whose callbacks it runs."""
+        """List the nodes whose callbacks the executor runs."""
 
     def remove_node(self, node: HandledNode) -> None:
         """Stop running the callbacks of a node."""
 
-    def is_held_up(self, entity: "Entity") -> bool:
-        """Return whether an entity's callback cannot run before the calling one has ended."""
+    def _course_holds_up(self, entity: "Entity") -> bool:
+        """Return whether an entity's callback cannot run before the calling callback has ended."""
+
+    def _course_runs(self, node: "NodeHandle") -> bool:
+        """Return whether a thread runs the callbacks of a node at this moment."""
 
 
 class Turn(NamedTuple):
-    """An entity that waits for an executor: its place in the order, and since when it waits, [ns]."""
+    """A ready entity in an executor's queue: its position in the order, and since when it is ready [ns]."""
 
     order: int
     entity: "Entity"
@@ -48,7 +109,7 @@ class Turn(NamedTuple):
 
 
 class NodeHandle:
-    """A node of the graph: its names, the order of its entities, and those that wait for an executor."""
+    """The state of a node in the graph: its names, the numbers of its entities, and its ready entities."""
 
     def __init__(self, context: Context, name: str, namespace: str, arguments: Arguments) -> None:
         self.context = context
@@ -59,99 +120,151 @@ class NodeHandle:
         self.id = self.graph.add_node(name, namespace)
         self.graph.part(NodesOfProgram).ids.add(self.id)
         self._executor: weakref.ref[NodeExecutor] | None = None
-        self.has_left = False  # the graph: destroyed, replaced, or its context shut down
+        self.is_destroyed = False
+        # Whether the node has left the graph: it was destroyed or replaced, or its context was shut
+        # down.
+        self.has_left = False
         self._entities = 0
         self._ready: deque[Turn] = deque()
 
     @property
     def executor(self) -> NodeExecutor | None:
-        """The executor that it was added to last."""
+        """The executor that the node was added to last."""
         return self._executor() if self._executor else None
 
     @executor.setter
     def executor(self, executor: NodeExecutor | None) -> None:
         self._executor = None if executor is None else weakref.ref(executor)
+        self.graph.part(UnspunNodes).names.pop(self.id, None)
+        if executor is not None:
+            self.graph.part(FailedNodes).errors.pop(self.full_name, None)
 
     @property
     def full_name(self) -> str:
-        """The fully qualified name."""
+        """The fully qualified node name."""
         return names.join(self.namespace, self.name)
 
     @property
     def logger_name(self) -> str:
-        """The name of its logger: the full name with dots."""
+        """The name of the node's logger: the full name with dots instead of slashes."""
         return self.full_name[1:].replace("/", ".")
 
+    def require(self, failed: str = "") -> "NodeHandle":
+        """Return the handle itself, as a check before an rcl call with the node.
+
+        Raises:
+            InvalidHandle: The node was destroyed.
+            RCLError: The node's context was shut down; `failed` begins the message.
+        """
+        if self.is_destroyed:
+            raise InvalidHandle
+        if failed and not self.context.is_valid:
+            raise RCLError(f"{failed}: rcl node's context is invalid")
+        return self
+
     def leave(self) -> None:
-        """Leave the graph; nothing happens in it any more."""
+        """Remove the node from the graph and discard its ready entities."""
         self.has_left = True
         self.graph.remove_node(self.id)
         self.graph.part(NodesOfProgram).ids.discard(self.id)
+        self.graph.part(UnspunNodes).names.pop(self.id, None)
         self._ready.clear()
 
+    def note_work(self) -> None:
+        """Record that a timer or message is ready although no executor spins the node, for a warning."""
+        if self._executor is None and not self.has_left:
+            self.graph.part(UnspunNodes).names[self.id] = self.full_name
+
     def next_entity(self) -> int:
-        """Return the place of the next entity in the order of events."""
+        """Return the number of the next entity of the node, which orders simultaneous events."""
         self._entities += 1
         return self._entities
 
     def mark_ready(self, entity: "Entity") -> None:
-        """Queue an entity for an executor, behind all that became ready before it, in any node."""
-        self._ready.append(Turn(next(_order), entity, self.graph.now_ns))
+        """Queue an entity for an executor, after all entities that became ready earlier, in any node."""
+        self._ready.append(Turn(next(order), entity, self.graph.now_ns))
 
     def first_ready(self) -> Turn | None:
-        """Return the first entity whose callback group lets it run."""
+        """Return the first entity that its callback group allows to run."""
         for turn in self._ready:
             if turn[1].callback_group.can_execute(turn[1]):
                 return turn
         return None
 
+    def turns(self) -> list[Turn]:
+        """List the ready entities in the order in which they became ready."""
+        return list(self._ready)
+
     def take(self, turn: Turn) -> Callable[[], object] | None:
-        """Remove an entity from the queue; returns the call to make, None if there is none any more."""
-        self._ready.remove(turn)
-        return turn.entity.take()
+        """Remove an entity from the queue.
+
+        Return the call to make, or None if it is no longer ready.
+        """
+        if self._ready and self._ready[0] is turn:
+            self._ready.popleft()
+        elif turn in self._ready:
+            self._ready.remove(turn)
+        else:
+            return None
+        return turn.entity._course_take()
+
+
+def require_node(node: NodeHandle, failed: str) -> None:
+    """Check the node of an action client or server. Errors are ValueErrors, as in rcl_action."""
+    try:
+        node.require(failed)
+    except RCLError as error:
+        raise ValueError(str(error)) from None
 
 
 class Entity:
-    """A part of a node that has a callback: a timer, a subscription and so on."""
+    """A part of a node that has a callback, for example a timer or a subscription."""
 
-    mistake: Mistake | None = None  # of a callback that cannot be called with its arguments
+    # The mistake that marks the error of a callback that does not accept its arguments.
+    _course_mistake: Mistake | None = None
 
     def __init__(self, node: NodeHandle, callback_group: CallbackGroup) -> None:
-        self.node_handle = node
+        self._course_node = node
         self.callback_group = callback_group
-        self.entity = node.next_entity()
+        callback_group.add_entity(self)
+        self._course_entity = node.next_entity()
 
-    def take(self) -> Callable[[], object] | None:
-        """Consume the event that made it ready; returns the call to make, None if there is none any more."""
+    def _course_take(self) -> Callable[[], object] | None:
+        """Remove the event that made the entity ready.
+
+        Return the call to make, or None if there is none.
+        """
         raise NotImplementedError
 
-    def note_time_taken(self, span_ns: int) -> None:
-        """Note that its callback took robot time, [ns]: it slept, or waited."""
+    def _course_note_time_taken(self, span_ns: int) -> None:
+        """Record that the callback took robot time [ns], because it slept or waited."""
 
 
 class GuardCondition(Entity):
-    """A callback that runs after `trigger`; made by `Node.create_guard_condition`."""
+    """A callback that runs after `trigger`, created by `Node.create_guard_condition`."""
 
     def __init__(
         self, node: NodeHandle, callback: Callable[[], object], callback_group: CallbackGroup
     ) -> None:
+        if not node.context.is_valid:
+            raise RCLError(f"failed to create guard_condition: {INVALID_CONTEXT}")
         super().__init__(node, callback_group)
         self.callback = callback
-        self._triggered = self._destroyed = False
+        self.__triggered = self.__destroyed = False
 
     def trigger(self) -> None:
-        """Request a call of the callback; also from another thread."""
-        if self._destroyed:
+        """Request a call of the callback. May be called from any thread."""
+        if self.__destroyed:
             raise InvalidHandle
-        if not self._triggered:
-            self._triggered = True
-            self.node_handle.mark_ready(self)
+        if not self.__triggered:
+            self.__triggered = True
+            self._course_node.mark_ready(self)
 
-    def take(self) -> Callable[[], object] | None:
-        """Return the callback, unless the condition was destroyed meanwhile."""
-        self._triggered = False
-        return None if self._destroyed else self.callback
+    def _course_take(self) -> Callable[[], object] | None:
+        """Return the callback, unless the condition has been destroyed since it was triggered."""
+        self.__triggered = False
+        return None if self.__destroyed else self.callback
 
     def destroy(self) -> None:
-        """Disable the condition; call `Node.destroy_guard_condition` instead."""
-        self._destroyed = True
+        """Disable the condition. Call `Node.destroy_guard_condition` instead."""
+        self.__destroyed = True

@@ -1,4 +1,4 @@
-"""Loggers: lines on stderr as ROS writes them, and messages on /rosout."""
+"""Loggers, which write lines to stderr in ROS's format and publish messages on /rosout."""
 
 import sys
 from collections.abc import Callable, Mapping
@@ -8,7 +8,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
-from course_lib.ros.graph import current_graph
+from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.notices import repeated_lines
 from rclpy.clock import Clock
 from rclpy.impl.logging_severity import LoggingSeverity, LogLevels
@@ -17,7 +17,8 @@ from rclpy.time import Time
 if TYPE_CHECKING:
     from rcl_interfaces.msg import Log
 
-# The filters in the order they are asked in, and their options, of which the first one is required.
+# The logging filters in the order of their evaluation, with their options. The first option is
+# required.
 FILTERS = {
     "throttle": ("throttle_duration_sec", "throttle_time_source_type"),
     "skip_first": ("skip_first",),
@@ -29,71 +30,69 @@ _CLOCK = Clock()
 
 @dataclass
 class Rosout:
-    """The functions that publish log messages on /rosout, by logger, of one program in a run."""
+    """The functions that publish log messages on /rosout, by logger name, for one program in a run."""
 
     publish: "dict[str, Callable[[Log], None]]" = field(default_factory=dict)
 
 
 @dataclass
 class CallSite:
-    """A place in the code that logs: the options of its first call, and its state so far."""
+    """A logging call in the source code: the options of its first execution, and the state of its filters."""
 
-    asked: dict[str, Any]
+    options: dict[str, Any]
     last_ns: int = 0
     logged_once: bool = False
     skipped_first: bool = False
 
-    def lets_pass(self, asked: dict[str, Any]) -> bool:
-        """Return whether a call is logged; raises a ValueError if its options have changed."""
-        for what, value in asked.items():
-            if value != self.asked[what]:
+    def passes_filters(self, options: dict[str, Any]) -> bool:
+        """Return whether a call passes the filters, which are evaluated in the order of the options.
+
+        Raise a ValueError if its options have changed.
+        """
+        for what, value in options.items():
+            if value != self.options[what]:
                 raise ValueError(f"{what} cannot be changed between calls.")
-        ask = {"throttle": self._throttle, "skip_first": self._skip_first, "once": self._once}
-        return all(ask[name]() for name in asked["Requested logging filters"])
-
-    def _throttle(self) -> bool:
-        options = self.asked["Logging filter parameters"]
-        now_ns: int = (options["throttle_time_source_type"] or _CLOCK).now().nanoseconds
-        if now_ns < self.last_ns + options["throttle_duration_sec"] * 1e9:
-            return False
-        self.last_ns = now_ns
+        parameters = self.options["Logging filter parameters"]
+        for name in options["Requested logging filters"]:
+            if name == "throttle":
+                now_ns: int = (parameters["throttle_time_source_type"] or _CLOCK).now().nanoseconds
+                passes = now_ns >= self.last_ns + parameters["throttle_duration_sec"] * 1e9
+                self.last_ns = now_ns if passes else self.last_ns
+            elif name == "skip_first":
+                passes, self.skipped_first = self.skipped_first, True
+            else:
+                passes, self.logged_once = not self.logged_once, True
+            if not passes:
+                return False
         return True
-
-    def _skip_first(self) -> bool:
-        passes, self.skipped_first = self.skipped_first, True
-        return passes
-
-    def _once(self) -> bool:
-        passes, self.logged_once = not self.logged_once, True
-        return passes
 
 
 class RcutilsLogger:
-    """A logger; `a.b` inherits the level of `a`."""
+    """A logger. The logger `a.b` inherits the level of `a`."""
 
     def __init__(self, name: str = "") -> None:
         self.name = name
-        self._sites: dict[tuple[str, str, int, int], CallSite] = {}
+        self.__sites: dict[tuple[str, str, int, int], CallSite] = {}
 
     def get_child(self, name: str) -> "RcutilsLogger":
-        """Return the logger of a part."""
+        """Return the child logger with this name."""
         if not name:
             raise ValueError("Child logger name must not be empty.")
-        return RcutilsLogger(f"{self.name}.{name}" if self.name else name)
+        return RcutilsLogger(self.name + "." + name if self.name else name)
 
     def set_level(self, level: LoggingSeverity | int) -> None:
-        """Set the lowest severity that is logged; UNSET goes back to the inherited level."""
+        """Set the lowest severity that is logged. UNSET restores the inherited level."""
         current_graph().part(LogLevels).by_logger[self.name] = LoggingSeverity(level)
 
     @property
     def level(self) -> LoggingSeverity:
-        """The level that was set here; UNSET if none was."""
+        """The level that was set for this logger; UNSET if none was set."""
         return LoggingSeverity(
             current_graph().part(LogLevels).by_logger.get(self.name, LoggingSeverity.UNSET)
         )
 
     def get_effective_level(self) -> LoggingSeverity:
-        """Return the level that was set here, or else nearest above; INFO if nowhere."""
+        """Return the level of this logger or of the nearest ancestor that has one; INFO by default."""
         levels = current_graph().part(LogLevels).by_logger
         found = (levels[name] for name in _with_ancestors(self.name) if levels.get(name))
         return LoggingSeverity(next(found, LoggingSeverity.INFO))
@@ -102,50 +101,73 @@ class RcutilsLogger:
         """Return whether messages of a severity are logged."""
         return LoggingSeverity(severity) >= self.get_effective_level()
 
-    def log(self, message: str, severity: LoggingSeverity | int, **kwargs: Any) -> bool:
-        """Log a message; returns whether it was.
+    def log(self, message: str | bytes | None, severity: LoggingSeverity | int, **kwargs: Any) -> bool:
+        """Log a message and return whether it was logged.
 
-        `once=True`, `skip_first=True`, `throttle_duration_sec=...` (with a clock as
-        `throttle_time_source_type`) choose among the calls from this place in the code, whose options may not
-        change; `name` replaces the logger's.
+        `once=True`, `skip_first=True` and `throttle_duration_sec=...` (with a clock as
+        `throttle_time_source_type`) filter the calls from this line of code; these options must
+        stay the same between calls. `name` replaces the logger's name.
         """
         if not self.is_enabled_for(severity):
             return False
-        severity, name = LoggingSeverity(severity), kwargs.pop("name", self.name)
-        frame = _caller()
+        severity, name = LoggingSeverity(severity), kwargs.pop("name", self.name) or ""
+        # The frame that called the logger.
+        frame = sys._getframe(1)
+        while frame.f_back is not None and frame.f_code.co_filename == __file__:
+            frame = frame.f_back
         key = (frame.f_code.co_filename, frame.f_code.co_name, frame.f_lineno, frame.f_lasti)
-        wanted = _asked(severity, name, kwargs)
-        if not self._sites.setdefault(key, CallSite(wanted)).lets_pass(wanted):
+        options = _collect_options(severity, name, kwargs)
+        if not self.__sites.setdefault(key, CallSite(options)).passes_filters(options):
             return False
-        if not isinstance(message, str):
-            raise TypeError(
-                "rclpy_logging_rcutils_log(): incompatible function arguments: the message must be a str, "
-                f"not {type(message).__name__}; write str(...) or an f-string"
-            )
-        _write(severity, name, message, frame)
+        _write(severity, name, _text(message), frame)
         return True
 
-    def debug(self, message: str, **kwargs: Any) -> bool:
-        """Log a detail that helps to find a mistake; shown when the level is DEBUG."""
+    def debug(self, message: str | bytes | None, **kwargs: Any) -> bool:
+        """Log debugging details. Shown if the level is DEBUG."""
         return self.log(message, LoggingSeverity.DEBUG, **kwargs)
 
-    def info(self, message: str, **kwargs: Any) -> bool:
-        """Log a piece of information."""
+    def info(self, message: str | bytes | None, **kwargs: Any) -> bool:
+        """Log an informational message."""
         return self.log(message, LoggingSeverity.INFO, **kwargs)
 
-    def warning(self, message: str, **kwargs: Any) -> bool:
+    def warning(self, message: str | bytes | None, **kwargs: Any) -> bool:
         """Log a warning."""
         return self.log(message, LoggingSeverity.WARN, **kwargs)
 
     warn = warning
 
-    def error(self, message: str, **kwargs: Any) -> bool:
+    def error(self, message: str | bytes | None, **kwargs: Any) -> bool:
         """Log an error."""
         return self.log(message, LoggingSeverity.ERROR, **kwargs)
 
-    def fatal(self, message: str, **kwargs: Any) -> bool:
-        """Log an error after which the program cannot go on."""
+    def fatal(self, message: str | bytes | None, **kwargs: Any) -> bool:
+        """Log an error after which the program cannot continue."""
         return self.log(message, LoggingSeverity.FATAL, **kwargs)
+
+
+def _text(message: object) -> str:
+    """Return a message as the C function of rclpy receives it.
+
+    It takes bytes and None as well, and its strings end at a zero character.
+    """
+    if message is None:
+        return "(null)"
+    if isinstance(message, (bytes, bytearray)):
+        message = message.decode(errors="replace")
+    if not isinstance(message, str):
+        raise TypeError(
+            "rclpy_logging_rcutils_log(): incompatible function arguments: the message must be a str, "
+            f"not {type(message).__name__}; write str(...) or an f-string"
+        )
+    if not message.isascii():
+        try:
+            message.encode()
+        except UnicodeEncodeError:
+            raise TypeError(
+                "rclpy_logging_rcutils_log(): incompatible function arguments: the message has half of a "
+                "surrogate pair, which UTF-8 cannot encode"
+            ) from None
+    return message.partition("\0")[0]
 
 
 def _write(severity: LoggingSeverity, name: str, message: str, frame: FrameType) -> None:
@@ -174,29 +196,21 @@ def _write(severity: LoggingSeverity, name: str, message: str, frame: FrameType)
     )
 
 
-def _caller() -> FrameType:
-    """Find the frame of the program's call."""
-    frame = sys._getframe(1)
-    while frame.f_back is not None and frame.f_code.co_filename == __file__:
-        frame = frame.f_back
-    return frame
-
-
 @cache
 def _file_name(code_file: str) -> str:
-    """Name a file in a way that is the same on all machines; a notebook's cells have no files."""
+    """Return a file name that is the same on all machines; "cell" for a notebook cell, which has no file."""
     path = Path(code_file)
     return path.name if path.is_file() else "cell"
 
 
 def _with_ancestors(name: str) -> list[str]:
-    """List a logger's name, those of its ancestors, and the root's."""
+    """List a logger's name and the names of its ancestors up to the root logger."""
     parts = name.split(".")
     return [".".join(parts[:count]) for count in range(len(parts), 0, -1)] + ([""] if name else [])
 
 
-def _asked(severity: LoggingSeverity, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Collect the options of a call, by the words in which rclpy complains if they change."""
+def _collect_options(severity: LoggingSeverity, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Collect the options of a call under the names that rclpy's error uses if one of them changes."""
     filters = [each for each, options in FILTERS.items() if any(given.get(option) for option in options)]
     for each in filters:
         if FILTERS[each][0] not in given:

@@ -1,4 +1,4 @@
-"""Nodes with managed states; the kit's stand-in."""
+"""Lifecycle nodes, which have managed states."""
 
 from rclpy.lifecycle.managed_entity import LifecycleState as LifecycleState
 from rclpy.lifecycle.managed_entity import ManagedEntity as ManagedEntity

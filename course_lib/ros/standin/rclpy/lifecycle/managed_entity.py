@@ -1,4 +1,4 @@
-"""Entities that a lifecycle node takes along when its state changes."""
+"""Managed entities, which follow the state transitions of their lifecycle node."""
 
 from collections.abc import Callable
 from enum import Enum
@@ -13,21 +13,21 @@ Method = Callable[Concatenate[SelfT, P], Any]
 
 
 class LifecycleState(NamedTuple):
-    """A state: its name, and its number in lifecycle_msgs/msg/State."""
+    """A lifecycle state: its label, and its id in lifecycle_msgs/msg/State."""
 
     label: str
     state_id: int
 
 
 class TransitionCallbackReturnType(Enum):
-    """The result of a transition's callback; programs call it TransitionCallbackReturn."""
+    """The result of a transition callback. Programs import it as TransitionCallbackReturn."""
 
     SUCCESS = Transition.TRANSITION_CALLBACK_SUCCESS
     FAILURE = Transition.TRANSITION_CALLBACK_FAILURE
     ERROR = Transition.TRANSITION_CALLBACK_ERROR
 
     def to_label(self) -> str:
-        """Return the label of the transition that follows."""
+        """Return the label of the transition that follows this result."""
         return f"transition_{self.name.lower()}"
 
 
@@ -35,7 +35,7 @@ TransitionCallbackReturn = TransitionCallbackReturnType
 
 
 class ManagedEntity:
-    """An entity with a callback for each transition; each gets the state before it."""
+    """An entity with a callback for each transition. A callback receives the previous state."""
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Handle the transition to inactive."""
@@ -58,7 +58,7 @@ class ManagedEntity:
         return TransitionCallbackReturn.SUCCESS
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Handle an error of another callback."""
+        """Handle an error that another callback raised or returned."""
         return TransitionCallbackReturn.SUCCESS
 
 
@@ -69,18 +69,18 @@ class SimpleManagedEntity(ManagedEntity):
         self._enabled = False
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Enable it."""
+        """Enable the entity."""
         self._enabled = True
         return TransitionCallbackReturn.SUCCESS
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Disable it."""
+        """Disable the entity."""
         self._enabled = False
         return TransitionCallbackReturn.SUCCESS
 
     @property
     def is_activated(self) -> bool:
-        """True while it is enabled."""
+        """True while the entity is enabled."""
         return self._enabled
 
     @overload
@@ -99,7 +99,7 @@ class SimpleManagedEntity(ManagedEntity):
     def when_enabled(
         wrapped: Method[SelfT, P] | None = None, *, when_not_enabled: Callable[[], object] | None = None
     ) -> Any:
-        """Decorate a method: while its entity is not enabled, `when_not_enabled` is called in its place."""
+        """Decorate a method so that it runs only while enabled; otherwise `when_not_enabled` is called."""
 
         def decorated(method: Method[SelfT, P]) -> Any:
             @wraps(method)

@@ -1,26 +1,161 @@
-"""Nodes whose state other nodes see and change."""
+"""Lifecycle nodes, whose state other nodes can query and change."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Unpack, cast
+from functools import partial
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack, cast
 
 from lifecycle_msgs import srv
-from lifecycle_msgs.msg import State, Transition, TransitionEvent
+from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
 
 from course_lib.ros.notices import say
 from course_lib.ros.tracebacks import line_of_traceback
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import RCLError
+from rclpy.impl import private_names
 from rclpy.lifecycle.managed_entity import LifecycleState, ManagedEntity, TransitionCallbackReturn
 from rclpy.lifecycle.publisher import LifecyclePublisher
-from rclpy.lifecycle.state_machine import STATES, STEPS, StateMachine, description_of, message_of
+from rclpy.logging import get_logger
 from rclpy.node import Node
 
 if TYPE_CHECKING:
     from rclpy.node import NodeOptions
 
+STATES = {
+    "unknown": State.PRIMARY_STATE_UNKNOWN,
+    "unconfigured": State.PRIMARY_STATE_UNCONFIGURED,
+    "inactive": State.PRIMARY_STATE_INACTIVE,
+    "active": State.PRIMARY_STATE_ACTIVE,
+    "finalized": State.PRIMARY_STATE_FINALIZED,
+    "configuring": State.TRANSITION_STATE_CONFIGURING,
+    "cleaningup": State.TRANSITION_STATE_CLEANINGUP,
+    "shuttingdown": State.TRANSITION_STATE_SHUTTINGDOWN,
+    "activating": State.TRANSITION_STATE_ACTIVATING,
+    "deactivating": State.TRANSITION_STATE_DEACTIVATING,
+    "errorprocessing": State.TRANSITION_STATE_ERRORPROCESSING,
+}
+
+
+class Step(NamedTuple):
+    """A transition from one state to another, which are given by their labels."""
+
+    number: int
+    label: str
+    start: str
+    goal: str
+
+
+SUCCESS, FAILURE, ERROR = "transition_success", "transition_failure", "transition_error"
+# In rcl's order, in which the services return them.
+STEPS = (
+    Step(Transition.TRANSITION_CONFIGURE, "configure", "unconfigured", "configuring"),
+    Step(Transition.TRANSITION_ON_CONFIGURE_SUCCESS, SUCCESS, "configuring", "inactive"),
+    Step(Transition.TRANSITION_ON_CONFIGURE_FAILURE, FAILURE, "configuring", "unconfigured"),
+    Step(Transition.TRANSITION_ON_CONFIGURE_ERROR, ERROR, "configuring", "errorprocessing"),
+    Step(Transition.TRANSITION_CLEANUP, "cleanup", "inactive", "cleaningup"),
+    Step(Transition.TRANSITION_ON_CLEANUP_SUCCESS, SUCCESS, "cleaningup", "unconfigured"),
+    Step(Transition.TRANSITION_ON_CLEANUP_FAILURE, FAILURE, "cleaningup", "inactive"),
+    Step(Transition.TRANSITION_ON_CLEANUP_ERROR, ERROR, "cleaningup", "errorprocessing"),
+    Step(Transition.TRANSITION_ACTIVATE, "activate", "inactive", "activating"),
+    Step(Transition.TRANSITION_ON_ACTIVATE_SUCCESS, SUCCESS, "activating", "active"),
+    Step(Transition.TRANSITION_ON_ACTIVATE_FAILURE, FAILURE, "activating", "inactive"),
+    Step(Transition.TRANSITION_ON_ACTIVATE_ERROR, ERROR, "activating", "errorprocessing"),
+    Step(Transition.TRANSITION_DEACTIVATE, "deactivate", "active", "deactivating"),
+    Step(Transition.TRANSITION_ON_DEACTIVATE_SUCCESS, SUCCESS, "deactivating", "inactive"),
+    Step(Transition.TRANSITION_ON_DEACTIVATE_FAILURE, FAILURE, "deactivating", "active"),
+    Step(Transition.TRANSITION_ON_DEACTIVATE_ERROR, ERROR, "deactivating", "errorprocessing"),
+    Step(Transition.TRANSITION_UNCONFIGURED_SHUTDOWN, "shutdown", "unconfigured", "shuttingdown"),
+    Step(Transition.TRANSITION_INACTIVE_SHUTDOWN, "shutdown", "inactive", "shuttingdown"),
+    Step(Transition.TRANSITION_ACTIVE_SHUTDOWN, "shutdown", "active", "shuttingdown"),
+    Step(Transition.TRANSITION_ON_SHUTDOWN_SUCCESS, SUCCESS, "shuttingdown", "finalized"),
+    Step(Transition.TRANSITION_ON_SHUTDOWN_FAILURE, FAILURE, "shuttingdown", "finalized"),
+    Step(Transition.TRANSITION_ON_SHUTDOWN_ERROR, ERROR, "shuttingdown", "errorprocessing"),
+    Step(Transition.TRANSITION_ON_ERROR_SUCCESS, SUCCESS, "errorprocessing", "unconfigured"),
+    Step(Transition.TRANSITION_ON_ERROR_FAILURE, FAILURE, "errorprocessing", "finalized"),
+    Step(Transition.TRANSITION_ON_ERROR_ERROR, ERROR, "errorprocessing", "finalized"),
+)
+
+
+class StateMachine:
+    """The state machine of one node. `publish` is called with an event for each transition."""
+
+    def __init__(self, publish: Callable[[TransitionEvent], object]) -> None:
+        self.label = "unconfigured"
+        self._publish = publish
+
+    @property
+    def initialized(self) -> bool:
+        """Always True: rclpy initializes the state machine when the node is created."""
+        return True
+
+    @property
+    def current_state(self) -> tuple[int, str]:
+        """The id and the label of the state, in this order. rclpy offers no other access."""
+        return self.number, self.label
+
+    @property
+    def available_states(self) -> list[tuple[int, str]]:
+        """The ids and labels of all states."""
+        return [(number, label) for label, number in STATES.items()]
+
+    @property
+    def available_transitions(self) -> list[tuple[int, str, int, str, int, str]]:
+        """The transitions from the current state: their id and label, and ids and labels of both states."""
+        return [
+            (step.number, step.label, STATES[step.start], step.start, STATES[step.goal], step.goal)
+            for step in self.steps()
+        ]
+
+    @property
+    def number(self) -> int:
+        """The id of the current state."""
+        return STATES[self.label]
+
+    def steps(self) -> list[Step]:
+        """List the transitions from the current state."""
+        return [step for step in STEPS if step.start == self.label]
+
+    def find(self, wanted: int | str) -> Step | None:
+        """Return the transition with this id or label.
+
+        If there is none, log rcl's warning and return None.
+        """
+        found = [step for step in self.steps() if wanted in (step.number, step.label)]
+        if not found:
+            text = f"No transition matching {wanted} found for current state {self.label}"
+            get_logger("rcl_lifecycle").warning(text)
+        return found[0] if found else None
+
+    def go(self, wanted: int | str) -> None:
+        """Execute a transition.
+
+        Raise an RCLError if the current state has none with this id or label.
+        """
+        step = self.find(wanted)
+        if step is None:
+            raise RCLError(
+                "Failed to trigger lifecycle state machine transition: Transition is not registered."
+            )
+        self.label = step.goal
+        self._publish(TransitionEvent(start_state=message_of(step.start), goal_state=message_of(step.goal)))
+
+
+def message_of(label: str) -> State:
+    """Convert a state to a message."""
+    return State(id=STATES[label], label=label)
+
+
+def description_of(step: Step) -> TransitionDescription:
+    """Convert a transition to a message."""
+    return TransitionDescription(
+        transition=Transition(id=step.number, label=step.label),
+        start_state=message_of(step.start),
+        goal_state=message_of(step.goal),
+    )
+
 
 class LifecycleServices:
-    """The services of one node; `change` makes a transition by its number."""
+    """The lifecycle services of one node. `change` executes a transition by its number."""
 
     def __init__(
         self,
@@ -30,17 +165,28 @@ class LifecycleServices:
         group: CallbackGroup | None,
     ) -> None:
         self._machine, self._change = machine, change
-        for kind, name, answer in (
-            (srv.ChangeState, "change_state", self._change_state),
-            (srv.GetState, "get_state", self._get_state),
-            (srv.GetAvailableStates, "get_available_states", self._get_states),
-            (srv.GetAvailableTransitions, "get_available_transitions", self._get_transitions),
-            (srv.GetAvailableTransitions, "get_transition_graph", self._get_graph),
-        ):
-            node.create_service(kind, f"~/{name}", answer, callback_group=group)
+        transitions, steps = srv.GetAvailableTransitions, "available_transitions"
+        # The field of the response that each query fills, and how its value is read.
+        queries: dict[str, tuple[Any, str, Callable[[], Any]]] = {
+            "get_state": (srv.GetState, "current_state", lambda: message_of(machine.label)),
+            "get_available_states": (
+                srv.GetAvailableStates, "available_states", lambda: [message_of(label) for label in STATES]
+            ),
+            "get_available_transitions": (
+                transitions, steps, lambda: [description_of(step) for step in machine.steps()]
+            ),
+            "get_transition_graph": (transitions, steps, lambda: [description_of(step) for step in STEPS]),
+        }  # fmt: skip
+        prefix = node.get_fully_qualified_name()
+        node.create_service(
+            srv.ChangeState, f"{prefix}/change_state", self._change_state, callback_group=group
+        )
+        for name, (kind, field, read) in queries.items():
+            answer = partial(self._answer, field, read)
+            node.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
 
     def _change_state(self, request: Any, response: Any) -> Any:
-        """Trigger the transition of the request's label or, without a label, of its number."""
+        """Trigger the requested transition, identified by its label or, without a label, by its number."""
         wanted = request.transition.id
         if request.transition.label:
             step = self._machine.find(request.transition.label)
@@ -50,20 +196,8 @@ class LifecycleServices:
         response.success = self._change(wanted) is TransitionCallbackReturn.SUCCESS
         return response
 
-    def _get_state(self, request: Any, response: Any) -> Any:
-        response.current_state = message_of(self._machine.label)
-        return response
-
-    def _get_states(self, request: Any, response: Any) -> Any:
-        response.available_states = [message_of(label) for label in STATES]
-        return response
-
-    def _get_transitions(self, request: Any, response: Any) -> Any:
-        response.available_transitions = [description_of(step) for step in self._machine.steps()]
-        return response
-
-    def _get_graph(self, request: Any, response: Any) -> Any:
-        response.available_transitions = [description_of(step) for step in STEPS]
+    def _answer(self, field: str, read: Callable[[], Any], request: Any, response: Any) -> Any:
+        setattr(response, field, read())
         return response
 
 
@@ -83,11 +217,11 @@ _SHUTDOWNS = {
 
 
 class LifecycleNodeMixin(ManagedEntity):
-    """The part of LifecycleNode that is added to Node.
+    """The methods that a LifecycleNode adds to Node.
 
     Args:
-        enable_communication_interface: Whether other nodes may see and change the state.
-        callback_group: The group of the services with which they do.
+        enable_communication_interface: Whether other nodes can query and change the state.
+        callback_group: The group of the services that they use for it.
     """
 
     def __init__(
@@ -96,44 +230,54 @@ class LifecycleNodeMixin(ManagedEntity):
         enable_communication_interface: bool = True,
         callback_group: CallbackGroup | None = None,
     ) -> None:
-        self._callbacks = {number: getattr(self, name) for number, name in _CALLBACKS.items()}
-        self._managed_entities: dict[ManagedEntity, None] = {}  # in the order of their making
+        self.__callbacks = {number: getattr(self, name) for number, name in _CALLBACKS.items()}
+        # A dict keeps the order in which the entities were added.
+        self.__managed_entities: dict[ManagedEntity, None] = {}
         node = cast("Node", self)
         events = node.create_publisher(TransitionEvent, "~/transition_event", 10)
-        self._state_machine = StateMachine(events.publish)
+        node._course_hide(events)
+        self.__state_machine = StateMachine(events.publish)
         if enable_communication_interface:
-            LifecycleServices(node, self._state_machine, self.__change_state, callback_group)
+            LifecycleServices(node, self.__state_machine, self.__change_state, callback_group)
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Report attributes of a student's class that have private names of rclpy."""
+        super().__init_subclass__(**kwargs)
+        private_names.check_class("Node", cls, private_names.OF_LIFECYCLE_NODES)
 
     def trigger_configure(self) -> TransitionCallbackReturn:
-        """Go from unconfigured to inactive."""
+        """Trigger the transition from unconfigured to inactive."""
         return self.__change_state(Transition.TRANSITION_CONFIGURE)
 
     def trigger_cleanup(self) -> TransitionCallbackReturn:
-        """Go from inactive to unconfigured."""
+        """Trigger the transition from inactive to unconfigured."""
         return self.__change_state(Transition.TRANSITION_CLEANUP)
 
     def trigger_shutdown(self) -> TransitionCallbackReturn:
-        """Go from unconfigured, inactive or active to finalized."""
-        if self._state_machine.label not in _SHUTDOWNS:
+        """Trigger the transition from unconfigured, inactive or active to finalized."""
+        if self.__state_machine.label not in _SHUTDOWNS:
             raise RCLError("Shutdown transtion not possible")  # rclpy's spelling
-        return self.__change_state(_SHUTDOWNS[self._state_machine.label])
+        return self.__change_state(_SHUTDOWNS[self.__state_machine.label])
 
     def trigger_activate(self) -> TransitionCallbackReturn:
-        """Go from inactive to active."""
+        """Trigger the transition from inactive to active."""
         return self.__change_state(Transition.TRANSITION_ACTIVATE)
 
     def trigger_deactivate(self) -> TransitionCallbackReturn:
-        """Go from active to inactive."""
+        """Trigger the transition from active to inactive."""
         return self.__change_state(Transition.TRANSITION_DEACTIVATE)
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
-        """Add an entity whose callbacks are called at each transition."""
+        """Add an entity whose callbacks run at each transition."""
         if not isinstance(entity, ManagedEntity):
             raise TypeError("Expected a rclpy.lifecycle.ManagedEntity instance.")
-        self._managed_entities[entity] = None
+        self.__managed_entities[entity] = None
 
     def create_lifecycle_publisher(self, *args: Any, **kwargs: Any) -> LifecyclePublisher[Any]:
-        """Create a publisher that publishes while the node is active; arguments as of `create_publisher`."""
+        """Create a publisher that is active while the node is.
+
+        The arguments are those of `create_publisher`.
+        """
         if "publisher_class" in kwargs:
             raise TypeError("create_publisher() got an unexpected keyword argument 'publisher_class'")
         publisher = Node.create_publisher(
@@ -144,8 +288,11 @@ class LifecycleNodeMixin(ManagedEntity):
         return publisher
 
     def destroy_lifecycle_publisher(self, publisher: LifecyclePublisher[Any]) -> bool:
-        """Destroy such a publisher; False if the node has not created it, or it is destroyed already."""
-        self._managed_entities.pop(publisher, None)
+        """Destroy a lifecycle publisher.
+
+        Returns False if the node did not create it, or if it is destroyed already.
+        """
+        self.__managed_entities.pop(publisher, None)
         return Node.destroy_publisher(cast("Node", self), publisher)
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -153,28 +300,34 @@ class LifecycleNodeMixin(ManagedEntity):
         return self.__call_entities("on_configure", state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Clean the managed entities up."""
+        """Clean up the managed entities."""
         return self.__call_entities("on_cleanup", state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Shut the managed entities down."""
+        """Shut down the managed entities."""
         return self.__call_entities("on_shutdown", state)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Activate the managed entities; a node's own `on_activate` calls this one with `super()`."""
+        """Activate the managed entities.
+
+        An overriding method has to call this one with `super()`.
+        """
         return self.__call_entities("on_activate", state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Deactivate the managed entities; a node's own `on_deactivate` calls this one with `super()`."""
+        """Deactivate the managed entities.
+
+        An overriding method has to call this one with `super()`.
+        """
         return self.__call_entities("on_deactivate", state)
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Report an error to the managed entities."""
+        """Call `on_error` of the managed entities."""
         return self.__call_entities("on_error", state)
 
     def __call_entities(self, name: str, state: LifecycleState) -> TransitionCallbackReturn:
-        """Call a callback of each entity, up to the first that doesn't succeed."""
-        for entity in self._managed_entities:
+        """Call this callback of each managed entity, until one of them does not succeed."""
+        for entity in self.__managed_entities:
             result = getattr(entity, name)(state)
             if not isinstance(result, TransitionCallbackReturn):
                 raise TypeError(
@@ -186,21 +339,22 @@ class LifecycleNodeMixin(ManagedEntity):
         return TransitionCallbackReturn.SUCCESS
 
     def __change_state(self, wanted: int) -> TransitionCallbackReturn:
-        machine = self._state_machine
+        machine = self.__state_machine
         before = LifecycleState(label=machine.label, state_id=machine.number)
         machine.go(wanted)
-        result = self.__call_back(before)
+        result = self.__execute_callback(before)
         machine.go(result.to_label())
         if result is TransitionCallbackReturn.ERROR:
-            machine.go(self.__call_back(before).to_label())
+            machine.go(self.__execute_callback(before).to_label())
         return result
 
-    def __call_back(self, before: LifecycleState) -> TransitionCallbackReturn:
-        """Call the callback of the state between two others."""
-        number = self._state_machine.number
+    def __execute_callback(self, before: LifecycleState) -> TransitionCallbackReturn:
+        """Call the callback of the current transition state."""
+        number = self.__state_machine.number
         try:
-            return cast("TransitionCallbackReturn", self._callbacks[number](before))
-        except Exception as error:  # as in rclpy, which keeps silent about it
+            return cast("TransitionCallbackReturn", self.__callbacks[number](before))
+        # rclpy handles the error in the same way, but without printing it.
+        except Exception as error:
             name, place = (
                 cast("Node", self).get_fully_qualified_name(),
                 line_of_traceback(error.__traceback__),
@@ -211,10 +365,19 @@ class LifecycleNodeMixin(ManagedEntity):
 
 
 class LifecycleNode(LifecycleNodeMixin, Node):
-    """A node with a state; it begins unconfigured. The other arguments are those of Node."""
+    """A node with a managed state, initially unconfigured.
+
+    The other arguments are those of Node.
+    """
 
     def __init__(
         self, node_name: str, *, enable_communication_interface: bool = True, **kwargs: "Unpack[NodeOptions]"
     ) -> None:
         Node.__init__(self, node_name, **kwargs)
         LifecycleNodeMixin.__init__(self, enable_communication_interface=enable_communication_interface)
+
+
+_NAMES = private_names.OF_LIFECYCLE_NODES
+private_names.watch_names(
+    "Node", LifecycleNodeMixin, _NAMES, {name: attrgetter(f"_LifecycleNodeMixin_{name}") for name in _NAMES}
+)

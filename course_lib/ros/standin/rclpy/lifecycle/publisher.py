@@ -8,7 +8,7 @@ from rclpy.publisher import Publisher
 
 
 class LifecyclePublisher(SimpleManagedEntity, Publisher[MsgT]):
-    """A publisher managed by its node's state; made by `LifecycleNode.create_lifecycle_publisher`."""
+    """A publisher that is active while its node is; created by `create_lifecycle_publisher`."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         SimpleManagedEntity.__init__(self)
@@ -16,5 +16,5 @@ class LifecyclePublisher(SimpleManagedEntity, Publisher[MsgT]):
 
     @SimpleManagedEntity.when_enabled
     def publish(self, msg: MsgT | bytes) -> None:
-        """Publish a message, or the bytes of one; while its node is not active, do nothing."""
+        """Publish a message or serialized bytes. Do nothing while the node is not active."""
         Publisher.publish(self, msg)

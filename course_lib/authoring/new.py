@@ -1,0 +1,215 @@
+"""`course new-week` and `course new-course`: files filled from templates."""
+
+import base64
+import re
+from collections.abc import Iterator, Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from course_lib.course.course_file import read_course_file
+from course_lib.course.exercise import Notebook, exercise_from, notebook_text
+from course_lib.course.state import DISTRIBUTION, write_atomically
+from course_lib.errors import CourseError
+from course_lib.grading.store import Course
+
+HERE = Path(__file__).parent / "templates"
+
+
+def render(kind: str, name: str, values: Mapping[str, object]) -> str:
+    """Render a template with these values."""
+    from jinja2 import Environment, StrictUndefined
+
+    text = (HERE / kind / f"{name}.jinja").read_text(encoding="utf-8")
+    whole = Environment(undefined=StrictUndefined, keep_trailing_newline=True, autoescape=False)
+    return whole.from_string(text).render(**values)
+
+
+WEEK_TEMPLATE = "week"
+CELL = re.compile(
+    r"^# %%(?: \[(?P<markdown>markdown)\])? (?P<id>[\w-]+)(?: \[(?P<tag>[\w-]+)\])?\n", re.MULTILINE
+)
+KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
+FIT_TITLE = re.compile(r"\w[\w ,.:;()'!?+-]{0,59}")
+PICTURE = "picture.png"
+
+
+def new_week(week: str, title: str, course: Course) -> list[Path]:
+    """Write the files of a week, and its entry in course.toml.
+
+    Args:
+        week: The name of the week, like "week09".
+        title: The title, like "Occupancy maps".
+        course: The course that gets the week.
+
+    Returns:
+        The files, in the order in which an author should read them.
+
+    Raises:
+        CourseError: The week exists already, or its name or title is invalid.
+    """
+    settings = course.exercises / "course.toml"
+    written = read_course_file(settings)
+    written.require_valid(week)
+    known = written.weeks
+    if not re.fullmatch(r"week\d\d", week):
+        raise CourseError(f"{week!r} is not the name of a week: expected one like week09")
+    if week in known:
+        raise CourseError(f"{week} is already in {settings}: {known[week].title!r}. Choose another week")
+    check_title(title)
+    made = dict(_week_files(week, title, course))
+    there = [path for path in made if path.exists()]
+    if there:
+        raise CourseError(f"{there[0]} already exists: move it away, or choose another week")
+    for path, data in made.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, data)
+    entry = render(WEEK_TEMPLATE, "course.toml", _values(week, title, course))
+    write_atomically(settings, (settings.read_text(encoding="utf-8").rstrip() + "\n" + entry).encode())
+    return [*made, settings]
+
+
+def check_title(title: str) -> None:
+    """Check that a title is valid in a heading, in Python and in TOML.
+
+    Raises:
+        CourseError: The title is invalid. The message lists the permitted characters.
+    """
+    if not FIT_TITLE.fullmatch(title):
+        raise CourseError(
+            f"the title {title!r}: expected 1 to 60 letters, digits, spaces or , . : ; ( ) ' ! ? + -"
+        )
+
+
+def unchanged_files(week: str, course: Course) -> list[Path]:
+    """Return the files of a week, except notebooks, that are unchanged since `new_week` wrote them."""
+    try:
+        title = read_course_file(course.exercises / "course.toml").weeks[week].title
+    # A week may have only a check file.
+    except (CourseError, KeyError):
+        return []
+    made = ((path, data) for path, data in _week_files(week, title, course) if path.suffix != ".ipynb")
+    return [path for path, data in made if path.is_file() and path.read_bytes() == data]
+
+
+def slug(title: str) -> str:
+    """Convert a title to a part of a file name, like "occupancy_maps"."""
+    return re.sub(r"\W+", "_", title.lower()).strip("_")
+
+
+def _values(week: str, title: str, course: Course) -> dict[str, object]:
+    earlier = [path.name for path in sorted(course.lessons.glob("week*.ipynb")) if path.name[:6] < week]
+    before = f"do `{earlier[-1]}`." if earlier else "you should know Python classes."
+    names = {"week": week, "number": int(week[4:]), "title": title, "before": before}
+    return {**names, "lesson": f"{week}_{slug(title)}.ipynb"}
+
+
+def _week_files(week: str, title: str, course: Course) -> Iterator[tuple[Path, bytes]]:
+    values = _values(week, title, course)
+    number = values["number"]
+    about = {"learn": "REPLACE: what students can do then, in a few words", "minutes": 32, "week": number}
+    yield course.lessons / str(values["lesson"]), lesson(WEEK_TEMPLATE, values, about)
+    about = {"exercise": f"{week}_exercise", "minutes": 15, "week": number}
+    solution = parse_notebook(render(WEEK_TEMPLATE, "solved.py", values), about)
+    yield course.solutions / f"{week}_solution.ipynb", notebook_text(solution).encode()
+    exercise = notebook_text(exercise_from(solution))
+    yield course.exercises / f"{week}_exercise.ipynb", exercise.encode()
+    for name, path in (
+        ("checks.py", course.exercises / "checks" / f"{week}.py"),
+        ("hidden.py", course.solutions / "checks" / f"{week}.py"),
+        ("quiz.toml", course.exercises / "quizzes" / f"{week}.toml"),
+        ("recall.toml", course.exercises / "quizzes" / f"{week}_recall.toml"),
+        ("mistakes.toml", course.exercises / "mistakes" / f"{week}.toml"),
+        ("answers.toml", course.solutions / "answers" / f"{week}.toml"),
+    ):
+        yield path, render(WEEK_TEMPLATE, name, values).encode()
+
+
+def lesson(kind: str, values: Mapping[str, object], about: Mapping[str, object]) -> bytes:
+    """Return a lesson rendered from a template, with a picture in its first cell."""
+    notebook = parse_notebook(render(kind, "lesson.py", values), about)
+    notebook["cells"][0]["attachments"] = {PICTURE: {"image/png": template_picture()}}
+    return notebook_text(notebook).encode()
+
+
+def template_picture() -> str:
+    """Return the picture of a new lesson, base64-encoded as in a notebook."""
+    return base64.b64encode((HERE / WEEK_TEMPLATE / PICTURE).read_bytes()).decode()
+
+
+def parse_notebook(text: str, about: Mapping[str, object]) -> Notebook:
+    """Convert text to a notebook. Cells begin with `# %% id [tag]` or `# %% [markdown] id`.
+
+    Args:
+        text: The text of the cells.
+        about: The entry "course" of the notebook's metadata.
+    """
+    marks = list(CELL.finditer(text))
+    ends = [*(mark.start() for mark in marks[1:]), len(text)]
+    cells = [_cell(mark, text[mark.end() : end].strip("\n")) for mark, end in zip(marks, ends, strict=True)]
+    metadata = {"course": dict(about), "kernelspec": KERNEL, "language_info": {"name": "python"}}
+    return {"cells": cells, "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
+
+
+def _cell(mark: re.Match[str], text: str) -> dict[str, Any]:
+    tags = {"tags": [mark["tag"]]} if mark["tag"] else {}
+    cell = {"id": mark["id"], "metadata": tags, "source": text.splitlines(keepends=True)}
+    if mark["markdown"]:
+        return {**cell, "cell_type": "markdown"}
+    return {**cell, "cell_type": "code", "execution_count": None, "outputs": []}
+
+
+COURSE_TEMPLATE = "course"
+FIRST_WEEK = ("week01", "First steps")
+
+
+def new_course(title: str, inside: Path) -> Path:
+    """Write a course with a welcome lesson and a first week.
+
+    Args:
+        title: The title, like "Robotics 101".
+        inside: The folder in which the course's folder is created.
+
+    Returns:
+        The course's folder, like "robotics_101".
+
+    Raises:
+        CourseError: The title is invalid, or the folder exists already.
+    """
+    check_title(title)
+    root = inside / slug(title)
+    if root.exists():
+        raise CourseError(f"{root} already exists: move it away, or choose another title")
+    course = Course(root / "exercises", root / "solutions")
+    for folder in (course.exercises, course.solutions, course.lessons):
+        folder.mkdir(parents=True)
+    for path, data in _course_files(root, title).items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, data)
+    new_week(*FIRST_WEEK, course)
+    return root
+
+
+def _course_files(root: Path, title: str) -> dict[Path, bytes]:
+    # The prefix avoids clashes with existing packages.
+    package = f"course_{slug(title)}"
+    version = metadata.version(DISTRIBUTION)
+    values = {
+        "title": title,
+        "package": package,
+        "distribution": slug(title).replace("_", "-"),
+        "version": version,
+    }
+    about = {"learn": "REPLACE: what students can do then, in a few words", "minutes": 15, "week": 0}
+    made = {root / "notebooks" / "week00_start.ipynb": lesson(COURSE_TEMPLATE, values, about)}
+    for name, place in (
+        ("pyproject.toml", "pyproject.toml"),
+        ("README.md", "README.md"),
+        ("gitignore", ".gitignore"),
+        ("init.py", f"{package}/__init__.py"),
+        ("test_course.py", "tests/test_course.py"),
+        ("course.toml", "exercises/course.toml"),
+        ("quiz.toml", "exercises/quizzes/week00.toml"),
+    ):
+        made[root / place] = render(COURSE_TEMPLATE, name, values).encode()
+    return made

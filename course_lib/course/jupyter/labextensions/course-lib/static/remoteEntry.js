@@ -1,0 +1,211 @@
+// An extension of JupyterLab. Where a widget's kernel has ended, its output shows what was saved beside the
+// widget: a picture or HTML. It also divides the page between a notebook and the view beside it. It is a module of
+// JupyterLab's module federation, written by hand so that no build is needed: `init` gets the modules that JupyterLab
+// shares, `get` returns the plugin.
+(() => {
+  const WIDGET = "application/vnd.jupyter.widget-view+json";
+  const SAVED = ["text/html", "image/png", "text/plain"]; // in the order of preference
+  const PATIENCE = 600; // [ms] that a widget may take to appear before the saved picture is shown
+  const REPR = /^\w+\(\w+=/; // text/plain of a widget for which nothing was saved
+  const NOTHING = "A control was here. Run its cell to use it again.";
+  const CONTINUE = "Continue here";
+  const CONTINUE_TITLE = "Run what this cell needs, then the cell itself";
+  const LINE = "As it was when the notebook was saved.";
+  const COLUMNS = 88; // of code that stay readable beside a view
+  const SHARE = 0.6; // of the notebook, where a view is beside it
+  const LEAST = 420; // [px] width of a view beside the notebook
+
+  /** Modules that JupyterLab shares: name, version, entry. */
+  let scope = {};
+
+  /** Return a shared module in the version that others have loaded, or undefined. */
+  async function shared(name) {
+    const entries = Object.values(scope[name] ?? {});
+    const entry = entries.find(({ loaded }) => loaded) ?? entries[entries.length - 1];
+    return entry && (await entry.get())();
+  }
+
+  /** Return the code cell that an output belongs to, or null. */
+  function cellOf(widget) {
+    while (widget && widget.model?.type !== "code") widget = widget.parent;
+    return widget;
+  }
+
+  /** Run what a cell needs, then the cell; `say` shows what went wrong. */
+  async function continueAt(app, tracker, cell, say) {
+    const panel = tracker.find((one) => one.content.widgets.includes(cell));
+    if (!panel) return;
+    await panel.context.save(); // the kernel reads the cells from the file
+    const kernel = panel.sessionContext.session?.kernel;
+    if (!kernel) return say("Choose a kernel first: menu Kernel, Change Kernel.");
+    say("Running what this cell needs …");
+    const code = "%load_ext course_lib\nfrom course_lib import resume\nresume()";
+    const metadata = { cellId: cell.model.sharedModel.getId() };
+    const future = kernel.requestExecute({ code, store_history: false }, true, metadata);
+    let fault = "";
+    future.onIOPub = ({ header, content }) => {
+      if (header.msg_type === "error") fault = `${content.ename}: ${content.evalue}`;
+    };
+    const reply = await future.done;
+    if (reply.content.status !== "ok") return say(fault || "The kernel has stopped this.");
+    say("");
+    panel.content.activeCellIndex = panel.content.widgets.indexOf(cell);
+    await app.commands.execute("notebook:run-cell");
+  }
+
+  /** Show what was saved beside a widget in the place of the widget. */
+  async function showSaved(app, tracker, rendermime, renderer, model) {
+    const type = SAVED.find((one) => model.data[one]);
+    const text = [model.data["text/plain"] ?? ""].flat().join("");
+    const isEmpty = !type || (type === "text/plain" && REPR.test(text));
+    const parts = [];
+    if (!isEmpty) {
+      const saved = rendermime.createRenderer(type);
+      await saved.renderModel(model);
+      parts.push(saved.node);
+    }
+    if (renderer.isDisposed || renderer.widgets.length) return;
+    renderer.node.replaceChildren(); // before looking for a line: this may be the second time
+    const cell = cellOf(renderer);
+    // One line for all widgets of a cell.
+    if (!cell?.node.querySelector(".course-saved")) {
+      const words = document.createElement("span");
+      words.textContent = isEmpty ? NOTHING : LINE;
+      const line = document.createElement("div");
+      line.className = "course-saved";
+      line.append(words);
+      if (cell && tracker) {
+        const button = document.createElement("button");
+        button.className = "jp-mod-styled jp-mod-minimal";
+        Object.assign(button, { type: "button", title: CONTINUE_TITLE, textContent: `▶ ${CONTINUE}` });
+        button.onclick = () => continueAt(app, tracker, cell, (text) => (words.textContent = text));
+        line.append(" ", button);
+      }
+      parts.push(line);
+    }
+    renderer.show();
+    renderer.node.replaceChildren(...parts);
+  }
+
+  /** Have all widgets' outputs fall back to what was saved. */
+  function keep(app, rendermime, tracker) {
+    const sample = rendermime.createRenderer(WIDGET);
+    const prototype = Object.getPrototypeOf(sample);
+    sample.dispose();
+    const render = prototype.renderModel;
+    prototype.renderModel = async function (model) {
+      const id = model.data[WIDGET]?.model_id;
+      // The widget is there already: only what is saved beside it has changed.
+      if (id && this.courseShows === id && this.widgets.length) return;
+      this.courseShows = id;
+      const showUnlessThere = () => {
+        if (!this.isDisposed && !this.widgets.length) showSaved(app, tracker, rendermime, this, model);
+      };
+      const late = setTimeout(showUnlessThere, PATIENCE);
+      await render.call(this, model);
+      clearTimeout(late);
+      showUnlessThere();
+    };
+  }
+
+  /** Put the pictures that views show now into the notebook, which is about to be saved. */
+  function savePictures(panel) {
+    for (const cell of panel.content.widgets) {
+      const outputs = cell.model.type === "code" ? cell.model.outputs : null;
+      for (let i = 0; outputs && i < outputs.length; i++) {
+        const { data } = outputs.get(i);
+        if (!data[WIDGET]?.model_id) continue;
+        const source = cell.outputArea?.widgets[i]?.node.querySelector(".course-keeps");
+        const kept = source?.courseKeeps?.();
+        if (kept) outputs.set(i, { ...outputs.get(i).toJSON(), data: { ...data, ...kept } });
+      }
+    }
+  }
+
+  /** Return the width [px] that a notebook needs to show COLUMNS columns of code. */
+  function widthForCode(panel) {
+    const code = panel.node.querySelector(".jp-CodeCell .cm-content");
+    if (!code) return 0;
+    const pen = document.createElement("canvas").getContext("2d");
+    pen.font = getComputedStyle(code).font;
+    const columns = COLUMNS * pen.measureText("0").width;
+    return Math.ceil(panel.node.offsetWidth - code.closest(".cm-scroller").clientWidth + columns + 12); // [px] its margins
+  }
+
+  /** Divide the width between a notebook and the panel beside it; fold the file browser where both need its place. */
+  function divide(app, notebook, panel) {
+    const dock = panel.parent;
+    const frame = () => new Promise((done) => requestAnimationFrame(done));
+    const wide = widthForCode(notebook);
+    const isNarrow = dock.node.offsetWidth < wide + LEAST;
+    if (isNarrow && !app.shell.leftCollapsed) {
+      app.shell.collapseLeft();
+      panel.disposed.connect(() => app.shell.leftCollapsed && app.shell.expandLeft());
+    }
+    return frame().then(frame).then(() => {
+      const left = panel.node.offsetLeft;
+      const edges = [...dock.layout.handles()].filter(
+        (one) => one.dataset.orientation === "horizontal" && !one.classList.contains("lm-mod-hidden"),
+      );
+      const edge = edges.find((one) => Math.abs(one.offsetLeft + one.offsetWidth - left) < 8);
+      if (!edge) return; // the user has moved it
+      const whole = panel.node.offsetWidth + left - notebook.node.offsetLeft;
+      const share = Math.min(Math.max(SHARE * whole, wide), whole - LEAST);
+      dock.layout.moveHandle(edge, notebook.node.offsetLeft + share, 0);
+    });
+  }
+
+  /** Place the panels of views beside their notebooks. */
+  function arrangePanels(app, tracker) {
+    /** Panels by the notebooks whose views they show. */
+    const panels = new Map();
+    document.addEventListener("course-docked", ({ target, detail }) => {
+      const panel = [...app.shell.widgets("main")].find((one) => one.node.contains(target));
+      const notebook = tracker.find((one) => one.context === detail.context);
+      if (!panel?.parent?.layout?.moveHandle || !notebook || panels.get(notebook) === panel) return;
+      const other = [...panels.values()].find((one) => one.isAttached);
+      panels.set(notebook, panel);
+      panel.disposed.connect(() => panels.get(notebook) === panel && panels.delete(notebook));
+      notebook.disposed.connect(() => panel.isDisposed || panel.dispose());
+      app.shell.activateById(notebook.id); // menus and keys act on the notebook
+      if (other) panel.parent.addWidget(panel, { mode: "tab-after", ref: other });
+      else divide(app, notebook, panel);
+      panel.parent.selectWidget(panel);
+    });
+    tracker.currentChanged.connect((_, notebook) => {
+      const panel = panels.get(notebook);
+      if (panel?.isAttached && !panel.isVisible) panel.parent.selectWidget(panel);
+    });
+  }
+
+  async function plugin() {
+    const [{ IRenderMimeRegistry }, { INotebookTracker }, base] = await Promise.all(
+      ["@jupyterlab/rendermime", "@jupyterlab/notebook", "@jupyter-widgets/base"].map(shared),
+    );
+    return {
+      id: "course-lib:saved-outputs",
+      description: "Shows what widgets showed before their kernel ended.",
+      autoStart: true,
+      requires: [IRenderMimeRegistry, INotebookTracker, base.IJupyterWidgetRegistry],
+      activate: (app, rendermime, tracker) => {
+        keep(app, rendermime, tracker);
+        arrangePanels(app, tracker);
+        const watch = (panel) =>
+          panel.context.saveState.connect((_, state) => state === "started" && savePictures(panel));
+        tracker.forEach(watch);
+        tracker.widgetAdded.connect((_, panel) => watch(panel));
+      },
+    };
+  }
+
+  globalThis._JUPYTERLAB ??= {};
+  globalThis._JUPYTERLAB["course-lib"] = {
+    init: (given) => {
+      scope = given;
+    },
+    get: async () => {
+      const found = await plugin();
+      return () => ({ __esModule: true, default: found });
+    },
+  };
+})();

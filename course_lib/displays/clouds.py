@@ -1,0 +1,837 @@
+"""RViz's displays of point clouds: PointCloud2, PointCloud, LaserScan, DepthCloud and scalar measurements.
+
+A message is converted to a `Cloud`, arrays by channel name. A transformer, RViz's term for a way to
+color points, computes colors from a cloud; `TRANSFORMERS` is the table of them. The arithmetic uses
+the same number types as RViz, so clouds agree with its images to the last bit.
+"""
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from io import BytesIO
+from math import isfinite
+from typing import Any, ClassVar, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.arrays import AnyArray, Float32s, Matrix, Pixels, Reals
+from course_lib.displays.display import (
+    FILTER_PROPERTIES,
+    INVALID,
+    QUEUE_LABEL,
+    Display,
+    Subscription,
+    TopicDisplay,
+)
+from course_lib.displays.frames import NS, nanoseconds
+from course_lib.displays.images import IMAGE, INFO, PACKED, decode_compressed, info_topic, rgb_of, rows_of
+from course_lib.displays.properties import Property, PropertyHolder, color, flag, integer, number, text, words
+from course_lib.displays.shapes import alpha_drawn_twice
+from course_lib.errors import format_count
+from course_lib.ros.graph.topics import Qos
+from course_lib.ros.tf2 import Transform, TransformException, interpolate
+from course_lib.viewer.drawables import Points, Spot
+
+# By the constants of sensor_msgs/msg/PointField. RViz interprets signed integers as unsigned ones.
+_TYPES = {1: "u1", 2: "u1", 3: "u2", 4: "u2", 5: "u4", 6: "u4", 7: "f4", 8: "f8"}
+_XYZ = ("x", "y", "z")
+AXES = ("X", "Y", "Z")
+COLOR_PROPERTIES = (
+    Property("Channel Name", "intensity", text),
+    Property("Use rainbow", True, flag),
+    Property("Invert Rainbow", False, flag),
+    Property("Min Color", (0, 0, 0), color),
+    Property("Max Color", (255, 255, 255), color),
+    Property("Autocompute Intensity Bounds", True, flag),
+    Property("Min Intensity", 0.0, number()),
+    Property("Max Intensity", 4096.0, number()),
+    Property("Axis", "Z", words(*AXES)),
+    Property("Autocompute Value Bounds", True, flag),
+    Property("Autocompute Value Bounds/Min Value", -10.0, number()),  # [m]
+    Property("Autocompute Value Bounds/Max Value", 10.0, number()),  # [m]
+    Property("Use Fixed Frame", True, flag),
+    Property("Color", (255, 255, 255), color),
+)
+# For each section of the rainbow: the constant part (red, green, blue) of the color.
+_RAINBOW = np.array([(0, 0, 1), (0, 0, 1), (0, 1, 0), (0, 1, 0), (1, 0, 0)], np.float32)
+_CHANGING = np.array([0, 1, 2, 0, 1])
+# Measured values of properties, by label.
+Bounds: TypeAlias = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """The points of one message.
+
+    Args:
+        channels: The fields by name, shape (N,) each.
+        transform_cloud_to_fixed: Transform from the cloud to the fixed frame, shape (4, 4).
+        received_ns: Robot time of reception [ns].
+    """
+
+    channels: Mapping[str, AnyArray]
+    transform_cloud_to_fixed: Matrix
+    received_ns: int
+
+    @property
+    def positions(self) -> Float32s:
+        """The points in the frame of the cloud, shape (N, 3), [m]."""
+        return np.stack([self.channels[axis] for axis in _XYZ], axis=-1).astype(np.float32)
+
+    def is_single(self, name: str, *, or_whole: bool = False) -> bool:
+        """Return whether a channel has single precision, or with `or_whole` 32-bit integers."""
+        kinds = ("f", "u") if or_whole else ("f",)
+        channel = self.channels.get(name)
+        return channel is not None and channel.dtype.itemsize == 4 and channel.dtype.kind in kinds
+
+
+def size_problem(message: Any) -> str | None:
+    """Return RViz's status if the sizes in a sensor_msgs/msg/PointCloud2 are inconsistent."""
+    width, height, step, size = message.width, message.height, message.point_step, len(message.data)
+    if width * height * step == size:
+        return None
+    return (
+        f"Data size ({size} bytes) does not match width ({width}) times height ({height}) times "
+        f"point_step ({step}).  Dropping message."
+    )
+
+
+def channels_of(message: Any) -> tuple[dict[str, AnyArray], list[str]]:
+    """Return the fields of a sensor_msgs/msg/PointCloud2 by name, for points with finite coordinates.
+
+    Returns:
+        The channels, and errors about fields that are skipped.
+    """
+    count, step = message.width * message.height, message.point_step
+    channels: dict[str, AnyArray] = {}
+    wrong = []
+    # In reverse order, so that the first of duplicate fields takes precedence.
+    for field in reversed(message.fields):
+        dtype = np.dtype(_TYPES.get(field.datatype, "V1")).newbyteorder(">" if message.is_bigendian else "<")
+        if field.datatype not in _TYPES or field.offset + dtype.itemsize > step:
+            wrong.append(
+                f"field {field.name!r} (datatype {field.datatype}, offset {field.offset}) is not a number "
+                f"within the {step} bytes of a point."
+            )
+            continue
+        place = (memoryview(message.data), field.offset, (step,))
+        channels[field.name] = np.ndarray(count, dtype, *place) if count else np.empty(0, dtype)
+    return finite(channels), wrong
+
+
+def finite(channels: dict[str, AnyArray]) -> dict[str, AnyArray]:
+    """Remove the points whose coordinates are not finite."""
+    known = [np.isfinite(channels[axis]) for axis in _XYZ if axis in channels]
+    if not known or all(axis.all() for axis in known):
+        return channels
+    kept = np.logical_and.reduce(known)
+    return {name: channel[kept] for name, channel in channels.items()}
+
+
+class Transformer(NamedTuple):
+    """A way to color a cloud."""
+
+    supports: Callable[[Cloud], bool]
+    # The supported transformer with the highest score is the default.
+    score: int
+    # Returns colors RGB or RGBA in 0..1, shape (N, 3) or (N, 4), and the measured bounds.
+    colors: Callable[[Cloud, PropertyHolder], tuple[Reals, Bounds]]
+
+
+def best_transformer(cloud: Cloud, wanted: str) -> str:
+    """Return the transformer that RViz uses: the chosen one if the cloud supports it, else RGB8."""
+    able = {name for name, transformer in TRANSFORMERS.items() if transformer.supports(cloud)}
+    if wanted in able:
+        return wanted
+    return "RGB8" if "RGB8" in able else max(able, key=lambda name: (TRANSFORMERS[name].score, name))
+
+
+def rainbow(value: npt.ArrayLike) -> Float32s:
+    """Return colors from red at 1 through green to violet at 0, shape (N, 3)."""
+    hue = np.clip(np.nan_to_num(np.asarray(value, np.float32)), 0, 1) * 5 + 1
+    part = np.minimum(hue.astype(int), 5)
+    rest = hue - part
+    rgb: Float32s = _RAINBOW[part - 1]
+    falls = np.where(part % 2 == 1, 1 - rest, rest)
+    rgb[np.arange(len(rgb)), _CHANGING[part - 1]] = np.where(hue >= 6, 0, falls)
+    return rgb
+
+
+def _intensity(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
+    name = holder["Channel Name"]
+    if name == "intensity" and name not in cloud.channels:
+        name = "intensities"
+    if name not in cloud.channels:
+        return np.ones((len(cloud.positions), 3), np.float32), {}
+    values = cloud.channels[name].astype(np.float32)
+    found = {}
+    if holder["Autocompute Intensity Bounds"]:
+        low, high = _bounds(values, 999999.0)
+        found = {"Min Intensity": low, "Max Intensity": high}
+    else:
+        low, high = holder["Min Intensity"], holder["Max Intensity"]
+    share = (values - low) / ((high - low) or 1e20)
+    if holder["Use rainbow"]:
+        return rainbow(share if holder["Invert Rainbow"] else 1 - share), found
+    share = np.clip(np.nan_to_num(share), 0, 1)[:, None]
+    dark, bright = (np.array(holder[label]) / 255 for label in ("Min Color", "Max Color"))
+    return (bright * share + dark * (1 - share)).astype(np.float32), found
+
+
+def _axis(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
+    axis, points = AXES.index(holder["Axis"]), cloud.positions
+    values = points[:, axis]
+    if holder["Use Fixed Frame"]:
+        row = cloud.transform_cloud_to_fixed[axis]
+        values = (points @ row[:3] + row[3]).astype(np.float32)
+    found = {}
+    if holder["Autocompute Value Bounds"]:
+        low, high = _bounds(values, 9999.0)
+        found = {f"Autocompute Value Bounds/{name} Value": v for name, v in (("Min", low), ("Max", high))}
+    else:
+        low, high = holder["Min Value"], holder["Max Value"]
+    return rainbow(1 - (values - low) / ((high - low) or 0.001)), found
+
+
+def _flat(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
+    rgb = np.array(holder["Color"], np.float32) / 255
+    return np.broadcast_to(rgb, (len(cloud.positions), 3)), {}
+
+
+def _rgb8(cloud: Cloud, holder: PropertyHolder) -> tuple[Reals, Bounds]:
+    name = "rgb" if "rgb" in cloud.channels else "rgba"
+    channel = np.ascontiguousarray(cloud.channels[name])
+    packed = channel.view(channel.dtype.str.replace("f", "u")).astype("<u4")
+    bgra = packed.view(np.uint8).reshape(-1, 4)
+    return bgra[:, [2, 1, 0] if name == "rgb" else [2, 1, 0, 3]] / np.float32(255), {}
+
+
+def _bounds(values: Float32s, limit: float) -> tuple[float, float]:
+    """Return minimum and maximum as RViz computes them, starting from and clipped to a limit."""
+    known = values[~np.isnan(values)]
+    low, high = min(known.min(initial=limit), limit), max(known.max(initial=-limit), -limit)
+    return max(float(low), -limit), min(float(high), limit)
+
+
+TRANSFORMERS: Mapping[str, Transformer] = {
+    "AxisColor": Transformer(lambda cloud: True, 255, _axis),
+    "FlatColor": Transformer(lambda cloud: True, 0, _flat),
+    "Intensity": Transformer(lambda cloud: True, 255, _intensity),
+    "RGB8": Transformer(
+        lambda cloud: any(cloud.is_single(name, or_whole=True) for name in ("rgb", "rgba")), 0, _rgb8
+    ),
+    "RGBF32": Transformer(
+        lambda cloud: cloud.is_single("r") and {"g", "b"} <= cloud.channels.keys(),
+        0,
+        lambda cloud, holder: (
+            np.stack([cloud.channels[name] for name in "rgb"], axis=-1).astype(np.float32),
+            {},
+        ),
+    ),
+}
+
+
+# RViz gives squares soft edges, which are invisible at this size.
+STYLES: dict[str, Spot] = {
+    "Points": "disc",
+    "Squares": "square",
+    "Flat Squares": "square",
+    "Spheres": "sphere",
+    "Boxes": "box",
+    "Tiles": "tile",
+}
+
+CLOUD_PROPERTIES = (
+    Property("Selectable", True, flag),
+    Property("Style", "Flat Squares", words(*STYLES)),
+    Property("Size (m)", 0.01, number(0.0001)),  # [m]
+    Property("Size (Pixels)", 3.0, number(1.0)),  # [px]
+    Property("Alpha", 1.0, number(0.0, 1.0)),
+    Property("Decay Time", 0.0, number(0.0)),  # [s]
+    Property("Position Transformer", "", words("", "XYZ")),
+    Property("Color Transformer", "", words("", *TRANSFORMERS)),
+    *COLOR_PROPERTIES,
+)
+_NOT_DRAWN = {"Enabled", "Topic", "Selectable", "Decay Time"}
+
+
+class DisplayedCloud(NamedTuple):
+    """A cloud in the scene."""
+
+    cloud: Cloud
+    path: str
+
+
+class CloudDisplay(TopicDisplay):
+    """Base class of clouds, each displayed for its decay time; new ones appear in the next frame."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._new: list[Cloud] = []
+        self._displayed: list[DisplayedCloud] = []
+        self._stale = False
+        self._number = 0
+
+    def on_changed(self, label: str) -> None:
+        """Redraw all clouds in the next frame, if the property affects the drawing."""
+        super().on_changed(label)
+        self._stale |= label.partition("/")[0] not in _NOT_DRAWN
+
+    def reset(self) -> None:
+        """Discard all clouds."""
+        super().reset()
+        self._new, self._displayed = [], []
+
+    def keep(self, cloud: Cloud) -> None:
+        """Keep a cloud for the next frame, if RViz can draw it."""
+        self.statuses.delete("Message")
+        self._values["Color Transformer"] = best_transformer(cloud, self["Color Transformer"])
+        if not (cloud.is_single("x") and {"y", "z"} <= cloud.channels.keys()):
+            self.statuses.set("error", "Message", "No position transformer available for cloud")
+            return
+        self._values["Position Transformer"] = "XYZ"
+        self._new.append(cloud)
+
+    def update(self) -> None:
+        """Draw new clouds and remove expired ones."""
+        super().update()
+        if self._stale:
+            for shown in self._displayed:
+                self._draw(shown)
+        self._stale = False
+        if self._new or self["Decay Time"] > 0:
+            while self._displayed and self._is_old(self._displayed[0].cloud):
+                self.context.scene.delete(self._displayed.pop(0).path)
+        for cloud in self._new:
+            if cloud is self._new[-1] or not self._is_old(cloud):
+                self._show(cloud)
+        self._new = []
+        count = sum(len(shown.cloud.positions) for shown in self._displayed)
+        text = f"Showing [{count}] points from [{len(self._displayed)}] messages"
+        self.statuses.set("ok", "Points", text)
+
+    def _is_old(self, cloud: Cloud) -> bool:
+        """Return whether a cloud has expired; without a decay time the next one replaces it."""
+        age = (self.context.now_ns - cloud.received_ns) / NS  # [s]
+        return bool(age > self["Decay Time"] or not self["Decay Time"])
+
+    def _show(self, cloud: Cloud) -> None:
+        self._number += 1
+        shown = DisplayedCloud(cloud, f"{self.path}/clouds/{self._number}")
+        self._displayed.append(shown)
+        self.context.scene.set_transform(shown.path, cloud.transform_cloud_to_fixed)
+        self._draw(shown)
+
+    def _draw(self, shown: DisplayedCloud) -> None:
+        style = self["Style"]
+        in_pixels = style == "Points"
+        size = (self["Size (Pixels)" if in_pixels else "Size (m)"],) * 3
+        colors = self._colors(shown.cloud)
+        grow = not in_pixels and bool(self._values.get("Auto Size"))
+        drawn = Points(shown.cloud.positions, colors, size, in_pixels, STYLES[style], grow)
+        self.context.scene.set_object(shown.path, drawn)
+
+    def _colors(self, cloud: Cloud) -> Float32s:
+        """Return RGBA of each point, shape (N, 4). Only the channel rgba provides alpha."""
+        name = best_transformer(cloud, self["Color Transformer"])
+        colors, bounds = TRANSFORMERS[name].colors(cloud, self)
+        self._values |= bounds
+        each = np.empty((len(colors), 4), np.float32)
+        each[:, :3] = colors[:, :3]
+        each[:, 3] = self["Alpha"] * (colors[:, 3] if colors.shape[1] == 4 else 1.0)
+        if not (each[:, 3] == 1).all():
+            each[:, 3] = alpha_drawn_twice(each[:, 3])
+        return each
+
+
+class PointCloud2Display(CloudDisplay):
+    """Clouds of any layout. They do not wait for transforms."""
+
+    class_name = "rviz_default_plugins/PointCloud2"
+    type_name = "sensor_msgs/msg/PointCloud2"
+    properties = (*CloudDisplay.properties, *CLOUD_PROPERTIES)
+
+    def process(self, message: Any) -> None:
+        """Show a cloud. Like RViz it ignores a cloud without x, y and z, but adds a hint."""
+        silent = (
+            []
+            if set(_XYZ) <= {field.name for field in message.fields}
+            else ["the cloud has no fields x, y and z: RViz draws nothing."]
+        )
+        self.statuses.hint("Fields", *silent)
+        if silent:
+            return
+        problem = size_problem(message)
+        if problem:
+            self.statuses.set("error", "Message", problem)
+            return
+        transform = self.transform_at(message.header)
+        if transform is not None:
+            channels, wrong = channels_of(message)
+            self.statuses.hint("Fields", *wrong)
+            self.keep(Cloud(channels, transform, self.context.now_ns))
+
+
+class PointCloudDisplay(CloudDisplay):
+    """Clouds of ROS 1's older type, with a list of numbers for each channel."""
+
+    queue_label = QUEUE_LABEL
+    class_name = "rviz_default_plugins/PointCloud"
+    type_name = "sensor_msgs/msg/PointCloud"
+    properties = (*FILTER_PROPERTIES, *CLOUD_PROPERTIES)
+
+    def process(self, message: Any) -> None:
+        """Show a cloud. Channels without a number for each point are ignored."""
+        transform = self.transform_at(message.header)
+        if transform is None:
+            return
+        points = np.array([(p.x, p.y, p.z) for p in message.points], np.float32).reshape(-1, 3)
+        channels: dict[str, AnyArray] = {}
+        wrong = []
+        for channel in message.channels:
+            if len(channel.values) == len(points):
+                channels[channel.name] = np.array(channel.values, np.float32)
+            else:
+                values = format_count(len(channel.values), "value")
+                wrong.append(
+                    f"channel {channel.name!r} has {values} for {format_count(len(points), 'point')}."
+                )
+        self.statuses.hint("Channels", *wrong)
+        channels |= dict(zip("xyz", points.T, strict=True))
+        self.keep(Cloud(finite(channels), transform, self.context.now_ns))
+
+
+class LaserScanDisplay(CloudDisplay):
+    """The end points of a scanner's beams, each transformed at the time of its beam."""
+
+    queue_label = QUEUE_LABEL
+    class_name = "rviz_default_plugins/LaserScan"
+    type_name = "sensor_msgs/msg/LaserScan"
+    properties = (*FILTER_PROPERTIES, *CLOUD_PROPERTIES)
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        # Longest duration of a scan [ns].
+        self._longest_ns = 0
+
+    def reset(self) -> None:
+        """Discard all scans. As in RViz, the warning about the scan time remains."""
+        super().reset()
+        self._warn_about_time()
+
+    def process(self, message: Any) -> None:
+        """Show a scan."""
+        if not isfinite(message.time_increment):
+            self.statuses.set("error", "Topic", INVALID)
+            return
+        # The time from the first to the last beam [s].
+        seconds = (len(message.ranges) - 1) * float(message.time_increment)
+        duration_ns = max(int(seconds * NS), 0) if isfinite(seconds) else 0
+        if duration_ns > self._longest_ns:
+            self._longest_ns = duration_ns
+            self._warn_about_time()
+        frames, frame = self.context.frames, message.header.frame_id.removeprefix("/")
+        stamp_ns = nanoseconds(message.header.stamp)
+        try:
+            ends = [
+                frames.buffer.lookup(frames.fixed_frame, frame, t) for t in (stamp_ns, stamp_ns + duration_ns)
+            ]
+        except TransformException:
+            self.transform_at(message.header, known=False)
+            return
+        self.transform_at(message.header)
+        hits, intensities = len(message.ranges), len(message.intensities)
+        wrong = f"the scan has {hits} ranges but {intensities} intensities, which are ignored."
+        self.statuses.hint("Intensities", *([wrong] if intensities not in (0, hits) else []))
+        self.keep(Cloud(_project_scan(message, *ends), np.eye(4), self.context.now_ns))
+
+    def transform_problem(self, message: Any) -> str | None:
+        """Return why a scan has to wait. The transforms at its first and last beam must be known."""
+        later = nanoseconds(message.header.stamp) + self._longest_ns
+        frame = message.header.frame_id.removeprefix("/")
+        return super().transform_problem(message) or self.context.frames.problem(frame, later)
+
+    def _warn_about_time(self) -> None:
+        seconds = self._longest_ns // NS
+        if seconds > 1:
+            self.statuses.set(
+                "warn",
+                "Scan Time",
+                "Laser scan time, computed from time_increment * len(ranges), is rather large:  "
+                f"{seconds}s.\nThe display of any message will be delayed by this amount of time!",
+            )
+
+
+def _project_scan(scan: Any, first: Transform, last: Transform) -> dict[str, AnyArray]:
+    """Return the end points of the beams in the fixed frame, and their intensities (laser_geometry)."""
+    ranges = np.asarray(scan.ranges, np.float64)
+    with np.errstate(invalid="ignore"):
+        beam = np.flatnonzero((ranges < scan.range_max) & (ranges >= scan.range_min))
+    angles = scan.angle_min + beam * scan.angle_increment
+    points = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles]) * ranges[beam, None]
+    placed = _transform_by_time(points, beam / max(len(ranges) - 1, 1), first, last).astype(np.float32)
+    channels: dict[str, AnyArray] = dict(zip("xyz", placed.T, strict=True))
+    if len(scan.intensities) == len(ranges):
+        channels["intensity"] = np.asarray(scan.intensities, np.float32)[beam]
+    return channels
+
+
+def _transform_by_time(points: Matrix, share: Matrix, first: Transform, last: Transform) -> Matrix:
+    """Transform points, shape (N, 3), each by its own interpolation between two transforms."""
+    if first.pose == last.pose:
+        transform = first.matrix()
+        return points @ transform[:3, :3].T + transform[:3, 3]
+    # tf2 interpolates over time, so the transforms get stamps that are one second apart.
+    start = Transform(first.parent, first.child, 0, *first.pose)
+    end = Transform(last.parent, last.child, NS, *last.pose)
+    matrices = np.array([interpolate(start, end, round(part * NS)).matrix() for part in share])
+    placed: Matrix = (matrices[:, :3, :3] @ points[:, :, None])[..., 0] + matrices[:, :3, 3]
+    return placed
+
+
+def _scalar_properties(
+    channel: str, lowest: float, highest: float, *, inverted: bool = False
+) -> tuple[Property, ...]:
+    """Return the properties of a cloud with the defaults for a measured quantity.
+
+    Args:
+        channel: Name of the message's field and of the cloud's channel.
+        lowest: One end of the rainbow, in the message's unit.
+        highest: The other end of the rainbow.
+        inverted: Whether red is the highest value.
+    """
+    defaults: dict[str, Any] = {
+        "Channel Name": channel,
+        "Autocompute Intensity Bounds": False,
+        "Invert Rainbow": inverted,
+        "Min Intensity": lowest,
+        "Max Intensity": highest,
+    }
+    changed = (replace(prop, default=defaults.get(prop.label, prop.default)) for prop in CLOUD_PROPERTIES)
+    return (*FILTER_PROPERTIES, *changed)
+
+
+class ScalarDisplay(CloudDisplay):
+    """One measured number, as a colored point at the origin of its frame."""
+
+    queue_label = QUEUE_LABEL
+    # The message's field with the measured value.
+    field: ClassVar[str]
+
+    def process(self, message: Any) -> None:
+        """Show a measurement."""
+        transform = self.transform_at(message.header)
+        if transform is None:
+            return
+        channels = {axis: np.zeros(1, np.float32) for axis in "xyz"}
+        measured = np.array([getattr(message, self.field)], np.float64)
+        self.keep(Cloud({**channels, self.field: measured}, transform, self.context.now_ns))
+
+
+class TemperatureDisplay(ScalarDisplay):
+    """Temperatures [°C]."""
+
+    class_name = "rviz_default_plugins/Temperature"
+    type_name = "sensor_msgs/msg/Temperature"
+    field = "temperature"
+    properties = _scalar_properties(field, 0.0, 100.0, inverted=True)
+
+
+class FluidPressureDisplay(ScalarDisplay):
+    """Pressures of air or water [Pa]."""
+
+    class_name = "rviz_default_plugins/FluidPressure"
+    type_name = "sensor_msgs/msg/FluidPressure"
+    field = "fluid_pressure"
+    properties = _scalar_properties(field, 98000.0, 105000.0)
+
+
+class IlluminanceDisplay(ScalarDisplay):
+    """Illuminances [lx]."""
+
+    class_name = "rviz_default_plugins/Illuminance"
+    type_name = "sensor_msgs/msg/Illuminance"
+    field = "illuminance"
+    properties = _scalar_properties(field, 0.0, 1000.0)
+
+
+class RelativeHumidityDisplay(ScalarDisplay):
+    """Relative humidities, 0 to 1."""
+
+    class_name = "rviz_default_plugins/RelativeHumidity"
+    type_name = "sensor_msgs/msg/RelativeHumidity"
+    field = "relative_humidity"
+    properties = _scalar_properties(field, 0.0, 1.0)
+
+
+# Minimum distance between a point and the nearer point that hides it [m].
+_SHADOW = 0.01
+# Encodings in [mm], in which 0 is unknown. 32FC1 is in [m], where a value that is not finite is
+# unknown.
+_WHOLE = ("16UC1", "mono16", "16SC1")
+# Header of a compressedDepth image [B].
+_HEADER = 12
+_HINTS = {"Depth Map Topic": "Depth Map Transport Hint", "Color Image Topic": "Color Transport Hint"}
+_LISTENING = ("Depth Map", "Color Image", "Color Transport", "Reliability Policy", "Queue Size")
+# A larger camera motion, [m] and [rad], discards the hidden points.
+_FAR, _TURNED = 0.01, np.radians(0.5)
+
+
+class DepthError(ValueError):
+    """Raised when RViz cannot compute points from images, with RViz's message."""
+
+
+def depths(message: Any) -> Float32s:
+    """Return the depths of an image in [m], NaN where unknown, shape (rows, columns).
+
+    Raises:
+        DepthError: The image has no depths.
+    """
+    if hasattr(message, "format"):
+        values = _decode_depth_png(message)
+    elif message.encoding in (*_WHOLE, "32FC1"):
+        values = rows_of(message, "u2" if message.encoding in _WHOLE else "f4", 1)[..., 0]
+    else:
+        raise DepthError("Depth image has invalid format (only 16 bit and float are supported)!")
+    if values.dtype.kind == "f":
+        return np.where(np.isfinite(values), values, np.nan).astype(np.float32)
+    return np.where(values == 0, np.nan, values * np.float32(0.001)).astype(np.float32)
+
+
+def colors(message: Any, shape: tuple[int, ...]) -> Pixels:
+    """Return the RGB pixels of an image that matches depths of the given shape.
+
+    Raises:
+        DepthError: It does not match.
+    """
+    if not hasattr(message, "format") and not {"rgb", "bgr"} & {message.encoding[:3]}:
+        raise DepthError("Encoded type not supported!")
+    decode = decode_compressed if hasattr(message, "format") else rgb_of
+    pixels = decode(message, lambda values: (0.0, 255.0))
+    (rows, columns), (height, width) = shape, pixels.shape[:2]
+    if (rows, columns) != (height, width):
+        sizes = f"({columns}x{rows}) does not match color image resolution ({width}x{height})"
+        raise DepthError(f"Depth image resolution {sizes}")
+    return pixels
+
+
+def project_depths(depth: Float32s, info: Any) -> Float32s:
+    """Project an image of depths to points, shape (rows, columns, 3): z ahead, x right, y down, [m].
+
+    Raises:
+        DepthError: The sensor_msgs/msg/CameraInfo describes an image of another size.
+    """
+    (rows, columns), roi = depth.shape, info.roi
+    bins = max(info.binning_x, 1), max(info.binning_y, 1)
+    width, height = (roi.width or info.width) // bins[0], (roi.height or info.height) // bins[1]
+    if (columns, rows) != (width, height):
+        sizes = f"{columns} x {rows} vs {width} x {height}(binning: {bins[0]} x {bins[1]}"
+        roi_size = f"ROI size: {roi.width or info.width} x {roi.height or info.height})"
+        raise DepthError(f"Depth image size and camera info don't match: {sizes}, {roi_size}")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x = (np.arange(columns) - (info.p[2] - roi.x_offset) / bins[0]) / (info.p[0] / bins[0])
+        y = (np.arange(rows) - (info.p[6] - roi.y_offset) / bins[1]) / (info.p[5] / bins[1])
+        return np.stack([x * depth, y[:, None] * depth, depth], axis=-1).astype(np.float32)
+
+
+def _depth_channels(points: Float32s, rgb: Pixels) -> dict[str, AnyArray]:
+    """Return the channels of the finite points, with their colors packed as RGB."""
+    known = np.isfinite(points).all(axis=-1)
+    parts = rgb[known].astype(np.uint32)
+    packed = parts[:, 0] << 16 | parts[:, 1] << 8 | parts[:, 2]
+    return dict(zip("xyz", points[known].T, strict=True)) | {"rgb": packed.view(np.float32)}
+
+
+class Shadows:
+    """The last visible point in each pixel before a nearer object hid it.
+
+    Args:
+        shape: Rows and columns of the images.
+    """
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self.shape = shape
+        self._points = np.full((*shape, 3), np.nan, np.float32)
+        self._rgb = np.zeros((*shape, 3), np.uint8)
+        self._seen = np.zeros(shape)  # [s]
+
+    def with_hidden(
+        self, points: Float32s, rgb: Pixels, now: float, timeout: float
+    ) -> tuple[Float32s, Pixels]:
+        """Return the points and colors of an image, together with the points that it hides.
+
+        Args:
+            points: Points as returned by `project_depths`.
+            rgb: Their colors.
+            now: Time in [s].
+            timeout: Time for which hidden points are kept [s].
+        """
+        self._points[self._seen < now - timeout] = np.nan
+        depth, before = points[..., 2], self._points[..., 2]
+        hides = np.isnan(depth) | (depth < before - np.float32(_SHADOW))
+        hidden, hidden_rgb = self._points[hides], self._rgb[hides]
+        self._points[~hides], self._rgb[~hides], self._seen[~hides] = points[~hides], rgb[~hides] // 2, now
+        return (
+            np.concatenate([points.reshape(-1, 3), hidden]),
+            np.concatenate([rgb.reshape(-1, 3), hidden_rgb]),
+        )
+
+
+def _decode_depth_png(message: Any) -> AnyArray:
+    """Decode the numbers in a PNG; compressedDepth may encode the inverse of depths."""
+    from PIL import Image, UnidentifiedImageError
+
+    data = bytes(message.data)
+    is_inverse = message.format.startswith("32FC1")
+    try:
+        with Image.open(BytesIO(data[_HEADER if "compressedDepth" in message.format else 0 :])) as picture:
+            values = np.asarray(picture)
+    except (UnidentifiedImageError, OSError) as error:
+        raise DepthError(f"the data is not an image of format {message.format!r}: {error}") from error
+    if not is_inverse:
+        return values
+    a, b = np.frombuffer(data, "<f4", 2, 4)
+    with np.errstate(divide="ignore"):
+        return np.where(values == 0, np.nan, a / (values - b))
+
+
+class DepthCloudDisplay(CloudDisplay):
+    """Images of a depth camera as points, colored by images of a camera at the same pose."""
+
+    class_name = "rviz_default_plugins/DepthCloud"
+    type_name = IMAGE
+    topic_label = "Depth Map Topic"
+    status_label = "Depth Map"
+    queue_label = "Queue Size"
+    properties = (
+        *Display.properties,
+        Property("Reliability Policy", "Best effort", words("System Default", "Reliable", "Best effort")),
+        # Filter of the topic names that RViz offers.
+        Property("Topic Filter", True, flag),
+        Property("Depth Map Topic", "", text),
+        Property("Depth Map Transport Hint", "raw", words("raw", "compressed", "compressedDepth")),
+        Property("Color Image Topic", "", text),
+        Property("Color Transport Hint", "raw", words("raw", "compressed")),
+        Property("Queue Size", 5, integer(1)),
+        Property("Auto Size", True, flag),
+        Property("Auto Size/Auto Size Factor", 1.0, number(0.0001)),
+        Property("Occlusion Compensation", False, flag),
+        Property("Occlusion Compensation/Occlusion Time-Out", 30.0, number()),  # [s]
+        *CLOUD_PROPERTIES,
+    )
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        # The last camera info.
+        self._info: Any = None
+        # The last image that was not shown yet.
+        self._depth: Any = None
+        self._waiting_colors: deque[Any] = deque()
+        self._shadows: Shadows | None = None
+        # Camera pose for which the hidden points are valid.
+        self._camera = np.eye(4)
+
+    def on_changed(self, label: str) -> None:
+        """Subscribe again, or redraw."""
+        super().on_changed(label)
+        if label.startswith(_LISTENING) and label != self.topic_label and self.is_started:
+            self.start()
+        if label == "Occlusion Compensation":
+            self._shadows = None
+
+    def reset(self) -> None:
+        """Discard all images."""
+        super().reset()
+        self._info, self._depth, self._waiting_colors = None, None, deque(maxlen=self["Queue Size"])
+        self._shadows = None
+
+    def qos(self) -> Qos:
+        """Return the quality of service that both image subscriptions request."""
+        policy = self["Reliability Policy"]
+        asked = {} if policy == "System Default" else {"reliability": policy.lower().replace(" ", "_")}
+        return Qos(depth=self["Queue Size"], **asked)
+
+    def make_subscriptions(self) -> tuple[Subscription, ...]:
+        """Subscribe to depths and camera info, and to colors if they have a topic."""
+        self.statuses.set("ok", self.status_label, "0 depth maps received")
+        self.statuses.set("ok", "Message", "Ok")
+        sensor = Qos(depth=5, reliability="best_effort")
+        info = self.subscription(info_topic(self[self.topic_label]), INFO, self._on_info, sensor)
+        images = [self._images(self.topic_label, self.receive)]
+        if self["Color Image Topic"]:
+            images.append(self._images("Color Image Topic", self._on_colors))
+            self._values["Color Transformer"] = "RGB8"
+        return (info, *images)
+
+    def process(self, message: Any) -> None:
+        """Show the depths of an image as soon as matching colors are available."""
+        self._depth = message
+        self._match()
+
+    def _images(self, topic: str, take: Any) -> Subscription:
+        hint = self[_HINTS[topic]]
+        packed = hint != "raw"
+        return self.subscription(self[topic] + f"/{hint}" * packed, PACKED if packed else IMAGE, take)
+
+    def _on_info(self, message: Any) -> None:
+        self._info = message
+
+    def _on_colors(self, message: Any) -> None:
+        self._waiting_colors.append(message)
+        self._match()
+
+    def _match(self) -> None:
+        """Show the last depths with the colors nearest in time, and discard older ones."""
+        depth, color = self._depth, None
+        if depth is None or (self["Color Image Topic"] and not self._waiting_colors):
+            return
+        stamp_ns = nanoseconds(depth.header.stamp)
+        if self._waiting_colors:
+            color = min(self._waiting_colors, key=lambda one: abs(nanoseconds(one.header.stamp) - stamp_ns))
+            while self._waiting_colors.popleft() is not color:
+                pass
+        self._depth = None
+        no_info = f"no CameraInfo was received on {info_topic(self[self.topic_label])}: RViz draws nothing."
+        self.statuses.hint("Camera Info", *([no_info] if self._info is None else []))
+        transform = None if self._info is None else self.transform_at(depth.header)
+        if transform is None:
+            return
+        try:
+            self._show_images(depth, color, transform)
+        except ValueError as error:
+            self.statuses.set("error", "Message", f"Error updating depth cloud: {error}")
+
+    def _show_images(self, image: Any, color: Any, transform: Matrix) -> None:
+        depth = depths(image)
+        points = project_depths(depth, self._info)
+        rgb = np.full(points.shape, 255, np.uint8) if color is None else colors(color, depth.shape)
+        self._report_sizes(image, color, depth.shape, rgb.shape)
+        if self["Auto Size"] and self._info.k[0]:
+            wide = self["Auto Size Factor"] / self._info.k[0] * (self._info.binning_x or 1)
+            # Width of a pixel at a distance of 1 m, [m].
+        self._values["Size (m)"] = float(wide)
+        if self["Occlusion Compensation"]:
+            if self._shadows is None or self._shadows.shape != depth.shape or self._has_moved(transform):
+                self._shadows, self._camera = Shadows(depth.shape), transform
+            now, timeout = self.context.now_ns / NS, self["Occlusion Time-Out"]
+            points, rgb = self._shadows.with_hidden(points, rgb, now, timeout)
+        self.keep(Cloud(_depth_channels(points, rgb), transform, self.context.now_ns))
+
+    def _report_sizes(
+        self, image: Any, color: Any, size: tuple[int, ...], color_size: tuple[int, ...]
+    ) -> None:
+        self.statuses.set("ok", "Depth Image Size", f"{size[1]} x {size[0]}")
+        if color is None:
+            return
+        self.statuses.set("ok", "Image Size", f"{color_size[1]} x {color_size[0]}")
+        frames = image.header.frame_id, color.header.frame_id
+        wrong = "Depth image frame id [{}] doesn't match color image frame id [{}]".format(*frames)
+        self.statuses.hint(
+            "Frames", *([f"RViz shows this warning briefly: {wrong}"] if len({*frames}) > 1 else [])
+        )
+
+    def _has_moved(self, transform: Matrix) -> bool:
+        turn = transform[:3, :3].T @ self._camera[:3, :3]
+        angle = np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))
+        return bool(np.linalg.norm(transform[:3, 3] - self._camera[:3, 3]) > _FAR or angle > _TURNED)

@@ -1,0 +1,678 @@
+"""RViz's Marker and MarkerArray displays.
+
+`DRAW` maps each marker type to the function that converts a message to drawables. `MarkerStore`
+keeps the markers of a display by namespace and id, from their message to their deletion or expiry,
+by the rules of RViz2's MarkerCommon. `_RULES` are hints about markers that RViz draws unexpectedly,
+or not at all, without a status.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from course_lib.arrays import Floats, Matrix
+from course_lib.displays.display import (
+    FILTER_PROPERTIES,
+    QUEUE_LABEL,
+    Context,
+    Subscription,
+    TopicDisplay,
+    node_name,
+    topic_properties,
+)
+from course_lib.displays.frames import NS, is_unit, nanoseconds, placed
+from course_lib.displays.properties import Property, booleans
+from course_lib.displays.shapes import (
+    ALONG_X,
+    alpha_drawn_twice,
+    fields_of,
+    placement,
+    points_of,
+    rotation_to,
+)
+from course_lib.displays.statuses import Level, Statuses, StatusRow
+from course_lib.errors import CourseError
+from course_lib.robots.robot import resolve
+from course_lib.viewer.drawables import (
+    OPAQUE_FROM,
+    Drawable,
+    Lines,
+    Mesh,
+    Points,
+    Shape,
+    Solids,
+    Spot,
+    Text,
+    load_mesh,
+)
+
+SOLIDS: dict[int, Shape] = {1: "box", 2: "sphere", 3: "cylinder"}
+_FLAT: tuple[Level, str] = ("warn", "Scale of 0 in one of x/y/z")
+LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS = 4, 5, 6, 7, 8
+SPOTS: dict[int, Spot] = {CUBE_LIST: "box", SPHERE_LIST: "sphere", POINTS: "square"}
+
+
+@dataclass(frozen=True)
+class MarkerDrawing:
+    """The drawables of one marker, in the frame of its pose."""
+
+    drawables: Mapping[str, Drawable] = field(default_factory=dict)  # by name
+    # RViz's status, or None.
+    status: tuple[Level, str] | None = None
+    # Whether RViz rejects the message before it looks up a transform.
+    refused: bool = False
+
+
+def rejected_drawing(text: str) -> MarkerDrawing:
+    """Return the drawing for a message that RViz rejects: no drawables, and an error."""
+    return MarkerDrawing(status=("error", text), refused=True)
+
+
+def rgba(color: Any) -> Floats:
+    """Convert a std_msgs/msg/ColorRGBA, clipped to 0..1, shape (4,)."""
+    values: Floats = np.clip([color.r, color.g, color.b, color.a], 0.0, 1.0)
+    return values
+
+
+def scale_of(marker: Any) -> Floats:
+    """Return the scale of a marker, shape (3,)."""
+    return np.array([marker.scale.x, marker.scale.y, marker.scale.z])
+
+
+def colors(marker: Any) -> Floats:
+    """Return the colors of a marker's points, shape (N, 4). NaN becomes 0; RViz does not check for NaN."""
+    values: Floats = np.clip(np.nan_to_num(fields_of(marker.colors, "r", "g", "b", "a")), 0.0, 1.0)
+    return values
+
+
+def label(marker: Any) -> str:
+    """Return RViz's name for a marker's status."""
+    return f"{marker.ns}/{marker.id}"
+
+
+# Fractions of an arrow's length.
+SHAFT, HEAD = 0.77, 0.23
+
+
+def solid(marker: Any) -> MarkerDrawing:
+    """Draw a cube, a sphere or a cylinder; the scale is its full extent."""
+    scale = scale_of(marker)
+    placement = np.diag([*scale, 1.0])
+    body = Solids(SOLIDS[marker.type], [placement], rgba(marker.color))
+    return MarkerDrawing({"body": body}, None if scale.all() else _FLAT)
+
+
+def arrow(marker: Any) -> MarkerDrawing:
+    """Draw an arrow along +x of the pose, or between two points given in the frame of the pose."""
+    if len(marker.points) == 1:
+        return rejected_drawing(
+            f"Arrow marker [{label(marker)}] only specified one point of a point to point arrow."
+        )
+    if len(marker.points) == 2:
+        return _arrow_between(marker)
+    length, width, height = scale = scale_of(marker)
+    shaft = placement(ALONG_X, (width, height, SHAFT * length), (SHAFT * length / 2, 0.0, 0.0))
+    head_center = ((SHAFT + HEAD / 2) * length, 0.0, 0.0)
+    head = placement(ALONG_X, (2 * width, 2 * height, HEAD * length), head_center)
+    return _arrow(marker, shaft, head, None if scale.all() else _FLAT)
+
+
+def text(marker: Any) -> MarkerDrawing:
+    """Draw text that faces the viewer; z of the scale is the height of a capital letter."""
+    height = marker.scale.z
+    if not height or not marker.text:
+        return MarkerDrawing()
+    return MarkerDrawing({"text": Text(marker.text, abs(height), rgba(marker.color))})
+
+
+def _arrow_between(marker: Any) -> MarkerDrawing:
+    """Draw an arrow between two points.
+
+    The scale contains the diameters of shaft and head, and the head length.
+    """
+    start, end = points_of(marker)
+    distance = float(np.linalg.norm(end - start))
+    shaft_diameter, head_diameter, head_length = scale_of(marker)
+    status: tuple[Level, str] = ("warn", "Scale of 0 in both x and y")
+    warning = status if shaft_diameter + head_diameter == 0 else None
+    if not distance:
+        return MarkerDrawing(status=warning)
+    head_length = min(max(head_length, 0.0), distance) if head_length else HEAD * distance
+    shaft_length = distance - head_length
+    along = rotation_to((end - start) / distance)
+    shaft_size = (shaft_diameter, shaft_diameter, shaft_length)
+    head_size = (head_diameter, head_diameter, head_length)
+    shaft = placement(along, shaft_size, start + along[:, 2] * shaft_length / 2)
+    head = placement(along, head_size, end - along[:, 2] * head_length / 2)
+    return _arrow(marker, shaft, head, warning)
+
+
+def _arrow(marker: Any, shaft: Floats, head: Floats, status: tuple[Level, str] | None) -> MarkerDrawing:
+    color = rgba(marker.color)
+    return MarkerDrawing(
+        {"shaft": Solids("cylinder", [shaft], color), "head": Solids("cone", [head], color)}, status
+    )
+
+
+def lines(marker: Any) -> MarkerDrawing:
+    """Draw billboard lines; x of the scale is their width."""
+    strip = marker.type == LINE_STRIP
+    if not strip and len(marker.points) % 2:
+        return MarkerDrawing(
+            status=("error", f"Line list marker [{label(marker)}] has an odd number of points.")
+        )
+    if len(marker.points) < 2 or not marker.scale.x:
+        return MarkerDrawing()
+    each = colors(marker) if has_colors(marker) else rgba(marker.color)
+    return MarkerDrawing({"lines": Lines(points_of(marker), each, abs(marker.scale.x), strip)})
+
+
+def spots(marker: Any) -> MarkerDrawing:
+    """Draw a square, a box or a sphere at each point, as RViz's point clouds do.
+
+    RViz draws spheres as discs that face the viewer, with the x and y of the scale.
+    """
+    if not marker.points:
+        return MarkerDrawing()
+    # RViz multiplies the alphas of material and point, so the alpha of a single color is applied
+    # twice. It also draws each point twice, as a part of the cloud and as a separate object
+    # (point_cloud.cpp).
+    if has_colors(marker):
+        each = colors(marker)
+    else:
+        each = np.tile(rgba(marker.color), (len(marker.points), 1))
+        each[:, 3] **= 2
+    each[:, 3] = alpha_drawn_twice(each[:, 3])
+    status: tuple[Level, str] = ("warn", "All points have a zero alpha value.")
+    warning = status if has_colors(marker) and not each[:, 3].any() else None
+    size = tuple(abs(scale_of(marker)))
+    return MarkerDrawing({"spots": Points(points_of(marker), each, size, spot=SPOTS[marker.type])}, warning)
+
+
+def has_colors(marker: Any) -> bool:
+    """Return whether RViz uses the colors of the points, which requires one color per point."""
+    return len(marker.colors) == len(marker.points)
+
+
+def mesh(marker: Any) -> MarkerDrawing:
+    """Draw a mesh, multiplying its units by the scale."""
+    uri = marker.mesh_resource
+    if not uri:
+        return MarkerDrawing()
+    try:
+        own = load_mesh(resolve(uri))
+    except CourseError:
+        return rejected_drawing(f"Mesh resource marker [{label(marker)}] could not load [{uri}]")
+    color, scale = rgba(marker.color), scale_of(marker)
+    colors = color
+    if marker.mesh_use_embedded_materials:
+        colors = own.colors.astype(float)
+        if color.any():
+            # RViz blends the mesh's own colors halfway towards the marker's color.
+            colors += (color - colors) * min(color[3], 0.5)
+            colors[..., 3] = color[3]
+    # Nonuniform scaling changes normals.
+    normals = own.normals if scale.min() == scale.max() > 0 else None
+    return MarkerDrawing({"mesh": Mesh(own.vertices * scale, own.faces, colors, normals)})
+
+
+def triangles(marker: Any) -> MarkerDrawing:
+    """Draw two-sided triangles, shaded only if they have no colors of their own."""
+    count = len(marker.points)
+    if not count:
+        return rejected_drawing(f"TriMesh marker [{label(marker)}] has no points.")
+    if count % 3:
+        return rejected_drawing(
+            f"TriMesh marker [{label(marker)}] has a point count which is not divisible by 3 [{count}]"
+        )
+    scale = scale_of(marker)
+    each = _colors(marker)
+    lit = each is None
+    mesh = Mesh(points_of(marker) * scale, None, rgba(marker.color) if each is None else each, lit=lit)
+    return MarkerDrawing({"mesh": mesh}, None if scale.all() else ("warn", "Scale of 0 in one of x/y/z"))
+
+
+def has_face_colors(marker: Any) -> bool:
+    """Return whether there is one color per triangle."""
+    return len(marker.colors) == len(marker.points) // 3
+
+
+def _colors(marker: Any) -> Floats | None:
+    """Return the colors of the corners, shape (N, 4), or None if the marker has a single color.
+
+    RViz multiplies alphas, but blends only if a corner's color is transparent or, with one color
+    per triangle, if the marker's color is.
+    """
+    if has_colors(marker):
+        each = colors(marker)
+        blended = each[:, 3].min() < OPAQUE_FROM
+    elif has_face_colors(marker):
+        each = np.repeat(colors(marker), 3, axis=0)
+        blended = marker.color.a < OPAQUE_FROM
+    else:
+        return None
+    each[:, 3] = each[:, 3] * rgba(marker.color)[3] if blended else 1.0
+    return each
+
+
+# The function that draws each type, by the constants of visualization_msgs/msg/Marker.
+DRAW: Mapping[int, Callable[[Any], MarkerDrawing]] = {
+    0: arrow,
+    **dict.fromkeys(SOLIDS, solid),
+    **dict.fromkeys((LINE_STRIP, LINE_LIST), lines),
+    **dict.fromkeys(SPOTS, spots),
+    9: text,
+    10: mesh,
+    11: triangles,
+}
+
+
+# RViz does not draw type 12.
+_TEXT, _MESH, _TRIANGLES = 9, 10, 11
+# A number of points that takes 0.1 s to create and 0.1 s to draw.
+_MANY = 100_000
+_LISTS = (LINE_STRIP, LINE_LIST, 6, 7, POINTS)
+
+
+class Rule(NamedTuple):
+    """A problem that RViz does not report: a predicate, and a format string with fields of the marker."""
+
+    holds: Callable[[Any], bool]
+    text: str
+
+
+def hints(marker: Any) -> tuple[str, ...]:
+    """Return the hints about a marker."""
+    words = {"m": marker, "q": marker.pose.orientation, "n": len(marker.points)}
+    return tuple(rule.text.format(**words) for rule in _RULES if rule.holds(marker))
+
+
+def _uses_own_color(marker: Any) -> bool:
+    """Return whether the marker's own color is used."""
+    own = marker.type == _MESH and marker.mesh_use_embedded_materials
+    each = marker.type in (*_LISTS, _TRIANGLES) and bool(marker.colors) and _colors_fit(marker)
+    return not own and not each
+
+
+def _colors_fit(marker: Any) -> bool:
+    return has_colors(marker) or (marker.type == _TRIANGLES and has_face_colors(marker))
+
+
+def _is_zero(marker: Any) -> bool:
+    q = marker.pose.orientation
+    return not any((q.x, q.y, q.z, q.w))
+
+
+_RULES = (
+    Rule(
+        lambda m: not 0 <= m.type <= _TRIANGLES,
+        "RViz2 cannot draw type {m.type}: it logs 'Unknown marker type: {m.type}' and draws nothing.",
+    ),
+    Rule(
+        lambda m: _uses_own_color(m) and m.color.a == 0.0,
+        "color.a is 0, so the marker is invisible. Set color.a = 1.0 (0 is the default).",
+    ),
+    Rule(
+        lambda m: m.type in (*_LISTS, _TRIANGLES) and bool(m.colors) and not _colors_fit(m),
+        "colors does not have one entry for each point, so RViz2 ignores it and uses color.",
+    ),
+    Rule(
+        lambda m: len(m.points) > _MANY,
+        "{n:,} points make every message slow, because each is a Python object. Publish fewer, or a "
+        "PointCloud2 created from a numpy array.",
+    ),
+    Rule(
+        lambda m: m.type in _LISTS and not m.points,
+        "points is empty: nothing is drawn.",
+    ),
+    Rule(
+        lambda m: m.type in (LINE_STRIP, LINE_LIST) and not m.scale.x,
+        "scale.x, the width of the line in metres, is 0: nothing is drawn.",
+    ),
+    Rule(
+        lambda m: m.type == POINTS and not (m.scale.x and m.scale.y),
+        "scale.x and scale.y, the size of the points in metres, must not be 0: nothing is drawn.",
+    ),
+    Rule(
+        lambda m: m.type in (6, 7) and not (m.scale.x and m.scale.y and m.scale.z),
+        "scale is 0 in one of x/y/z: nothing or something flat is drawn.",
+    ),
+    Rule(
+        lambda m: m.type == _TEXT and not m.scale.z,
+        "scale.z, the height of the letters in metres, is 0: nothing is drawn.",
+    ),
+    Rule(lambda m: m.type == _TEXT and not m.text, "text is empty: nothing is drawn."),
+    Rule(lambda m: m.type == _MESH and not m.mesh_resource, "mesh_resource is empty: nothing is drawn."),
+    Rule(
+        lambda m: m.type == _TRIANGLES and bool(m.texture_resource),
+        "textures are not drawn here; RViz2 draws them.",
+    ),
+    Rule(
+        _is_zero,
+        "orientation is (0, 0, 0, 0), not a valid quaternion: RViz2 turns it into half a turn about z of "
+        "the fixed frame. Set orientation.w = 1.0.",
+    ),
+    Rule(
+        lambda m: not is_unit(m.pose.orientation, 1e-3) and not _is_zero(m),
+        "orientation ({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) does not have length 1: RViz2 draws another "
+        "rotation than intended. Divide it by its length.",
+    ),
+)
+
+
+ADD, DELETE, DELETEALL = 0, 2, 3
+# Lifetimes up to this value are unlimited [ns].
+FOREVER_NS = 100_000
+# The motion after which a marker's position is outdated, [m] and [rad].
+_MOVED = 0.01
+
+Key: TypeAlias = tuple[str, int]  # (namespace, id)
+
+
+@dataclass
+class DisplayedMarker:
+    """A marker in the scene."""
+
+    # Its last message.
+    marker: Any
+    drawn: MarkerDrawing
+    # The path of its scene node.
+    path: str
+    # Robot time of reception [ns].
+    received_ns: int
+    # Whether its node is visible.
+    shown: bool = True
+    # The transform that was used last; None if it is unknown.
+    transform_frame_to_fixed: Matrix | None = None
+
+    @property
+    def expires_ns(self) -> float:
+        """Robot time at which it expires [ns]. The lifetime counts from reception, not from the stamp."""
+        lifetime_ns = nanoseconds(self.marker.lifetime)
+        return self.received_ns + lifetime_ns if lifetime_ns > FOREVER_NS else math.inf
+
+
+class MarkerStore:
+    """The markers of one display, below its node of the scene."""
+
+    def __init__(self, context: Context, path: str, statuses: Statuses) -> None:
+        self._context = context
+        self._path = path
+        self._statuses = statuses
+        self._queue: list[tuple[Any, int]] = []
+        self.live: dict[Key, DisplayedMarker] = {}
+        self.namespaces: dict[str, bool] = {}
+
+    def add(self, markers: Iterable[Any]) -> None:
+        """Queue messages for the next frame."""
+        self._queue += [(marker, self._context.now_ns) for marker in markers]
+
+    def add_array(self, array: Any) -> None:
+        """Queue the messages of a MarkerArray. Duplicate markers are an error, but both are drawn."""
+        name = "Duplicate Marker Check"
+        self._statuses.delete(name)
+        seen: set[Key] = set()
+        for ns, number in ((marker.ns, marker.id) for marker in array.markers):
+            if (ns, number) in seen:
+                problem = "Multiple Markers in the same MarkerArray message had the same ns and id"
+                self._statuses.set("error", name, f"{problem}: ({ns}, {number})")
+                break
+            seen.add((ns, number))
+        self.add(array.markers)
+
+    def update(self) -> None:
+        """Draw new markers, remove expired ones, and move markers locked to their frame."""
+        queue, self._queue = self._queue, []
+        for marker, received_ns in queue:
+            self._process(marker, received_ns)
+        for key, live in list(self.live.items()):
+            if live.expires_ns <= self._context.now_ns:
+                self._delete(key)
+                if not self.live:
+                    lifetime = nanoseconds(live.marker.lifetime) / NS  # [s]
+                    self._statuses.hint(
+                        "Lifetime", f"the last marker expired: its lifetime is {lifetime:g} s."
+                    )
+            elif live.marker.frame_locked and (
+                not live.drawn.refused and self._transform(live) is not live.transform_frame_to_fixed
+            ):
+                self._place_marker(live)
+
+    def clear(self) -> None:
+        """Remove all markers."""
+        for live in self.live.values():
+            self._context.scene.delete(live.path)
+        self.live.clear()
+        self._queue.clear()
+
+    def set_namespaces(self, namespaces: Mapping[str, bool]) -> None:
+        """Show or hide namespaces. Hiding a namespace removes its markers."""
+        self.namespaces |= namespaces
+        self._statuses.hint("Namespaces")
+        for key in list(self.live):
+            if not self.namespaces.get(key[0], True):
+                self._delete(key)
+
+    def moved_frame_hints(self) -> Iterator[tuple[str, str]]:
+        """Yield name and hint of each marker whose frame has moved in the second after its reception."""
+        for live in self.live.values():
+            frame, then = live.marker.header.frame_id, live.transform_frame_to_fixed
+            now = self._context.frames.transform(frame)
+            fresh = self._context.now_ns < live.received_ns + NS
+            if fresh or live.marker.frame_locked or then is None or now is None:
+                continue
+            if np.abs(now - then).max() > _MOVED:
+                text = "has moved since this marker arrived; RViz2 places it once. frame_locked=True follows."
+                yield label(live.marker), f"{frame} {text}"
+
+    def _process(self, marker: Any, received_ns: int) -> None:
+        key = (marker.ns, marker.id)
+        if not _finite(marker):
+            problem = "Contains invalid floating point values (nans or infs)"
+            self._statuses.set("error", label(marker), problem)
+        elif marker.action == ADD:
+            self._show(key, marker, received_ns)
+        elif marker.action == DELETE:
+            self._delete(key)
+        elif marker.action == DELETEALL:
+            for other in list(self.live):
+                if marker.ns in ("", other[0]):
+                    self._delete(other)
+        else:
+            self._statuses.hint(label(marker), f"RViz's log: Unknown marker action: {marker.action}")
+
+    def _show(self, key: Key, marker: Any, received_ns: int) -> None:
+        if not self.namespaces.setdefault(marker.ns, True):
+            self._statuses.hint("Namespaces", f"{marker.ns!r} is not ticked: its markers are not shown.")
+            return
+        name = label(marker)
+        self._statuses.delete(name)
+        self._statuses.hint("Lifetime")
+        before = self.live.get(key)
+        live = self.live[key] = self._draw(marker, received_ns, before)
+        if live.drawn.refused:
+            self._report_drawing(live)
+        else:
+            self._place_marker(live)
+        # If the stamps differ, both messages have waited in the queue for a transform.
+        is_repeated = (
+            before is not None
+            and before.received_ns == received_ns
+            and before.marker.header.stamp == marker.header.stamp
+        )
+        self._statuses.hint(name, *hints(marker), *([_REPEATED] if is_repeated else []))
+
+    def _draw(self, marker: Any, received_ns: int, before: DisplayedMarker | None) -> DisplayedMarker:
+        """Put a marker's drawing into the scene, or reuse the existing one if it is equal."""
+        path = self._node(marker)
+        scene = self._context.scene
+        if (
+            before
+            and before.path == path
+            and _drawing_key(marker)
+            and _drawing_key(marker) == _drawing_key(before.marker)
+        ):
+            return DisplayedMarker(marker, before.drawn, path, received_ns, before.shown)
+        if before:
+            scene.delete(before.path)
+        drawn = DRAW[marker.type](marker) if marker.type in DRAW else MarkerDrawing()
+        for part, drawable in drawn.drawables.items():
+            scene.set_object(f"{path}/{part}", drawable)
+        return DisplayedMarker(marker, drawn, path, received_ns)
+
+    def _node(self, marker: Any) -> str:
+        """Return the path of a marker, below its frame if it is locked to it."""
+        base = f"{self._path}/{node_name(marker.ns)}/{marker.id}"
+        frame = marker.header.frame_id.removeprefix("/")
+        return f"frames/{node_name(frame)}/{base}" if marker.frame_locked else base
+
+    def _place_marker(self, live: DisplayedMarker) -> None:
+        """Place a marker by the transform at its stamp, or in its frame if it is locked to it."""
+        marker, scene = live.marker, self._context.scene
+        frame, stamp_ns = marker.header.frame_id, nanoseconds(marker.header.stamp)
+        transform = self._transform(live)
+        if live.shown != (transform is not None):
+            live.shown = not live.shown
+            scene.set_visible(live.path, live.shown)
+        first, live.transform_frame_to_fixed = live.transform_frame_to_fixed is None, transform
+        if transform is None:
+            problem = self._context.frames.problem(frame, stamp_ns) or ""
+            self._statuses.set("error", label(marker), problem)
+            return
+        self._report_drawing(live)
+        pose = placed(transform, marker.pose)
+        if not marker.frame_locked:
+            scene.set_transform(live.path, pose)
+        elif first or not is_unit(marker.pose.orientation):
+            scene.set_transform(live.path, np.linalg.inv(transform) @ pose)
+
+    def _transform(self, live: DisplayedMarker) -> Matrix | None:
+        header = live.marker.header
+        if not live.marker.frame_locked:
+            return self._context.frames.transform(header.frame_id, nanoseconds(header.stamp))
+        followed = self._context.follow_frame(header.frame_id)
+        return followed[1] if followed else None
+
+    def _report_drawing(self, live: DisplayedMarker) -> None:
+        if live.drawn.status:
+            level, text = live.drawn.status
+            self._statuses.set(level, label(live.marker), text)
+
+    def _delete(self, key: Key) -> None:
+        self._statuses.delete(f"{key[0]}/{key[1]}")
+        live = self.live.pop(key, None)
+        if live:
+            self._context.scene.delete(live.path)
+
+
+_REPEATED = (
+    "two markers with this ns and id arrived together: only the last is visible. Give each its own id."
+)
+
+
+def _drawing_key(marker: Any) -> tuple[Any, ...] | None:
+    """Return everything that a drawing depends on, or None if comparing would cost as much as drawing."""
+    if len(marker.points) or len(marker.colors):
+        return None
+    s, c = marker.scale, marker.color
+    return (
+        (marker.type, s.x, s.y, s.z, c.r, c.g, c.b, c.a),
+        (marker.text, marker.mesh_resource, marker.mesh_use_embedded_materials),
+    )
+
+
+def _finite(marker: Any) -> bool:
+    """Return whether all numbers that RViz checks are finite, which excludes colors of points."""
+    pose, s, c = marker.pose, marker.scale, marker.color
+    p, q = pose.position, pose.orientation
+    numbers = (p.x, p.y, p.z, q.x, q.y, q.z, q.w, s.x, s.y, s.z, c.r, c.g, c.b, c.a)
+    return all(map(math.isfinite, numbers)) and all(
+        math.isfinite(point.x + point.y + point.z) for point in marker.points
+    )
+
+
+MARKER, MARKER_ARRAY = "visualization_msgs/msg/Marker", "visualization_msgs/msg/MarkerArray"
+_NAMESPACES = Property("Namespaces", {}, booleans)
+
+
+def _namespace(label: str) -> str | None:
+    """Return the namespace in a label like ``Namespaces/labels``, or None."""
+    above, slash, name = label.partition("/")
+    return name if slash and above.lower() == "namespaces" else None
+
+
+class _Markers(TopicDisplay):
+    """Base class of the Marker and MarkerArray displays."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.markers = MarkerStore(self.context, self.path, self.statuses)
+
+    def __getitem__(self, label: str) -> Any:
+        name = _namespace(label)
+        return super().__getitem__(label) if name is None else self.markers.namespaces.get(name, True)
+
+    def __setitem__(self, label: str, value: Any) -> None:
+        name = _namespace(label)
+        super().__setitem__(*((label, value) if name is None else ("Namespaces", {name: value})))
+
+    def on_changed(self, label: str) -> None:
+        """Show or hide namespaces; handle other properties as usual."""
+        super().on_changed(label)
+        if label == "Namespaces":
+            self.markers.set_namespaces(self["Namespaces"])
+
+    def update(self) -> None:
+        """Draw new markers, remove expired ones, and move markers locked to their frame."""
+        super().update()
+        self.markers.update()
+        self._values["Namespaces"] = dict(self.markers.namespaces)
+
+    def message_at(self, path: str) -> Any:
+        """Return the marker from which an object was drawn."""
+        live = self.markers.live.values()
+        return next((one.marker for one in live if f"{path}/".startswith(f"{one.path}/")), None)
+
+    def rows(self) -> list[StatusRow]:
+        """Return the statuses, with hints about markers whose frame has moved."""
+        behind = self.markers.moved_frame_hints() if self.enabled else ()
+        return super().rows() + [StatusRow(self.name, name, "hint", text) for name, text in behind]
+
+    def reset(self) -> None:
+        """Remove all markers."""
+        super().reset()
+        self.markers.clear()
+
+
+class MarkerDisplay(_Markers):
+    """Markers, drawn once their transform is known; arrays on ``<topic>_array`` are drawn immediately."""
+
+    queue_label = QUEUE_LABEL
+    class_name = "rviz_default_plugins/Marker"
+    type_name = MARKER
+    properties = (*FILTER_PROPERTIES, _NAMESPACES)
+
+    def make_subscriptions(self) -> tuple[Subscription, ...]:
+        """Subscribe to the topic, and to the topic of arrays."""
+        self.statuses.set("ok", "Array Topic", "OK")
+        array = self.subscription(self["Topic"] + "_array", MARKER_ARRAY, self.markers.add_array)
+        return (*super().make_subscriptions(), array)
+
+    def process(self, message: Any) -> None:
+        """Show a marker."""
+        self.markers.add([message])
+
+
+class MarkerArrayDisplay(_Markers):
+    """Arrays of markers. They do not wait: a marker with an unknown transform is an error."""
+
+    class_name = "rviz_default_plugins/MarkerArray"
+    type_name = MARKER_ARRAY
+    properties = (*topic_properties("visualization_marker_array"), _NAMESPACES)
+
+    def process(self, message: Any) -> None:
+        """Show an array."""
+        self.markers.add_array(message)

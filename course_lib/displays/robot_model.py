@@ -1,0 +1,457 @@
+"""RViz's RobotModel display, and robots drawn without messages."""
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import cbrt, pi
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.arrays import Floats, Matrix
+from course_lib.displays.display import TopicDisplay, node_name, topic_properties
+from course_lib.displays.frames import NS
+from course_lib.displays.properties import Property, flag, number, text, words
+from course_lib.displays.shapes import axes
+from course_lib.errors import CourseError
+from course_lib.robots.kinematics import link_poses
+from course_lib.robots.robot import Robot, import_pinocchio, is_installed, resolve
+from course_lib.robots.urdf import Geometry, Inertial, Link, links_of, parse_urdf
+from course_lib.ros.graph.topics import Qos
+from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshFileError, Solids, load_mesh
+from course_lib.viewer.scene import Scene
+
+_LEAD = 11340  # [kg/m³]
+# The color of masses, and of links without a material.
+_RED = np.array([1.0, 0.0, 0.0, 1.0])
+# The color of links without a known transform, which are unshaded as well.
+_WHITE = np.ones(4)
+# The length of a step [m] and the number of steps: 2 m in total, like RViz's ribbon.
+_TRAIL_STEP, _TRAIL_STEPS = 0.02, 100
+_TRAIL_WIDTH = 0.01  # [m]
+_TRAIL_COLOR = (0.0, 0.5, 0.5, 1.0)
+_AXES = axes(0.1, 0.01)
+
+
+class LinkShapes:
+    """The drawables of a link's shapes.
+
+    Args:
+        link: A link of the description.
+        file: The file of the description, or None; its packages may be in folders above it.
+    """
+
+    def __init__(self, link: Link, file: Path | None) -> None:
+        self._file = file
+        # RViz's error texts.
+        self.errors: list[str] = []
+        # RViz2 uses the material of the first visual for all shapes of a link.
+        paint = link.material
+        self._color = _RED if paint is None else np.array(paint.color) * _texture(paint.texture, file)
+        for uri in (shape.uri for shape in (*link.visuals, *link.collisions) if shape.uri):
+            self._file_of(uri)
+
+    def drawn(self, shape: Geometry, alpha: float, lost: bool) -> Drawable | None:
+        """Draw a shape in its own frame; None if its file cannot be read.
+
+        Args:
+            shape: A shape of the link.
+            alpha: The alpha of the robot times that of the link; the material's alpha is applied in
+                addition.
+            lost: Whether the link's transform is unknown.
+        """
+        color = _WHITE if lost else self._color * [1, 1, 1, alpha]
+        if shape.kind != "mesh":
+            return Solids(shape.kind, [np.diag([*shape.size, 1.0])], color, lit=not lost)
+        mesh = self._mesh(shape.uri)
+        if mesh is None:
+            return None
+        # STL has no materials.
+        if not (lost or shape.uri.lower().endswith(".stl")):
+            color = np.concatenate(
+                [mesh.colors[..., :3], np.full_like(mesh.colors[..., :1], color[3])], axis=-1
+            )
+        return Mesh(mesh.vertices, mesh.faces, color, mesh.normals, lit=not lost)
+
+    def check(self, shapes: Iterable[Geometry]) -> None:
+        """Record errors of shapes without drawing them. Meshes of the kit are not checked."""
+        for uri in (shape.uri for shape in shapes if shape.kind == "mesh"):
+            file = self._file_of(uri)
+            if file is not None and not is_installed(file):
+                self._mesh(uri)
+
+    def _mesh(self, uri: str) -> Mesh | None:
+        file = self._file_of(uri)
+        try:
+            return load_mesh(file) if file else None
+        except MeshFileError:
+            self._fail(uri)
+            return None
+
+    def _file_of(self, uri: str) -> Path | None:
+        try:
+            return resolve(uri, self._file)
+        except CourseError:
+            self._fail(uri)
+            return None
+
+    def _fail(self, uri: str) -> None:
+        problem = f"Could not load mesh resource '{uri}'"
+        if problem not in self.errors:
+            self.errors.append(problem)
+
+
+def _texture(uri: str, file: Path | None) -> Matrix:
+    """Return the mean RGBA of an image, or white if it cannot be read."""
+    from PIL import Image
+
+    try:
+        with Image.open(resolve(uri, file)) as picture:
+            pixels = np.asarray(picture.convert("RGBA"), dtype=float) / 255
+    except Exception:
+        # Image decoders can raise any exception for a damaged file.
+        return _WHITE
+    mean: Matrix = pixels.mean(axis=(0, 1))
+    return mean
+
+
+def mass(inertial: Inertial) -> Solids:
+    """Draw a mass as a lead sphere."""
+    diameter = 2 * cbrt(0.75 * inertial.mass / (pi * _LEAD))
+    ball = np.diag([diameter, diameter, diameter, 1.0])
+    ball[:3, 3] = inertial.transform_center_to_link[:3, 3]
+    return Solids("sphere", [ball], _RED)
+
+
+def inertia(inertial: Inertial) -> Solids | None:
+    """Draw an inertia as a homogeneous box with this inertia, or return None if no body can have it."""
+    if not np.isfinite(inertial.inertia).all():
+        return None
+    # The moments of inertia about the principal axes.
+    moments, axes = np.linalg.eigh(inertial.inertia)
+    # The squares of the extents, times mass / 6.
+    squares = moments.sum() - 2 * moments
+    if inertial.mass <= 0 or squares.min() < 0 or moments.min() <= 0:
+        return None
+    box = np.eye(4)
+    box[:3, :3] = axes * np.sign(np.linalg.det(axes)) * np.sqrt(6 * squares / inertial.mass)
+    return Solids("box", [inertial.transform_center_to_link @ box], _RED)
+
+
+@dataclass(frozen=True)
+class LinkSettings:
+    """The visible parts of a link."""
+
+    # Whether each kind is visible: visual, collision, mass, inertia, axes, trail.
+    shown: Mapping[str, bool]
+    alpha: float
+    # Whether its transform is unknown.
+    lost: bool = False
+    # If this is False, nothing is drawn, and only the files are checked.
+    seen: bool = True
+
+
+class DrawnLink:
+    """A link below its node of the scene. Invisible parts are not created."""
+
+    def __init__(self, scene: Scene, path: str, link: Link, file: Path | None) -> None:
+        self.name = link.name
+        # Whether it has anything to draw.
+        self.has_geometry = bool(link.visuals or link.collisions)
+        self.shapes = LinkShapes(link, file)
+        self._scene = scene
+        self._path = path
+        self._body = link.inertial
+        self._transform: Matrix | None = None
+        self._settings: LinkSettings | None = None
+        # Settings with which each kind was drawn.
+        self._drawn_settings: dict[str, object] = {}
+        self._trail: deque[Matrix] = deque(maxlen=_TRAIL_STEPS)
+        self._shapes = {"visual": link.visuals, "collision": link.collisions}
+
+    def show(self, wanted: LinkSettings) -> None:
+        """Show the requested parts, and hide the others."""
+        if wanted == self._settings:
+            return
+        self._settings = wanted
+        for kind, shown in wanted.shown.items():
+            node = f"{self._path}/{kind}"
+            look = (wanted.alpha, wanted.lost) if kind in self._shapes else None
+            if not wanted.seen:
+                self.shapes.check(self._shapes.get(kind, ()) if shown else ())
+            elif shown and self._drawn_settings.get(kind, ()) != look:
+                self._drawn_settings[kind] = look
+                self._scene.delete(node)
+                for name, (drawable, transform) in self._drawables(kind, wanted):
+                    self._scene.set_object(f"{node}/{name}", drawable)
+                    self._scene.set_transform(f"{node}/{name}", transform)
+                if self._transform is not None and kind != "trail":
+                    self._scene.set_transform(node, self._transform)
+            if kind in self._drawn_settings:
+                self._scene.set_visible(node, shown)
+        if not wanted.shown["trail"]:
+            self._trail.clear()
+
+    def place(self, transform_link_to_fixed: Matrix) -> None:
+        """Move the link."""
+        if transform_link_to_fixed is self._transform:
+            return
+        self._transform = transform_link_to_fixed
+        for kind in self._drawn_settings.keys() - {"trail"}:
+            self._scene.set_transform(f"{self._path}/{kind}", transform_link_to_fixed)
+        if "trail" in self._drawn_settings:
+            # The trail grows up to 2 m and then loses its oldest part.
+            position = transform_link_to_fixed[:3, 3]
+            trail = self._trail
+            start = trail[-1] if trail else position
+            way = float(np.linalg.norm(position - start))
+            steps = int(way / _TRAIL_STEP) if trail else 1
+            for step in range(max(steps - _TRAIL_STEPS, 0) + 1, steps + 1):
+                trail.append(start + (position - start) * (step * _TRAIL_STEP / (way or 1.0)))
+            if steps and len(trail) > 1:
+                self._scene.set_object(
+                    f"{self._path}/trail", Lines(np.array(trail), _TRAIL_COLOR, _TRAIL_WIDTH)
+                )
+
+    def _drawables(self, kind: str, wanted: LinkSettings) -> Iterable[tuple[str, tuple[Drawable, Matrix]]]:
+        for index, shape in enumerate(self._shapes.get(kind, ())):
+            drawable = self.shapes.drawn(shape, wanted.alpha, wanted.lost)
+            if drawable is not None:
+                scale = shape.size if shape.kind == "mesh" else (1.0, 1.0, 1.0)
+                placed: Matrix = shape.transform_shape_to_link @ np.diag([*scale, 1.0])
+                yield str(index), (drawable, placed)
+        body = self._body
+        other = {"mass": body and mass(body), "inertia": body and inertia(body), "axes": _AXES}.get(kind)
+        if other:
+            yield kind, (other, np.eye(4))
+
+
+_STYLES = (
+    "Links in Alphabetic Order",
+    "Joints in Alphabetic Order",
+    "Tree of links",
+    "Tree of links and joints",
+    "",
+)
+_ALL = "Links/All Links Enabled"
+_TOPIC = "Description Topic"
+_SWITCHES = {
+    "visual": "Visual Enabled",
+    "collision": "Collision Enabled",
+    "mass": "Mass Properties/Mass",
+    "inertia": "Mass Properties/Inertia",
+}
+_OF_LINKS = {"axes": "Show Axes", "trail": "Show Trail"}
+
+
+class RobotModelDisplay(TopicDisplay):
+    """A robot described by URDF, with each link at its tf frame. It does not subscribe to joint states."""
+
+    class_name = "rviz_default_plugins/RobotModel"
+    type_name = "std_msgs/msg/String"
+    topic_label = _TOPIC
+    properties = (
+        *topic_properties(label=_TOPIC),
+        Property("Alpha", 1.0, number(0.0, 1.0)),
+        Property("Collision Enabled", False, flag),
+        Property("Description File", "", text),
+        Property("Description Source", "Topic", words("Topic", "File")),
+        Property(_ALL, True, flag),
+        *(
+            Property(f"Links/Expand {what}", False, flag)
+            for what in ("Joint Details", "Link Details", "Tree")
+        ),
+        Property("Links/Link Tree Style", _STYLES[0], words(*_STYLES)),
+        Property("Mass Properties/Inertia", False, flag),
+        Property("Mass Properties/Mass", False, flag),
+        Property("TF Prefix", "", text),
+        Property("Update Interval", 0.0, number(0.0)),  # [s]
+        Property("Visual Enabled", True, flag),
+    )
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self._urdf: str | None = None
+        self._links: list[DrawnLink] = []  # by name
+        # The time of the last update; None requests an immediate one.
+        self._updated_ns: int | None = None
+
+    def qos(self) -> Qos:
+        """Return the requested quality of service: transient local, until a policy is changed."""
+        policies = [prop for prop in self.properties if prop.label.startswith(f"{_TOPIC}/")]
+        changed = any(self[prop.label] != prop.default for prop in policies)
+        return super().qos() if changed else Qos(depth=1, durability="transient_local")
+
+    def on_changed(self, label: str) -> None:
+        """Restart with another description; other properties take effect in the next frame."""
+        super().on_changed(label)
+        switches = [f"Links/{link.name}" for link in self._links if link.has_geometry]
+        if label == _ALL:
+            self._values |= dict.fromkeys(switches, self[_ALL])
+        elif label in switches:
+            self._values[_ALL] = all(self[switch] for switch in switches)
+        elif label == "TF Prefix" and self.is_started:
+            self.reset()
+        elif label in ("Description File", "Description Source") and self.is_started:
+            self.start()
+        self._updated_ns = None
+
+    def start(self) -> None:
+        """Discard the robot, and read its file or subscribe to its topic."""
+        self._urdf = None
+        if self["Description Source"] == "Topic":
+            super().start()
+            return
+        self.subscriptions = ()
+        super(TopicDisplay, self).start()
+        if self.enabled and self._file:
+            try:
+                self._urdf = self._file.read_text(encoding="utf-8")
+            except (OSError, UnicodeDecodeError) as error:
+                self.statuses.hint("URDF", f"{self._file}: {error}")
+            if self._urdf:
+                self._load()
+            else:
+                self.statuses.set("error", "URDF", "URDF is empty")
+
+    def reset(self) -> None:
+        """Redraw the robot, which does not depend on the fixed frame."""
+        super().reset()
+        self._load()
+
+    def process(self, message: Any) -> None:
+        """Draw the robot of a description."""
+        self._urdf = message.data
+        self._load()
+
+    def update(self) -> None:
+        """Place the links by their transforms, unless the frame is not displayed."""
+        if not self.context.is_drawn:
+            return
+        now_ns, last_ns = self.context.now_ns, self._updated_ns
+        if last_ns is not None and now_ns - last_ns < self["Update Interval"] * NS:
+            return
+        self._updated_ns = now_ns
+        before = self._problems()
+        for link in self._links:
+            prefix, frames = self["TF Prefix"], self.context.frames
+            frame = f"{prefix}/{link.name}" if prefix else link.name
+            transform = frames.transform(frame)
+            if transform is None:
+                self.statuses.set("error", frame, f"No transform from [{frame}] to [{frames.fixed_frame}]")
+            else:
+                self.statuses.set("ok", frame, "Transform OK")
+                link.place(transform)
+            here = f"Links/{link.name}"
+            ticked = self[here] if link.has_geometry else True
+            shown = {kind: ticked and self[label] for kind, label in _SWITCHES.items()}
+            shown |= {kind: ticked and self[f"{here}/{label}"] for kind, label in _OF_LINKS.items()}
+            alpha = self["Alpha"] * self[f"{here}/Alpha"]
+            link.show(LinkSettings(shown, alpha, transform is None, self.context.is_seen))
+        if self._problems() != before:
+            self._report_problems()
+
+    @property
+    def _file(self) -> Path | None:
+        """The file of the description."""
+        named = self["Description File"]
+        return Path(named) if named and self["Description Source"] == "File" else None
+
+    def _load(self) -> None:
+        """Create the links of the description, replacing earlier ones."""
+        self.context.scene.delete(f"{self.path}/links")
+        self._links, self._updated_ns = [], None
+        self.shrink("Links")
+        if self._urdf is None:
+            return
+        try:
+            parse_urdf(self._urdf)
+        except CourseError as error:
+            self.statuses.clear()
+            self.statuses.set("error", "URDF", "URDF failed Model parse")
+            self.statuses.hint("URDF", str(error))
+            return
+        self.statuses.hint("URDF")
+        self.statuses.set("ok", "URDF", "URDF parsed OK")
+        scene, path = self.context.scene, f"{self.path}/links"
+        links = links_of(self._urdf)
+        self._links = [
+            DrawnLink(scene, f"{path}/{node_name(link.name)}", link, self._file)
+            for link in sorted(links, key=lambda link: link.name)
+        ]
+        rows: list[Property] = []
+        for link in self._links:
+            here, names = f"Links/{link.name}", ("Links", link.name)
+            # A link without geometry has no check box.
+            if link.has_geometry:
+                rows.append(Property(here, True, flag, names))
+            rows.append(Property(f"{here}/Alpha", 1.0, number(0.0, 1.0), (*names, "Alpha")))
+            rows += [Property(f"{here}/{it}", False, flag, (*names, it)) for it in _OF_LINKS.values()]
+        wrong = self.grow(*rows)
+        self.statuses.hint("Links", *wrong)
+        self.statuses.hint("URDF", *(problem for link in links for problem in link.problems))
+        self._report_problems()
+
+    def _problems(self) -> str:
+        """Return RViz's text about the shapes that could not be loaded."""
+        failed = (link for link in self._links if link.shapes.errors)
+        return "".join(f"\n• for link '{link.name}':\n" + "\n".join(link.shapes.errors) for link in failed)
+
+    def _report_problems(self) -> None:
+        if problems := self._problems():
+            self.statuses.set("error", "URDF", f"Errors loading geometries:{problems}")
+
+
+Configuration: TypeAlias = Mapping[str, float] | npt.ArrayLike | None
+_SEEN = LinkSettings({"visual": True, "trail": False}, alpha=1.0)
+
+
+def draw_still(scene: Scene, path: str, robot: Robot, configuration: Configuration) -> None:
+    """Draw a robot's links below a node, replacing its contents.
+
+    Args:
+        scene: The scene.
+        path: The node.
+        robot: A robot from `load_robot`.
+        configuration: Joint positions by name [rad] or [m], or Pinocchio's vector, which also
+            places the root of a model with a free-flyer; None uses the rest posture.
+
+    Raises:
+        CourseError: A joint does not exist, or a mesh cannot be read.
+    """
+    poses = _poses(robot, configuration)
+    scene.delete(path)
+    for link in links_of(robot.urdf):
+        drawn = DrawnLink(scene, f"{path}/{node_name(link.name)}", link, robot.path)
+        drawn.place(poses[link.name])
+        drawn.show(_SEEN)
+        if drawn.shapes.errors:
+            raise CourseError(f"{robot.name!r} cannot be drawn: {'; '.join(drawn.shapes.errors)}")
+
+
+def _poses(robot: Robot, configuration: Configuration) -> dict[str, Floats]:
+    """Return transform_link_to_ground of all links, shape (4, 4) each."""
+    if configuration is not None and not isinstance(configuration, Mapping):
+        return _poses_by_pinocchio(robot, np.asarray(configuration, dtype=float))
+    poses = link_poses(robot, robot.rest.positions if configuration is None else configuration)
+    return {link: robot.rest.transform_root_to_ground @ pose for link, pose in poses.items()}
+
+
+def _poses_by_pinocchio(robot: Robot, configuration: Floats) -> dict[str, Floats]:
+    pinocchio, model = import_pinocchio("pinocchio"), robot.model
+    if configuration.shape != (model.nq,):
+        shape = configuration.shape
+        raise CourseError(f"The configuration has shape {shape}, expected ({model.nq},), or a dict.")
+    if not np.isfinite(configuration).all():
+        raise CourseError(f"The configuration {configuration.tolist()} has numbers that are not finite.")
+    data = model.createData()
+    # Circle points and quaternions that are only approximately normalized are accepted.
+    pinocchio.framesForwardKinematics(model, data, pinocchio.normalize(model, configuration))
+    frames, body = zip(model.frames, data.oMf, strict=True), pinocchio.FrameType.BODY
+    found = {frame.name: pose.homogeneous for frame, pose in frames if frame.type == body}
+    rest = link_poses(robot, robot.rest.positions)
+    root = found.get(robot.tree.root, np.eye(4))
+    # Models may lack links.
+    return {link: root @ pose for link, pose in rest.items()} | found

@@ -1,0 +1,312 @@
+"""Arrows, axes and covariances, which several displays draw, and their geometry."""
+
+from collections.abc import Collection, Iterator, Sequence
+from itertools import chain
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from course_lib.arrays import Floats, Matrix, Reals
+from course_lib.displays.frames import placed
+from course_lib.displays.properties import Property, PropertyHolder, color, flag, number, words
+from course_lib.viewer.drawables import Drawable, Solids
+
+# The rotation of the solids' z axis to x.
+ALONG_X = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+ALONG_MINUS_X = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+# RViz's colors: x red, y green, z blue.
+AXIS_COLORS = np.column_stack([np.eye(3), np.ones(3)])
+# RViz's default lengths and diameters of shaft and head, [m].
+ARROW = (1.0, 0.05, 0.3, 0.1)
+
+
+def rotation_to(direction: Floats) -> Floats:
+    """Return a rotation that maps z to a unit vector, shape (3, 3)."""
+    helper = np.eye(3)[np.argmin(np.abs(direction))]
+    x = np.cross(helper, direction)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(direction, x), direction])
+
+
+def placement(rotation: Floats, size: Any, center: Any) -> Floats:
+    """Return the transform that scales a unit shape, rotates it and moves it, shape (4, 4)."""
+    transform = np.eye(4)
+    transform[:3, :3] = rotation * np.asarray(size)
+    transform[:3, 3] = center
+    return transform
+
+
+def points_of(message: Any) -> Floats:
+    """Return the points of a message with a field `points`, shape (N, 3), [m]."""
+    return fields_of(message.points, "x", "y", "z")
+
+
+def fields_of(messages: Collection[Any], *fields: str) -> Floats:
+    """Return fields of messages, shape (N, number of fields), even for a million messages."""
+    each = chain.from_iterable(map(attrgetter(*fields), messages))
+    return np.fromiter(each, float, len(fields) * len(messages)).reshape(-1, len(fields))
+
+
+def alpha_drawn_twice(alpha: Reals) -> Reals:
+    """Return the effective alpha of an object that is drawn twice."""
+    return 1 - (1 - alpha) ** 2
+
+
+def rgba_of(
+    holder: PropertyHolder, color_label: str = "Color", alpha_label: str = "Alpha"
+) -> tuple[float, ...]:
+    """Return the values of two properties as one color, RGBA from 0 to 1.
+
+    Args:
+        holder: A display with these properties.
+        color_label: The label of the color.
+        alpha_label: The label of the alpha.
+    """
+    return (*(channel / 255 for channel in holder[color_label]), holder[alpha_label])
+
+
+def shape_properties(
+    arrow: tuple[float, float, float, float] = ARROW,
+    axis: tuple[float, float] = (1.0, 0.1),
+    shapes: tuple[str, ...] = ("Arrow", "Axes"),
+    below: str = "",
+) -> tuple[Property, ...]:
+    """Return RViz's properties of a pose's shape.
+
+    Args:
+        arrow: Default length and diameter of the shaft, and of the head, [m].
+        axis: Default length and diameter of the axes, [m].
+        shapes: The available shapes.
+        below: Prefix of all labels except Shape.
+    """
+    shaft_length, shaft_diameter, head_length, head_diameter = arrow
+    # RViz calls the diameters Radius.
+    return (
+        Property("Shape", shapes[0], words(*shapes)),
+        Property(f"{below}Color", (255, 25, 0), color),
+        Property(f"{below}Alpha", 1.0, number(0.0, 1.0)),
+        Property(f"{below}Shaft Length", shaft_length, number()),
+        Property(f"{below}Shaft Radius", shaft_diameter, number()),
+        Property(f"{below}Head Length", head_length, number()),
+        Property(f"{below}Head Radius", head_diameter, number()),
+        Property(f"{below}Axes Length", axis[0], number()),
+        Property(f"{below}Axes Radius", axis[1], number()),
+    )
+
+
+def draw_shapes(poses: npt.ArrayLike, holder: PropertyHolder, below: str = "") -> dict[str, Drawable]:
+    """Draw axes or arrows at poses, shape (N, 4, 4), according to the properties of `shape_properties`."""
+    if holder["Shape"] == "Axes":
+        return draw_axes(poses, holder[f"{below}Axes Length"], holder[f"{below}Axes Radius"])
+    labels = ("Shaft Length", "Shaft Radius", "Head Length", "Head Radius")
+    sizes = (holder[f"{below}{label}"] for label in labels)
+    return draw_arrows(poses, *sizes, rgba=rgba_of(holder, f"{below}Color", f"{below}Alpha"))
+
+
+def draw_arrows(
+    poses: npt.ArrayLike,
+    shaft_length: float,
+    shaft_diameter: float,
+    head_length: float,
+    head_diameter: float,
+    *,
+    rgba: npt.ArrayLike,
+) -> dict[str, Drawable]:
+    """Draw arrows of one size [m] at poses, shape (N, 4, 4), in one color or one color each."""
+    at, shaft_size = np.asarray(poses, np.float64), (shaft_diameter, shaft_diameter, shaft_length)
+    shaft = placement(ALONG_X, shaft_size, (shaft_length / 2, 0.0, 0.0))
+    head_size = (head_diameter, head_diameter, head_length)
+    head = placement(ALONG_X, head_size, (shaft_length + head_length / 2, 0.0, 0.0))
+    return {"shaft": Solids("cylinder", at @ shaft, rgba), "head": Solids("cone", at @ head, rgba)}
+
+
+def axes(length: float, diameter: float, colors: npt.ArrayLike = AXIS_COLORS) -> Solids:
+    """Return cylinders along x, y and z.
+
+    Args:
+        length: The length [m].
+        diameter: The diameter [m], which RViz calls Radius.
+        colors: RGBA of each axis, shape (3, 4).
+    """
+    placements = np.zeros((3, 4, 4))
+    for axis, transform in enumerate(placements):
+        # The rotation of z to the axis.
+        rotation = np.roll(np.eye(3), axis + 1, axis=0)
+        transform[:3, :3] = rotation * [diameter, diameter, length]
+        transform[axis, 3] = length / 2
+        transform[3, 3] = 1.0
+    return Solids("cylinder", placements, colors)
+
+
+def draw_axes(poses: npt.ArrayLike, length: float, diameter: float) -> dict[str, Drawable]:
+    """Draw axes of one size [m] at poses, shape (N, 4, 4)."""
+    at = np.asarray(poses, np.float64)
+    every = (at[:, None] @ axes(length, diameter).placements).reshape(-1, 4, 4)
+    return {"axes": Solids("cylinder", every, np.tile(AXIS_COLORS, (len(at), 1)))}
+
+
+def pose_numbers(poses: Any) -> Floats:
+    """Return positions and quaternions (x, y, z, w) of geometry_msgs/msg/Pose messages, shape (N, 7)."""
+    rows = [
+        (p.x, p.y, p.z, q.x, q.y, q.z, q.w) for p, q in ((pose.position, pose.orientation) for pose in poses)
+    ]
+    return np.array(rows, np.float64).reshape(-1, 7)
+
+
+def pose_matrices(poses: Floats) -> Floats:
+    """Return poses, shape (N, 7), as transforms, shape (N, 4, 4).
+
+    As in Ogre, a quaternion of zeros is the identity rotation.
+    """
+    x, y, z, w = poses[:, 3:].T
+    matrices = np.tile(np.eye(4), (len(poses), 1, 1))
+    matrices[:, :3, 3] = poses[:, :3]
+    matrices[:, 0, 0], matrices[:, 1, 1], matrices[:, 2, 2] = (
+        1 - 2 * (a * a + b * b) for a, b in ((y, z), (x, z), (x, y))
+    )
+    matrices[:, 0, 1], matrices[:, 1, 0] = 2 * (x * y - w * z), 2 * (x * y + w * z)
+    matrices[:, 0, 2], matrices[:, 2, 0] = 2 * (x * z + w * y), 2 * (x * z - w * y)
+    matrices[:, 1, 2], matrices[:, 2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
+    return matrices
+
+
+_POSITION, _ORIENTATION = "Covariance/Position", "Covariance/Orientation"
+COVARIANCE_PROPERTIES = (
+    Property("Covariance", True, flag),
+    Property(_POSITION, True, flag),
+    Property(f"{_POSITION}/Color", (204, 51, 204), color),
+    Property(f"{_POSITION}/Alpha", 0.3, number(0.0, 1.0)),
+    Property(f"{_POSITION}/Scale", 1.0, number(0.0)),
+    Property(_ORIENTATION, True, flag),
+    # The axes of the pose, or of its reference frame.
+    Property(f"{_ORIENTATION}/Frame", "Local", words("Local", "Fixed")),
+    Property(f"{_ORIENTATION}/Color Style", "Unique", words("Unique", "RGB")),
+    Property(f"{_ORIENTATION}/Color", (255, 255, 127), color),
+    Property(f"{_ORIENTATION}/Alpha", 0.5, number(0.0, 1.0)),
+    # Distance of the discs, or of the cone's base, from the pose, [m].
+    Property(f"{_ORIENTATION}/Offset", 1.0, number(0.0)),
+    Property(f"{_ORIENTATION}/Scale", 1.0, number(0.0)),
+)
+_THICKNESS = 0.001  # [m]
+# Angles are drawn as tangents, up to this limit.
+_MAX_ANGLE = np.radians(89)
+_ROUNDING = 1e-12
+# RViz's position of a cone's center, as a fraction of its length from the pose.
+_CONE_CENTER = 0.49115
+
+# For the discs perpendicular to x, y and z: the indices of roll, pitch and yaw shown along the
+# disc's two axes, and the rotation from the disc to the pose's axes.
+_DISCS = (
+    ((1, 2), np.array([[0, 0, 1], [0, -1, 0], [1, 0, 0]])),
+    ((0, 2), np.array([[0, 1, 0], [0, 0, -1], [-1, 0, 0]])),
+    ((0, 1), np.array([[1, 0, 0], [0, -1, 0], [0, 0, -1]])),
+)
+
+
+class UncertainPose(NamedTuple):
+    """A pose with its covariance."""
+
+    # Transform from the pose to the fixed frame, shape (4, 4).
+    pose: Matrix
+    # Transform of the pose's reference frame, shape (4, 4).
+    transform_frame_to_fixed: Matrix
+    # x, y, z in the reference frame [m^2], roll, pitch, yaw [rad^2], shape (6, 6).
+    covariance: Matrix
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the covariance is restricted to a plane."""
+        return bool((self.covariance.diagonal()[2:5] <= 0).all())
+
+
+def uncertain_pose(message: Any, transform_frame_to_fixed: Matrix) -> UncertainPose:
+    """Convert a geometry_msgs/msg/PoseWithCovariance."""
+    # The numbers are in Eigen's order.
+    covariance = np.asarray(message.covariance, np.float64).reshape(6, 6).T
+    pose = placed(transform_frame_to_fixed, message.pose)
+    return UncertainPose(pose, transform_frame_to_fixed, covariance)
+
+
+def uncertain_pose_numbers(message: Any) -> Matrix:
+    """Return all numbers of a geometry_msgs/msg/PoseWithCovariance as one row."""
+    return np.append(pose_numbers([message.pose]), message.covariance)
+
+
+def draw_covariances(poses: Sequence[UncertainPose], holder: PropertyHolder) -> dict[str, Drawable]:
+    """Draw the covariances that the properties request.
+
+    Positions are ellipsoids along the axes of the reference frame, independent of the pose's
+    orientation.
+    Orientations are three discs, whose extent is the uncertainty of the tip of an axis; a
+    covariance in a
+    plane is a cone along x, whose opening is the uncertainty of the yaw.
+    """
+    drawables: dict[str, Drawable] = {}
+    if not holder["Covariance"] or not poses:
+        return drawables
+    if holder[_POSITION]:
+        ellipsoids = []
+        for pose in poses:
+            size, axes = np.array([0.0, 0.0, _THICKNESS]), np.eye(3)
+            count = 2 if pose.is_flat else 3
+            size[:count], axes[:count, :count] = _deviations(pose.covariance[:count, :count])
+            size[:count] *= holder[f"{_POSITION}/Scale"]
+            ellipsoids.append(placement(pose.transform_frame_to_fixed[:3, :3] @ axes, size, pose.pose[:3, 3]))
+        rgba = rgba_of(holder, f"{_POSITION}/Color", f"{_POSITION}/Alpha")
+        drawables["place"] = Solids("sphere", ellipsoids, rgba)
+    if not holder[_ORIENTATION]:
+        return drawables
+    rgba = rgba_of(holder, f"{_ORIENTATION}/Color", f"{_ORIENTATION}/Alpha")
+    is_unique = holder[f"{_ORIENTATION}/Color Style"] != "RGB"
+    colors = [rgba if is_unique else (*np.eye(3)[axis], rgba[3]) for axis in range(3)]
+    discs = [disc for pose in poses if not pose.is_flat for disc in _discs(pose, holder)]
+    if discs:
+        drawables["discs"] = Solids("cylinder", discs, np.tile(colors, (len(discs) // 3, 1)))
+    offset, scale = holder[f"{_ORIENTATION}/Offset"], holder[f"{_ORIENTATION}/Scale"]
+    cones = []
+    for pose in (pose for pose in poses if pose.is_flat):
+        spread = 2 * np.sqrt(np.maximum(pose.covariance[5, 5], 0.0)) * scale
+        size = np.array([_THICKNESS, offset * float(_base_widths(spread)), offset])
+        cone = placement(ALONG_MINUS_X, size, (_CONE_CENTER * offset, 0.0, 0.0))
+        cones.append(_orientation_frame(pose, holder) @ cone)
+    if cones:
+        drawables["cones"] = Solids("cone", cones, colors[2])
+    return drawables
+
+
+def _discs(pose: UncertainPose, holder: PropertyHolder) -> Iterator[Matrix]:
+    """Yield the placement of the unit cylinder for each axis."""
+    offset, base = holder[f"{_ORIENTATION}/Offset"], _orientation_frame(pose, holder)
+    for axis, (angles, rotation) in enumerate(_DISCS):
+        spread, within = _deviations(pose.covariance[3:, 3:][np.ix_(angles, angles)])
+        width = offset * _base_widths(spread * holder[f"{_ORIENTATION}/Scale"])
+        rotated = rotation @ np.block([[within, np.zeros((2, 1))], [np.zeros((1, 2)), np.ones((1, 1))]])
+        yield base @ placement(rotated, (*width, _THICKNESS), offset * np.eye(3)[axis])
+
+
+def _orientation_frame(pose: UncertainPose, holder: PropertyHolder) -> Matrix:
+    """Return the frame of discs or cone: the pose, or its position with the axes of the reference frame."""
+    if holder[f"{_ORIENTATION}/Frame"] == "Local":
+        return pose.pose
+    return placement(pose.transform_frame_to_fixed[:3, :3], 1.0, pose.pose[:3, 3])
+
+
+def _deviations(covariance: Matrix) -> tuple[Matrix, Matrix]:
+    """Return two standard deviations along the axes of an ellipse, and the axes as columns of a rotation.
+
+    Like Eigen, it reads only the lower triangle. A covariance with a negative eigenvalue has no
+    extent.
+    """
+    variances, axes = np.linalg.eigh(covariance)
+    if variances[0] < -_ROUNDING * variances[-1]:
+        return np.zeros(len(variances)), np.eye(len(variances))
+    # The axes become right-handed.
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    return 2 * np.sqrt(variances.clip(0)), axes
+
+
+def _base_widths(angles: Matrix) -> Matrix:
+    """Return the base diameters, at a distance of 1 m, of cones with these opening angles [rad]."""
+    return 2 * np.tan(np.minimum(angles / 2, _MAX_ANGLE))

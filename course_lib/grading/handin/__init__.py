@@ -1,1 +1,0 @@
-"""Submissions: from a learning platform to what is graded, and marks back to it."""

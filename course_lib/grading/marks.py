@@ -1,0 +1,405 @@
+"""From the scores of checks and the points of graders to results and marks."""
+
+import getpass
+import json
+import math
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from datetime import UTC, datetime
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from course_lib.course.course_file import POINTS_PER_WEEK, CourseFile
+from course_lib.course.state import write_atomically
+from course_lib.errors import CourseError
+from course_lib.grading.records import (
+    Attempt,
+    Fault,
+    HandMark,
+    Judgement,
+    Mark,
+    Result,
+    Status,
+    Submission,
+    TaskResult,
+    from_plain,
+    read_stored_result,
+    to_plain,
+)
+from course_lib.grading.store import digest_of, lock_marks, marks_path, result_path
+from course_lib.grading.submissions.roster import MISMATCH
+from course_lib.grading.task import Row
+from course_lib.third_party import read_json
+
+
+@dataclass(frozen=True)
+class MarkEntry:
+    """Points as entered by a grader.
+
+    Args:
+        points: Points for the row, else for the whole task; None for a comment alone.
+        row: The row's number from 1 or its first words; "" for the whole task.
+        comment: A comment for the student; None keeps the existing one.
+        withdraw: Withdraw existing marks; points and comment are ignored.
+    """
+
+    points: float | None
+    row: str = ""
+    comment: str | None = None
+    withdraw: bool = False
+
+
+class MarksConflictError(CourseError):
+    """Raised if someone else has marked the same task in the meantime. Nothing is written."""
+
+
+def read_marks(path: Path) -> list[HandMark]:
+    """Return all marks of a file, oldest first.
+
+    Raises:
+        CourseError: The file is damaged.
+    """
+    if not path.is_file():
+        return []
+    try:
+        return from_plain(read_json(path.read_text(encoding="utf-8")), list[HandMark])
+    except (OSError, ValueError, TypeError) as error:
+        raise CourseError(f"{path} can't be read: {error}. Restore it from a copy, or remove it.") from error
+
+
+def standing_marks(marks: Iterable[HandMark]) -> list[HandMark]:
+    """Return the marks of a file that were not withdrawn.
+
+    Nothing is removed from the file, so that it shows who gave and who withdrew a mark.
+    """
+    standing: list[HandMark] = []
+    for mark in marks:
+        if mark.withdrawn:
+            standing = [one for one in standing if one.task != mark.task or mark.row not in ("", one.row)]
+        else:
+            standing.append(mark)
+    return standing
+
+
+def revision_of(marks: Iterable[HandMark], task: str, sha256: str) -> str:
+    """Return the revision of a task's marks, which changes with each new mark and with another submission."""
+    return f"{sha256[:8]}-{digest_of([asdict(mark) for mark in marks if mark.task == task])[:16]}"
+
+
+def add_marks(
+    path: Path,
+    task: TaskResult,
+    given: Sequence[MarkEntry],
+    *,
+    sha256: str,
+    by: str = "",
+    revision: str | None = None,
+) -> list[HandMark]:
+    """Append a grader's marks to a file of marks, all or none, and flush them to the disk.
+
+    Args:
+        path: OUT/marks/STUDENT/EXERCISE.json.
+        task: The judged task.
+        given: Points for the task, or for rows of its rubric.
+        sha256: Digest of the submission.
+        by: The grader; default: the user of the machine.
+        revision: Revision of the marks that the grader has seen; None skips the comparison.
+
+    Raises:
+        MarksConflictError: The task has other marks by now, or there is another submission.
+        CourseError: The row does not exist, or has fewer points.
+    """
+    with lock_marks(path.parents[2]):
+        kept = read_marks(path)
+        mine = [mark for mark in kept if mark.task == task.task]
+        by = by or getpass.getuser()
+        new = [replace(_hand_mark(task, one, mine, by), sha256=sha256) for one in given]
+        if revision is not None and revision != revision_of(mine, task.task, sha256):
+            if list(map(_without_time, mine[-len(new) :])) == list(map(_without_time, new)):
+                # The page sent the marks again, because the first answer was lost.
+                return mine[-len(new) :]
+            who = f"{mine[-1].by if mine else 'somebody'} has marked"
+            if not revision.startswith(f"{sha256[:8]}-"):
+                who = "the student has changed"
+            raise MarksConflictError(f"{who} {task.task} in the meantime")
+        _write(path, [*kept, *new])
+    return new
+
+
+def _write(path: Path, marks: Sequence[HandMark]) -> None:
+    """Write a file of marks, and flush the new directory entries of the file and its folders to the disk."""
+    for draft in path.parent.glob(f".{path.name}.*"):
+        # A process that was killed can leave half-written files.
+        draft.unlink()
+    text = json.dumps([asdict(mark) for mark in marks], indent=1, ensure_ascii=False)
+    write_atomically(path, text.encode("utf-8", "replace"))
+    for folder in path.parents[:3]:
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _hand_mark(task: TaskResult, given: MarkEntry, before: Sequence[HandMark], by: str) -> HandMark:
+    row = _find_row(task.rubric, given.row) if given.row else None
+    text, most = (row.text, row.points) if row else ("", task.points)
+    before, at = standing_marks(before), datetime.now(UTC).isoformat(timespec="seconds")
+    if given.withdraw:
+        if not any(text in ("", mark.row) for mark in before):
+            raise CourseError(f"no mark by hand for {text or task.task or task.title} to withdraw")
+        return HandMark(task.task, None, text, "", by, at, withdrawn=True)
+    if given.points is not None and not 0 <= given.points <= most:
+        raise CourseError(
+            f"{given.points:g} points for {text or task.task or task.title}: expected 0 to {most:g}"
+        )
+    last = next((mark.comment for mark in reversed(before) if mark.row == text), "")
+    comment = last if given.comment is None else given.comment
+    return HandMark(task.task, given.points, text, comment, by, at)
+
+
+def _without_time(mark: HandMark) -> HandMark:
+    return replace(mark, at="")
+
+
+def apply_marks(result: TaskResult, marks: Iterable[HandMark], sha256: str) -> TaskResult:
+    """Return a task with graders' points: the last one for the whole task, or the sum over all rows."""
+    mine = [mark for mark in standing_marks(marks) if mark.task == result.task]
+    by_row = {mark.row: mark.comment for mark in mine}
+    comments = tuple(f"{row}: {comment}".lstrip(": ") for row, comment in by_row.items() if comment)
+    given = {mark.row: mark.points for mark in mine if mark.points is not None}
+    if not given:
+        return replace(result, comments=comments)
+    of_this = {mark.row: mark.is_of(sha256) for mark in mine if mark.points is not None}
+    if has_task_mark(mine):
+        return replace(result, manual=given[""], comments=comments, is_current=of_this[""])
+    if missing := [row.text for row in result.rubric if row.text not in given]:
+        return replace(result, comments=(*comments, f"still to be marked: {', '.join(missing)}"))
+    share = sum(given[row.text] for row in result.rubric) / sum(row.points for row in result.rubric)
+    result = replace(result, is_current=all(of_this[row.text] for row in result.rubric))
+    return replace(result, manual=round(result.points * share, 2), comments=comments)
+
+
+def task_mark(marks: Iterable[HandMark]) -> HandMark | None:
+    """Return the last mark for a whole exercise, given by a grader without a gradable file, or None."""
+    standing = reversed(standing_marks(marks))
+    return next((one for one in standing if not one.task and one.points is not None), None)
+
+
+def has_task_mark(marks: Sequence[HandMark]) -> bool:
+    """Return whether the last points of a task are for the whole task, not for a row of its rubric."""
+    return next((not mark.row for mark in reversed(marks) if mark.points is not None), False)
+
+
+def _find_row(rubric: Sequence[Row], name: str) -> Row:
+    numbers = {str(number): row for number, row in enumerate(rubric, 1)}
+    named = (row for row in rubric if row.text.casefold().startswith(name.casefold()))
+    if row := numbers.get(name) or next(named, None):
+        return row
+    rows = "; ".join(f"{number} {row.text} ({row.points:g})" for number, row in enumerate(rubric, 1))
+    raise CourseError(f"--row {name}: the rubric has {rows or 'no rows: leave out --row'}")
+
+
+MARK_COLUMNS = tuple(field.name for field in fields(Mark))
+COLUMNS = ("student", "exercise", *MARK_COLUMNS, "status", "reason", "message")
+
+
+def mark(
+    attempts: Sequence[Submission],
+    judged: Sequence[Judgement | Fault | None],
+    course: CourseFile,
+    digest: str,
+    rules: str = "",
+) -> Result:
+    """Mark one student's attempts at an exercise, and return the best one.
+
+    Args:
+        attempts: The submissions, oldest first.
+        judged: The judgement of each, a fault if it has none, or None if it is rejected.
+        course: Deadlines and late policy.
+        digest: Digest of everything that the result depends on.
+        rules: Digest of the rules by which they are judged.
+    """
+    results = [_make_result(one, judgement, course) for one, judgement in zip(attempts, judged, strict=True)]
+    best = max(results, key=_rank)
+    finals = [one.mark.final if one.mark else None for one in results]
+    tried = tuple(
+        replace(attempt_of(one.submission), final=final) for one, final in zip(results, finals, strict=True)
+    )
+    return replace(best, attempts=tried, rules=rules, digest=digest if best.judgement else "")
+
+
+def dates_of(course: CourseFile, student: str, exercise: str) -> list[Any]:
+    """Return the dates and the late policy for a student's mark and report, as plain data."""
+    week = exercise.split("_")[0]
+    deadline = course.deadline(week, student) if week in course.weeks else None
+    return [deadline and deadline.isoformat(), course.zone.key, to_plain(course.late)]
+
+
+def attempt_of(submission: Submission) -> Attempt:
+    """Return the key of an attempt: its evidence, its time of receipt, and whether its ID is right."""
+    return Attempt(submission.key, submission.received, submission.id_flag)
+
+
+def _rank(result: Result) -> float:
+    """Return a sort key: the mark, infinity for a fault (the attempt may be the best), -1 if rejected."""
+    if result.status == "grader_error":
+        return math.inf
+    return result.mark.final if result.mark else -1.0
+
+
+def _make_result(submission: Submission, judged: Judgement | Fault | None, course: CourseFile) -> Result:
+    notes = tuple(submission.notes)
+    if judged is None:
+        reason = submission.reason or ("wrong exercise" if submission.sha256 else "unreadable")
+        return Result(submission, "rejected", reason, submission.problem, notes=notes)
+    if isinstance(judged, Fault):
+        return Result(submission, "grader_error", judged.kind, judged.text, notes=notes)
+    late, received = course.late, submission.received
+    deadline = course.deadline(submission.exercise.split("_")[0], submission.student)
+    broken = [f"a check raised an error: {check}" for check in judged.broken]
+    return Result(
+        submission,
+        "limit" if judged.limit else "graded",
+        judged.limit,
+        judgement=judged,
+        days_late=received.days_late(deadline, late),
+        late=late,
+        notes=(*notes, *received.contradictions(deadline, late), *broken),
+        remark=received.remark(deadline, late),
+    )
+
+
+@dataclass(frozen=True)
+class GradebookRow:
+    """The line of the gradebook for one student and exercise; without a mark its numbers are empty."""
+
+    student: str
+    exercise: str
+    mark: Mark | None
+    status: Status
+    reason: str
+    message: str
+
+    @property
+    def cells(self) -> dict[str, str | float]:
+        """The cells by `COLUMNS`."""
+        numbers = asdict(self.mark) if self.mark else dict.fromkeys(MARK_COLUMNS, "")
+        texts = {name: getattr(self, name) for name in COLUMNS if name not in MARK_COLUMNS}
+        return {name: {**numbers, **texts}[name] for name in COLUMNS}
+
+
+@dataclass(frozen=True)
+class MarkedResult:
+    """A result with graders' points, as gradebook, reports, exports and the marking page show it.
+
+    Args:
+        result: As it was judged.
+        marks: The points and comments of graders, oldest first.
+    """
+
+    result: Result
+    marks: tuple[HandMark, ...] = ()
+
+    @property
+    def student(self) -> str:
+        """The student's name in the gradebook."""
+        return self.result.submission.student
+
+    @property
+    def exercise(self) -> str:
+        """For example "week01_exercise"."""
+        return self.result.submission.exercise
+
+    @cached_property
+    def tasks(self) -> tuple[TaskResult, ...]:
+        """The tasks with graders' points."""
+        return tuple(
+            apply_marks(task, self.marks, self.result.submission.sha256) for task in self.result.tasks
+        )
+
+    @cached_property
+    def displayed_result(self) -> Result:
+        """The result with graders' points, for the report."""
+        result = replace(self.result, status=self.row.status, message=self.row.message)
+        if result.judgement is None:
+            return result
+        return replace(result, judgement=replace(result.judgement, tasks=self.tasks))
+
+    @cached_property
+    def row(self) -> GradebookRow:
+        """The line of the gradebook."""
+        result, submission, whole = self.result, self.result.submission, task_mark(self.marks)
+        row = GradebookRow(self.student, self.exercise, None, result.status, result.reason, result.message)
+        if not self.tasks:
+            if whole is None:
+                return row
+            points = whole.points or 0.0
+            message = ": ".join(filter(None, ("marked by a grader without a gradable file", whole.comment)))
+            return replace(
+                row,
+                mark=Mark(points, float(POINTS_PER_WEEK), 0, 0.0, points),
+                status="graded",
+                message=message,
+            )
+        message = "; ".join(filter(None, (self._describe_tasks(), result.remark, result.rejection_reason)))
+        if whole:
+            message += (
+                f"; {whole.points or 0:g} points were given without a file before: withdraw them with "
+                "--without-file --withdraw, or remove the file and its result"
+            )
+        is_waiting = whole is not None or any(task.needs_hand_mark for task in self.tasks)
+        reason = row.reason
+        if submission.id_flag == MISMATCH:
+            reason = ", ".join(filter(None, (reason, MISMATCH)))
+            message = f"{submission.id_note}; {message}"
+            # Whoever gave points for this file has seen the note.
+            is_waiting |= not any(one.is_of(submission.sha256) for one in standing_marks(self.marks))
+        total = Mark.of(self.tasks, result.days_late, result.late)
+        status: Status = "needs_marking" if is_waiting else row.status
+        return replace(row, mark=total, status=status, reason=reason, message=message)
+
+    def _describe_tasks(self) -> str:
+        full = sum(task.score >= task.points for task in self.tasks)
+        text = f"{full} of {len(self.tasks)} tasks have full marks"
+        again = ", ".join(task.task for task in self.tasks if not task.is_current)
+        return f"{text}; {again}: marked in another submission: mark it again" if again else text
+
+
+def read_result(path: Path) -> MarkedResult:
+    """Read a result with the points of graders.
+
+    Raises:
+        CourseError: The file, or the file of marks, can't be read.
+    """
+    student, exercise = path.parent.name, path.stem
+    marks = read_marks(marks_path(path.parents[2], student, exercise))
+    try:
+        result = read_stored_result(path)
+    except (OSError, ValueError, LookupError, TypeError) as error:
+        raise CourseError(f"{path} can't be read: {error}. Remove it and grade again.") from error
+    # The path is authoritative: a file name may contain bytes that JSON cannot represent.
+    submission = replace(result.submission, student=student, exercise=exercise)
+    return MarkedResult(replace(result, submission=submission), tuple(marks))
+
+
+def results_in(out: Path) -> Iterator[MarkedResult]:
+    """Yield all results by student and exercise, one at a time, because together they may be large."""
+    return map(read_result, sorted((out / "results").glob("*/*.json")))
+
+
+def stored_result(out: Path, student: str, exercise: str) -> MarkedResult:
+    """Read the result of a student's exercise. The exceptions are the same as in `read_result`."""
+    return read_result(result_path(out, student, exercise))
+
+
+def require_results(out: Path) -> None:
+    """Raise an error if a folder was not written by `course grade`.
+
+    Raises:
+        CourseError: It has no results.
+    """
+    if not any((out / "results").glob("*/*.json")):
+        raise CourseError(f"{out} has no results. Type: course grade SUBMISSIONS --out {out}")

@@ -1,1 +1,0 @@
-"""From scores of checks and points of persons to results."""

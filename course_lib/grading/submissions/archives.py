@@ -1,0 +1,350 @@
+"""Files in submissions and downloads, read within limits and as untrusted data."""
+
+import os
+import re
+import stat
+import zipfile
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from io import BytesIO
+from itertools import islice
+from pathlib import Path, PurePosixPath
+
+from course_lib.errors import CourseError
+from course_lib.grading.submissions.notebook import (
+    MAX_BYTES,
+    MAX_WITH_OUTPUTS,
+    is_notebook_name,
+    without_outputs,
+)
+
+MAX_MEMBERS = 1000  # files per archive
+MAX_ENTRIES = 20 * MAX_MEMBERS  # archives stored in an archive have directories of their own
+ENTRY = b"PK\x01\x02"  # signature of each entry in an archive's directory
+# zipfile decompresses other methods without a size limit.
+METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+MAX_DEPTH = 3  # nesting depth of archives
+MAX_NAME = 200  # [B] per path component
+MAX_PATH = 1000  # [B] per path
+MAX_UNPACKED_FILES = 1000  # per student, from all archives that the student submitted
+MAX_UNPACKED_BYTES = 50_000_000  # [B] likewise, including nested archives
+RECEIPT = "receipt.json"  # in a file written by `course submit`
+JUNK = ("__MACOSX", "Thumbs.db")
+
+Refuse = Callable[[str, str], None]  # called with a file's name and the reason
+Owner = Callable[[tuple[str, ...]], str]  # maps a path to the owner, whose archives share a limit
+Wanted = Callable[[tuple[str, ...]], bool]
+WORKING_SUFFIXES = (".rviz", ".yaml", ".yml", ".xml", ".urdf", ".py")
+WORKING_FOLDER = "files/"  # in a file written by `course submit`
+MAX_WORKING_BYTES = 1_000_000  # [B] per file
+MAX_WORKING_FILES = 20
+MAX_NAMES = 1000  # file names searched in a notebook
+_QUOTED = re.compile(r"""["']([^"'\n]{1,200})["']""")
+
+
+@contextmanager
+def open_zip(data: bytes) -> Iterator[zipfile.ZipFile]:
+    """Open an archive. Its directory is parsed only if it is short.
+
+    Raises:
+        CourseError: It is not a zip file, is damaged, or has more than MAX_MEMBERS files.
+    """
+    _check_count(data.count(ENTRY), MAX_ENTRIES)
+    with _archive(BytesIO(data)) as archive:
+        _check_count(len(archive.infolist()), MAX_MEMBERS)
+        yield archive
+
+
+def _archive(file: Path | BytesIO) -> zipfile.ZipFile:
+    try:
+        return zipfile.ZipFile(file)
+    except Exception as error:
+        # A damaged archive can raise many kinds of exceptions.
+        raise CourseError(f"it is not a readable zip file: {error}") from error
+
+
+def read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo | str, most: int) -> bytes:
+    """Decompress at most `most` + 1 bytes of one file, regardless of the size that the archive declares.
+
+    Raises:
+        CourseError: The file does not exist, is encrypted or damaged, or uses an unsupported
+            compression.
+    """
+    try:
+        info = archive.getinfo(member) if isinstance(member, str) else member
+        if info.compress_type not in METHODS:
+            raise ValueError(f"compression method {info.compress_type}, expected stored or deflated")
+        with archive.open(info) as file:
+            return file.read(most + 1)
+    except Exception as error:
+        # A damaged or encrypted archive can raise many kinds of exceptions.
+        raise CourseError(f"can't be unpacked: {error}") from error
+
+
+def _check_count(count: int, most: int) -> None:
+    if count > most:
+        raise CourseError(f"it has {count} files, expected at most {MAX_MEMBERS}")
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """A file of a download or a folder of submissions.
+
+    Args:
+        parts: The components of its path, including the names of archives.
+        data: Its content.
+        time: The time in the file system or the innermost archive, which its author can set.
+    """
+
+    parts: tuple[str, ...]
+    data: bytes
+    time: datetime
+
+
+@dataclass
+class Arrivals:
+    """A reader of one folder or zip file.
+
+    Args:
+        refuse: Called for each file that is skipped.
+        owner: Returns the owner of a path; the limits on decompressed data apply per owner.
+        is_wanted: Whether a file outside of nested archives is read.
+    """
+
+    refuse: Refuse
+    owner: Owner = lambda parts: parts[0]
+    is_wanted: Wanted = lambda parts: True
+    _files: Counter[str] = field(default_factory=Counter)
+    _bytes: Counter[str] = field(default_factory=Counter)
+    _exhausted_owners: set[str] = field(default_factory=set)
+
+    def read(self, top: Path) -> Iterator[Arrival]:
+        """Yield all files of a folder or zip file, including files in nested zip files.
+
+        Raises:
+            CourseError: `top` is not a folder or a zip file.
+        """
+        if top.is_dir():
+            for arrival in self._walk(top):
+                yield from self._open(arrival, 0)
+            return
+        archive = _platform_zip(top)
+        with archive:
+            for arrival in self._members(archive, ()):
+                yield from self._open(arrival, 1)
+
+    def _walk(self, top: Path) -> Iterator[Arrival]:
+        for folder, folders, names in os.walk(top):
+            here = Path(folder)
+            links = [name for name in folders if (here / name).is_symlink()]
+            folders[:] = sorted(name for name in folders if not _is_junk(name))
+            for path in (here / name for name in sorted([*names, *links]) if not _is_junk(name)):
+                parts = path.relative_to(top).parts
+                if not self.is_wanted(parts):
+                    continue
+                try:
+                    if problem := path_problem(parts) or _type_problem(path.lstat().st_mode):
+                        self.refuse("/".join(parts), problem)
+                        continue
+                    with open(os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), "rb") as file:
+                        data = file.read(_limit(parts) + 1)
+                        time = datetime.fromtimestamp(os.fstat(file.fileno()).st_mtime, UTC)
+                except OSError as error:
+                    self.refuse("/".join(parts), f"can't be read: {error.strerror}")
+                else:
+                    if (content := self._limit_content(parts, data)) is not None:
+                        yield Arrival(parts, content, time)
+
+    def _open(self, arrival: Arrival, depth: int) -> Iterator[Arrival]:
+        """Yield the file, or the contents of an archive unless `course submit` wrote it."""
+        if not arrival.parts[-1].lower().endswith(".zip"):
+            yield arrival
+            return
+        try:
+            with open_zip(arrival.data) as archive:
+                if RECEIPT in archive.namelist():
+                    yield arrival
+                elif depth >= MAX_DEPTH:
+                    raise CourseError("archives are nested too deeply")
+                else:
+                    for inner in self._members(archive, arrival.parts):
+                        yield from self._open(inner, depth + 1)
+        except CourseError as error:
+            self.refuse("/".join(arrival.parts), str(error))
+
+    def _members(self, archive: zipfile.ZipFile, above: tuple[str, ...]) -> Iterator[Arrival]:
+        known: set[str] = set()
+        for info in archive.infolist():
+            inner = tuple(info.orig_filename.split("/"))
+            if info.filename.endswith("/") or any(map(_is_junk, inner)):
+                continue
+            parts = (*above, *inner)
+            if not above and not self.is_wanted(parts):
+                continue
+            again = "the archive contains this name twice" if info.filename in known else ""
+            known.add(info.filename)
+            if problem := again or path_problem(inner) or _type_problem(info.external_attr >> 16):
+                self.refuse("/".join(parts), problem)
+                continue
+            owner = self.owner(parts)
+            if owner in self._exhausted_owners:
+                continue
+            try:
+                data = self._unpack(archive, info, owner, counted=bool(above))
+            except CourseError as error:
+                self.refuse("/".join(parts), str(error))
+                continue
+            if (content := self._limit_content(parts, data)) is not None:
+                yield Arrival(parts, content, _time(info))
+
+    def _unpack(self, archive: zipfile.ZipFile, info: zipfile.ZipInfo, owner: str, *, counted: bool) -> bytes:
+        """Decompress a file within its owner's remaining limit. The platform's own archive is not counted.
+
+        Raises:
+            CourseError: It can't be decompressed, or the owner's limit is exceeded; then the
+                owner's other files are skipped.
+        """
+        most = _limit(tuple(info.filename.split("/")))
+        left = MAX_UNPACKED_BYTES - self._bytes[owner] if counted else most + 1
+        data = read_member(archive, info, min(most, left))
+        self._files[owner] += counted
+        self._bytes[owner] += len(data) if counted else 0
+        if len(data) > left or self._files[owner] > MAX_UNPACKED_FILES:
+            self._exhausted_owners.add(owner)
+            raise CourseError(
+                f"all archives of {owner} together unpack to more than {MAX_UNPACKED_BYTES} bytes or "
+                f"{MAX_UNPACKED_FILES} files: this file and all later ones of {owner} are skipped"
+            )
+        return data
+
+    def _limit_content(self, parts: tuple[str, ...], data: bytes) -> bytes | None:
+        """Return a file's content, without outputs for a large notebook, or None if it is too large."""
+        if len(data) <= MAX_BYTES:
+            return data
+        content = without_outputs(data) if len(data) <= _limit(parts) else data
+        if len(content) <= MAX_BYTES:
+            return content
+        self.refuse("/".join(parts), f"it has more than {MAX_BYTES} bytes{_size_advice(parts, data)}")
+        return None
+
+
+def list_paths(top: Path) -> list[tuple[str, ...]]:
+    """Return the paths of the files in a folder or zip file, without files that operating systems add.
+
+    Raises:
+        CourseError: `top` is not a folder or a zip file.
+    """
+    if top.is_dir():
+        walked = ((Path(folder), names) for folder, _, names in os.walk(top))
+        paths = [(folder / name).relative_to(top).parts for folder, names in walked for name in names]
+    else:
+        with _platform_zip(top) as archive:
+            names = [info.orig_filename for info in archive.infolist() if not info.filename.endswith("/")]
+        paths = [tuple(name.split("/")) for name in names]
+    return sorted(path for path in paths if not any(map(_is_junk, path)) and not path_problem(path))
+
+
+def _limit(parts: tuple[str, ...]) -> int:
+    """Return the maximum number of bytes to read; for a notebook it includes outputs."""
+    return MAX_WITH_OUTPUTS if is_notebook_name(parts[-1]) else MAX_BYTES
+
+
+def _size_advice(parts: tuple[str, ...], data: bytes) -> str:
+    if not is_notebook_name(parts[-1]):
+        return ""
+    if len(data) > MAX_WITH_OUTPUTS:
+        return f", and more than {MAX_WITH_OUTPUTS} with its outputs. Clear them and save it"
+    return " without its outputs. Remove everything that is not part of the exercise"
+
+
+def _platform_zip(top: Path) -> zipfile.ZipFile:
+    try:
+        return _archive(top)
+    except CourseError as error:
+        raise CourseError(
+            f"{top} is neither a folder nor a zip file: {error.__cause__}. Pass the platform's download."
+        ) from error
+
+
+def _time(info: zipfile.ZipInfo) -> datetime:
+    try:
+        return datetime(*info.date_time)
+    # The time stamp is invalid, such as month 0 or hour 31.
+    except ValueError:
+        return datetime(1980, 1, 1)
+
+
+def _is_junk(name: str) -> bool:
+    return name in JUNK or (name.startswith(".") and name != "..")
+
+
+def path_problem(parts: tuple[str, ...]) -> str:
+    """Return why a path is not acceptable, or ""."""
+    if sum(len(part.encode("utf-8", "replace")) for part in parts) > MAX_PATH:
+        return f"its path is longer than {MAX_PATH} bytes"
+    for part in parts:
+        if part in ("", ".", "..") or "\\" in part or (len(part) > 1 and part[1] == ":"):
+            return "its path leads elsewhere"
+        if not part.isprintable() or len(part.encode("utf-8", "replace")) > MAX_NAME:
+            return (
+                f"its name is longer than {MAX_NAME} bytes" if part.isprintable() else "its name is not text"
+            )
+    return ""
+
+
+def _type_problem(mode: int) -> str:
+    """Return an error message if it is not a regular file, else "".
+
+    Not all archives record the file type.
+    """
+    return "" if stat.S_IFMT(mode) in (0, stat.S_IFREG) else "it is a link or a device"
+
+
+def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
+    """Return the contents of the text files submitted with a notebook, by path relative to its folder.
+
+    Raises:
+        CourseError: They can't be read.
+    """
+    found = _read_packed(path) if path.suffix.lower() == ".zip" else _read_folder(path.parent, cells)
+    files: dict[str, str] = {}
+    try:
+        for name, data in found:
+            # The replacement of invalid bytes may triple the size.
+            text = data.decode("utf-8", "replace")
+            if len(files) < MAX_WORKING_FILES and len(text.encode()) <= MAX_WORKING_BYTES:
+                files[name] = text
+    except (OSError, CourseError) as error:
+        raise CourseError(f"{path.name}: the files with the notebook can't be read: {error}") from error
+    return files
+
+
+def _read_folder(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
+    """Yield the files of the folder that the cells name between quotes."""
+    home = folder.resolve()
+    named = (name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name))
+    for name in dict.fromkeys(islice(named, MAX_NAMES)):
+        place = home / name
+        # The path does not contain a symbolic link.
+        if place.is_file() and place.resolve() == place:
+            with place.open("rb") as file:
+                yield name, file.read(MAX_WORKING_BYTES + 1)
+
+
+def _read_packed(path: Path) -> Iterator[tuple[str, bytes]]:
+    with open_zip(path.read_bytes()) as archive:
+        for info in archive.infolist()[: 2 * MAX_WORKING_FILES]:
+            name = info.filename.removeprefix(WORKING_FOLDER)
+            if name != info.filename and _is_fine(name):
+                yield name, read_member(archive, info, MAX_WORKING_BYTES)
+
+
+def _is_fine(name: str) -> bool:
+    if not name.lower().endswith(WORKING_SUFFIXES):
+        return False
+    path = PurePosixPath(name)
+    inside = not path.is_absolute() and ".." not in path.parts and "\\" not in name and name.isprintable()
+    return inside and path.suffix != ""

@@ -1,0 +1,820 @@
+"""`course collect`: sort a learning platform's download into submissions.
+
+The download is read twice. The first pass stores nothing: it determines the owner and the exercise
+of each file, and rejects unsafe files. Files are written only after that is settled for the whole
+download.
+
+Students often submit more than required: a zip of the whole course, the lesson, last week's
+exercise. None of that may replace a submission or create one, so the exercise is determined first,
+for the whole download.
+"""
+
+import csv
+import errno
+import io
+import os
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from pathlib import Path
+from typing import Literal
+from zoneinfo import ZoneInfo
+
+from course_lib.course.state import exercises_dir, write_atomically
+from course_lib.errors import CourseError, format_count
+from course_lib.grading.reports.table import escape_formula, printable
+from course_lib.grading.submissions.archives import Arrival, Arrivals, list_paths, path_problem
+from course_lib.grading.submissions.notebook import (
+    claimed_id,
+    find_exercise_name,
+    full_exercise_name,
+    is_notebook_name,
+    parse_notebook,
+)
+from course_lib.grading.submissions.readers import (
+    FOLDERS,
+    GRADESCOPE,
+    METADATA,
+    NBGRADER,
+    SAKAI,
+    STAMP,
+    DownloadName,
+    Layout,
+    add_blackboard_title,
+    choose_layout,
+    gradescope_records,
+    id_of,
+    is_zip,
+    sakai_key,
+    sakai_time,
+)
+from course_lib.grading.submissions.received import COLUMNS, ID_FROM, LIST
+from course_lib.grading.submissions.roster import PLATFORM, ROSTER, Times, read_ids, read_times
+from course_lib.grading.submissions.submission import lesson_of, read_packed_zip, released_digest
+
+ANY = "*"  # pseudo exercise: all exercises that a student has worked on are collected
+WORKING = (".rviz", ".yaml", ".yml", ".py")
+KEPT = (".ipynb", ".zip", *WORKING)
+ADVICE = "Submit {}.ipynb, or the zip that `course submit` writes"
+MOST_NAMED = 3  # files per reason
+Kind = Literal["notebook", "working"]
+
+
+@dataclass(frozen=True)
+class DownloadedFile:
+    """A file of a download, without its content.
+
+    Args:
+        parts: Its path in the download.
+        handed: Its owner and the data in its name.
+        kind: A notebook (also in a zip of `course submit`), or a file that a notebook may refer to.
+        exercise: The exercise of a notebook, or "".
+        claimed: The ID in the file.
+        is_touched: False if it is the unchanged exercise.
+        problem: The reason why a notebook is not an exercise, or "".
+    """
+
+    parts: tuple[str, ...]
+    handed: DownloadName
+    kind: Kind = "working"
+    exercise: str = ""
+    claimed: str | None = None
+    is_touched: bool = True
+    problem: str = ""
+
+    @property
+    def path(self) -> str:
+        """The path in the download."""
+        return "/".join(self.parts)
+
+    @property
+    def owner(self) -> str:
+        """The key by which the platform identifies the student."""
+        return self.handed.key
+
+
+@dataclass
+class Choice:
+    """The files of a download to keep, and the files that are set aside.
+
+    Args:
+        kept: The files to store.
+        rejected: The missing exercise and the reason, by the owner's key.
+        lines: A line for each file that is set aside.
+    """
+
+    kept: list[DownloadedFile] = field(default_factory=list)
+    rejected: dict[str, tuple[DownloadName, str, str]] = field(default_factory=dict)
+    lines: list[str] = field(default_factory=list)
+
+
+def inspect_file(arrival: Arrival, handed: DownloadName) -> DownloadedFile:
+    """Determine the kind, exercise and ID of a file of a download.
+
+    Raises:
+        CourseError: It is neither a notebook nor a file that a notebook may refer to.
+    """
+    name = handed.below[-1]
+    # In the student's part of a name, ".." can become a path component.
+    if problem := path_problem(handed.below):
+        raise CourseError(problem)
+    if is_zip(name):
+        try:
+            data, receipt = read_packed_zip(arrival.data, name)
+        except CourseError as error:
+            return DownloadedFile(
+                arrival.parts, handed, "notebook", find_exercise_name(name) or "", problem=str(error)
+            )
+        item = _notebook(arrival, handed, data, str(receipt.get("exercise", "")))
+        claimed = item.claimed or claimed_id(receipt)
+        return DownloadedFile(
+            item.parts, handed, "notebook", item.exercise, claimed, item.is_touched, item.problem
+        )
+    if is_notebook_name(name):
+        plain = re.sub(r"^\d{8}_?\d{6}_", "", name)
+        item = _notebook(arrival, handed, arrival.data, plain)
+        if item.problem and not name.lower().endswith(".ipynb") and not item.exercise:
+            raise CourseError(f"unsupported file type; expected one of {', '.join(KEPT)}")
+        return item
+    if not name.lower().endswith(WORKING):
+        raise CourseError(f"unsupported file type; expected one of {', '.join(KEPT)}")
+    return DownloadedFile(arrival.parts, handed)
+
+
+def _notebook(arrival: Arrival, handed: DownloadName, data: bytes, name: str) -> DownloadedFile:
+    try:
+        notebook = parse_notebook(data, name)
+    except CourseError as error:
+        return DownloadedFile(
+            arrival.parts, handed, "notebook", find_exercise_name(name) or "", problem=str(error)
+        )
+    exercise, problem = notebook.exercise or "", ""
+    if lesson := lesson_of(notebook) if exercise else "":
+        problem = f"it is {lesson}, not the exercise"
+    elif not exercise:
+        problem = "it is not an exercise of this course"
+    is_touched = not exercise or notebook.digest != released_digest(exercise)
+    return DownloadedFile(arrival.parts, handed, "notebook", exercise, notebook.student, is_touched, problem)
+
+
+def choose(
+    items: Sequence[DownloadedFile],
+    refused: Iterable[tuple[DownloadName, str, str]],
+    layout: Layout,
+    exercise: str,
+) -> Choice:
+    """Choose the files to keep.
+
+    Args:
+        items: All files of the download.
+        refused: Unreadable and unsafe files: owner, name and reason.
+        layout: The layout of the download.
+        exercise: The exercise, "" to determine it, or ANY.
+
+    Raises:
+        CourseError: The exercise can't be determined, or files of several students seem to have one
+            owner.
+    """
+    notebooks = [item for item in items if item.kind == "notebook"]
+    exercise = exercise or _exercise_of(notebooks, layout)
+    _reject_shared_owners(notebooks, layout)
+    choice = Choice()
+    by_owner = defaultdict[str, list[DownloadedFile]](list)
+    for item in items:
+        by_owner[item.owner].append(item)
+    problems = defaultdict[str, list[tuple[DownloadName, str, str]]](list)
+    for handed, name, why in refused:
+        problems[handed.key].append((handed, name, why))
+    for owner in sorted({*by_owner, *problems}):
+        _choose_for_owner(by_owner[owner], problems[owner], exercise, choice)
+    return choice
+
+
+def _choose_for_owner(
+    items: Sequence[DownloadedFile],
+    refused: Sequence[tuple[DownloadName, str, str]],
+    exercise: str,
+    choice: Choice,
+) -> None:
+    """Add one owner's files to the choice."""
+    wanted, aside, kept = set[str](), list[DownloadedFile](), list[DownloadedFile]()
+    for item in items:
+        expected = _expected_exercise(item.handed, exercise)
+        wanted.add(expected)
+        if item.kind == "working":
+            continue
+        if expected == ANY:
+            (kept if item.is_touched else aside).append(item)
+        elif item.exercise == expected or (not expected and not item.exercise):
+            kept.append(item)
+        else:
+            aside.append(item)
+    done = {item.exercise for item in kept if item.is_touched and not item.problem}
+    untouched = [item for item in kept if not item.is_touched and item.exercise in done]
+    kept = [item for item in kept if item not in untouched]
+    choice.kept += [*kept, *(item for item in items if item.kind == "working")]
+    choice.lines += _lines([*aside, *untouched], exercise)
+    wanted |= {_expected_exercise(handed, exercise) for handed, _, _ in refused}
+    missing = sorted(wanted - {item.exercise for item in kept} - {ANY, ""})
+    for one in missing if not kept else ():
+        reasons = [f"{name}: {why}" for _, name, why in refused]
+        reasons += [f"{item.handed.below[-1]}: {_exclusion_reason(item, one)}" for item in aside]
+        reasons += [
+            f"{item.handed.below[-1]}: a file without a notebook" for item in items if item.kind == "working"
+        ]
+        handed = items[0].handed if items else refused[0][0]
+        more = (
+            f"; and {format_count(len(reasons) - MOST_NAMED, 'other')}" if len(reasons) > MOST_NAMED else ""
+        )
+        why = f"{'; '.join(reasons[:MOST_NAMED])}{more}. {ADVICE.format(one)}"
+        choice.rejected[f"{handed.key}/{one}"] = (handed, one, why)
+
+
+def _expected_exercise(handed: DownloadName, exercise: str) -> str:
+    """Return the effective exercise of a file. The title of its assignment may override the given one."""
+    return handed.assignment if handed.assignment and exercise in ("", handed.assignment) else exercise
+
+
+def _exclusion_reason(item: DownloadedFile, expected: str) -> str:
+    if item.problem:
+        return item.problem
+    state = "" if item.is_touched else ", as it was released"
+    return f"it is {item.exercise}{state}, not {expected}"
+
+
+def _lines(aside: Iterable[DownloadedFile], exercise: str) -> list[str]:
+    """Return a line for each file that was set aside, and one for all unchanged exercises of an owner."""
+    lines, untouched = [], []
+    for item in aside:
+        if not item.is_touched and not item.problem:
+            untouched.append(item)
+        elif item.problem:
+            lines.append(f"set aside: {item.path}: {item.problem}")
+        else:
+            expected = _expected_exercise(item.handed, exercise)
+            lines.append(
+                f"set aside: {item.path}: it is {item.exercise}, but this download counts for {expected}"
+            )
+    if untouched:
+        names = ", ".join(sorted({item.exercise for item in untouched}))
+        what = format_count(len(untouched), "exercise")
+        lines.append(f"ignored: {untouched[0].handed.name}: {what} as released: {names}")
+    return lines
+
+
+def _exercise_of(notebooks: Sequence[DownloadedFile], layout: Layout) -> str:
+    """Return the exercise of a download, or "" if there is none.
+
+    It is the only one that students have worked on, else the only one that every student submitted.
+    Any other rule would let one student's files decide for the others.
+
+    Raises:
+        CourseError: Several exercises are possible.
+    """
+    asked = [item for item in notebooks if item.exercise and not item.handed.assignment and not item.problem]
+    touched = {item.exercise for item in asked if item.is_touched}
+    found = touched or {item.exercise for item in asked}
+    if len(found) > 1:
+        held = defaultdict[str, set[str]](set)
+        for item in asked:
+            held[item.owner].add(item.exercise)
+        shared = set.intersection(*held.values())
+        found = shared if len(shared) == 1 and len(held) > 1 else found
+    if len(found) > 1:
+        owners = {
+            name: len(
+                {item.owner for item in asked if item.exercise == name and (item.is_touched or not touched)}
+            )
+            for name in sorted(found)
+        }
+        listed = ", ".join(f"{name} ({format_count(number, 'student')})" for name, number in owners.items())
+        first = max(owners, key=lambda name: owners[name])
+        raise CourseError(
+            f"this download contains {listed}. Which exercise is it for? Add --exercise {first}"
+        )
+    if found:
+        return min(found)
+    named = {item.exercise for item in notebooks if item.exercise and not item.handed.assignment}
+    return min(named) if len(named) == 1 else ""
+
+
+def exercise_option(text: str) -> str:
+    """Return the exercise selected by --exercise.
+
+    Raises:
+        CourseError: The course has no such exercise.
+    """
+    if not text or text == ANY:
+        return text
+    name = full_exercise_name(text)
+    known = sorted(path.stem for path in exercises_dir().glob("week*_exercise.ipynb"))
+    if name not in known:
+        raise CourseError(
+            f"--exercise {text} is not an exercise of this course: expected one of {', '.join(known)}"
+        )
+    return name
+
+
+def _may_have_several_owners(group: Sequence[DownloadedFile]) -> bool:
+    """Return whether the paths suggest that files in a folder belong to several students."""
+    ids = {item.claimed for item in group}
+    if len(ids) == 1 and None not in ids:
+        return False
+    folders = {item.handed.below[:-1] for item in group}
+    names = {item.handed.below[-1] for item in group if find_exercise_name(item.handed.below[-1]) is None}
+    return len(folders) > 1 or len(names) > 1
+
+
+def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: Layout) -> None:
+    """Reject a download in which one folder seems to contain files of several students.
+
+    Raises:
+        CourseError: The message has the folder, the IDs, and options to pass.
+    """
+    if layout.name != FOLDERS or layout.is_chosen:
+        return
+    groups = defaultdict[tuple[str, str], list[DownloadedFile]](list)
+    for item in notebooks:
+        if item.handed.student and item.exercise and item.is_touched:
+            groups[item.owner, item.exercise].append(item)
+    # A single student may have copies in several folders, but hardly every student of a class.
+    is_each = bool(groups) and all(map(_may_have_several_owners, groups.values()))
+    for (owner, exercise), group in groups.items():
+        ids = sorted({item.claimed for item in group if item.claimed})
+        files = format_count(len(group), "file")
+        if len(ids) > 1:
+            what = f"{owner} holds {files} of {exercise} with different student IDs ({', '.join(ids[:3])})"
+        elif is_each and len(groups) == len({item.parts[0] for item in notebooks}):
+            what = f"everything is in {owner}" if len(groups) == 1 else f"{owner} is one of {len(groups)}"
+            what += f", with {files} of {exercise} in several folders or under several names"
+        else:
+            continue
+        raise CourseError(
+            f"{what}, so the layout of this download is unknown and nothing is collected. If the folders "
+            "in it belong to students, unpack it and pass the folder with them; if each file has its "
+            f"student's ID, as in Google Drive, add --layout google; if {owner} is one student, add --layout "
+            "folders. The instructor's guide lists the supported platforms"
+        )
+
+
+__all__ = ["KEPT", "Collection", "PlatformTime", "collect", "write_list", "write_receipts"]
+
+BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)
+LATE = {True: "yes", False: "no", None: ""}
+MAX_NAME = 100  # characters of a rejected file's name in received.csv
+STAMP_DEPTH = 2  # depth of nbgrader's stamp in a student's folder: ASSIGNMENT/timestamp.txt
+
+
+@dataclass
+class Collection:
+    """The result of collecting a download: kept and rejected files, and notes, a line each.
+
+    Args:
+        count: Number of files that were kept.
+        students: Students with kept files.
+        refused: A line for each file that was skipped.
+        notes: Notes for the instructor.
+        aside: A line for each file that does not count for this exercise.
+        rows: Rows of received.csv, by file.
+        late: Number of files that the platform marks as late.
+        rejected: Students none of whose files was kept.
+    """
+
+    count: int = 0
+    students: set[str] = field(default_factory=set)
+    refused: list[str] = field(default_factory=list)
+    notes: set[str] = field(default_factory=set)
+    aside: list[str] = field(default_factory=list)
+    rows: dict[str, dict[str, str]] = field(default_factory=dict)
+    late: int = 0
+    rejected: set[str] = field(default_factory=set)
+
+    def refuse(self, name: str, why: str) -> None:
+        """Record a file that is skipped."""
+        self.refused.append(printable(f"refused: {name}: {why}"))
+
+    def summary(self, out: Path) -> str:
+        """Return a summary, and the next command to type."""
+        details = f", {self.late} late according to the platform" if self.late else ""
+        details += f", {len(self.refused)} refused" if self.refused else ""
+        aside = sum(not line.startswith("ignored:") for line in self.aside)
+        details += f", {aside} set aside" if aside else ""
+        if self.rejected:
+            details += (
+                f", {format_count(len(self.rejected), 'student')} rejected (the gradebook has the reason)"
+            )
+        files, students = format_count(self.count, "file"), format_count(len(self.students), "student")
+        return f"Collected {files} of {students} into {out}{details}. Next: course grade {out} --out graded"
+
+
+@dataclass(frozen=True)
+class Exports:
+    """Data from the platform's exports: IDs by the platform's keys, and times of submission."""
+
+    ids: Mapping[str, str] = field(default_factory=dict)
+    times: Sequence[Times] = ()
+
+    def id_of(self, handed: DownloadName) -> str:
+        """Return the student's ID in the roster, or ""."""
+        return next((self.ids[key] for key in handed.keys if key in self.ids), "")
+
+    def time(self, handed: DownloadName) -> tuple[datetime | None, str]:
+        """Return the time of submission and its source: the export or platform."""
+        keys = (handed.key, *handed.keys)
+        known = ((t.of(key, handed.attachment), t.source) for t in self.times for key in keys)
+        return next((pair for pair in known if pair[0]), (handed.time, handed.layout if handed.time else ""))
+
+
+@dataclass(frozen=True)
+class Download:
+    """A platform's download: its path and its layout."""
+
+    source: Path
+    layout: Layout
+
+    def arrivals(
+        self, done: Collection | None = None, refused: list[tuple[str, str]] | None = None
+    ) -> Iterator[Arrival]:
+        """Yield the files, including those in archives; unsafe files are recorded and skipped."""
+
+        def refuse(name: str, why: str) -> None:
+            if done is not None:
+                done.refuse(name, why)
+            if refused is not None:
+                refused.append((name, why))
+
+        owner = self.layout.owner
+        return Arrivals(refuse, owner, lambda parts: not self.layout.is_extra(parts)).read(self.source)
+
+
+def collect(
+    source: Path,
+    out: Path,
+    zone: ZoneInfo,
+    roster: Path | None = None,
+    id_column: str = "",
+    times: Sequence[Path] = (),
+    *,
+    exercise: str = "",
+    layout: str = "",
+) -> Collection:
+    """Sort a folder or zip file into OUT/STUDENT/, with the platform's times in OUT/received.csv.
+
+    Args:
+        source: The platform's download, or a folder per student.
+        out: The output folder. Existing files are kept; a file with the same name and other content
+            gets a number.
+        zone: The zone of times in the platform's exports.
+        roster: The platform's CSV with each student's ID next to the platform's number or name, and
+            perhaps the times of submission.
+        id_column: The heading of the ID column; "" to find the column.
+        times: Further files with times of submission: CSV, or the JSON of Canvas's API.
+        exercise: The exercise that counts; "" to determine it, "*" for every exercise that a
+            student has worked on.
+        layout: The layout of the download; "" to determine it.
+
+    Raises:
+        CourseError: A file can't be read, `out` is inside `source`, there are no files, or the
+            owners or the exercise can't be determined.
+    """
+    exercise = exercise_option(exercise)
+    if out.resolve().is_relative_to(source.resolve()):
+        raise CourseError(f"{out} is inside {source}. Choose another folder: --out DIR")
+    done = Collection(rows=_read_rows(out / LIST))
+    download = _download(source, zone, layout)
+    exports = _read_exports(download, zone, roster, id_column, times, done)
+    items, refused = _inspect_all(download, done)
+    if not items and not done.refused:
+        raise CourseError(f"{source} contains no files. Pass the platform's download.")
+    _reject_collisions((*(item.handed for item in items), *(handed for handed, _, _ in refused)), exports)
+    choice = choose(items, refused, download.layout, exercise)
+    done.aside = [printable(line) for line in choice.lines]
+    _store_all(download, choice, out, zone, done, exports)
+    _reject(choice, out, zone, done, exports)
+    write_list(out / LIST, done.rows.values())
+    return done
+
+
+def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
+    """Determine the layout of a download by its names, and read the platform's own files about owners."""
+    paths = list_paths(source)
+    if source.is_dir() and len(paths) == 1 and len(paths[0]) == 1 and is_zip(paths[0][0]):
+        inner = source / paths[0][0]
+        if not layout and _is_download(inner, zone):
+            source, paths = inner, list_paths(inner)
+    if not paths:
+        return Download(source, Layout(FOLDERS, zone))
+    chosen = choose_layout(paths, source.name, zone, layout)
+    if chosen.name == "blackboard":
+        chosen = add_blackboard_title(chosen, paths)
+    if chosen.name == GRADESCOPE:
+        found = [*_read_extras(source, lambda path: chosen.is_extra(path) and path[-1] == METADATA)]
+        if not found:
+            raise CourseError(
+                f"{source} has Gradescope's folders, but not {METADATA}, which has the students. Pass the "
+                "whole export: Export Submissions"
+            )
+        chosen = replace(chosen, records=gradescope_records(found[0].data, zone))
+    if chosen.name == SAKAI:
+        stamps = _read_extras(source, lambda path: bool(sakai_key(path)))
+        times = {sakai_key(one.parts): {"time": sakai_time(one.data)} for one in stamps}
+        chosen = replace(chosen, records=times)
+    return Download(source, chosen)
+
+
+def _is_download(path: Path, zone: ZoneInfo) -> bool:
+    """Return whether a zip file that is alone in a folder is a platform's download, not a submission."""
+    try:
+        paths = list_paths(path)
+        return bool(paths) and choose_layout(paths, path.name, zone).name != FOLDERS
+    except CourseError:
+        return False
+
+
+def _read_extras(source: Path, is_wanted: Callable[[tuple[str, ...]], bool]) -> Iterator[Arrival]:
+    return Arrivals(lambda name, why: None, is_wanted=is_wanted).read(source)
+
+
+def _inspect_all(
+    download: Download, done: Collection
+) -> tuple[list[DownloadedFile], list[tuple[DownloadName, str, str]]]:
+    """Return the files of a download and the rejected files of known owners, without storing anything."""
+    items, refused, unsafe = (
+        list[DownloadedFile](),
+        list[tuple[DownloadName, str, str]](),
+        list[tuple[str, str]](),
+    )
+    for arrival in download.arrivals(done, unsafe):
+        if _is_stamp(arrival, download.layout):
+            continue
+        try:
+            handed = download.layout.read(arrival.parts)
+        except CourseError as error:
+            done.refuse("/".join(arrival.parts), str(error))
+            continue
+        try:
+            items.append(inspect_file(arrival, handed))
+        except CourseError as error:
+            done.refuse("/".join(arrival.parts), str(error))
+            refused.append((handed, handed.below[-1], str(error)))
+    for name, why in unsafe:
+        try:
+            handed = download.layout.read(tuple(name.split("/")))
+        except CourseError:
+            continue
+        refused.append((handed, handed.below[-1], why))
+    return items, refused
+
+
+def _is_stamp(arrival: Arrival, layout: Layout) -> bool:
+    """Return whether a file is nbgrader's time stamp. On other platforms, a student may use its name."""
+    if layout.name != NBGRADER or arrival.parts[-1] != STAMP or any(map(is_zip, arrival.parts)):
+        return False
+    try:
+        return len(layout.read(arrival.parts).below) == STAMP_DEPTH
+    except CourseError:
+        return False
+
+
+def _read_exports(
+    download: Download,
+    zone: ZoneInfo,
+    roster: Path | None,
+    id_column: str,
+    times: Sequence[Path],
+    done: Collection,
+) -> Exports:
+    """Read the platform's exports. Their columns are found by the numbers and names in the download."""
+    if roster is None and not times:
+        return Exports()
+    keys: set[str] = set()
+    for path in list_paths(download.source):
+        if not download.layout.is_extra(path):
+            try:
+                keys.update(download.layout.read(path).keys)
+            except CourseError:
+                # The file is rejected when it is collected.
+                continue
+    if not keys:
+        done.notes.add("note: the download's names have no platform numbers, so the exports are ignored")
+        return Exports()
+    read = [found for path in times if (found := read_times(path, zone, keys))]
+    ids = {
+        hidden: user for found in read for hidden, user in found.users.items() if hidden.casefold() in keys
+    }
+    ids = {hidden.casefold(): user for hidden, user in ids.items()}
+    if roster is not None:
+        shown = {ids.get(key, key) for key in keys}
+        by_key, heading = read_ids(roster, id_column, shown)
+        ids = {**by_key, **{hidden: by_key.get(user, user) for hidden, user in ids.items()}}
+        read += [found] if (found := read_times(roster, zone, shown)) else []
+        done.notes.add(f"note: student IDs are from the column {heading!r} of {roster.name}")
+    done.notes |= {_time_note(one, zone) for one in read}
+    return Exports(ids, [one for one in read if not one.unread])
+
+
+def _time_note(times: Times, zone: ZoneInfo) -> str:
+    if not times.unread:
+        return f"note: times are from {times.source}, interpreted as {zone.key}"
+    return printable(
+        f"note: {times.source}: times like {times.unread!r} can't be read and are ignored. Set the site to "
+        f"another language or calendar and export again, or write the times into {LIST}"
+    )
+
+
+def _reject_collisions(files: Iterable[DownloadName], exports: Exports) -> None:
+    """Reject a download in which two of the platform's students would get the same ID.
+
+    Raises:
+        CourseError: The message has both students and options to pass.
+    """
+    owners, made = defaultdict[str, dict[str, str]](dict), set[str]()
+    for handed in files:
+        if handed.student:
+            student = exports.id_of(handed) or handed.student
+            owners[student][handed.key] = handed.name
+            made |= set() if handed.is_named else {student}
+    for student, names in owners.items():
+        if len(names) > 1 and student in made:
+            first, second = list(names.values())[:2]
+            raise CourseError(
+                f"the files of {first!r} and of {second!r} would both belong to {student}, so nothing is "
+                "collected. Identify the students by their IDs: --roster CSV, with a column of these names"
+            )
+
+
+def _student(handed: DownloadName, exports: Exports) -> str:
+    return exports.id_of(handed) or handed.student
+
+
+def _store_all(
+    download: Download, choice: Choice, out: Path, zone: ZoneInfo, done: Collection, exports: Exports
+) -> None:
+    """Read the download again, and store the chosen files."""
+    chosen = {item.parts: item for item in choice.kept}
+    for arrival in download.arrivals():
+        if _is_stamp(arrival, download.layout):
+            handed = download.layout.read(arrival.parts)
+            write_atomically(out.joinpath(handed.student, *handed.place), arrival.data)
+        elif item := chosen.get(arrival.parts):
+            try:
+                _store(arrival, item, out, zone, done, exports)
+            except OSError as error:
+                if error.errno not in BAD_PATHS:
+                    raise
+                done.refuse("/".join(arrival.parts), f"can't be kept: {error.strerror}")
+            else:
+                done.notes |= set(_platform_notes(item.handed, exports, download.layout))
+
+
+def _store(
+    arrival: Arrival, item: DownloadedFile, out: Path, zone: ZoneInfo, done: Collection, exports: Exports
+) -> None:
+    handed = item.handed
+    student = _student(handed, exports)
+    *folders, name = handed.place
+    if item.kind == "notebook":
+        name = re.sub(r"(\.ipynb)?\.(txt|json)$", ".ipynb", name, flags=re.IGNORECASE)
+    # A file never replaces one with other content.
+    path = wanted = out.joinpath(*filter(None, (student, *folders, name)))
+    number = 1
+    while path.exists() and path.read_bytes() != arrival.data:
+        number += 1
+        path = wanted.with_stem(f"{wanted.stem}-{number}")
+    write_atomically(path, arrival.data)
+    seconds = arrival.time.timestamp()
+    os.utime(path, (seconds, seconds))
+    file = path.relative_to(out).as_posix()
+    if done.rows.get(file, {}).get("refused"):
+        del done.rows[file]
+    if student and (not handed.is_named or (handed.keys and handed.layout != NBGRADER)):
+        row = _row(handed, zone, exports)
+        done.rows[file] = {"file": file, **_keep_corrected_time(row, done.rows.get(file, {}), done)}
+        done.late += row["late"] == "yes"
+    if item.kind == "notebook":
+        done.students.add(student or name)
+    if item.exercise:
+        _remove_rejection(student, item.exercise, done)
+    done.count += 1
+
+
+def _remove_rejection(student: str, exercise: str, done: Collection) -> None:
+    """Remove the row of a rejected file, because the student has submitted the exercise since."""
+    gone = [
+        file
+        for file, row in done.rows.items()
+        if row.get("refused") and row.get("exercise") == exercise and file.split("/")[0] == student
+    ]
+    for file in gone:
+        del done.rows[file]
+
+
+def _reject(choice: Choice, out: Path, zone: ZoneInfo, done: Collection, exports: Exports) -> None:
+    """Write a row with the reason for each student without a kept file, for `course grade` to show."""
+    for handed, exercise, why in choice.rejected.values():
+        try:
+            student = _student(handed, exports) or id_of(handed.key.rsplit(".", 1)[0])
+        except CourseError:
+            # No ID can be derived from the name, so only the line in the terminal reports it.
+            continue
+        name = re.sub(r"[^\w .()+-]", "_", handed.below[-1])[:MAX_NAME].strip(" .") or exercise
+        # A file of this name may be refused, or kept, for another exercise too: each has a row of
+        # its own.
+        file = f"{student}/{name}"
+        is_of_other = is_notebook_name(name) and find_exercise_name(name) != exercise
+        if is_of_other or done.rows.get(file, {}).get("exercise", exercise) not in ("", exercise):
+            file = f"{student}/refused {exercise} {name}"
+        if (out / file).exists():
+            file = f"{student}/refused {name}"
+        row = {"file": file, **_row(handed, zone, exports)}
+        done.rows[file] = {**row, "exercise": exercise, "refused": escape_formula(printable(why))}
+        done.rejected.add(student)
+
+
+def _platform_notes(handed: DownloadName, exports: Exports, layout: Layout) -> Iterator[str]:
+    """Yield notes for the instructor about a file's name and time."""
+    reader = layout.reader
+    if reader is None or handed.layout != reader.layout or handed.layout == NBGRADER:
+        return
+    if exports.ids and not exports.id_of(handed):
+        yield printable(f"note: {handed.name} is not in the roster, and gets the ID {handed.student}")
+    if handed.layout == "anonymous" and not exports.id_of(handed):
+        yield f"note: {reader.no_times}"
+    elif exports.time(handed)[0] is not None:
+        return
+    elif exports.times:
+        yield printable(f"note: {handed.name} has no time of submission in {exports.times[0].source}")
+    else:
+        why = reader.no_times or "a name of the download has no time of submission"
+        yield f"note: {why}; or write them into {LIST}. Without a time no submission is late"
+
+
+def _row(handed: DownloadName, zone: ZoneInfo, exports: Exports) -> dict[str, str]:
+    """Return the row of received.csv for a file with a platform's name."""
+    time, source = exports.time(handed)
+    return {
+        "received": time.astimezone(zone).isoformat() if time else "",
+        "late": LATE[handed.late],
+        "source": escape_formula(source),
+        "name": escape_formula(handed.name),
+        "handed_in_as": escape_formula(handed.handed_in_as),
+        ID_FROM: ROSTER if handed.is_named or exports.id_of(handed) else PLATFORM,
+    }
+
+
+def _keep_corrected_time(row: dict[str, str], before: Mapping[str, str], done: Collection) -> dict[str, str]:
+    """Return a row with the time in the existing list, which the instructor may have corrected."""
+    if not before.get("received"):
+        return row
+    if row["received"] not in ("", before["received"]):
+        done.notes.add(
+            printable(
+                f"note: {before['file']}: {LIST} keeps {before['received']}; according to {row['source']} it "
+                f"is {row['received']}: clear the cell and collect again to use that"
+            )
+        )
+    return {**row, "received": before["received"], "source": before.get("source", "")}
+
+
+def _read_rows(path: Path) -> dict[str, dict[str, str]]:
+    if not path.is_file():
+        return {}
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        return {row["file"]: row for row in csv.DictReader(file)}
+
+
+def write_list(path: Path, rows: Iterable[Mapping[str, str]]) -> None:
+    """Write received.csv."""
+    text = io.StringIO(newline="")
+    writer = csv.DictWriter(text, COLUMNS, restval="", extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_atomically(path, text.getvalue().encode("utf-8", "replace"))
+
+
+@dataclass(frozen=True)
+class PlatformTime:
+    """The platform's data about one student's files.
+
+    Args:
+        time: The time as the platform writes it, or "".
+        source: The source of the time.
+        named: Whether the student is in a roster.
+    """
+
+    time: str
+    source: str
+    named: bool
+
+
+def write_receipts(top: Path, receipts: Mapping[str, PlatformTime]) -> None:
+    """Write TOP/received.csv with a row for each file in the students' folders."""
+    rows = list[dict[str, str]]()
+    for student, receipt in receipts.items():
+        known = {"received": escape_formula(receipt.time), "source": receipt.source}
+        known[ID_FROM] = ROSTER if receipt.named else PLATFORM
+        for path in sorted(path for path in (top / student).rglob("*") if path.is_file()):
+            rows.append({"file": path.relative_to(top).as_posix(), **known})
+    write_list(top / LIST, rows)

@@ -1,0 +1,212 @@
+"""Write marks into the CSV that a learning platform (Canvas, Moodle or another) exported."""
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from pathlib import Path
+
+from course_lib.course.exercise import normalise
+from course_lib.course.state import write_atomically
+from course_lib.errors import CourseError, format_count
+from course_lib.grading.marks import results_in, standing_marks
+from course_lib.grading.reports.table import escape_formula, printable
+from course_lib.grading.submissions.notebook import full_exercise_name
+from course_lib.grading.submissions.platform_files import LmsFile
+
+POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the maximum points of each column
+MAXIMUM = "maximum grade"  # Moodle's column with the maximum points, in English
+FINAL = ("graded", "limit")
+NO_MARK = (
+    "no ID in column {!r} of {} has a mark for {}; gradebook.csv has IDs like {}. Pass another --id-column."
+)
+KINDS = {
+    "score": "scores before the late policy",
+    "final": "marks after the late policy; turn off the platform's late policy",
+}
+
+
+def fill_lms(
+    out: Path,
+    lms: Path,
+    target: Path,
+    *,
+    exercise: str,
+    column: str,
+    id_column: str,
+    raw: bool = False,
+    cap: bool = False,
+    comment_column: str = "",
+    students: Collection[str] | None = None,
+) -> list[str]:
+    """Fill one column with the marks of an exercise, and write the file otherwise unchanged.
+
+    Args:
+        out: The folder with gradebook.csv.
+        lms: The platform's export.
+        target: The file to write.
+        exercise: "week01_exercise".
+        column: The heading of the column to fill.
+        id_column: The heading of the students' IDs.
+        raw: Use the score before the late policy.
+        cap: Reduce marks above the platform's maximum to the maximum.
+        comment_column: The heading of a column for graders' comments; "" fills none.
+        students: The IDs of the students whose rows are filled; None for all.
+
+    Returns:
+        A line for each row or mark without a counterpart, and a summary.
+
+    Raises:
+        CourseError: A file can't be read, a column is missing, or no row matches.
+    """
+    exercise = full_exercise_name(exercise)
+    file, marks, what = LmsFile.read(lms), _marks(out, exercise), "score" if raw else "final"
+    place, id_place = _find_columns(file, column, id_column)
+    ids, most = _ids(file, id_place), _maxima(file, place)
+    if students is not None:
+        marks = {key: mark for key, mark in marks.items() if key in students}
+        ids = {row: key for row, key in ids.items() if key in students}
+        if not marks or not ids:
+            raise CourseError(f"{lms} or gradebook.csv has no student of this section in {exercise}")
+    marks = {key: _cap(mark, what, most) for key, mark in marks.items()} if cap else marks
+    left = _fill(file, place, ids, marks, what)
+    if len(left) == len(ids):
+        raise CourseError(NO_MARK.format(id_column, lms.name, exercise, next(iter(marks))))
+    comments = _comments(out, exercise) if comment_column else {}
+    comment_place = file.column(comment_column) if comment_column else 0
+    if comment_column and comment_place in (place, id_place):
+        raise CourseError(f"--comment-column {comment_column!r} is the column of the marks or of the IDs.")
+    for row, key in ids.items():
+        if row not in left and key in comments and comment_place < len(file.rows[row]):
+            file.put_text(row, comment_place, comments[key])
+    write_atomically(target, file.to_bytes())
+    rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in left.items())
+    lines = [*_points_lines(most, marks.values(), what), *_unmatched_lines(lms.name, rows, marks, ids)]
+    return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {KINDS[what]}."]
+
+
+def _comments(out: Path, exercise: str) -> dict[str, str]:
+    """Return graders' comments on the tasks of each student, one line per task."""
+    found: dict[str, str] = {}
+    for marked in (one for one in results_in(out) if one.exercise == exercise):
+        whole = [mark.comment for mark in standing_marks(marked.marks) if not mark.task and mark.comment][-1:]
+        tasks = [f"{one.title}: {'; '.join(one.comments)}" for one in marked.tasks if one.comments]
+        if lines := [*whole, *tasks]:
+            found[_key(marked.student)] = str(escape_formula("\n".join(lines)))
+    return found
+
+
+def _unmatched_lines(
+    name: str, rows: Iterable[str], marks: Mapping[str, dict[str, str]], ids: Mapping[int, str]
+) -> Iterator[str]:
+    """Yield a line for each row that is left unchanged, and for each student without a row."""
+    yield from (f"{name}: {row}" for row in rows)
+    missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
+    yield from (f"gradebook.csv: {student}: no such ID in {name}" for student in missing)
+
+
+def _find_columns(file: LmsFile, column: str, id_column: str) -> tuple[int, int]:
+    """Return the column indices of the marks and the IDs.
+
+    Raises:
+        CourseError: A column is missing, or both are the same.
+    """
+    place, id_place = file.column(column), file.column(id_column)
+    if place == id_place:
+        raise CourseError(f"--column and --id-column are both {column!r}; the marks would replace the IDs.")
+    return place, id_place
+
+
+def _ids(file: LmsFile, place: int) -> dict[int, str]:
+    """Return the students' IDs by row, skipping empty rows and Canvas's row of points."""
+    students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
+    given = ((row, file.text(row, place)) for row in students)
+    return {row: _key(text) for row, text in given if text or file.text(row, 0)}
+
+
+def _fill(
+    file: LmsFile, place: int, ids: dict[int, str], marks: dict[str, dict[str, str]], what: str
+) -> dict[int, str]:
+    """Fill the column with the marks, and return the reason for each row that is left unchanged."""
+    count, left = Counter(ids.values()), dict[int, str]()
+    for row, key in ids.items():
+        if problem := _problem(key, marks.get(key), count[key], len(file.rows[row]) <= place):
+            left[row] = problem
+        else:
+            file.put(row, place, f"{float(marks[key][what]):.10g}")
+    return left
+
+
+def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
+    path = out / "gradebook.csv"
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        marks = {_key(row["student"]): row for row in rows if row["exercise"] == exercise}
+    except (OSError, UnicodeError, KeyError, csv.Error) as error:
+        command = f"course grade SUBMISSIONS --out {out}"
+        raise CourseError(f"{path} can't be read: {error!r}. Type: {command}") from error
+    if not marks:
+        known = ", ".join(sorted({row["exercise"] for row in rows})) or "none"
+        raise CourseError(f"{path} has no marks for --exercise {exercise}; it has {known}.")
+    return marks
+
+
+def _key(text: str) -> str:
+    """Return an ID in normalized spelling."""
+    try:
+        return normalise(text)
+    except CourseError:
+        return text.strip().casefold()
+
+
+def _problem(key: str, mark: dict[str, str] | None, count: int, is_short: bool) -> str:
+    """Return why a row is left unchanged, or ""."""
+    if key and count > 1:
+        return "more than one row has this ID, left as they are"
+    if mark is None:
+        return "no mark"
+    if mark["status"] not in FINAL:
+        return f"{mark['status']}, left as it is"
+    return "the row is too short" if is_short else ""
+
+
+def _maxima(file: LmsFile, place: int) -> set[float]:
+    """Return the platform's maximum points: from a row in Canvas, from a column in Moodle.
+
+    In languages other than English, Moodle's column is recognized by its position after the marks
+    and its single distinct number.
+    """
+    rows = range(1, len(file.rows))
+    most = {file.text(row, place) for row in rows if file.text(row, 0) == POINTS_POSSIBLE}
+    headings = [heading.casefold() for heading in file.headings]
+    if MAXIMUM in headings:
+        most |= {file.text(row, headings.index(MAXIMUM)) for row in rows}
+    elif not most:
+        behind = {file.text(row, place + 1) for row in rows if any(file.rows[row])}
+        most = behind if len(behind) == 1 else set()
+    return {float(text.replace(",", ".")) for text in most if re.fullmatch(r"\d+([.,]\d+)?", text)}
+
+
+def _cap(mark: dict[str, str], what: str, most: set[float]) -> dict[str, str]:
+    """Return a mark limited to the platform's maximum, or to the exercise's if the CSV has no maximum."""
+    if mark["status"] not in FINAL:
+        return mark
+    limit = max(most) if most else float(mark["max_score"])
+    return {**mark, what: str(min(float(mark[what]), limit))}
+
+
+def _points_lines(there: set[float], marks: Iterable[dict[str, str]], what: str) -> list[str]:
+    """Return notes if the maximum differs between platform and exercise, or a bonus exceeds it."""
+    rated = [mark for mark in marks if mark["status"] in FINAL]
+    ours = {float(mark["max_score"]) for mark in rated}
+    lines = []
+    if there and not there & ours:
+        given, own = (", ".join(f"{points:g}" for points in sorted(each)) for each in (there, ours))
+        lines.append(f"note: the platform gives {given} points, gradebook.csv {own}")
+    if there and (above := sum(float(mark[what]) > max(there) for mark in rated)):
+        lines.append(
+            f"note: {format_count(above, 'mark')} above the platform's {max(there):g}: it may reject them; "
+            "--cap reduces them to the maximum"
+        )
+    return lines

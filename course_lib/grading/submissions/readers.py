@@ -1,0 +1,597 @@
+"""Readers of downloads, which determine a file's owner from the platform's part of its path.
+
+A platform's name for a file consists of a part written by the platform (a number, a user name, a
+time) and a part chosen by the student. Each pattern matches the platform's part from the left and
+stops at its first end, so nothing to the right of it can select a student, a time or a folder. For
+the same reason one reader is chosen for a whole download by all its names: one student's name
+cannot change how others are read.
+"""
+
+import re
+import unicodedata
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime, tzinfo
+from itertools import takewhile
+from typing import Any, Literal
+from zoneinfo import ZoneInfo
+
+import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
+
+from course_lib.course.exercise import EXTRA_CHARACTERS, MAX_LENGTH, normalise
+from course_lib.errors import CourseError
+from course_lib.grading.submissions.platform_files import parse_times
+
+Path = tuple[str, ...]  # the components of a path, with archives as folders
+# platforms for whose bulk upload `course feedback` writes
+Platform = Literal["moodle", "anonymous", "canvas"]
+
+STAMP = "timestamp.txt"  # file name in nbgrader's and Sakai's folders
+METADATA = "submission_metadata.yml"  # file name in Gradescope's export
+FOLDERS, GOOGLE, NBGRADER, GRADESCOPE, SAKAI = "folders", "google", "nbgrader", "gradescope", "sakai"
+PERSON = re.compile(r"[\w .,'\u2019()-]+")
+WEEK = re.compile(r"week[ _-]?0*(\d{1,2})(?!\d)", re.IGNORECASE)
+GOOGLE_ZIP = re.compile(r"(?:.*-)?\d{8}T\d{6}Z(?:-\d+)*(?:\.zip)?", re.IGNORECASE)
+
+ATTEMPT = "_attempt_"
+_ATTEMPT = r"(?P<time>\d{4}-\d\d-\d\d-\d\d-\d\d-\d\d)"
+# Like "Oct 10, 2025 234 PM": file systems do not allow colons.
+_D2L_TIME = (
+    r"(?P<time>[^\W\d]{3,12}\.? \d{1,2}, \d{4} \d{1,2}:?\d\d ?[AaPp][Mm]"
+    r"|[^\W\d]{3,12}\.? \d{1,2}, \d{4} \d{1,2} h \d\d"
+    r"|\d{1,2}\.? (?:de )?[^\W\d]{3,12}\.?,? (?:de )?\d{4},? (?:\d{1,2}[:.h]?\d\d|\d{1,2} h \d\d))"
+)
+_SUBMITTED = "|".join((
+    "Submitted ?files", "Übermittelte Dateien", "Eingereichte Dateien", "Fichiers envoyés", "Fichiers remis",
+    "Archivos enviados",
+))  # fmt: skip
+
+
+@dataclass(frozen=True)
+class DownloadName:
+    """A file of a download, as named by its platform.
+
+    Args:
+        layout: The name of the reader.
+        key: The platform's key of the student: a number, a user name, or a name.
+        name: The student's name for display.
+        student: The student's ID without a roster; "" if only the file itself has an ID.
+        below: The path in the student's folder, including archives.
+        keys: All strings by which a roster may identify the student.
+        assignment: The exercise in the platform's title of the assignment, or "".
+        time: The time of submission, if the platform writes it.
+        late: Canvas's flag; None for other platforms.
+        attachment: Canvas's number of the file.
+        handed_in_as: The path in the download, for platforms to which feedback is returned.
+        is_named: True if the student's ID is known from the platform or the instructor, instead of
+            being derived from the platform's key.
+    """
+
+    layout: str
+    key: str
+    name: str
+    student: str
+    below: Path
+    keys: tuple[str, ...] = ()
+    assignment: str = ""
+    time: datetime | None = None
+    late: bool | None = None
+    attachment: str = ""
+    handed_in_as: str = ""
+    is_named: bool = False
+
+    @property
+    def place(self) -> Path:
+        """The path in the student's folder without archives, because notebooks refer to files by folder."""
+        return (*(part for part in self.below[:-1] if not is_zip(part)), *self.below[-1:])
+
+
+@dataclass(frozen=True)
+class Reader:
+    """The naming scheme of one platform.
+
+    Args:
+        layout: Its name, for --layout.
+        title: The platform's name for display.
+        patterns: Patterns of whole paths. The groups are `number`, `login`, `name`, `late`, `time`,
+            `title` (of the assignment), `attachment`, `folder` (of an attempt, created by the
+            platform) and `below`, the part that the student chose.
+        extras: Pattern of files that the platform adds.
+        student: The default ID, a format string with the names of groups.
+        utc: True if times are in UTC instead of the site's local time.
+        no_times: Where to find times of submission if the download has none.
+    """
+
+    layout: str
+    title: str
+    patterns: tuple[str, ...]
+    extras: str = ""
+    student: str = "{number}"
+    utc: bool = False
+    no_times: str = ""
+
+    def match(self, path: Path) -> re.Match[str] | None:
+        """Return the match of a path, or None."""
+        text = "/".join(path)
+        return next(filter(None, (re.fullmatch(one, text, re.DOTALL) for one in self.patterns)), None)
+
+    def is_extra(self, path: Path) -> bool:
+        """Return whether a file was written by the platform itself."""
+        return bool(self.extras) and re.fullmatch(self.extras, "/".join(path), re.DOTALL) is not None
+
+    def read(self, path: Path, zone: ZoneInfo) -> DownloadName | None:
+        """Return the owner and data of a path, or None if the platform does not create such paths."""
+        match = self.match(path)
+        if match is None:
+            return None
+        groups = {
+            "number": "",
+            "login": "",
+            "name": "",
+            "folder": "",
+            "title": "",
+            "time": "",
+            "attachment": "",
+        }
+        groups |= {key: value for key, value in match.groupdict().items() if value}
+        name = " ".join((groups["name"] or groups["number"]).split())
+        folder = re.sub(r"[^\w .-]", "", groups["folder"])
+        below = tuple(filter(None, (folder, *groups["below"].split("/"))))
+        is_returned = self.layout in ("moodle", "canvas", "anonymous")
+        return DownloadName(
+            self.layout,
+            groups["number"] or name,
+            name,
+            self._student(groups),
+            below,
+            _keys(groups["login"], groups["number"], name),
+            find_exercise_title(groups["title"]) if self.layout in (NBGRADER, "teams") else "",
+            _platform_time(groups["time"], UTC if self.utc else zone),
+            bool(groups.get("late")) if "late" in match.groupdict() else None,
+            groups["attachment"],
+            "/".join(path) if is_returned else "",
+            self.layout == NBGRADER,
+        )
+
+    def _student(self, groups: Mapping[str, str]) -> str:
+        if self.layout == NBGRADER:
+            return normalise(groups["number"])
+        return id_of(self.student.format(**groups))
+
+
+READERS: tuple[Reader, ...] = (
+    Reader(
+        "moodle",
+        "Moodle",
+        # With "download in folders" the first part is a folder.
+        (
+            r"(?P<name>[^/]+?)_(?P<number>\d+)_assignsubmission_(?:file|onlinetext|comments)(?:_?/|_)(?P<below>.+)",
+        ),
+        student="participant{number}",
+        no_times="Moodle's zip has no times of submission: add --roster WORKSHEET.csv, the assignment's "
+        "grading worksheet",
+    ),
+    Reader(
+        "anonymous",
+        "Canvas",
+        (
+            r"(?P<late>LATE_)?(?P<name>anon_(?P<number>[^\W_]+))_(?P<attachment>\d+)_(?P<below>.+)",
+            r"(?P<late>LATE_)?(?P<name>anon_(?P<number>[^\W_]+))_(?P<below>[a-z]+\.html)",
+        ),
+        student="anon_{number}",
+        no_times="Canvas hid the students (anon_…), so marks can't be returned: turn off anonymous "
+        "grading and download again, or add --times SUBMISSIONS.json, with user_id and anonymous_id",
+    ),
+    Reader(
+        "canvas",
+        "Canvas",
+        (
+            r"(?!LATE_anon_|anon_)(?P<name>[^/]+?)_(?P<late>LATE_)?(?P<number>\d+)_(?P<attachment>\d+)_(?P<below>.+)",
+            # Text entries, links and recordings have no attachment number.
+            r"(?!LATE_anon_|anon_)(?P<name>[^/]+?)_(?P<late>LATE_)?(?P<number>\d+)_(?P<below>[a-z]+\.html)",
+        ),
+        no_times="Canvas's zip has no times of submission, only LATE: add --times SUBMISSIONS.json, the "
+        "API's list of the assignment's submissions",
+    ),
+    Reader(
+        "blackboard",
+        "Blackboard",
+        (rf"(?P<title>[^/]+?)_(?P<number>[^/_]+)_attempt_{_ATTEMPT}_(?P<below>.+)",),
+        rf"[^/]+?_[^/_]+_attempt_{_ATTEMPT}\.txt",
+    ),
+    Reader(
+        "brightspace",
+        "Brightspace",
+        (rf"(?P<number>\d+)-\d+ - (?P<name>[^/]+?) - {_D2L_TIME}(?:/| - )(?P<below>.+)",),
+        r"index\.html",
+    ),
+    Reader(
+        SAKAI,
+        "Sakai",
+        (
+            r"(?:[^/()]+/)?(?P<name>[^/]*)\((?P<number>[^/()]+)\)/Submission attachment\(s\)/(?P<below>.+)",
+            r"(?:[^/()]+/)?(?P<name>[^/]+?)\((?P<number>[^/()]+)\)_Submission attachment\(s\)_(?P<below>.+)",
+        ),
+        r"(?:[^/()]+/)?(?:grades\.(?:csv|xlsx?)"
+        r"|[^/]*\([^/()]+\)/(?:[^/]+\.(?:txt|html)|Feedback [Aa]ttachment\(s\)/.*))",
+        no_times="the download has no timestamp.txt in the students' folders",
+    ),
+    Reader(
+        GRADESCOPE,
+        "Gradescope",
+        (r"(?:assignment_\d+_export/)?submission_(?P<number>\d+)/(?P<below>.+)",),
+        rf"(?:assignment_\d+_export/)?{re.escape(METADATA)}",
+        student="submission_{number}",
+        no_times=f"{METADATA} has no times of submission",
+    ),
+    Reader(
+        "teams",
+        "Teams",
+        (
+            rf"(?:Student Work/)?(?:{_SUBMITTED})/"
+            r"(?P<name>[^/]+)/(?P<title>[^/]+)/(?P<folder>[^\W\d]+ \d+)/(?P<below>.+)",
+            r"(?P<name>[^/]+)/(?P<title>[^/]+)/(?P<folder>[^\W\d]+ \d+)/(?P<below>.+)",
+        ),
+        r"(?:Student Work/)?(?:Working ?files|Arbeitsdateien)/.*",
+        student="{name}",
+        no_times="the folders of Teams and OneDrive have no times of submission",
+    ),
+    Reader(
+        "ilias",
+        "ILIAS",
+        (
+            r"(?:[^/]+/)?(?:Submissions|submissions|Abgaben|abgaben)/(?:Team[ _][^/]+/)?"
+            r"(?P<name>[^/]+)_(?P<login>[^/_]+)_(?P<number>\d+)/(?P<below>.+)",
+            r"(?:[^/]+/)?(?:Team[ _][^/]+/)?"
+            r"(?P<name>[^/_]+_[^/]+)_(?P<login>[^/_]+)_(?P<number>\d+)/(?P<below>.+)",
+        ),
+        r"(?:[^/]+/)?(?:status\.(?:csv|xlsx?)|README\.md)",
+        student="{login}",
+        no_times="the zip of ILIAS has no times of submission",
+    ),
+    Reader(
+        "codegrade",
+        "CodeGrade",
+        (
+            r"(?:[^/]+/)?(?P<name>[^/]+?) - (?P<time>\d{4}-\d\d-\d\dT\d\d[:_.-]?\d\d[^/ ]{0,20})/"
+            r"(?P<below>.+)",
+        ),
+        student="{name}",
+        utc=True,
+    ),
+    Reader(
+        NBGRADER,
+        "nbgrader",
+        # The exchange's inbound/ has a folder per attempt: STUDENT+ASSIGNMENT+TIME+SECRET.
+        (
+            r"(?:inbound/)?(?P<number>[^/+]+)\+(?P<title>[^/+]+)\+"
+            r"(?P<folder>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d[^/+]*)(?:\+[^/]*)?/(?P<below>.+)",
+            r"submitted/(?P<number>[^/]+)/(?P<folder>(?P<title>[^/]+))/(?P<below>.+)",
+            r"(?:submitted|inbound)/(?P<number>[^/]+)/(?P<below>[^/]+)",
+        ),
+        r"(?:source|release|autograded|feedback)/.*|gradebook\.db|nbgrader_config\.py",
+    ),
+)
+BY_LAYOUT: Mapping[str, Reader] = {reader.layout: reader for reader in READERS}
+LAYOUTS = (*(one for one in BY_LAYOUT if one != "anonymous"), FOLDERS, GOOGLE)
+# Downloads of these platforms may be mixed with folders that the instructor created.
+_MIXABLE = ("moodle", "anonymous", "canvas", "blackboard", "brightspace")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The rules for reading the names of one download.
+
+    Args:
+        name: The name of the reader; "folders" and "google" have none.
+        zone: The zone of local times in names.
+        above: Path components above the download: the name of nbgrader's folder.
+        title: The part before the user name in Blackboard's names.
+        records: Data from the platform's own files by key: Gradescope's submitters, Sakai's times.
+        is_chosen: True if the instructor selected the layout.
+    """
+
+    name: str
+    zone: ZoneInfo
+    above: Path = ()
+    title: str = ""
+    records: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    is_chosen: bool = False
+
+    @property
+    def reader(self) -> Reader | None:
+        """The platform's reader, or None if the layout does not belong to a platform."""
+        return BY_LAYOUT.get(self.name)
+
+    def is_extra(self, path: Path) -> bool:
+        """Return whether a file was written by the platform itself."""
+        reader = self.reader
+        return reader is not None and reader.is_extra((*self.above, *path))
+
+    def read(self, path: Path) -> DownloadName:
+        """Return the owner and data of a path.
+
+        Raises:
+            CourseError: The path does not belong to this layout, or has no owner.
+        """
+        reader = self.reader
+        handed = reader.read((*self.above, *path), self.zone) if reader else None
+        if handed is not None:
+            return self._complete(handed, path[0].split(ATTEMPT)[0])
+        if reader is not None and (len(path) == 1 or self.name not in _MIXABLE):
+            raise CourseError(f"its name does not follow {reader.title}'s scheme, so its owner is unknown")
+        top = path[1:] if self.name == GOOGLE and len(path) > 1 and not is_zip(path[0]) else path
+        if len(top) == 1:
+            # Only the ID in the file identifies its owner.
+            return DownloadName(self.name, top[0], top[0], "", top)
+        if is_zip(top[0]) or self.name == GOOGLE:
+            # Files of one archive stay together; the IDs in them count without verification.
+            return DownloadName(self.name, top[0], top[0], id_of(top[0].rsplit(".", 1)[0]), top[1:])
+        if not PERSON.fullmatch(top[0]) or _own_id(top[0]):
+            return DownloadName(self.name, top[0], top[0], normalise(top[0]), top[1:], is_named=True)
+        # A person's name, like "Bob O'Neil": characters that are invalid in IDs are removed.
+        return DownloadName(self.name, top[0], top[0], id_of(top[0]), top[1:], _keys(top[0]))
+
+    def _complete(self, handed: DownloadName, head: str) -> DownloadName:
+        """Complete the owner's data from the other names and the platform's own files.
+
+        Args:
+            handed: The file's data from its own name.
+            head: The part before the time in Blackboard's names.
+        """
+        if self.title and head.startswith(self.title) and head != self.title:
+            user = head.removeprefix(self.title)
+            return replace(handed, key=user, name=user, student=id_of(user), keys=_keys(user))
+        known = self.records.get(handed.key)
+        if known is None:
+            if self.name == GRADESCOPE:
+                raise CourseError(f"{METADATA} has no submitter for submission_{handed.key}")
+            return handed
+        return replace(handed, **known)
+
+    def owner(self, path: Path) -> str:
+        """Return a name of the owner, whose archives share a limit."""
+        try:
+            handed = self.read(path)
+        except CourseError:
+            return path[0]
+        if handed.is_named or not handed.student:
+            return handed.key
+        return f"{handed.name} ({handed.key})" if handed.name != handed.key else handed.key
+
+
+def choose_layout(paths: Sequence[Path], source: str, zone: ZoneInfo, wanted: str = "") -> Layout:
+    """Choose the layout of a download by all its names.
+
+    Args:
+        paths: Paths of the files in the download; archives in it are files.
+        source: The file name of the download.
+        zone: The zone of local times in names.
+        wanted: The layout selected by the instructor, or "".
+
+    Raises:
+        CourseError: The layout is unknown or ambiguous, or is not the selected one.
+    """
+    above = (source,) if source in ("submitted", "inbound") else ()
+    if wanted in (FOLDERS, GOOGLE):
+        return Layout(wanted, zone, is_chosen=True)
+    if wanted and wanted not in BY_LAYOUT:
+        raise CourseError(f"--layout {wanted} is unknown: expected one of {', '.join(LAYOUTS)}")
+    candidates = [
+        (depth, reader.layout)
+        for reader in READERS
+        if (depth := _depth(reader, [(*above, *path) for path in paths])) is not None
+    ]
+    if wanted:
+        fits = [one for _, one in candidates if one == wanted or (one, wanted) == ("anonymous", "canvas")]
+        if not fits:
+            raise CourseError(
+                f"the names of this download do not follow {BY_LAYOUT[wanted].title}'s scheme. The first is "
+                f"{'/'.join(paths[0])}; expected {EXAMPLES[wanted]}"
+            )
+        return Layout(fits[0], zone, above, is_chosen=True)
+    nearest = min((depth for depth, _ in candidates), default=0)
+    found = [layout for depth, layout in candidates if depth == nearest]
+    if len(found) > 1:
+        raise CourseError(
+            f"the names of this download follow the schemes of {' and '.join(found)}, so nothing is "
+            f"collected. Add --layout {found[0]} or --layout {found[1]}"
+        )
+    if found:
+        return Layout(found[0], zone, above)
+    is_one_folder = len({path[0] for path in paths}) == 1 and all(len(path) == 2 for path in paths)
+    if GOOGLE_ZIP.fullmatch(source) and (is_one_folder or all(len(path) == 1 for path in paths)):
+        return Layout(GOOGLE, zone)
+    return Layout(FOLDERS, zone)
+
+
+def _depth(reader: Reader, paths: Sequence[Path]) -> int | None:
+    """Return the depth of the component with the owner, or None if the download is not of this platform.
+
+    All files must be the platform's. If the platform's names begin at the top, folders of another
+    kind are allowed as long as they are not the majority.
+    """
+    units = defaultdict[str, list[int]](list)  # by the first component: the depth of each file, or -1
+    for path in paths:
+        if reader.is_extra(path):
+            continue
+        match = reader.match(path)
+        if match is None and (len(path) == 1 or reader.layout not in _MIXABLE):
+            return None
+        named = match and min(match.start(key) for key in ("name", "number") if match.groupdict().get(key))
+        units[path[0]].append(-1 if match is None else match.string[:named].count("/"))
+    depths = [max(found) for found in units.values()]
+    matched = sum(depth >= 0 for depth in depths)
+    return max(depths) if depths and 2 * matched >= len(depths) else None
+
+
+EXAMPLES: Mapping[str, str] = {
+    "moodle": "Ada Lovelace_4100001_assignsubmission_file_/week01_exercise.ipynb",
+    "canvas": "lovelaceada_4100001_90001_week01_exercise.ipynb",
+    "blackboard": "Week 1_alovelace_attempt_2026-03-08-22-59-00_week01_exercise.ipynb",
+    "brightspace": "39786-640693 - Ada Lovelace - Mar 8, 2026 1059 PM/week01_exercise.ipynb",
+    SAKAI: "Week 1/Lovelace, Ada(alovelace)/Submission attachment(s)/week01_exercise.ipynb",
+    GRADESCOPE: f"assignment_9100_export/submission_7001/week01_exercise.ipynb and {METADATA}",
+    "teams": "Submitted files/Ada Lovelace/Week 1/Version 1/week01_exercise.ipynb",
+    "ilias": "Week 1/Abgaben/Lovelace_Ada_alovelace_7001/week01_exercise.ipynb",
+    "codegrade": "Week 1/Ada Lovelace - 2026-03-08T22:59:00.123456/week01_exercise.ipynb",
+    NBGRADER: "submitted/ada/week01/week01_exercise.ipynb",
+    FOLDERS: "4100001/week01_exercise.ipynb",
+    GOOGLE: "week01_exercise_4100001.zip, in which each file has its student's ID",
+}
+
+
+def add_blackboard_title(layout: Layout, paths: Collection[Path]) -> Layout:
+    """Return Blackboard's layout with the common prefix of all names, because user names may contain "_"."""
+    heads = sorted({path[0].split(ATTEMPT)[0] for path in paths if ATTEMPT in path[0]})
+    # The common prefix of sorted strings is that of the first and the last one.
+    pairs = zip(heads[0], heads[-1], strict=False) if heads else ()
+    common = "".join(first for first, _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+    return replace(layout, title=common[: common.rfind("_") + 1] if len(heads) > 1 else "")
+
+
+def gradescope_records(data: bytes, zone: ZoneInfo) -> dict[str, dict[str, Any]]:
+    """Return the owner's data in Gradescope's submission_metadata.yml by submission number.
+
+    Raises:
+        CourseError: It is not a file that Gradescope wrote.
+    """
+    try:
+        content = yaml.load(data, Loader=_MetadataLoader)
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise CourseError(
+            f"{METADATA} can't be read: {str(error).splitlines()[0]}. Export it again"
+        ) from error
+    if not isinstance(content, dict):
+        raise CourseError(f"{METADATA} has no submissions. Export it again from Gradescope")
+    records: dict[str, dict[str, Any]] = {}
+    for folder, one in content.items():
+        number = str(folder).removeprefix("submission_")
+        people = one.get(":submitters") if isinstance(one, dict) else None
+        first = people[0] if isinstance(people, list) and people and isinstance(people[0], dict) else {}
+        sid, email, name = (str(first.get(key) or "").strip() for key in (":sid", ":email", ":name"))
+        if not (sid or email or name):
+            continue
+        # Gradescope writes fractions of a second and separates the zone by a space.
+        text = re.sub(r"\.\d+", "", str(one.get(":created_at") or "")).replace(" Z", "+00:00").strip()
+        text = re.sub(r" ([+-]\d\d:?\d\d)$", r"\1", text)
+        records[number] = {
+            "name": name or sid or email,
+            "student": _own_id(sid) or id_of(email or name),
+            "keys": _keys(sid, email, name),
+            "time": parse_times([text], zone)[0],
+            "is_named": bool(_own_id(sid)),
+        }
+    return records
+
+
+class _MetadataLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """Loads Gradescope's file as strings, ignoring its Ruby types."""
+
+
+_MetadataLoader.yaml_implicit_resolvers = {}
+_MetadataLoader.add_multi_constructor(
+    "!",
+    lambda loader, tag, node: loader.construct_mapping(node) if isinstance(node, yaml.MappingNode) else None,
+)
+
+
+def sakai_time(data: bytes) -> datetime | None:
+    """Return the time in Sakai's timestamp.txt, which is in UTC."""
+    text = data[:100].decode("utf-8", "replace").strip()
+    if match := re.fullmatch(r"(\d{4})(\d\d)(\d\d)(\d\d)(\d\d)(\d\d)\d*", text):
+        text = "{}-{}-{}T{}:{}:{}".format(*match.groups())
+    return parse_times([text], ZoneInfo("UTC"))[0]
+
+
+def sakai_key(path: Path) -> str:
+    """Return the student's key if a path is Sakai's timestamp.txt, else ""."""
+    match = re.fullmatch(rf"(?:[^/()]+/)?[^/]*\(([^/()]+)\)/{re.escape(STAMP)}", "/".join(path))
+    return match[1] if match else ""
+
+
+def _platform_time(text: str, zone: tzinfo) -> datetime | None:
+    """Parse the time in a platform's file name, where characters such as colons may be missing."""
+    if not text:
+        return None
+    if match := re.match(r"(\d{4}-\d\d-\d\d)[T-](\d\d)\D?(\d\d)\D?(\d\d)?", text):
+        text = f"{match[1]}T{match[2]}:{match[3]}:{match[4] or '00'}"
+    else:
+        text = re.sub(r"(\d{4}),? (\d{1,2}?)(?:[:.h]| h )?(\d\d)(?= ?[AaPp][Mm]|$)", r"\1 \2:\3", text)
+    (time,) = parse_times([text], ZoneInfo("UTC"))
+    return time.replace(tzinfo=zone).astimezone(UTC) if time else None
+
+
+def _keys(*texts: str) -> tuple[str, ...]:
+    """Return possible roster keys of a student, including "Ada Lovelace" for "Lovelace, Ada"."""
+    flipped = (re.sub(r"([^,]+), ([^,]+)", r"\2 \1", text) for text in texts)
+    return tuple(dict.fromkeys(" ".join(one.casefold().split()) for one in (*texts, *flipped) if one))
+
+
+def _own_id(text: str) -> str:
+    try:
+        return normalise(text)
+    except CourseError:
+        return ""
+
+
+def id_of(text: str) -> str:
+    """Derive an ID from a platform's name of a student, which may contain any characters."""
+    plain = unicodedata.normalize("NFKC", text)
+    kept = "".join(char for char in plain if char.isalnum() or char in EXTRA_CHARACTERS).lstrip(
+        EXTRA_CHARACTERS
+    )
+    try:
+        return normalise(kept[:MAX_LENGTH])
+    except CourseError as error:
+        raise CourseError(f"{text!r} has no letter or digit, so no ID can be derived") from error
+
+
+def find_exercise_title(title: str) -> str:
+    """Return the exercise in an assignment's title, "week01_exercise", or ""."""
+    match = WEEK.search(title)
+    return f"week{int(match[1]):02}_exercise" if match else ""
+
+
+def is_zip(part: str) -> bool:
+    """Return whether a path component is an archive."""
+    return part.lower().endswith(".zip")
+
+
+@dataclass(frozen=True)
+class PlatformName:
+    """The parts of the name that Moodle or Canvas gives to a file.
+
+    Args:
+        platform: The platform; "anonymous" is Canvas with hidden students.
+        name: The student's name.
+        number: The platform's number of the student, or the anonymous ID.
+        attachment: Canvas's number of the file.
+        late: Canvas's flag; None for other platforms.
+        file: The file's name as chosen by the student; "" if a folder has the platform's name.
+    """
+
+    platform: Platform
+    name: str
+    number: str
+    attachment: str
+    late: bool | None
+    file: str
+
+
+def platform_name(part: str) -> PlatformName | None:
+    """Parse a path component as a name given by Moodle or Canvas, for returning feedback, or return None."""
+    platforms: tuple[Platform, ...] = ("moodle", "anonymous", "canvas")
+    for platform in platforms:
+        # The name of a Moodle folder ends where the student's part of a file name begins.
+        for text in (part, f"{part}/", f"{part}_"):
+            match = BY_LAYOUT[platform].match((f"{text}\0" if text != part else text,))
+            if match and (text == part or platform == "moodle"):
+                known = match.groupdict()
+                late = None if platform == "moodle" else bool(known["late"])
+                file = known["below"].removesuffix("\0")
+                return PlatformName(
+                    platform, known["name"], known["number"], known.get("attachment") or "", late, file
+                )
+    return None

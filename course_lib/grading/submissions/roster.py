@@ -1,0 +1,469 @@
+"""The class list, exports of learning platforms, and the ID that determines personal values.
+
+`roster.csv` has the ID, name, e-mail, section, group and GitHub login of each student. A platform's
+export adds its own numbers of students and the times of submission. The ID in a notebook counts
+only if it belongs to the student who submitted it.
+"""
+
+import csv
+import re
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from datetime import datetime
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+from zoneinfo import ZoneInfo
+
+from course_lib.course.exercise import normalise
+from course_lib.errors import CourseError, did_you_mean
+from course_lib.grading.records import Submission
+from course_lib.grading.submissions.platform_files import LmsFile, looks_like_time, parse_times, plain_digits
+from course_lib.grading.submissions.received import ID_FROM, LIST
+from course_lib.third_party import read_json
+
+ROSTER, PLATFORM = "roster", "platform"  # values of the column ID_FROM in received.csv
+MISMATCH, NO_ID, UNVERIFIED = "ID mismatch", "no ID", "ID not verified"
+PLATFORM_NAME = re.compile(r"participant_?\d+|.+_\d+_assignsubmission_.*")  # Moodle's names without a roster
+
+
+def resolve_ids(found: Sequence[Submission], top: Path) -> list[Submission]:
+    """Return the submissions with the ID that determines the personal values of each.
+
+    The folder identifies the student, whose values count whatever ID is in the file. Only if the
+    folder's name is the platform's number, because no roster was given, the file's ID counts; then
+    it can't be verified, unless two students' files contain the same ID.
+
+    Args:
+        found: All submissions of a class.
+        top: Their folder, with the received.csv written by `course collect`.
+    """
+    numbers = _platform_numbers(top)
+    owners = defaultdict[str, set[str]](set)
+    for one in found:
+        owners[one.student].add(one.student)
+        if one.claimed:
+            owners[one.claimed].add(one.student)
+    return [_resolve_id(one, top, numbers, owners) for one in found]
+
+
+def _resolve_id(
+    one: Submission, top: Path, numbers: frozenset[str], owners: dict[str, set[str]]
+) -> Submission:
+    # An unreadable file is not judged.
+    if not one.sha256:
+        return one
+    is_number = one.student in numbers or PLATFORM_NAME.fullmatch(one.student)
+    if one.path.parent != top and not is_number:
+        return _use_folder_id(one)
+    if is_number and one.claimed and owners[one.claimed] != {one.student}:
+        note = f"the file has the ID {one.claimed}, and so has another student's file"
+        return replace(one, values_of=one.claimed, id_flag=MISMATCH, id_note=note)
+    if one.claimed is None:
+        note = "the file has no ID: judged with the personal values of a guest"
+        return replace(one, id_flag=NO_ID, id_note=note)
+    # Often all submissions are unverified, which is reported in a single line.
+    return replace(one, values_of=one.claimed, id_flag=UNVERIFIED)
+
+
+def _use_folder_id(one: Submission) -> Submission:
+    """Return a submission in a folder that identifies its student."""
+    mine = replace(one, values_of=one.student)
+    if one.claimed == one.student:
+        return mine
+    judged = f"judged with the personal values of {one.student}"
+    if one.claimed is None:
+        return replace(mine, id_flag=NO_ID, id_note=f"the file has no ID: {judged}")
+    note = f"the file has the ID {one.claimed}, but {one.student} submitted it: {judged}"
+    return replace(mine, id_flag=MISMATCH, id_note=note)
+
+
+def _platform_numbers(top: Path) -> frozenset[str]:
+    """Return the folders that `course collect` named by a platform's number because there was no roster."""
+    path = top / LIST
+    if not path.is_file():
+        return frozenset()
+    try:
+        with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
+            rows = [row for row in csv.DictReader(file) if row.get(ID_FROM) == PLATFORM]
+    except (OSError, csv.Error):
+        # Reading the times from the same file reports the error.
+        return frozenset()
+    return frozenset(_folder(row.get("file") or "") for row in rows)
+
+
+def _folder(file: str) -> str:
+    """Return the student's folder of a path in received.csv, normalized as in submissions."""
+    name = file.lstrip("'").split("/")[0]
+    try:
+        return normalise(name)
+    except CourseError:
+        return name
+
+
+# Headings of other programs.
+OTHER_HEADINGS = {
+    "e-mail": "email",
+    "email address": "email",
+    "github": "login",
+    "github_username": "login",  # GitHub Classroom's columns: this and "identifier"
+    "identifier": "id",
+}
+ONCE = ("id", "email", "login")  # columns with unique values
+EXAMPLE = "a first line id,name,email,section,group,login, of which only id is required"
+
+
+@dataclass(frozen=True)
+class Member:
+    """One student of a class; everything except the ID may be "".
+
+    Args:
+        id: The ID in normalized spelling.
+        name: The name as written in the roster.
+        email: The address in lower case.
+        section: The section of the class.
+        group: The group, whose members submit together.
+        login: The GitHub login in lower case.
+    """
+
+    id: str
+    name: str = ""
+    email: str = ""
+    section: str = ""
+    group: str = ""
+    login: str = ""
+
+
+@dataclass(frozen=True)
+class ClassList:
+    """All students of a class, in the roster's order."""
+
+    members: tuple[Member, ...]
+
+    @cached_property
+    def by_id(self) -> Mapping[str, Member]:
+        """The students by ID."""
+        return {member.id: member for member in self.members}
+
+    def group_of(self, student: str) -> tuple[Member, ...]:
+        """Return the members of a student's group, including the student; () if the student is unknown."""
+        member = self.by_id.get(student)
+        if member is None or not member.group:
+            return (member,) if member else ()
+        return tuple(one for one in self.members if one.group == member.group)
+
+
+def read_class_list(path: Path) -> ClassList:
+    """Read roster.csv in any common encoding and delimiter; unknown columns are ignored.
+
+    Raises:
+        CourseError: A row or a heading is invalid; the message says what was expected.
+    """
+    file = LmsFile.read(path, least=1)
+    places = _find_columns(file, path)
+    file.reject_long_rows(path)
+    rows = [
+        (row + 1, {name: file.text(row, place) for name, place in places.items()})
+        for row in range(1, len(file.rows))
+    ]
+    members = [_member(cells, f"{path}, row {number}") for number, cells in rows if any(cells.values())]
+    if not members:
+        raise CourseError(f"{path} has no student. Expected {EXAMPLE}, and a row for each student")
+    for problem in _find_duplicates(members):
+        raise CourseError(f"{path}: {problem}. Delete or correct one of the rows")
+    return ClassList(tuple(members))
+
+
+def ids_of_section(roster: Path | None, section: str) -> frozenset[str] | None:
+    """Return the IDs of a section's students, or None without a section, which selects everybody.
+
+    Raises:
+        CourseError: The section does not exist, or only one of the two is given.
+    """
+    if not section and roster is None:
+        return None
+    if not section or roster is None:
+        raise CourseError("--section and --roster are needed together: --section A --roster roster.csv")
+    members = read_class_list(roster).members
+    found = frozenset(one.id for one in members if one.section.casefold() == section.casefold())
+    if not found:
+        known = ", ".join(sorted({one.section for one in members if one.section})) or "none"
+        raise CourseError(f"{roster} has no section {section!r}. Sections in its column 'section': {known}")
+    return found
+
+
+def _find_columns(file: LmsFile, path: Path) -> dict[str, int]:
+    """Return the index of each known column.
+
+    Raises:
+        CourseError: The ID column is missing, a column occurs twice, or a heading seems to be
+            misspelled.
+    """
+    known = tuple(field.name for field in fields(Member))
+    places: dict[str, int] = {}
+    for place, heading in enumerate(file.headings):
+        plain = heading.casefold()
+        name = OTHER_HEADINGS.get(plain, plain)
+        if name in places:
+            raise CourseError(f"{path} contains the column {name!r} twice. Expected {EXAMPLE}")
+        if name in known:
+            places[name] = place
+    for heading in file.headings:
+        suggestion = did_you_mean(heading.casefold(), [name for name in known if name not in places])
+        if heading.casefold() not in places and heading.casefold() not in OTHER_HEADINGS and suggestion:
+            raise CourseError(f"{path} has a column {heading!r}{suggestion} Expected {EXAMPLE}")
+    if "id" not in places:
+        there = ", ".join(map(repr, file.headings))
+        raise CourseError(f"{path} has no column 'id', it has {there}. Expected {EXAMPLE}")
+    return places
+
+
+def _member(cells: Mapping[str, str], where: str) -> Member:
+    if not cells["id"]:
+        raise CourseError(f"{where}: no id, but {next(filter(None, cells.values()))!r}")
+    try:
+        student = normalise(cells["id"])
+    except CourseError as error:
+        raise CourseError(f"{where}: {error}") from error
+    folded = {name: cells[name].casefold() for name in ("email", "login") if name in cells}
+    return Member(**{**cells, **folded, "id": student})
+
+
+def _find_duplicates(members: Sequence[Member]) -> Iterator[str]:
+    """Yield a sentence for each duplicate value in a column of unique values."""
+    for name in ONCE:
+        owners = defaultdict[str, list[str]](list)
+        for member in members:
+            owners[getattr(member, name)].append(member.id)
+        for text, ids in owners.items():
+            if text and len(ids) > 1:
+                yield f"{name} {text!r} occurs {len(ids)} times ({', '.join(ids)})"
+
+
+ID_HEADINGS = ("ID number", "SIS User ID", "SIS Login ID")  # headings in Moodle and Canvas
+SUBMISSION = re.compile("submi", re.IGNORECASE)  # in the headings of times in Moodle and Canvas
+NUMBER = re.compile(r"(\D*)(\d+)")  # "Participant 4101000", "Teilnehmer/in4101000", or only the number
+EXPORTS = (
+    "Export it for the same assignment: in Moodle the grading worksheet, in Canvas the gradebook (IDs) or "
+    "the API's list of submissions (times)"
+)
+
+
+@dataclass(frozen=True)
+class Times:
+    """Times of submission by the keys of a platform's export.
+
+    Args:
+        source: The file and the column.
+        by_number: Times by the platform's number of the student.
+        by_attachment: Times by Canvas's number of the file.
+        users: Canvas's numbers of students by anonymous ID.
+        unread: An example if the column's times can't be parsed, else "".
+    """
+
+    source: str
+    by_number: Mapping[str, datetime] = field(default_factory=dict)
+    by_attachment: Mapping[str, datetime] = field(default_factory=dict)
+    users: Mapping[str, str] = field(default_factory=dict)
+    unread: str = ""
+
+    def of(self, number: str, attachment: str) -> datetime | None:
+        """Return the time of submission of a file, or None if the export lacks it."""
+        return self.by_attachment.get(attachment) or self.by_number.get(number)
+
+
+def read_ids(path: Path, id_column: str, numbers: Collection[str]) -> tuple[dict[str, str], str]:
+    """Return the students' IDs by platform number, and the heading of the ID column.
+
+    Args:
+        path: The platform's CSV.
+        id_column: The heading of the ID column; "" to find the column.
+        numbers: Numbers, user names or names in the download, by which their column is found.
+
+    Raises:
+        CourseError: A column can't be found, or has a duplicate value.
+    """
+    file = LmsFile.read(path)
+    place = _number_column(file, numbers, path)
+    id_place = file.column(id_column) if id_column else _id_column(file, place)
+    cells = [
+        (_key(file.text(row, place), numbers), file.text(row, id_place)) for row in range(1, len(file.rows))
+    ]
+    rows = [(number, normalise(id_)) for number, id_ in cells if number and id_]
+    for column, which in ((place, 0), (id_place, 1)):
+        if twice := next(
+            (one for one, count in Counter(row[which] for row in rows).items() if count > 1), ""
+        ):
+            raise CourseError(
+                f"{path.name} contains {twice!r} twice in {file.headings[column]!r}: "
+                f"select the ID column with --id-column; columns: {_list_headings(file)}"
+            )
+    return dict(rows), file.headings[id_place]
+
+
+def read_class(path: Path, id_column: str) -> list[str]:
+    """Return the IDs of a class in the roster's order.
+
+    Args:
+        path: The platform's CSV.
+        id_column: The heading of the ID column; "" to find the column.
+
+    Raises:
+        CourseError: The column can't be found, is empty, or has a duplicate ID.
+    """
+    file = LmsFile.read(path, least=1)
+    place = file.column(id_column) if id_column else _id_column(file, -1)
+    cells = [file.text(row, place) for row in range(1, len(file.rows))]
+    ids = [normalise(cell) for cell in cells if cell]
+    if twice := [one for one, count in Counter(ids).items() if count > 1]:
+        raise CourseError(
+            f"{path.name} contains {twice[0]!r} twice in {file.headings[place]!r}; delete a row"
+        )
+    if not ids:
+        raise CourseError(f"{path.name} has no student in {file.headings[place]!r}. {EXPORTS}")
+    return ids
+
+
+def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | None:
+    """Read times of submission from a platform's CSV, or from the JSON of Canvas's API.
+
+    Args:
+        path: The file.
+        zone: The zone of times without one.
+        numbers: Numbers, user names or names in the download, by which their column is found.
+
+    Returns:
+        The times, without entries if their column can't be parsed; None if a CSV has no such
+        column.
+
+    Raises:
+        CourseError: The file can't be read, or has none of the numbers.
+    """
+    if path.suffix.lower() == ".json":
+        return _read_api_times(path, zone)
+    file = LmsFile.read(path)
+    place = _number_column(file, numbers, path)
+    rows = [row for row in range(1, len(file.rows)) if _key(file.text(row, place), numbers) in numbers]
+    columns = {}
+    for column in (column for column in range(len(file.headings)) if column != place):
+        times = parse_times([file.text(row, column) for row in rows], zone)
+        if 2 * sum(time is not None for time in times) >= len(rows):
+            columns[column] = times
+    if not columns:
+        return _find_unreadable(file, path, rows)
+    # The column of submission has its heading, or is the first one without a predominant date:
+    # platforms put the time of grading after it, and a due date is the same for most students.
+    named = [place for place in columns if SUBMISSION.search(file.headings[place])]
+    varied = [
+        place
+        for place, times in columns.items()
+        if len(times) <= 2 or Counter(filter(None, times)).most_common(1)[0][1] <= len(times) / 2
+    ]
+    chosen = [*named, *varied, *columns][0]
+    keys = [_key(file.text(row, place), numbers) for row in rows]
+    known = {key: time for key, time in zip(keys, columns[chosen], strict=True) if time}
+    return Times(f"{path.name}, {file.headings[chosen]}", known)
+
+
+def _find_unreadable(file: LmsFile, path: Path, rows: Sequence[int]) -> Times | None:
+    """Return the column that seems to contain the times, without them, or None."""
+    for column in range(len(file.headings)):
+        seen = [cell for row in rows if looks_like_time(cell := file.text(row, column))]
+        if seen and 2 * len(seen) >= len(rows):
+            return Times(f"{path.name}, {file.headings[column]}", {}, unread=seen[0])
+    return None
+
+
+def _number_column(file: LmsFile, numbers: Collection[str], path: Path) -> int:
+    """Return the column that contains most of the download's platform numbers."""
+    found = {
+        place: sum(_key(file.text(row, place), numbers) in numbers for row in range(1, len(file.rows)))
+        for place in range(len(file.headings))
+    }
+    best = max(found, key=lambda place: found[place])
+    if not found[best]:
+        example = min(numbers, default="none")
+        raise CourseError(
+            f"{path.name} has no column with the numbers or names in the download, like {example}; "
+            f"its columns: {_list_headings(file)}. {EXPORTS}"
+        )
+    return best
+
+
+def _key(cell: str, keys: Collection[str]) -> str:
+    """Return a student's key in a cell: a user name or name of the download, else the number in the cell."""
+    text = " ".join(cell.casefold().split())
+    match = NUMBER.fullmatch(plain_digits(cell))
+    return text if text in keys or not match else match[2]
+
+
+def _id_column(file: LmsFile, number_place: int) -> int:
+    """Return the column of the students' IDs: by its heading, else the only possible one.
+
+    Raises:
+        CourseError: No column or several columns are possible.
+    """
+    named = [file.headings.index(heading) for heading in ID_HEADINGS if heading in file.headings]
+    for place in named:
+        if any(file.text(row, place) for row in range(1, len(file.rows))):
+            return place
+    able = [p for p in range(len(file.headings)) if p != number_place and _can_be_ids(file, p)]
+    if len(able) == 1:
+        return able[0]
+    suggested = repr(file.headings[able[0]]) if able else "HEADING"
+    raise CourseError(
+        f"which column of the roster has the students' IDs? Add --id-column {suggested}; "
+        f"columns: {_list_headings(file)}"
+    )
+
+
+def _can_be_ids(file: LmsFile, place: int) -> bool:
+    """Return whether most cells of a column are distinct short words with a digit."""
+    cells = [file.text(row, place) for row in range(1, len(file.rows)) if any(file.rows[row])]
+    words = [cell for cell in cells if re.fullmatch(r"[\w.-]{3,64}", cell) and re.search(r"\d", cell)]
+    return len(words) > len(cells) / 2 and len(set(words)) == len(words)
+
+
+def _list_headings(file: LmsFile) -> str:
+    return ", ".join(map(repr, file.headings))
+
+
+def _read_api_times(path: Path, zone: ZoneInfo) -> Times:
+    """Read the submissions of an assignment as listed by Canvas's API."""
+    try:
+        entries = list(_entries(read_json(path.read_text(encoding="utf-8-sig"))))
+    except (OSError, ValueError) as error:
+        raise CourseError(f"{path} can't be read: {error}. {EXPORTS}") from error
+    by_number: dict[str, datetime] = {}
+    by_attachment: dict[str, datetime] = {}
+    users: dict[str, str] = {}
+    for entry in entries:
+        user, hidden = (str(entry.get(key) or "") for key in ("user_id", "anonymous_id"))
+        if user and hidden:
+            users[hidden] = user
+        (time,) = parse_times([str(entry.get("submitted_at") or "")], zone)
+        if time is None:
+            continue
+        attached = entry.get("attachments")
+        listed = attached if isinstance(attached, list) else []
+        files = [str(file["id"]) for file in listed if isinstance(file, dict) and "id" in file]
+        by_attachment |= dict.fromkeys(files, time)
+        if not files:
+            by_number |= {key: time for key in (user, hidden) if key}
+    if not by_number and not by_attachment:
+        raise CourseError(f"{path.name} has no user_id with submitted_at. {EXPORTS}")
+    return Times(f"{path.name}, submitted_at", by_number, by_attachment, users)
+
+
+def _entries(content: Any) -> Iterator[Mapping[str, Any]]:
+    """Yield all objects with a time of submission, at any depth, including earlier attempts."""
+    if isinstance(content, list):
+        for item in content:
+            yield from _entries(item)
+    elif isinstance(content, dict):
+        for value in content.values():
+            if isinstance(value, (list, dict)):
+                yield from _entries(value)
+        if "submitted_at" in content:
+            yield content

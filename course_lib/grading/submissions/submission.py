@@ -1,0 +1,475 @@
+"""Find the submissions in a folder: notebooks, and files written by `course submit`; plan their runs.
+
+OUT/places.json has the folder of submissions of each student and exercise, relative to OUT. Results
+do not contain folders, so that records can be moved to another machine.
+"""
+
+import fnmatch
+import hashlib
+import json
+import os
+import re
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from heapq import nsmallest
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+from zipfile import ZipFile
+from zoneinfo import ZoneInfo
+
+from course_lib.course.course_file import Counts
+from course_lib.course.state import exercises_dir, lessons_dir, write_atomically
+from course_lib.errors import CourseError
+from course_lib.grading.marks import attempt_of, dates_of
+from course_lib.grading.records import Result, Submission, to_plain
+from course_lib.grading.reports.table import MOST_NAMED, join_few
+from course_lib.grading.run.run import Job, plan_scenarios
+from course_lib.grading.store import Course, catalog_of, digest_of, rules_of
+from course_lib.grading.submissions.archives import RECEIPT, open_zip, read_member, working_files
+from course_lib.grading.submissions.notebook import (
+    MAX_BYTES,
+    MAX_WITH_OUTPUTS,
+    Notebook,
+    claimed_id,
+    find_exercise_name,
+    parse_notebook,
+    without_outputs,
+)
+from course_lib.grading.submissions.received import Ledger
+from course_lib.third_party import read_json
+
+UTC = ZoneInfo("UTC")
+NAMES = re.compile(r"\.(ipynb(\.txt|\.json)?|zip)$|^week\d\d_exercise.*\.json$", re.IGNORECASE)
+RESERVED = (".html", ".js")  # files next to the students' folders of reports
+NO_EXERCISE = "is not an exercise of this course: expected a file like week01_exercise.ipynb"
+REFUSED = "refused"  # reason of a result if `course collect` kept no file
+MANY = 3  # names per note
+LESSON_SHARE = 0.5  # fraction of a lesson's cells from which a notebook is a lesson
+
+
+def find_submissions(
+    top: Path,
+    counts: Counts = "last",
+    zone: ZoneInfo = UTC,
+    *,
+    with_refused: bool = False,
+    is_accepted: Callable[[Submission], bool] = lambda _: True,
+) -> list[Submission]:
+    """Return the newest submission per student and exercise, or all, oldest first, if the best is used.
+
+    Args:
+        top: One folder per student, or files that `course submit` wrote.
+        counts: Which of several submissions counts.
+        zone: The zone of times in received.csv without one.
+        with_refused: Whether to include a submission without a file for each student whose files
+            were all rejected by `course collect`.
+        is_accepted: Whether the late policy accepts a submission. One that is not accepted never
+            replaces one that is.
+
+    Raises:
+        CourseError: `top` is not a folder, has no submissions, or its received.csv is not a table.
+    """
+    if not top.is_dir():
+        raise CourseError(
+            f"{top} is not a folder. Pass the folder with a folder per student; sort a platform's download "
+            "with course collect first"
+        )
+    ledger = Ledger.read(top, zone)
+    groups = defaultdict[tuple[str, str], list[Submission]](list)
+    for path in _files(top):
+        one = read_submission(path, ledger)
+        groups[one.student, one.exercise].append(one)
+    ordered = {key: sort_submissions(group, top, counts, is_accepted) for key, group in groups.items()}
+    for one in _refused_submissions(ledger) if with_refused else ():
+        if kept := ordered.get((one.student, one.exercise)):
+            kept[-1] = replace(kept[-1], refused=(*kept[-1].refused, one.named))
+        else:
+            ordered[one.student, one.exercise] = [one]
+    if not ordered:
+        raise CourseError(f"{top} contains no submissions: expected STUDENT/week01_exercise.ipynb")
+    groups_in_order = [ordered[key] for key in sorted(ordered)]
+    return [one for group in groups_in_order for one in (group if counts == "best" else group[-1:])]
+
+
+def _refused_submissions(ledger: Ledger) -> Iterator[Submission]:
+    """Yield a submission without a file for each row that `course collect` rejected."""
+    for file, entry in ledger.refused.items():
+        path = ledger.top / file
+        folder = file.split("/")[0]
+        student = claimed_id({"student": folder}) or folder
+        when = ledger.received(path, {})
+        yield Submission(
+            student, entry.exercise, path, when, problem=entry.refused, reason=REFUSED, named=file
+        )
+
+
+def skipped_files(top: Path) -> list[str]:
+    """Return a line for each file that is skipped because it is a link or a device."""
+    lines = []
+    for folder, folders, names in os.walk(top):
+        links = [name for name in folders if Path(folder, name).is_symlink()]
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        for path in (Path(folder, name) for name in sorted((*names, *links)) if not name.startswith(".")):
+            if path.is_symlink() or not (path.is_file() or path.is_dir()):
+                kind = "a link" if path.is_symlink() else "a pipe or a device"
+                lines.append(f"skipped: {path.relative_to(top).as_posix()}: it is {kind}, not a file")
+    return lines
+
+
+def sort_submissions(
+    group: Sequence[Submission],
+    top: Path,
+    counts: Counts,
+    is_accepted: Callable[[Submission], bool],
+) -> list[Submission]:
+    """Sort one student's files of one exercise. The effective one comes last.
+
+    A file that is not the exercise never replaces one that is, nor does one that is too late to be
+    accepted. Newer means received later by trusted times, else with the higher number in its name.
+    A file that only contains the student's ID never replaces one in the student's folder; if
+    several such files contain it, none counts.
+    """
+    owned = [one for one in group if len(one.path.relative_to(top).parts) > 1]
+    timed = all(one.received.is_trusted for one in owned or group)
+    order = sorted(
+        group, key=lambda one: (one in owned, one.is_exercise, is_accepted(one), *_age(one, top, timed))
+    )
+    places = {one.path.relative_to(top).parts[0] for one in group}
+    last = replace(
+        order[-1],
+        rivals=tuple(sorted(places)) if len(places) > 1 else (),
+        others=tuple(_describe_file(one, top) for one in order[:-1]),
+        counts=counts,
+    )
+    claims = {} if owned else {_base_name(one): one.sha256 for one in order if one.is_exercise}
+    if len(set(claims.values())) > 1:
+        named = " and ".join(sorted(one.path.name for one in order if one.is_exercise))
+        problem = (
+            f"{named} have the ID {last.student}: move each into the folder of the student who submitted it"
+        )
+        return [replace(last, notebook=None, problem=problem, reason="claimed twice")]
+    return [*order[:-1], last]
+
+
+def _age(one: Submission, top: Path, timed: bool) -> tuple[Any, ...]:
+    """Return a key that sorts one student's files from oldest to newest."""
+    time = one.received.time if timed else None
+    folders = one.path.relative_to(top).parts[1:-1]
+    tries = max((_split_attempt(folder)[1] for folder in folders), default=0)
+    name, number = _split_attempt(_base_name(one, whole=True))
+    written = one.received.receipt.timestamp() if one.received.receipt else one.path.stat().st_mtime
+    return (time.timestamp() if time else 0.0, tries, number, name != "", written, one.path.as_posix())
+
+
+def _base_name(one: Submission, *, whole: bool = False) -> str:
+    """Return a file's name without exercise and ID, and without the number of the attempt unless `whole`."""
+    rest = re.sub(r"^week\d\d(_exercise)?|\.ipynb$", "", one.path.stem, flags=re.IGNORECASE)
+    for known in filter(None, (one.claimed, one.student)):
+        rest = rest.casefold().replace(known, "")
+    return (rest if whole else _split_attempt(rest)[0]).strip(" _-")
+
+
+def _split_attempt(name: str) -> tuple[str, int]:
+    """Split off the number by which platforms and browsers mark another attempt: "(1)", "-2", "copy 3"."""
+    rest = re.sub(r"^week\d\d", "", name, flags=re.IGNORECASE)
+    number = re.search(r"\W*(?:copy|kopie|copie|copia|v|try|attempt)?\W*(\d{1,3})\W*$", rest, re.IGNORECASE)
+    return (rest[: number.start()], int(number[1])) if number else (rest, 0)
+
+
+def _describe_file(one: Submission, top: Path) -> str:
+    name = one.path.relative_to(top).as_posix()
+    return f"{name} ({one.problem})" if one.problem else name
+
+
+def read_submission(path: Path, ledger: Ledger) -> Submission:
+    """Read one file; an error is stored in its `problem`."""
+    receipt: Mapping[str, Any] = {}
+    notebook, claimed, sha256, problem, reason = None, None, "", "", ""
+    files: Mapping[str, str] = {}
+    is_untouched = False
+    exercise = find_exercise_name(path.name)
+    try:
+        data, receipt = unpack(path)
+        notebook = parse_notebook(data, str(receipt.get("exercise", path.name)))
+        exercise, claimed = notebook.exercise, notebook.student or claimed_id(receipt)
+        has_own_folder = path.parent != ledger.top or path.suffix.lower() == ".zip"
+        files = working_files(path, notebook.cells) if has_own_folder else {}
+        sha256 = content_hash(data, files)
+        problem = "" if exercise else f"{path.name} {NO_EXERCISE}"
+        is_untouched = exercise is not None and notebook.digest == released_digest(exercise)
+        if exercise and (lesson := lesson_of(notebook)):
+            problem, reason = (
+                f"{path.name} is {lesson}, not the exercise. Submit {exercise}.ipynb",
+                "a lesson",
+            )
+            notebook = None
+    except CourseError as error:
+        # Results contain no absolute paths of this machine.
+        problem = str(error).replace(str(path), path.name)
+    folders = path.relative_to(ledger.top).parts[:-1]
+    student = claimed_id({"student": folders[0]}) or folders[0] if folders else claimed or path.stem
+    if student.lower().endswith(RESERVED):
+        student += "_"
+    return Submission(
+        student,
+        exercise or path.name,
+        path,
+        ledger.received(path, receipt),
+        notebook,
+        files,
+        claimed,
+        sha256,
+        problem,
+        reason=reason,
+        named=path.relative_to(ledger.top).as_posix(),
+        is_untouched=is_untouched,
+    )
+
+
+def lesson_of(notebook: Notebook) -> str:
+    """Return the lesson if a notebook with the name of an exercise is one, else "".
+
+    The metadata identify it, or its cells, because exercises have others.
+    """
+    cells = {cell.strip() for cell in notebook.cells if cell.strip()}
+    shares = {name: len(cells & known) for name, known in _lesson_cells().items()}
+    best = max(shares, key=lambda name: shares[name], default="")
+    if best and len(cells) > 1 and shares[best] > LESSON_SHARE * len(cells):
+        return f"the lesson {best}"
+    return "a lesson" if notebook.is_lesson else ""
+
+
+@lru_cache(maxsize=1)
+def _lesson_cells() -> Mapping[str, frozenset[str]]:
+    """Return the cells that occur only in lessons, by the name of the lesson."""
+    exercises = frozenset[str]().union(*_cells_in(exercises_dir(), "week*_exercise.ipynb").values())
+    return {name: cells - exercises for name, cells in _cells_in(lessons_dir(), "*.ipynb").items()}
+
+
+def _cells_in(folder: Path, names: str) -> dict[str, frozenset[str]]:
+    found = {}
+    for path in sorted(folder.glob(names)):
+        try:
+            cells = parse_notebook(path.read_bytes(), path.name).cells
+        except (OSError, CourseError):
+            continue
+        found[path.stem] = frozenset(cell.strip() for cell in cells if cell.strip())
+    return found
+
+
+@lru_cache(maxsize=100)
+def released_digest(exercise: str) -> str:
+    """Return the digest of the cells of an unchanged exercise, or "" if the course does not have it."""
+    path = exercises_dir() / f"{exercise}.ipynb"
+    try:
+        return parse_notebook(path.read_bytes(), path.name).digest
+    except (OSError, CourseError):
+        return ""
+
+
+def content_hash(data: bytes, files: Mapping[str, str]) -> str:
+    """Return the SHA-256 of a notebook and its files."""
+    more = json.dumps(sorted(files.items())).encode() if files else b""
+    return hashlib.sha256(data + more).hexdigest()
+
+
+def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:
+    """Return a notebook's bytes and its receipt, which is empty for a plain notebook.
+
+    Raises:
+        CourseError: The file is missing, a folder, or a zip file that `course submit` did not
+            write.
+    """
+    try:
+        is_packed = path.suffix.lower() == ".zip"
+        with path.open("rb") as file:
+            data = file.read((2 * MAX_BYTES if is_packed else MAX_WITH_OUTPUTS) + 1)
+    except OSError as error:
+        raise CourseError(f"{path} can't be read: {error.strerror or error}. Pass a notebook.") from error
+    return read_packed_zip(data, path.name) if is_packed else (_limit_size(data), {})
+
+
+def read_packed_zip(data: bytes, name: str) -> tuple[bytes, Mapping[str, Any]]:
+    """Return the notebook's bytes and the receipt in a file of `course submit`.
+
+    Raises:
+        CourseError: `course submit` did not write it.
+    """
+    try:
+        if len(data) > 2 * MAX_BYTES:
+            raise ValueError(f"it has more than {2 * MAX_BYTES} bytes")
+        with open_zip(data) as archive:
+            receipt = read_json(_member(archive, RECEIPT, MAX_BYTES))
+            return _member(archive, f"{receipt['exercise']}.ipynb", MAX_WITH_OUTPUTS), receipt
+    except (CourseError, ValueError, LookupError, TypeError, AttributeError) as error:
+        raise CourseError(f"{name} is not a file that `course submit` wrote ({error})") from error
+
+
+def _limit_size(data: bytes) -> bytes:
+    """Return a notebook's bytes, without its outputs if it is large."""
+    return without_outputs(data) if MAX_BYTES < len(data) <= MAX_WITH_OUTPUTS else data
+
+
+def _member(archive: ZipFile, name: str, most: int) -> bytes:
+    data = _limit_size(read_member(archive, name, most))
+    if len(data) > MAX_BYTES:
+        raise CourseError(f"{name} is larger than {MAX_BYTES} bytes")
+    return data
+
+
+def _files(top: Path) -> Iterator[Path]:
+    for folder, folders, names in os.walk(top):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        for path in (Path(folder, name) for name in sorted(names) if not name.startswith(".")):
+            if NAMES.search(path.name) and path.is_file() and not path.is_symlink():
+                yield path
+
+
+PLACES = "places.json"
+
+
+def read_places(out: Path) -> dict[str, str]:
+    """Return the folder of each "STUDENT/EXERCISE"; records of older versions have none."""
+    try:
+        content = read_json((out / PLACES).read_text(encoding="utf-8"))
+        return {str(key): str(folder) for key, folder in content.items()}
+    except (OSError, ValueError, AttributeError):
+        return {}
+
+
+def store_places(out: Path, submissions: Path, found: Iterable[Submission]) -> None:
+    """Store the current folder of the submissions; entries of other folders are kept.
+
+    Raises:
+        OSError: It can't be written.
+    """
+    folder = Path(os.path.relpath(submissions.resolve(), out.resolve())).as_posix()
+    places = {**read_places(out), **{f"{one.student}/{one.exercise}": folder for one in found}}
+    write_atomically(out / PLACES, json.dumps(places, indent=1, sort_keys=True).encode("utf-8", "replace"))
+
+
+def graded_file(submission: Submission, out: Path) -> Path:
+    """Return the path of a result's file; results of older versions contain the full path."""
+    folder = read_places(out).get(f"{submission.student}/{submission.exercise}")
+    return submission.path if folder is None else out / folder / submission.path
+
+
+def missing_file_lines(
+    results: Iterable[Result], found: Iterable[Submission], submissions: Path, out: Path
+) -> list[str]:
+    """Return a line about students whose marks count although their file is missing.
+
+    Args:
+        results: All results; results of other folders are ignored.
+        found: The submissions in the folder.
+        submissions: The folder of submissions.
+        out: The folder of records.
+    """
+    present = {(one.student, one.exercise) for one in found}
+    exercises, places = {exercise for _, exercise in present}, read_places(out)
+    gone = list[str]()
+    for result in results:
+        student, exercise = result.submission.student, result.submission.exercise
+        if (student, exercise) in present or result.status == "rejected":
+            continue
+        folder = places.get(f"{student}/{exercise}")
+        file = result.submission.path
+        file = file if folder is None else out / folder / file
+        home = file.parent if folder is None else out / folder
+        is_here = submissions.resolve() in (home.resolve(), *file.resolve().parents)
+        # A missing folder has been moved. It was this one if it has the same exercise.
+        is_moved = exercise in exercises and not home.exists()
+        if is_here or is_moved:
+            gone.append(f"{student} {exercise}")
+    todo = f"Moved or withdrawn? Remove {out / 'results'}/STUDENT/EXERCISE.json, then grade again"
+    return [f"Please review: the file is gone, but its mark counts: {join_few(gone)}. {todo}"] if gone else []
+
+
+@dataclass(frozen=True)
+class Attempts:
+    """One student's submissions of one exercise: the last one, or all of them if the best is used.
+
+    Args:
+        student: The folder's name, or the ID in the files.
+        exercise: "week01_exercise".
+        submissions: The submissions, oldest first.
+        jobs: The jobs by the key of their evidence; none for a rejected submission.
+        rules: Digest of the rules by which they are judged.
+        digest: Digest of everything that the result depends on.
+    """
+
+    student: str
+    exercise: str
+    submissions: tuple[Submission, ...]
+    jobs: Mapping[str, Job]
+    rules: str
+    digest: str
+
+
+def plan_attempts(found: Sequence[Submission], course: Course, only: str) -> list[Attempts]:
+    """Plan the jobs of the submissions that a pattern selects.
+
+    Args:
+        found: All submissions.
+        course: The tasks and hidden checks.
+        only: A pattern of STUDENT/EXERCISE.
+
+    Raises:
+        CourseError: The pattern matches no submission.
+    """
+    chosen = [one for one in found if fnmatch.fnmatch(f"{one.student}/{one.exercise}", only)]
+    if not chosen:
+        one = f"{found[0].student}/{found[0].exercise}"
+        raise CourseError(
+            f"--only {only} matches no submission: use a pattern like 'ada/*'; one submission is {one}"
+        )
+    faults = catalog_of(course).faults
+    weeks = {one.exercise.split("_")[0] for one in chosen}
+    for week in sorted(weeks & faults.keys()):
+        sound = min({one.exercise.split("_")[0] for one in found} - faults.keys(), default="")
+        meanwhile = f". Until then, --only '*/{sound}*' grades one week" if sound else ""
+        raise CourseError(f"nothing is graded: {faults[week]}{meanwhile}")
+    owners = defaultdict[str, set[str]](set)
+    for submission in chosen:
+        owners[submission.sha256].add(submission.student)
+    groups = groupby(chosen, lambda one: (one.student, one.exercise))
+    return [_make_attempts(list(group), owners, course) for _, group in groups]
+
+
+def _make_attempts(group: Sequence[Submission], owners: Mapping[str, set[str]], course: Course) -> Attempts:
+    planned = [_plan_job(submission, course) for submission in group]
+    submissions = tuple(
+        # Unchanged exercises are equal for all students.
+        one if one.is_untouched or not one.sha256 else _add_twins(one, owners[one.sha256] - {one.student})
+        for one, _ in planned
+    )
+    student, exercise = group[-1].student, group[-1].exercise
+    rules, dates = rules_of(course, exercise), dates_of(catalog_of(course).course, student, exercise)
+    digest = digest_of([rules, dates, [to_plain(attempt_of(one)) for one in submissions]])
+    jobs = {job.key: job for _, job in planned if job}
+    return Attempts(student, exercise, submissions, jobs, rules, digest)
+
+
+def _add_twins(submission: Submission, others: Collection[str]) -> Submission:
+    """Return a submission with the first of the students who submitted the same file."""
+    named = nsmallest(MOST_NAMED, others)
+    more = len(others) - len(named)
+    return replace(submission, twins=(*named, f"{more} more") if more else tuple(named))
+
+
+def _plan_job(submission: Submission, course: Course) -> tuple[Submission, Job | None]:
+    """Return a submission without its code, but with the key of its evidence, and the job to run."""
+    catalog = catalog_of(course)
+    tasks = catalog.of_week(submission.exercise.split("_")[0])
+    notebook, bare = submission.notebook, replace(submission, notebook=None, files={})
+    if notebook is None:
+        return bare, None
+    if not tasks:
+        return replace(bare, problem=bare.problem or f"the course has no {bare.exercise}"), None
+    steps = tuple(step.without_checks() for step in plan_scenarios(tasks, catalog, hidden=True))
+    limits, files = catalog.course.limits, dict(submission.files)
+    job = Job(notebook.cells, submission.values_of, steps, limits, files, course.sandbox, course.refused)
+    return replace(bare, key=job.key), job

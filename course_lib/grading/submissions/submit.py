@@ -1,0 +1,249 @@
+"""`course submit`: write one file to submit, with a receipt and with warnings."""
+
+import ast
+import json
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from course_lib.course.exercise import current_identity, find_notebook
+from course_lib.course.state import (
+    LastCheck,
+    Packed,
+    State,
+    cell_digest,
+    exercises_dir,
+    find_student_folder,
+    first_lesson,
+    last_check,
+    save_packed,
+    saved_at,
+    state_of,
+)
+from course_lib.course.student_folder import content_hash as digest_of_cells
+from course_lib.errors import CourseError, format_count
+from course_lib.grading.catalog import shipped_catalog
+from course_lib.grading.submissions.archives import RECEIPT, WORKING_FOLDER, working_files
+from course_lib.grading.submissions.notebook import CodeCell, Notebook, parse_notebook
+from course_lib.grading.submissions.submission import NO_EXERCISE, content_hash, unpack
+from course_lib.grading.task import Task
+
+NO_ID = "It has no student ID: enter your ID (open {}) and submit again."
+
+
+@dataclass(frozen=True)
+class Standing:
+    """The state of a task: an outcome for lists, and the text of a warning after the task's name."""
+
+    outcome: str
+    text: str = ""
+
+
+class NotebookReview:
+    """A notebook that is about to be submitted, compared with the results of its last checks.
+
+    Args:
+        path: The notebook's file.
+        notebook: The parsed notebook.
+        tasks: The tasks of its exercise.
+        state: The state stored in the student's folder.
+        own: The ID stored in the student's folder.
+    """
+
+    def __init__(
+        self, path: Path, notebook: Notebook, tasks: Sequence[Task], state: State, own: str | None
+    ) -> None:
+        self._path, self._notebook, self._tasks, self._own = path, notebook, tasks, own
+        pairs = zip(notebook.cells, notebook.ran, strict=True)
+        self._cells = [CodeCell(number, text, ran) for number, (text, ran) in enumerate(pairs, 1)]
+        found = ((task.id, last_check(state, task.id)) for task in tasks)
+        self._checked: dict[str, LastCheck] = {name: last for name, last in found if last}
+        self._released_digests = _released_digests(notebook.exercise or "")
+
+    @cached_property
+    def tasks(self) -> dict[str, Standing]:
+        """The state of each task, by its short name."""
+        return {task.id.split(".")[1]: self._assess(task) for task in self._tasks}
+
+    def warnings(self) -> list[str]:
+        """Return warnings, one sentence each."""
+        found = [cell.syntax_error for cell in self._cells if cell.syntax_error]
+        if self._tasks and not self._checked:
+            found.append(f"it was never checked here: run course check {self._path.name} first")
+        silent = {"passed"} if self._checked else {"passed", "unchecked"}
+        found += [f"{name} {one.text}" for name, one in self.tasks.items() if one.outcome not in silent]
+        return [*found, *self._unchecked_cells(), *self._unsaved_warning(), *self._id()]
+
+    def _assess(self, task: Task) -> Standing:
+        cell, last = self._own_cell(task), self._checked.get(task.id)
+        if cell is None:
+            return Standing("missing", f"is missing: no cell defines {task.name}")
+        as_checked = last is not None and cell.digest in last.cells
+        if last is not None and last.passed and as_checked:
+            return Standing("passed")
+        if cell.digest in self._released_digests:
+            return Standing("empty", f"is empty: {cell.name} is unchanged")
+        if cell.is_stub:
+            return Standing("empty", f"is not complete: {cell.name} still raises NotImplementedError")
+        if cell.syntax_error:
+            return Standing("broken", f"cannot run: {cell.name} is not valid Python")
+        if last is None:
+            return Standing("unchecked", "was never checked")
+        if last.cells and not as_checked:
+            text = f"has changed since its last check: run {cell.name} and check it again"
+            return Standing("changed since its check", text)
+        return Standing("passed") if last.passed else Standing("failed", "failed its last check")
+
+    def _own_cell(self, task: Task) -> CodeCell | None:
+        """Return the cell that defines a task's object, or the stub in its place."""
+        calls = [cell for cell in self._cells if task.id in cell.checks]
+        given = calls[-1].checks[task.id] if calls else ast.Name(task.name)
+        if not isinstance(given, ast.Name):
+            return calls[-1]
+        makers = [cell for cell in self._cells if given.id in cell.bindings]
+        if makers:
+            return makers[-1]
+        broken = [cell for cell in self._cells if cell.syntax_error and given.id in cell.source]
+        before = self._cells[calls[-1].number - 2 : calls[-1].number - 1] if calls else []
+        return next((cell for cell in (*broken, *before) if cell.syntax_error or cell.is_stub), None)
+
+    def _unchecked_cells(self) -> Iterator[str]:
+        """Yield a warning for each cell without a task, up to the last check, that no check has seen."""
+        seen = frozenset[str]().union(*(last.cells for last in self._checked.values()))
+        if not seen and not any(cell.ran for cell in self._cells):
+            # Nothing is known about any cell.
+            return
+        of_tasks = [self._own_cell(task) for task in self._tasks]
+        end = max((cell.number for cell in self._cells if cell.checks), default=0)
+        for cell in self._cells[:end]:
+            if not cell.source.strip() or cell in of_tasks or cell.checks or cell.digest in seen:
+                continue
+            if not cell.ran:
+                yield f"{cell.name} was never run"
+            elif seen:
+                yield f"{cell.name} has changed since the last check"
+
+    def _unsaved_warning(self) -> Iterator[str]:
+        """Warn if the last check may have used changes that are not in the saved file."""
+        if not self._checked:
+            return
+        last, saved = max(one.time for one in self._checked.values()), saved_at(self._path)
+        unseen = any(one.outcome not in ("passed", "failed") for one in self.tasks.values())
+        known = all(one.cells for one in self._checked.values())
+        if saved < last and (unseen or not known):
+            yield (
+                f"the notebook was saved at {_format_time(saved)}, before the last check at "
+                f"{_format_time(last)}: if it has unsaved changes, press Ctrl+S and submit again"
+            )
+
+    def _id(self) -> Iterator[str]:
+        named = self._notebook.student
+        if named and self._own and named != self._own:
+            yield (
+                f"{self._path.name} has the student ID {named}, but yours is {self._own}: open "
+                f"{first_lesson()}, or type set_identity('{self._own}') in a cell, then submit again"
+            )
+
+
+def _format_time(time: datetime) -> str:
+    return f"{time.astimezone():%H:%M:%S on %d %b}"
+
+
+def _released_digests(exercise: str) -> frozenset[str]:
+    """Return the digests of the cells of the unchanged exercise."""
+    path = exercises_dir() / f"{exercise}.ipynb"
+    try:
+        return frozenset(map(cell_digest, parse_notebook(path.read_bytes(), path.name).cells))
+    except (OSError, CourseError):
+        return frozenset()
+
+
+def report(warnings: Sequence[str], file: str) -> str:
+    """Return the warnings as lines for the terminal, or ""."""
+    if not warnings:
+        return ""
+    lines = "".join(f"\n  - {line}" for line in warnings)
+    return (
+        f"\nIt is packed, but check {format_count(len(warnings), 'thing')} before you submit it:{lines}\n"
+        f"Then save the notebook and run again: course submit {file}"
+    )
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """The packed file, the content of its receipt, and warnings about the notebook."""
+
+    file: Path
+    content: Mapping[str, Any]
+    warnings: tuple[str, ...] = ()
+
+    def text(self) -> str:
+        """Return the lines for the student."""
+        rows = "".join(f"\n  {key:11} {value or 'none'}" for key, value in self.content.items())
+        no_id = "" if self.content["student"] else f"\n{NO_ID.format(first_lesson())}"
+        warned = report(self.warnings, self.content["file"])
+        return f"Wrote {self.file}: this is the file to submit. Its receipt:{rows}{no_id}{warned}"
+
+
+def submit(path: Path, out: Path | None = None) -> Receipt:
+    """Pack an exercise with a receipt into `out`; default: next to it, named after it and the ID.
+
+    Raises:
+        CourseError: The notebook can't be read, is not an exercise, or the file can't be written.
+    """
+    path = find_notebook(path)
+    data, _ = unpack(path)
+    notebook = parse_notebook(data, path.name)
+    if notebook.exercise is None:
+        raise CourseError(f"{path} {NO_EXERCISE}")
+    student = notebook.student or current_identity()
+    files = working_files(path, notebook.cells)
+    receipt = {
+        "exercise": notebook.exercise,
+        "student": student,
+        "file": path.name,
+        "code cells": len(notebook.cells),
+        "files": ", ".join(files),
+        "sha256": content_hash(data, files),
+        "time": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    out = out or path.with_name(f"{notebook.exercise}_{student or 'no_id'}.zip")
+    _write(out, receipt, data, files)
+    try:
+        warnings = _record_submission(path, notebook, out, str(receipt["time"]))
+    except CourseError as error:
+        # The file is packed already, so an error in the folder's state is only a warning.
+        warnings = [str(error)]
+    return Receipt(out, receipt, tuple(warnings))
+
+
+def _write(out: Path, receipt: Mapping[str, Any], data: bytes, files: Mapping[str, str]) -> None:
+    try:
+        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr(f"{receipt['exercise']}.ipynb", data)
+            archive.writestr(RECEIPT, json.dumps(receipt, indent=1))
+            for name, text in files.items():
+                archive.writestr(WORKING_FOLDER + name, text)
+    except OSError as error:
+        raise CourseError(f"{out} can't be written: {error.strerror}. Choose another: --out FILE") from error
+
+
+def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> list[str]:
+    """Record the packed file in the student's folder for `course status`, and return the warnings."""
+    folder, exercise = find_student_folder(path.parent), notebook.exercise or ""
+    state = state_of(folder)
+    if folder is not None:
+        state.put("packed", exercise, time)
+    of_week = shipped_catalog().of_week(exercise.split("_")[0])
+    hand_in = NotebookReview(
+        path, notebook, of_week, state, state.get("identity", "student") or current_identity()
+    )
+    if folder is not None and path.suffix == ".ipynb":
+        tasks = tuple((name, one.outcome) for name, one in hand_in.tasks.items())
+        files = str(out.resolve()), str(path.resolve())
+        save_packed(state, exercise, Packed(time, *files, digest_of_cells(path), tasks))
+    return hand_in.warnings()

@@ -1,1 +1,0 @@
-"""A term: the class list, weights, groups, totals, and requests to look again."""

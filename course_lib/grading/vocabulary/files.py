@@ -1,0 +1,431 @@
+"""Checks of submitted files: launch files, by the record of their run, and layouts of RViz2."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import lru_cache
+from itertools import combinations
+from typing import Any
+
+from course_lib.displays.display import GROUP
+from course_lib.displays.layout import Config, Layout, layout_of, text_at
+from course_lib.displays.registry import full_name, short_name
+from course_lib.displays.session import RvizSession
+from course_lib.errors import CourseError
+from course_lib.grading.evidence import Evidence, LaunchRecord, StartedNode
+from course_lib.grading.inputs import build
+from course_lib.grading.run.outcome import RAISED, plain
+from course_lib.grading.task import Message
+from course_lib.grading.vocabulary.check_function import Problem, check_function, is_close, join_words
+from course_lib.grading.vocabulary.markers import ResolvedCheck, resolve_check
+from course_lib.grading.vocabulary.values import compare
+from course_lib.ros.graph.graph import START_NS, Sample
+from course_lib.ros.graph.topics import Qos
+from course_lib.ros.messages import serialize
+from course_lib.viewer.scene import Scene
+
+MISSING = "an argument of the launch file is missing"
+
+
+@check_function("the launch file declares {argument}")
+def expect_launch_argument(
+    evidence: Evidence, argument: str, *, default: str, call: int = 0
+) -> Iterable[Problem]:
+    """Expect a launch argument with this default."""
+    record = _launch_record(evidence, call)
+    if argument in record.defaults and record.defaults[argument] != default:
+        value = record.defaults[argument]
+        yield Problem(f"the default of {argument} is {value!r}, expected {default!r}", "a default is wrong")
+        return
+    _require_success(record)
+    if argument not in record.defaults:
+        yield Problem(f"the launch description declares no argument {argument!r}", MISSING)
+
+
+@check_function("the launch file starts {executable}")
+def expect_launch_node(
+    evidence: Evidence,
+    package: str,
+    executable: str,
+    *,
+    name: str | None = None,
+    options: Mapping[str, Any] | None = None,
+    of: int = 1,
+    call: int = 0,
+) -> Iterable[Problem]:
+    """Expect that the launch file starts a node.
+
+    Args:
+        evidence: The evidence, whose returned value with the index `call` is the record of the
+            launch.
+        package: The package of the executable.
+        executable: The name of the executable.
+        name: The new name of its node.
+        options: Expected options in `arguments`, with their values; "$(layout)" is a launch
+            configuration.
+        of: Maximum number of nodes of this executable. Without a limit, a file that starts one node
+            for each value of a personal table would contain the right one. If it is more than one,
+            `name` selects the node.
+        call: Index of the call that returned the launch file.
+    """
+    record = _launch_record(evidence, call)
+    _require_success(record)
+    nodes = [one for one in record.started if (one.package, one.executable) == (package, executable)]
+    if len(nodes) > of:
+        text = f"the launch file starts {len(nodes)} nodes of {executable}, expected at most {of}"
+        raise Problem(text, "the launch file starts a node too often")
+    node = next((one for one in nodes if name in (None, one.name)), nodes[0] if nodes else None)
+    if node is None:
+        others = ", ".join(f"{one.executable} of {one.package}" for one in record.started) or "nothing"
+        text = f"the launch description starts {others}, expected {executable} of {package}"
+        raise Problem(text, "a node is missing in the launch file")
+    if name is not None and node.name != name:
+        text = f"the name of {executable} is {node.name!r}, expected {name!r}"
+        yield Problem(text, "a node in the launch file has another name")
+    misfits = list(_check_options(record, node, options or {}))
+    if node.death and not misfits:
+        yield Problem(f"ros2 launch reports: {node.death}", "a node of the launch file ends with an error")
+    yield from misfits
+
+
+def _launch_record(evidence: Evidence, call: int) -> LaunchRecord:
+    """Return the record of a launch, or raise a Problem if there is none."""
+    record = LaunchRecord.from_plain(evidence.returns[call]) if call < len(evidence.returns) else None
+    if record is None:
+        raise Problem("no launch file was returned", "there is no launch file")
+    return record
+
+
+def _require_success(record: LaunchRecord) -> None:
+    if record.error:
+        raise Problem(f"ros2 launch reports: {record.error}", "ros2 launch ends with an error")
+
+
+def _find(started: Sequence[StartedNode], package: str, executable: str) -> StartedNode | None:
+    return next((one for one in started if (one.package, one.executable) == (package, executable)), None)
+
+
+def _check_options(record: LaunchRecord, node: StartedNode, options: Mapping[str, Any]) -> Iterator[Problem]:
+    for option, expected in options.items():
+        value = node.options.get(option)
+        if isinstance(expected, str) and expected.startswith("$(") and expected.endswith(")"):
+            is_right = _is_forwarded(record, node, option, expected[2:-1])
+        else:
+            is_right = value == expected or (isinstance(expected, float) and _is_equal(value, expected))
+        if not is_right:
+            text = (
+                f"the argument after {option!r} of {node.executable} is {value!r}, expected {str(expected)!r}"
+            )
+            yield Problem(text, "the arguments of a node in the launch file are wrong")
+
+
+def _is_forwarded(record: LaunchRecord, node: StartedNode, option: str, argument: str) -> bool:
+    """Return whether an option's value equals the launch argument, including for another value of it."""
+    if record.defaults.get(argument) != node.options.get(option):
+        return False
+    for other in record.others:
+        if other.argument == argument:
+            same = _find(other.started, node.package, node.executable)
+            return same is not None and same.options.get(option) == other.value
+    return False
+
+
+def _is_equal(value: Any, expected: float) -> bool:
+    try:
+        return is_close(float(value), expected, 1e-6)
+    except (TypeError, ValueError):
+        return False
+
+
+TOPICS = ("Topic", "Description Topic", "Depth Map Topic")
+DISPLAY, DRAWN = "expect_display", "expect_drawn"
+COLORS_APART, DISPLAYS_ON = "expect_colors_apart", "expect_displays_on"
+TOO_MANY = "a layout has more displays than the task asks for"
+MOST_OTHERS = 5  # enabled displays of classes that no check names
+MAX_TEXT = 200_000  # characters of a layout
+MOST_COLORS = 20  # colors that are compared pairwise
+USUAL_COLOR = "25; 255; 0"  # color of a display whose color was not changed
+
+
+@check_function("the layout has {class_name}")
+def expect_display(
+    evidence: Evidence,
+    class_name: str,
+    topic: str | None = None,
+    *,
+    properties: Mapping[str, Any] | None = None,
+    call: int = 0,
+) -> Iterable[Problem]:
+    """Expect an enabled display of a class, on a topic, with properties by RViz's labels: "Topic/Depth"."""
+    asked = {name: value for name, value in locals().items() if name != "evidence"}
+    displays = _displays_of_class(_read_layout(evidence, call), class_name)
+    if topic is not None:
+        on_topic = [config for config in displays if _topic_of(config) == topic]
+        if not on_topic:
+            came = join_words([repr(_topic_of(config)) for config in displays])
+            return [Problem(f"{class_name} subscribes to {came}, expected {topic!r}", "a topic is wrong")]
+        displays = on_topic
+    return list(_check_values(displays[0], properties or {}, class_name)) or _check_surplus(
+        evidence, DISPLAY, asked
+    )
+
+
+@check_function("the layout's options and view")
+def expect_layout(
+    evidence: Evidence,
+    *,
+    fixed_frame: str | None = None,
+    view: str | Sequence[str] | None = None,
+    view_properties: Mapping[str, Any] | None = None,
+    view_within: Mapping[str, tuple[float, float]] | None = None,
+    call: int = 0,
+) -> Iterable[Problem]:
+    """Expect the Fixed Frame, the class of the current view, and view properties by RViz's labels.
+
+    Args:
+        evidence: The evidence with the layout.
+        fixed_frame: The expected Fixed Frame.
+        view: RViz's short name of the class, or several names of which one is expected.
+        view_properties: Exact values.
+        view_within: Minimum and maximum values.
+        call: Index of the call that returned the layout.
+    """
+    found = _read_layout(evidence, call)
+    frame, view_class = text_at(found.options, "Fixed Frame"), _class_of(found.view)
+    if fixed_frame not in (None, frame):
+        yield Problem(f"the Fixed Frame is {frame!r}, expected {fixed_frame!r}", "the Fixed Frame is wrong")
+    views = [view] if isinstance(view, str) else view
+    if views is not None and view_class not in views:
+        expected = " or ".join(map(repr, views))
+        yield Problem(f"the view is {view_class!r}, expected {expected}", "the view is of another class")
+    else:
+        yield from _check_values(found.view, view_properties or {}, "the view")
+        within = view_within or {}
+        for label, (low, high) in within.items():
+            value = _convert(found.view.get(label), low)
+            if not isinstance(value, int | float):
+                yield Problem(f"the view has no {label}", "a value of the view is missing")
+            elif not low <= value <= high:
+                message = f"{label!r} of the view is {value:g}, expected {low:g} to {high:g}"
+                yield Problem(message, "the camera sees nothing")
+
+
+@check_function("one display for each topic")
+def expect_displays_on(evidence: Evidence, *topics: str, call: int = 0) -> Iterable[Problem]:
+    """Expect exactly one enabled display on each of these topics, and none on other topics."""
+    there = Counter(_topic_of(config) for config in _enabled_displays(_read_layout(evidence, call).displays))
+    for topic in dict.fromkeys([*topics, *filter(None, there)]):
+        if there[topic] != (topic in topics):
+            message = (
+                f"{there[topic]} enabled displays subscribe to {topic!r}, expected {int(topic in topics)}"
+            )
+            yield Problem(message, "a topic has no display, or more than one")
+
+
+@check_function("the displays {class_name} differ in color")
+def expect_colors_apart(
+    evidence: Evidence, class_name: str, by: float, *, call: int = 0
+) -> Iterable[Problem]:
+    """Expect colors of displays of a class that differ pairwise, in some channel, by at least `by` of 255."""
+    asked = {name: value for name, value in locals().items() if name != "evidence"}
+    configs = _displays_of_class(_read_layout(evidence, call), class_name)[:MOST_COLORS]
+    colors = [_color_of(config) for config in configs]
+    if len(colors) < 2:
+        message = f"the layout has one enabled display {class_name}, expected two"
+        return [Problem(message, "a display is missing, or not enabled")]
+    pairs = combinations(colors, 2)
+    if all(max(abs(a - b) for a, b in zip(one, other, strict=True)) >= by for one, other in pairs):
+        return _check_surplus(evidence, COLORS_APART, asked)
+    listed_colors = join_words(["; ".join(f"{channel:g}" for channel in color) for color in colors])
+    message = f"the colors of {class_name} are {listed_colors}: no channel differs by {by:g} or more"
+    return [Problem(message, "the colors of two displays do not differ clearly")]
+
+
+@check_function("{class_name} draws, with no warning")
+def expect_drawn(
+    evidence: Evidence,
+    class_name: str,
+    messages: Sequence[Message],
+    *,
+    best_effort: Sequence[str] = (),
+    call: int = 0,
+) -> Iterable[Problem]:
+    """Expect that a display of the layout draws these messages with all statuses Ok.
+
+    Args:
+        evidence: The evidence with the layout.
+        class_name: RViz's short name of the class.
+        messages: The messages that a robot publishes, ordered by time.
+        best_effort: Topics whose publishers are best effort.
+        call: Index of the call that returned the layout.
+    """
+    asked = {name: value for name, value in locals().items() if name != "evidence"}
+    found = _read_layout(evidence, call)
+    config, *_ = _displays_of_class(found, class_name)
+    if text_at(config, "Description Source") == "File":
+        # A student's layout must not make the grader read files.
+        message = f"{class_name} reads a file, expected it to subscribe to its Description Topic"
+        return [Problem(message, "a description comes from a file")]
+    # Only this display is created: other displays may be huge, like a grid with a billion lines.
+    options = {"Fixed Frame": text_at(found.options, "Fixed Frame")}
+    session = RvizSession(Scene())
+    session.apply(Layout(options=options, displays=(config,)))
+    for sample in _samples(messages, best_effort, evidence.personal):
+        session.receive(sample)
+    session.update(START_NS + round(messages[-1].at * 1e9) + 10**8)
+    return list(_check_drawing(session, class_name)) or _check_surplus(evidence, DRAWN, asked)
+
+
+def _check_surplus(evidence: Evidence, check_name: str, arguments: Mapping[str, Any]) -> list[Problem]:
+    """Return the problem of a passing check if the layout has more displays than the task requires.
+
+    The checks with a personal value get the problem, because one of many values is not an answer,
+    and so does the last check of the class. `expect_displays_on` counts displays itself.
+    """
+    own = {key: plain(value) for key, value in arguments.items()}
+    everything = evidence.once(_display_checks)
+    rows = [row for row in everything if row.arguments["call"] == own["call"]]
+    mine = next((row for row in rows if (row.check_function, row.arguments) == (check_name, own)), None)
+    if mine is None or any(row.check_function == DISPLAYS_ON for row in everything):
+        return []
+    there = Counter(map(_class_of, _enabled_displays(_read_layout(evidence, own["call"]).displays)))
+    classes = {row.arguments["class_name"] for row in rows}
+    of_class = [row for row in rows if row.arguments["class_name"] == own["class_name"]]
+    topics = {row.arguments.get("topic") for row in of_class} - {None}
+    allowed = max(1, len(topics), 2 * any(row.check_function == COLORS_APART for row in of_class))
+    if (count := there[own["class_name"]]) > allowed and (
+        mine.is_personal or mine is _last_weighted(of_class)
+    ):
+        message = f"the layout has {count} enabled displays {own['class_name']}, expected at most {allowed}"
+        return [Problem(f"{message}: remove or disable the others", TOO_MANY)]
+    others = sum(there.values()) - sum(there[name] for name in classes)
+    if others > max(MOST_OTHERS, len(classes)) and mine is _last_weighted(rows):
+        message = f"the layout has {others} enabled displays that the task does not ask for"
+        return [Problem(f"{message}: remove or disable them", TOO_MANY)]
+    return []
+
+
+def _display_checks(evidence: Evidence) -> list[ResolvedCheck]:
+    words = (DISPLAY, DRAWN, COLORS_APART, DISPLAYS_ON)
+    checks = (check for check in evidence.checks if check.origin and check.origin.check_function in words)
+    return [resolve_check(check, evidence.personal) for check in checks]
+
+
+def _last_weighted(rows: Sequence[ResolvedCheck]) -> ResolvedCheck:
+    """Return the last check with a weight, or the last check."""
+    return ([row for row in rows if row.weight > 0] or rows)[-1]
+
+
+def _check_drawing(session: RvizSession, class_name: str) -> Iterator[Problem]:
+    rows = [row for row in session.rows() if row.level != "ok"]
+    for row in rows:
+        message = f"{row.display}, {row.name}: {row.text}"
+        yield Problem(message, f"{class_name} or its frames show a status that is not Ok")
+    drawn = session.context.scene.objects()
+    if not rows and not any(path.startswith(session.displays[0].path) for path in drawn):
+        yield Problem(
+            f"{class_name} draws none of the messages that the robot publishes", f"{class_name} draws nothing"
+        )
+
+
+def _samples(
+    messages: Sequence[Message], best_effort: Sequence[str], personal: Mapping[str, Any]
+) -> Iterator[Sample]:
+    for message in messages:
+        qos = Qos()
+        if message.topic in best_effort:
+            qos = replace(qos, reliability="best_effort")
+        if message.topic == "/tf_static":
+            qos = replace(qos, durability="transient_local")
+        cdr = serialize(build(message, personal))
+        yield Sample(START_NS + round(message.at * 1e9), message.topic, message.type_name, cdr, qos, 0)
+
+
+def _read_layout(evidence: Evidence, call: int) -> Layout:
+    """Return the submitted layout, or raise a Problem if it is not a layout."""
+    text = evidence.returns[call] if call < len(evidence.returns) else None
+    if isinstance(text, dict) and list(text) == ["object"] and text != RAISED:
+        message = f"{text['object']} was returned, expected the text of the .rviz file, a string"
+        raise Problem(f"{message}: read it with Path(...).read_text()", "no text of a file was returned")
+    if not isinstance(text, str) or not text.strip():
+        raise Problem("no layout was returned", "there is no layout")
+    if len(text) > MAX_TEXT:
+        raise Problem(f"the layout has {len(text)} characters", "the layout is too long")
+    found = _parse(text)
+    if isinstance(found, str):
+        raise Problem(found, "the layout is not valid YAML")
+    if found.problems:
+        raise Problem(found.problems[0], "the layout has another structure")
+    return found
+
+
+# Many checks read the same layout, and parsing a long one takes seconds.
+@lru_cache(maxsize=4)
+def _parse(text: str) -> Layout | str:
+    """Return the layout, or an error message if it is not valid YAML."""
+    try:
+        return layout_of(text, "the layout")
+    except CourseError as error:
+        return str(error)
+
+
+def _displays_of_class(layout: Layout, class_name: str) -> list[Config]:
+    """Return the enabled displays of a class, or raise a Problem if there is none."""
+    classes = [(_class_of(config), config) for config in _enabled_displays(layout.displays)]
+    found = [config for name, config in classes if name == class_name]
+    if not found:
+        there = join_words([name for name, _ in classes]) or "no display"
+        message = f"the layout has no enabled display {class_name}, it has {there}"
+        raise Problem(message, "a display is missing, or not enabled")
+    return found
+
+
+def _enabled_displays(configs: Iterable[Config]) -> Iterator[Config]:
+    """Yield the enabled displays, including those in enabled groups."""
+    for config in configs:
+        if text_at(config, "Enabled").lower() == "false":
+            continue
+        if config.get("Class") == GROUP:
+            yield from _enabled_displays(config.get("Displays") or ())
+        else:
+            yield config
+
+
+def _class_of(config: Config) -> str:
+    return short_name(full_name(text_at(config, "Class")))
+
+
+def _topic_of(config: Config) -> str:
+    topic = next((config[label] for label in TOPICS if label in config), None)
+    return text_at(topic, "Value") if isinstance(topic, Mapping) else str(topic or "")
+
+
+def _color_of(config: Config) -> tuple[float, ...]:
+    """Return a display's red, green and blue, 0 to 255, or raise a Problem if they are invalid."""
+    text = text_at(config, "Color") or USUAL_COLOR
+    try:
+        red, green, blue = (float(part) for part in text.split(";"))
+    except ValueError as error:
+        raise Problem(
+            f"the color is {text!r}, expected like '25; 255; 0'", "a color is not a color"
+        ) from error
+    return red, green, blue
+
+
+def _check_values(config: Config, properties: Mapping[str, Any], what: str) -> Iterator[Problem]:
+    for path, expected in properties.items():
+        value: Any = config
+        for label in path.split("/"):
+            value = value.get(label) if isinstance(value, Mapping) else None
+        yield from compare(_convert(value, expected), expected, 1e-3, "", f"{path!r} of {what}")
+
+
+def _convert(value: Any, expected: Any) -> Any:
+    """Convert a string of a layout to a number or a bool if one is expected."""
+    if isinstance(value, str) and isinstance(expected, bool):
+        return {"true": True, "false": False}.get(value.lower(), value)
+    if isinstance(value, str) and isinstance(expected, int | float):
+        with suppress(ValueError):
+            return float(value)
+    return value

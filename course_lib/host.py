@@ -1,0 +1,65 @@
+"""The host of this process: a notebook's kernel, a JupyterHub, and the way to the user's browser."""
+
+import os
+import sys
+import webbrowser
+from html import escape
+from importlib.util import find_spec
+
+from course_lib.errors import CourseError
+
+
+def in_notebook() -> bool:
+    """Return whether this code runs in a notebook's kernel."""
+    ipython = sys.modules.get("IPython")
+    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
+
+
+def hub_prefix() -> str | None:
+    """Return the path of the user's server on a JupyterHub, like "/user/ada/"; None without a hub."""
+    return os.environ.get("JUPYTERHUB_SERVICE_PREFIX") or None
+
+
+def require_reachable_page() -> None:
+    """Raise an error if the user's browser cannot reach a page on a port of this machine.
+
+    Raises:
+        CourseError: This is a hub without jupyter-server-proxy.
+    """
+    if hub_prefix() and find_spec("jupyter_server_proxy") is None:
+        raise CourseError(
+            "a separate page cannot be reached on this JupyterHub, which has no jupyter-server-proxy. "
+            "Show the viewer in a notebook: viewer, or viewer.beside()."
+        )
+
+
+def address(port: int, path: str) -> str:
+    """Return the address of a page on a port of this machine, for the user's browser.
+
+    `path` has no first slash. If the hub's name is unknown, the address begins with the server's
+    path.
+    """
+    prefix = hub_prefix()
+    if prefix is None:
+        return f"http://127.0.0.1:{port}/{path}"
+    return f"{os.environ.get('JUPYTERHUB_PUBLIC_URL') or prefix}proxy/{port}/{path}"
+
+
+def announce(what: str, url: str, *, browser: bool) -> None:
+    """Print "what is at url", or show a link in a hub's notebook, and open a browser.
+
+    On a hub no browser is opened, because the user's browser runs on another machine.
+    """
+    if hub_prefix() is None:
+        sys.stdout.write(f"{what} is at {url}\n")
+        if browser:
+            webbrowser.open(url)
+    elif in_notebook():
+        # Not at the head, because IPython is slow to import and not needed outside of notebooks.
+        from IPython.display import display
+
+        link = f'{escape(what)} is <a href="{escape(url)}" target="_blank">in a tab of its own</a>.'
+        display({"text/html": link, "text/plain": f"{what} is at {url}"}, raw=True)  # type: ignore[no-untyped-call]
+    else:
+        after = " after the name of your hub" if url.startswith("/") else ""
+        sys.stdout.write(f"{what} is at {url}{after}\n")

@@ -1,0 +1,451 @@
+"""`course check --ros`: the public checks of an exercise on the messages of its nodes in the real ROS 2.
+
+The student's own code runs on the student's own computer, as with `course run`. Grading never uses
+this. Times differ from run to run there, so they are reported and not counted. Values are compared
+with those that the program published in the kit.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from course_lib.course.exercise import current_identity, find_notebook
+from course_lib.errors import CourseError, format_count
+from course_lib.export.module import Statement, collect_needed, read_cells, statements
+from course_lib.grading.catalog import Catalog, shipped_catalog
+from course_lib.grading.evidence import Check, Evidence
+from course_lib.grading.inputs import build, personal_values
+from course_lib.grading.judge import judge_task
+from course_lib.grading.records import CheckResult
+from course_lib.grading.run.run import Job, Run, plan_scenarios, run_scenarios
+from course_lib.grading.run.submission_run import INPUT_NODE, SET_PARAMETERS, rejection_reasons
+from course_lib.grading.submissions.notebook import parse_notebook
+from course_lib.grading.submissions.submission import NO_EXERCISE, unpack
+from course_lib.grading.task import Message, Scenario, Task
+from course_lib.grading.vocabulary import motion, topics
+from course_lib.real.environment import RealEnvironment, find_environment
+from course_lib.real.process import RealProcesses, linked_graph, temporary_folder
+from course_lib.ros.graph.graph import START_NS, Sample, use_graph
+from course_lib.ros.graph.topics import OWN_TOPICS, SERVICE_HEADER, SERVICE_TOPICS, Qos
+from course_lib.ros.messages import message_class, serialize, to_plain
+from course_lib.ros.programs import import_path
+from course_lib.ros.robot.robot_graph import RobotGraph
+from course_lib.ros.time import wall
+
+# Maximum number of messages by which one recording may begin later than the other.
+MAX_OFFSET = 30
+# Stamps closer than this to the start of a run belong to the run [ns].
+NEAR_NS = 86_400 * 10**9
+TIME = "builtin_interfaces/Time"
+
+
+@dataclass(frozen=True)
+class TopicComparison:
+    """Messages on a topic in the kit and on ROS.
+
+    Args:
+        topic: The topic's name.
+        in_kit: Number of messages in the kit.
+        in_ros: Number of messages on ROS.
+        pairs: Number of compared pairs.
+        equal: Number of pairs that are equal in all bytes except stamps.
+        different_field: A field that differs, or "".
+    """
+
+    topic: str
+    in_kit: int
+    in_ros: int
+    pairs: int
+    equal: int
+    different_field: str = ""
+
+    def __str__(self) -> str:
+        if not self.pairs:
+            return f"{self.topic}: kit {self.in_kit}, ROS {self.in_ros} messages"
+        different = f", others differ in {self.different_field}" if self.different_field else ""
+        return (
+            f"{self.topic}: kit {self.in_kit}, ROS {self.in_ros} messages; {self.equal} of {self.pairs} "
+            f"pairs bit-equal{different}"
+        )
+
+
+def move_stamps(message: Any, by_ns: int, near_ns: int) -> Any:
+    """Shift the stamps in a message that belong to the run, in place. Return the message."""
+    for name, text in message.get_fields_and_field_types().items():
+        value = getattr(message, name)
+        if text == TIME:
+            stamp_ns = value.sec * 10**9 + value.nanosec
+            if abs(stamp_ns - near_ns) < NEAR_NS:
+                value.sec, value.nanosec = divmod(max(stamp_ns + by_ns, 0), 10**9)
+        elif hasattr(value, "get_fields_and_field_types"):
+            move_stamps(value, by_ns, near_ns)
+        elif isinstance(value, list) and value and hasattr(value[0], "get_fields_and_field_types"):
+            for one in value:
+                move_stamps(one, by_ns, near_ns)
+    return message
+
+
+def _without_stamps(sample: Sample) -> Any:
+    """Return the message of a sample with all stamps set to 0."""
+    message = sample.message()
+    _clear_stamps(message)
+    return message
+
+
+def _clear_stamps(message: Any) -> None:
+    for name, text in message.get_fields_and_field_types().items():
+        value = getattr(message, name)
+        if text == TIME:
+            setattr(message, name, type(value)())
+        elif hasattr(value, "get_fields_and_field_types"):
+            _clear_stamps(value)
+        elif isinstance(value, list) and value and hasattr(value[0], "get_fields_and_field_types"):
+            for one in value:
+                _clear_stamps(one)
+
+
+def compare(in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> list[TopicComparison]:
+    """Compare two recordings topic by topic.
+
+    One recording may begin later, so the offset with the fewest differences is used.
+    """
+    topics = sorted({sample.topic for sample in (*in_kit, *in_ros)} - set(OWN_TOPICS))
+    return [
+        _compare_topic(
+            topic, [s for s in in_kit if s.topic == topic], [s for s in in_ros if s.topic == topic]
+        )
+        for topic in topics
+    ]
+
+
+def _compare_topic(topic: str, in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> TopicComparison:
+    ours, theirs = ([serialize(_without_stamps(one)) for one in side] for side in (in_kit, in_ros))
+    best: list[tuple[bytes, bytes]] = []
+    for offset in sorted(range(-MAX_OFFSET, MAX_OFFSET + 1), key=abs):
+        pairs = list(zip(ours[max(0, offset) :], theirs[max(0, -offset) :], strict=False))
+        # An offset must not be selected because it leaves few messages to compare.
+        is_long = 2 * len(pairs) >= min(len(ours), len(theirs))
+        if pairs and is_long and (not best or len(_differences(pairs)) < len(_differences(best))):
+            best = pairs
+    different = _differences(best)
+    field = _different_field(*different[0], in_kit[0].type_name) if different else ""
+    return TopicComparison(topic, len(ours), len(theirs), len(best), len(best) - len(different), field)
+
+
+def _differences(pairs: Sequence[tuple[bytes, bytes]]) -> list[tuple[bytes, bytes]]:
+    return [pair for pair in pairs if pair[0] != pair[1]]
+
+
+def _different_field(ours: bytes, theirs: bytes, type_name: str) -> str:
+    from course_lib.ros.messages import deserialize
+
+    kit, ros = (
+        dict(_flatten(to_plain(deserialize(cdr, message_class(type_name))))) for cdr in (ours, theirs)
+    )
+    names = [name for name in {**kit, **ros} if kit.get(name) != ros.get(name)]
+    return names[0] if names else ""
+
+
+def _flatten(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    if isinstance(value, dict):
+        for name, one in value.items():
+            yield from _flatten(one, f"{path}.{name}" if path else str(name))
+    elif isinstance(value, list):
+        yield f"{path}.length", len(value)
+        for index, one in enumerate(value):
+            yield from _flatten(one, f"{path}[{index}]")
+    else:
+        yield path, value
+
+
+# Checks of times, and of rates that a program measures. Other programs on the computer change both.
+TIMING = ("expect_level", "expect_nothing_before", "expect_rate", "expect_stamps", "expect_throughout")
+# The mistakes reported by checks that find a gap.
+GAPS = {topics.NOT_ALL_THE_TIME, topics.FALLS_SILENT, motion.NOT_ALL_THE_TIME}
+MY_VALUES = "from course_lib import my_values"
+CALL = re.compile(r"""my_values\(["']([\w.]+)["']\)""")
+# Prefix of the line that the program prints when it creates its nodes.
+BEGIN = "begin "
+# Time limit for starting Python and importing rclpy and the notebook's packages [s].
+START_SECONDS = 20.0
+# Maximum delay of a timer that is due at the end [ns].
+LATE_NS = 15_000_000
+# Time for receiving the last messages [s].
+LAST_SECONDS = 0.3
+
+
+@dataclass(frozen=True)
+class RealResult:
+    """The result of a task on the real ROS 2.
+
+    Args:
+        task: The task.
+        skipped: Why it was not run, or "". With errors it counts as failed.
+        checks: Results, and for each whether it depends only on times.
+        errors: The errors raised by the task's code.
+        comparisons: Comparisons with the messages published in the kit.
+        packages: Packages of the kit that the task used.
+    """
+
+    task: Task
+    skipped: str = ""
+    checks: tuple[tuple[CheckResult, bool], ...] = ()
+    errors: tuple[str, ...] = ()
+    comparisons: tuple[TopicComparison, ...] = ()
+    packages: tuple[str, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether all checks pass, except checks of times."""
+        return not self.errors and all(check.passed for check, is_timing in self.checks if not is_timing)
+
+    def lines(self) -> list[str]:
+        """Return the result as lines for a terminal."""
+        if self.skipped:
+            return [f"{self.task.id}: not run on ROS, {self.skipped}"]
+        counted_checks = [check for check, is_timing in self.checks if not is_timing]
+        number = sum(check.passed for check in counted_checks)
+        rows = [
+            f"{self.task.id}: {number} of {format_count(len(counted_checks), 'check')} pass on the real ROS 2"
+        ]
+        rows += [f"  {error}" for error in self.errors]
+        # Checks with the same outcome share a line.
+        titles: dict[tuple[str, str], list[str]] = {}
+        for check, is_timing in self.checks:
+            mark = "ok" if check.passed else "~~" if is_timing else "NO"
+            about = f": {check.message}" if is_timing or not check.passed else ""
+            note = " (timing: not counted)" if is_timing else ""
+            titles.setdefault((mark, about + note), []).append(check.title)
+        rows += [f"  {mark} {'; '.join(names)}{about}" for (mark, about), names in titles.items()]
+        rows += [f"  {one}" for one in self.comparisons]
+        return rows
+
+
+def check_on_ros(path: Path) -> bool:
+    """Run the nodes of an exercise on the real ROS 2 and print the results.
+
+    Return whether all tasks pass.
+
+    Raises:
+        CourseError: The real rclpy is not installed, or the file is not an exercise.
+    """
+    environment = find_environment()
+    results = list[RealResult]()
+    for result in results_on_ros(path, environment):
+        if not results:
+            print(f"On {environment}, compared with the same run in the kit:")  # noqa: T201  the terminal is its page
+        print(*result.lines(), sep="\n", flush=True)  # noqa: T201
+        results.append(result)
+    kits = sorted({name for result in results for name in result.packages})
+    if kits:
+        print(f"Not ROS's own, but the kit's on the real rclpy: {', '.join(kits)}.")  # noqa: T201
+    return all(result.passed for result in results)
+
+
+def results_on_ros(path: Path, environment: RealEnvironment) -> Iterator[RealResult]:
+    """Yield the result of each task of an exercise; see `check_on_ros`."""
+    path = find_notebook(path)
+    notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()
+    tasks = catalog.of_week((notebook.exercise or "").split("_")[0])
+    if not tasks:
+        raise CourseError(f"{path} {NO_EXERCISE}")
+    import_path.install()
+    student = notebook.student or current_identity()
+    code = statements(read_cells(path))
+    nodes = [task for task in tasks if task.kind == "node"]
+    steps = plan_scenarios(nodes, catalog, hidden=False)
+    made = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits))
+    for task in tasks:
+        in_kit = [run.evidence for run in made.runs if run.evidence.task == task.id]
+        yield _check(task, code, in_kit, catalog, environment, student)
+
+
+def _check(
+    task: Task,
+    code: Sequence[Statement],
+    in_kit: Sequence[Evidence],
+    catalog: Catalog,
+    environment: RealEnvironment,
+    student: str | None,
+) -> RealResult:
+    personal = personal_values(task, student)
+    if task.kind != "node":
+        return RealResult(task, f"as it is not a node but a {task.kind}")
+    errors = [error for evidence in in_kit for error in evidence.errors]
+    if errors and errors[0].startswith("NotImplementedError"):
+        return RealResult(task, f"as it is not finished: {errors[0]}", errors=(errors[0],))
+    try:
+        text = _module_text(task, code, catalog, student)
+    except CourseError as error:
+        return RealResult(task, f"because of this: {error}", errors=(str(error),))
+    runs, comparisons, packages = [], list[TopicComparison](), set[str]()
+    with temporary_folder() as folder:
+        module = folder / f"{task.id.replace('.', '_')}.py"
+        module.write_text(text, encoding="utf-8")
+        for scenario, kits in zip(task.scenarios, in_kit, strict=True):
+            run = ScenarioOnRos(task, scenario, personal, environment, folder)
+            evidence = run.evidence(module)
+            if "ModuleNotFoundError" in "".join(evidence.errors):
+                return RealResult(task, f"as a package has no wheel: {evidence.errors[0]}")
+            runs.append(Run(_without_timing(scenario), evidence))
+            comparisons += compare(kits.samples, evidence.samples)
+            packages |= set(run.packages)
+    result = judge_task(task, *catalog.points(task), runs)
+    timing = [_is_timing(check) for run in runs for check in run.scenario.checks]
+    rows = zip(result.checks, timing, strict=True)
+    checks = tuple((one, is_timing or _is_gap(one)) for one, is_timing in rows)
+    return RealResult(task, "", checks, result.errors, tuple(comparisons), tuple(sorted(packages)))
+
+
+def _module_text(task: Task, code: Sequence[Statement], catalog: Catalog, student: str | None) -> str:
+    """Return the part of a notebook that creates a task's nodes, as a module.
+
+    Calls of `my_values` are replaced by the student's values, as a program for a robot would
+    contain them.
+
+    Raises:
+        CourseError: No cell defines the task, or it uses course_lib, which robots do not have.
+    """
+    root = next((one for one in reversed(code) if task.name in one.bindings and not one.is_import), None)
+    if root is None:
+        raise CourseError(f"no cell defines {task.name}.")
+    parts = [part for part in collect_needed(root, code, []) if part.text != MY_VALUES]
+    used = [part.text for part in parts if part.is_import and "course_lib" in part.text]
+    if used:
+        raise CourseError(f"{task.name} uses course_lib ({used[0]}), which robots do not have.")
+    text = "\n\n".join(part.text for part in parts)
+    return CALL.sub(lambda call: repr(dict(personal_values(catalog.task(call[1]), student))), text) + "\n"
+
+
+def _without_timing(scenario: Scenario) -> Scenario:
+    """Return a scenario whose checks do not require checks of times."""
+
+    def keep(check: Check) -> Check:
+        return replace(check, requires=tuple(keep(one) for one in check.requires if not _is_timing(one)))
+
+    return replace(scenario, checks=tuple(keep(check) for check in scenario.checks))
+
+
+def _is_timing(check: Check) -> bool:
+    return check.origin is not None and check.origin.check_function in TIMING
+
+
+def _is_gap(result: CheckResult) -> bool:
+    """Return whether a check failed only because messages were late, as on a busy computer."""
+    return not result.passed and result.mistake in GAPS
+
+
+class ScenarioOnRos:
+    """A scenario of a task: the student's nodes run on the real rclpy, inputs and recorder in the kit."""
+
+    def __init__(
+        self,
+        task: Task,
+        scenario: Scenario,
+        personal: Mapping[str, Any],
+        environment: RealEnvironment,
+        folder: Path,
+    ) -> None:
+        self._task, self._scenario, self._personal = task, scenario, personal
+        self._environment, self._folder = environment, folder
+        self._samples: list[Sample] = []
+        self._rejections: list[str] = []
+        self._input_node = -1
+        self.packages: list[str] = []
+
+    def evidence(self, module: Path) -> Evidence:
+        """Run the scenario and return its evidence, with times relative to the kit's START_NS."""
+        outputs = [self._folder / f"{self._scenario.name}.{name}" for name in ("out", "err")]
+        programs = RealProcesses(self._environment, self._folder, [module], lambda line: None)
+        graph = linked_graph(programs, lambda line: None, sends=True)
+        self._input_node = graph.add_node(INPUT_NODE, "/")
+        graph.tap(self._record)
+        inputs = [self._publisher(graph, message) for message in self._scenario.inputs]
+        asked = {one.topic for one in self._scenario.inputs if one.type_name == SET_PARAMETERS}
+        for service in asked:
+            self._watch_rejections(graph, service)
+        begin_ns = graph.now_ns
+        try:
+            with use_graph(graph), outputs[0].open("w") as out, outputs[1].open("w") as err:
+                topics = [one.topic for one in self._scenario.inputs if "/srv/" not in one.type_name]
+                programs.start(module, topics, subject=self._task.name, streams=(out, err))
+                begin_ns = self._wait_for_begin(graph, programs, outputs[0]) or begin_ns
+                for publish, message in zip(inputs, self._scenario.inputs, strict=True):
+                    due_ns = begin_ns + round(message.at * 1e9)
+                    graph.call_at(due_ns, partial(publish, begin_ns), node=self._input_node, entity=0)
+                end_ns = begin_ns + round((self._scenario.seconds + LAST_SECONDS) * 1e9)
+                while programs.are_running() and graph.now_ns < end_ns:
+                    graph.advance()
+                is_early = not programs.are_running()
+                code = programs.end(graph.advance)
+        finally:
+            programs.end(graph.advance)
+            graph.close()
+        self.packages = programs.packages_of_the_kit()
+        text, errors = (output.read_text(encoding="utf-8", errors="replace") for output in outputs)
+        lines = [line for line in errors.splitlines() if line.strip()]
+        raised = (lines[-1] if lines else f"It ended with exit code {code}.",) if is_early and code else ()
+        return Evidence(
+            task=self._task.id,
+            scenario=self._scenario.name,
+            seconds=self._scenario.seconds,
+            samples=tuple(self._shift_samples(begin_ns)),
+            output="".join(self._rejections) + text.partition("\n")[2] + errors,
+            errors=raised,
+            personal=self._personal,
+        )
+
+    def _record(self, sample: Sample) -> None:
+        if sample.node != self._input_node and sample.topic not in OWN_TOPICS:
+            self._samples.append(sample)
+
+    def _shift_samples(self, begin_ns: int) -> Iterator[Sample]:
+        """Yield the samples of the scenario, with all times shifted to the kit's time."""
+        shift_ns, end_ns = START_NS - begin_ns, START_NS + round(self._scenario.seconds * 1e9)
+        for sample in self._samples:
+            stamp_ns = max(sample.stamp_ns + shift_ns, START_NS)
+            if stamp_ns <= end_ns + LATE_NS:
+                message = move_stamps(sample.message(), shift_ns, begin_ns)
+                yield replace(sample, stamp_ns=min(stamp_ns, end_ns), cdr=serialize(message))
+
+    def _publisher(self, graph: RobotGraph, message: Message) -> Callable[[int], None]:
+        """Return a function that publishes an input or sends a request.
+
+        Its argument is the start of the run.
+        """
+        topic, type_name, header = message.topic, message.type_name, b""
+        if "/srv/" in type_name:
+            prefix, suffix = SERVICE_TOPICS[0]
+            topic, type_name = f"{prefix}{topic}{suffix}", f"{type_name}_Request"
+        built = build(replace(message, topic=topic, type_name=type_name), self._personal)
+        endpoint = graph.add_publisher(self._input_node, topic, type_name, Qos())
+        if "/srv/" in type_name:
+            header = SERVICE_HEADER.pack(endpoint, 1)
+
+        def publish(begin_ns: int) -> None:
+            # The stamps of inputs are relative to the kit's clock.
+            graph.publish(endpoint, header + serialize(move_stamps(built, begin_ns - START_NS, START_NS)))
+
+        return publish
+
+    def _watch_rejections(self, graph: RobotGraph, service: str) -> None:
+        def on_reply(data: bytes, source_ns: int, received_ns: int) -> None:
+            reasons = rejection_reasons(data[SERVICE_HEADER.size :])
+            self._rejections += [f"Setting parameter failed: {reason}\n" for reason in reasons]
+
+        prefix, suffix = SERVICE_TOPICS[1]
+        type_name = f"{SET_PARAMETERS}_Response"
+        graph.add_subscription(self._input_node, 0, f"{prefix}{service}{suffix}", type_name, Qos(), on_reply)
+
+    def _wait_for_begin(self, graph: RobotGraph, programs: RealProcesses, output: Path) -> int | None:
+        """Return the time at which the program creates its nodes, [ns] since 1970."""
+        deadline = wall.monotonic() + START_SECONDS
+        while programs.are_running() and wall.monotonic() < deadline:
+            graph.advance()
+            line = output.read_text(encoding="utf-8", errors="replace").partition("\n")
+            if line[0].startswith(BEGIN) and line[1]:
+                return int(line[0].removeprefix(BEGIN))
+        return None

@@ -1,0 +1,183 @@
+"""The environment of the real rclpy, created by `course ros --install`.
+
+The wheels are not installed into the kit's own environment, because they would replace the `lark`
+of JupyterLab, and they start every Python of their environment twice.
+"""
+
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import metadata
+from pathlib import Path
+
+from course_lib.errors import CourseError
+
+REQUIREMENTS = Path(__file__).parent / "requirements.txt"
+# The variable that selects the Python of another environment.
+PYTHON = "REAL_ROS_PYTHON"
+# The newest Python with wheels.
+NEWEST_PYTHON = (3, 14)
+SIZE = "60 MB of downloads, 260 MB on the disk"
+INSTALL = "course ros --install"
+_PIN = re.compile(r"^(ros-[\w-]+)==([\w.]+)$", re.MULTILINE)
+# Variables of a sourced ROS, or of the user's settings for DDS, which would change the programs'
+# behavior.
+REMOVED_VARIABLES = (
+    "_ROS_WHEELS_BOOTSTRAP_COMPLETE",
+    "AMENT_PREFIX_PATH",
+    "CYCLONEDDS_URI",
+    "FASTDDS_DEFAULT_PROFILES_FILE",
+    "FASTRTPS_DEFAULT_PROFILES_FILE",
+    "LD_LIBRARY_PATH",
+    "PYTHONHOME",
+    "PYTHONPATH",
+    "RMW_IMPLEMENTATION",
+    "ROS_DISCOVERY_SERVER",
+    "ROS_LOCALHOST_ONLY",
+    "ROS_STATIC_PEERS",
+)
+
+
+@dataclass(frozen=True)
+class RealEnvironment:
+    """An environment with the real rclpy."""
+
+    python: Path
+
+    @property
+    def folder(self) -> Path:
+        """The environment's folder."""
+        return self.python.parent.parent
+
+    @cached_property
+    def _packages_folder(self) -> Path | None:
+        return next(iter(sorted(self.folder.glob("lib/python3*/site-packages"))), None)
+
+    @cached_property
+    def versions(self) -> dict[str, str]:
+        """The versions of the installed distributions by name."""
+        if self._packages_folder is None:
+            return {}
+        found = metadata.distributions(path=[str(self._packages_folder)])
+        return {one.metadata["Name"].replace("_", "-"): one.version for one in found}
+
+    @property
+    def packages(self) -> list[str]:
+        """The Python packages in the environment."""
+        return [one.name for one in self._packages_folder.iterdir()] if self._packages_folder else []
+
+    def problem(self) -> str:
+        """Return the first pinned package that is missing or has a different version, or ""."""
+        for name, version in pins().items():
+            found = self.versions.get(name)
+            if found != version:
+                return f"{name} {found or 'is missing'}, expected {version}"
+        return ""
+
+    def __str__(self) -> str:
+        return (
+            f"rclpy {self.versions.get('ros-rclpy')} of ROS 2 Jazzy with Fast DDS "
+            f"{self.versions.get('ros-fastrtps')}"
+        )
+
+
+def pins() -> dict[str, str]:
+    """Return the pinned versions of ROS packages by name."""
+    return dict(_PIN.findall(REQUIREMENTS.read_text(encoding="utf-8")))
+
+
+def why_not_supported() -> str:
+    """Return why the real rclpy cannot be installed on this computer, or ""."""
+    if sys.platform != "linux" or platform.machine() != "x86_64":
+        here = f"{platform.system()} on {platform.machine()}"
+        return f"there are wheels for Linux on x86-64 only, and this is {here}"
+    if platform.libc_ver()[0] != "glibc":
+        return "the wheels need glibc, which this Linux does not have"
+    if sys.version_info[:2] > NEWEST_PYTHON:
+        newest = ".".join(map(str, NEWEST_PYTHON))
+        return f"there are wheels up to Python {newest}, and this is {platform.python_version()}"
+    return ""
+
+
+def default_folder() -> Path:
+    """Return the folder of the environment in the user's data folder."""
+    data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+    python = f"py{sys.version_info.major}{sys.version_info.minor}"
+    return data / "course_lib" / f"ros-jazzy-{pins()['ros-rclpy']}-{python}"
+
+
+def find_environment() -> RealEnvironment:
+    """Return the environment selected by REAL_ROS_PYTHON, or else the installed one.
+
+    Raises:
+        CourseError: It does not exist, or its versions are not the pinned ones.
+    """
+    named = os.environ.get(PYTHON)
+    python = Path(named) if named else default_folder() / "bin" / "python"
+    if not python.exists():
+        if named:
+            raise CourseError(f"{PYTHON} is {named}, where there is no Python. Correct it, or unset it.")
+        reason = why_not_supported()
+        if reason:
+            raise CourseError(f"The real ROS 2 cannot be installed here: {reason}.")
+        raise CourseError(f"The real ROS 2 is not installed ({SIZE}). Install it: {INSTALL}")
+    environment = RealEnvironment(python)
+    if problem := environment.problem():
+        fix = f"point {PYTHON} elsewhere" if named else f"install it anew: {INSTALL}"
+        raise CourseError(f"{environment.folder} lacks the tested ROS 2: {problem}. Therefore {fix}.")
+    return environment
+
+
+def install(report: Callable[[str], None]) -> RealEnvironment:
+    """Install the pinned wheels into the user's data folder, unless they are already installed.
+
+    Raises:
+        CourseError: The wheels do not support this computer, or pip fails.
+    """
+    reason = why_not_supported()
+    if reason:
+        raise CourseError(f"The real ROS 2 cannot be installed here: {reason}. The kit works without it.")
+    folder = default_folder()
+    environment = RealEnvironment(folder / "bin" / "python")
+    if not environment.python.exists() or environment.problem():
+        report(f"Installing the real ROS 2 into {folder}: {SIZE}, up to a minute.")
+        shutil.rmtree(folder, ignore_errors=True)
+        try:
+            _create(folder)
+        except BaseException:
+            # An incomplete environment must not be mistaken for a complete one, even after Ctrl+C.
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        environment = RealEnvironment(folder / "bin" / "python")
+        if problem := environment.problem():
+            shutil.rmtree(folder, ignore_errors=True)
+            raise CourseError(f"pip installed {problem}. Is another package index configured?")
+    report(f"{environment} is in {folder}.")
+    return environment
+
+
+def _create(folder: Path) -> None:
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    venv = [sys.executable, "-m", "venv", str(folder)]
+    _run(venv, "Python's venv fails; on Debian: apt install python3-venv")
+    pip = [str(folder / "bin" / "python"), "-m", "pip", "install", "--quiet", "--no-deps"]
+    options = ["--only-binary", ":all:", "--disable-pip-version-check", "--requirement", str(REQUIREMENTS)]
+    _run([*pip, *options], "pip cannot install the wheels; is this computer online?")
+
+
+def _run(command: list[str], problem: str) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, env=clean_variables(), check=False)
+    if done.returncode:
+        lines = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()]
+        raise CourseError(f"{problem} ({lines[-1].strip() if lines else f'exit code {done.returncode}'})")
+
+
+def clean_variables() -> dict[str, str]:
+    """Return this process's environment variables without the variables of another ROS."""
+    return {name: value for name, value in os.environ.items() if name not in REMOVED_VARIABLES}

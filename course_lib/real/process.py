@@ -1,0 +1,219 @@
+"""Programs under the real rclpy in separate processes, and the graph that is linked to them over DDS."""
+
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+from course_lib.errors import CourseError
+from course_lib.real.environment import RealEnvironment, clean_variables
+from course_lib.real.types import missing_packages
+from course_lib.ros.dds.link import DdsLink
+from course_lib.ros.robot.robot_graph import RobotGraph
+from course_lib.ros.robot.sending import Permissions
+from course_lib.ros.time import wall
+
+HOST = "127.0.0.1"
+KIT = Path(__file__).parents[2]
+PROGRAM = Path(__file__).parent / "child" / "program.py"
+# Linux does not use the ports of these domains for outgoing connections.
+DOMAINS = range(1, 101)
+# Port of the first participant in domain 0.
+PORT, PORTS_OF_A_DOMAIN = 7410, 250
+# Number of attempts to find a free domain.
+TRIES = 20
+WARM_TYPES = ("visualization_msgs/msg/MarkerArray", "tf2_msgs/msg/TFMessage", "rcl_interfaces/msg/Log")
+# Signals that end a program, and the time to wait after each [s].
+SIGNALS = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 5.0))
+# As in a shell, the exit code of a program ended by a signal is the sum of this and the signal
+# number.
+SIGNALED = 128
+# Only the loopback device is used, so that nothing leaves this computer even if a remote computer
+# requests discovery.
+PROFILES = """<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns="http://www.eprosima.com"><profiles>
+  <transport_descriptors><transport_descriptor>
+    <transport_id>loopback</transport_id><type>UDPv4</type>
+    <interfaceWhiteList><address>127.0.0.1</address></interfaceWhiteList>
+  </transport_descriptor></transport_descriptors>
+  <participant profile_name="loopback" is_default_profile="true"><rtps>
+    <userTransports><transport_id>loopback</transport_id></userTransports>
+    <useBuiltinTransports>false</useBuiltinTransports>
+  </rtps></participant>
+</profiles></dds>
+"""
+
+
+class RealProcesses:
+    """Programs under the real rclpy in one domain of this computer.
+
+    Args:
+        environment: The environment with the real rclpy.
+        folder: A folder for files of the run.
+        programs: The programs, whose folders may contain packages of messages.
+        report: Prints a line for the user.
+        domain: The programs' ROS_DOMAIN_ID; 0 selects a free one.
+        is_timed: Whether `end` is called after a given time, so that programs do not report it.
+    """
+
+    def __init__(
+        self,
+        environment: RealEnvironment,
+        folder: Path,
+        programs: Sequence[Path],
+        report: Callable[[str], None],
+        domain: int = 0,
+        *,
+        is_timed: bool = False,
+    ) -> None:
+        self._environment, self._report = environment, report
+        self._used = folder / "used.txt"
+        self._used.touch()
+        profiles = folder / "loopback.xml"
+        profiles.write_text(PROFILES, encoding="utf-8")
+        packages, problems = missing_packages(environment.packages, programs)
+        for problem in problems:
+            report(problem)
+        self.domain = domain or free_domain()
+        self._settings = repr(
+            {
+                "kit": str(KIT),
+                "python": sys.executable,
+                "packages": packages,
+                "used": str(self._used),
+                "is_timed": is_timed,
+            }
+        )
+        self._variables = clean_variables() | {
+            "FASTDDS_DEFAULT_PROFILES_FILE": str(profiles),
+            "FASTRTPS_DEFAULT_PROFILES_FILE": str(profiles),
+            "PYTHONUNBUFFERED": "1",
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            "ROS_DOMAIN_ID": str(self.domain),
+            "ROS_LOG_DIR": str(folder),
+        }
+        self.processes: list[subprocess.Popen[bytes]] = []
+        self.is_ending = False
+
+    def start(
+        self,
+        program: Path,
+        arguments: Sequence[str] = (),
+        *,
+        subject: str = "-",
+        streams: tuple[IO[str] | None, IO[str] | None] = (None, None),
+    ) -> None:
+        """Start a program with output to `streams`. If `subject` is given, it creates the nodes."""
+        command = [self._environment.python, PROGRAM, self._settings, subject, program, *arguments]
+        process = subprocess.Popen(
+            [str(word) for word in command],
+            stdout=streams[0],
+            stderr=streams[1],
+            env=self._variables,
+            # Ctrl+C reaches only this process, which passes it on once.
+            start_new_session=True,
+        )
+        self.processes.append(process)
+
+    def are_running(self) -> bool:
+        """Return whether a program still runs."""
+        return any(process.poll() is None for process in self.processes)
+
+    def end(self, advance: Callable[[], object]) -> int:
+        """Interrupt the programs as Ctrl+C does. Return the first exit code other than 0.
+
+        Args:
+            advance: Called while the programs end, so that their last messages are recorded.
+        """
+        self.is_ending = True
+        for number, seconds in SIGNALS:
+            running = [process for process in self.processes if process.poll() is None]
+            if running and number != signal.SIGINT:
+                self._report(f"A program did not end, so it got {number.name}.")
+            for process in running:
+                process.send_signal(number)
+            deadline = wall.monotonic() + seconds
+            while self.are_running() and wall.monotonic() < deadline:
+                advance()
+        # A program that does not handle the interrupt has ended as expected, as with `course run`.
+        codes = [process.wait() for process in self.processes]
+        failed = [code for code in codes if code not in (0, -signal.SIGINT)]
+        return next((code if code > 0 else SIGNALED - code for code in failed), 0)
+
+    def packages_of_the_kit(self) -> list[str]:
+        """Return the imported packages that are from the kit, not from ROS."""
+        return sorted(set(self._used.read_text(encoding="utf-8").split("\n")) - {""})
+
+
+def free_domain() -> int:
+    """Return a random domain without participants on this computer.
+
+    Raises:
+        CourseError: No free domain was found.
+    """
+    for domain in random.SystemRandom().sample(DOMAINS, TRIES):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+            try:
+                sock.bind(("", PORT + PORTS_OF_A_DOMAIN * domain))
+                return domain
+            except OSError:
+                continue
+    raise CourseError("No domain is free on this computer: end other ROS 2 programs first.")
+
+
+def linked_graph(
+    programs: RealProcesses, report: Callable[[str], None], *, sends: bool = False
+) -> RobotGraph:
+    """Return a graph that is linked to programs, which may start later.
+
+    Args:
+        programs: The programs, whose domain the graph joins.
+        report: Prints the link's lines while nodes exist. Before and after, missing messages are
+            normal.
+        sends: Whether all topics may be published and all services called.
+    """
+    from course_lib.ros.messages.hashes import type_hash
+
+    def report_later(line: str) -> None:
+        if graph.nodes() and not programs.is_ending and programs.are_running():
+            report(line)
+
+    for name in WARM_TYPES:
+        # Definitions are read now, because reading them takes a second in which the first messages
+        # would be lost.
+        type_hash(name)
+    graph = RobotGraph(DdsLink(HOST, programs.domain), Permissions(allows_everything=sends), report_later)
+    return graph
+
+
+@contextmanager
+def temporary_folder() -> Iterator[Path]:
+    """Provide a temporary folder for files of a run."""
+    with tempfile.TemporaryDirectory(prefix="course-ros-") as folder:
+        yield Path(folder)
+
+
+def check_programs(files: Sequence[Path]) -> None:
+    """Check that all files are Python programs that can run in separate processes.
+
+    Raises:
+        CourseError: A file is not.
+    """
+    for file in files:
+        if not file.is_file():
+            raise CourseError(f"{file} is not a file. --ros runs Python programs, like my_node.py.")
+        if file.suffix == ".ipynb":
+            raise CourseError(
+                f"{file}: --ros runs Python programs. Check a notebook with course check --ros, or export it."
+            )
+        if file.suffix != ".py" or file.name.endswith((".launch.py", "_launch.py")):
+            raise CourseError(f"{file}: --ros runs Python programs only, as launch has no wheel.")
+        if not os.access(file, os.R_OK):
+            raise CourseError(f"{file} cannot be read.")

@@ -1,0 +1,109 @@
+"""The types without a wheel, as data for the process under the real rclpy.
+
+That process runs `python -m course_lib.real.types PACKAGE PROGRAM…` when a program imports such a
+package.
+"""
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from course_lib.errors import CourseError
+from course_lib.ros.messages import message_class
+from course_lib.ros.messages.definitions import (
+    PRIMITIVES,
+    FieldDefinition,
+    add_package,
+    definition,
+    field_definitions,
+    type_names,
+)
+from course_lib.ros.messages.hashes import type_hash
+from course_lib.ros.messages.message import module_of_type
+from course_lib.ros.programs.packages import has_interfaces, packages
+
+# Suffixes of the first part's name.
+_SERVICE, _ACTION = "_Request", "_Goal"
+
+
+def missing_packages(installed: Iterable[str], programs: Iterable[Path]) -> tuple[list[str], list[str]]:
+    """Return the packages of types without a wheel, and a line for each package that cannot be read.
+
+    Args:
+        installed: The packages of the environment.
+        programs: Files whose folders may contain packages with interface files.
+    """
+    problems = _add_own_packages(programs)
+    names = {name.partition("/")[0] for name in type_names()}
+    return sorted(names - set(installed)), problems
+
+
+def types_of(package: str) -> dict[str, dict[str, Any]]:
+    """Return all types of a package by name: module, fields, constants, defaults and hash of messages.
+
+    For services and actions, which consist of messages, only kind, module and hash are returned.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for name in (name for name in type_names() if name.startswith(f"{package}/")):
+        found[name] = _describe(name)
+        for end, kind in ((_SERVICE, "service"), (_ACTION, "action")):
+            if name.endswith(end):
+                whole = name.removesuffix(end)
+                # Only the hashes of an action's services are used in communication, not a hash of
+                # the action.
+                found[whole] = {
+                    "kind": kind,
+                    "module": module_of_type(whole),
+                    "hash": type_hash(whole if kind == "service" else name),
+                }
+    return found
+
+
+def _add_own_packages(programs: Iterable[Path]) -> list[str]:
+    """Add the packages of the workspace and those in the programs' folders. Return the problems."""
+    known = {name.partition("/")[0] for name in field_definitions()}
+    folders = {name: folder for name, folder in packages().items() if has_interfaces(folder)}
+    for parent in {program.resolve().parent for program in programs}:
+        folders |= {one.name: one for one in parent.iterdir() if one.is_dir() and has_interfaces(one)}
+    problems = []
+    for name, folder in folders.items():
+        try:
+            if name not in known:
+                add_package(folder, name)
+        except CourseError as error:
+            problems.append(f"{name} cannot be imported: {error}")
+    return problems
+
+
+def _describe(name: str) -> dict[str, Any]:
+    about = definition(name)
+    texts = message_class(name).get_fields_and_field_types()
+    defaults = {field.name: _default(field) for field in about.fields if field.default is not None}
+    whole = name.removesuffix("_Request").removesuffix("_Response")
+    hashed = whole if whole != name else name
+    return {
+        "module": module_of_type(name),
+        "fields": texts,
+        "constants": dict(about.constants),
+        "defaults": defaults,
+        "hash": type_hash(hashed),
+    }
+
+
+def _default(field: FieldDefinition) -> Any:
+    is_float = field.base in PRIMITIVES and PRIMITIVES[field.base].python is float
+    if is_float:
+        return [float(one) for one in field.default] if field.container != "scalar" else float(field.default)
+    return field.default
+
+
+def main() -> None:
+    """Print the types of a package. Further arguments are programs whose folders are searched."""
+    package, *programs = sys.argv[1:]
+    _add_own_packages(map(Path, programs))
+    sys.stdout.write(repr(types_of(package)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,411 @@
+"""ROS's robot_state_publisher, and joint_state_publisher with sliders for its joints."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import pi
+from typing import TYPE_CHECKING, Any, Unpack
+
+from builtin_interfaces.msg import Time as TimeMsg
+from geometry_msgs.msg import TransformStamped
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.node import Node, NodeOptions
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
+
+from course_lib.errors import CourseError
+from course_lib.robots.kinematics import joint_poses
+from course_lib.robots.trajectory import period_of
+from course_lib.robots.urdf import MOVING, Joint, Mimic, parse_urdf
+from course_lib.ros.time import pace
+
+if TYPE_CHECKING:
+    from ipywidgets import HBox, VBox
+
+_KINDS = ("position", "velocity", "effort")
+_DEPENDENT = ("parent", "factor", "offset")
+_DEFAULTS: dict[str, Any] = {
+    "publish_default_efforts": False,
+    "publish_default_positions": True,
+    "publish_default_velocities": False,
+    "source_list": list[str](),
+    "use_mimic_tags": True,
+    "use_smallest_joint_limits": True,
+    "delta": 0.0,
+}
+
+
+@dataclass
+class FreeJoint:
+    """A joint that can be set: limits, initial and current state, in its unit.
+
+    None is not published.
+    """
+
+    unit: str
+    lower: float
+    upper: float
+    zero: float
+    position: float | None
+    velocity: float | None = None
+    effort: float | None = None
+    is_continuous: bool = False
+    # The direction in which the parameter `delta` moves it.
+    moves_up: bool = True
+
+
+class JointStatePublisher(Node):
+    """Publishes /joint_states for a robot, with the rules and parameters of the ROS node.
+
+    Joints start at 0, or in the middle of limits that exclude 0. They keep the value set by
+    `joints[name].position` or by a topic of the parameter `source_list`; mimic joints follow. The
+    robot is the given one, until a message on /robot_description replaces it. As in ROS 2,
+    `dependent_joints` is checked, and a description replaces it.
+
+    Args:
+        robot_description: The text of a URDF; if empty, the node waits for /robot_description.
+        rate: Publishing rate, [Hz].
+        zeros: Initial positions by joint name, [rad] or [m].
+        options: Options of any node.
+
+    Raises:
+        CourseError: The description is invalid, a joint has no limits, or the rate is not positive.
+    """
+
+    def __init__(
+        self,
+        robot_description: str = "",
+        *,
+        rate: int = 10,
+        zeros: Mapping[str, float] | None = None,
+        **options: Unpack[NodeOptions],
+    ) -> None:
+        options.setdefault("automatically_declare_parameters_from_overrides", True)
+        super().__init__("joint_state_publisher", **options)
+        for name, value in {"rate": rate, **_DEFAULTS}.items():
+            if not self.has_parameter(name):
+                self.declare_parameter(name, value)
+        # As in ROS, all parameters are read once: later changes have no effect.
+        self._parameters_at_start = {name: self.get_parameter(name).value for name in ("rate", *_DEFAULTS)}
+        given = {name: parameter.value for name, parameter in self.get_parameters_by_prefix("zeros").items()}
+        self.joints: dict[str, FreeJoint] = {}
+        # Called after the robot has changed.
+        self.on_robot: list[Callable[[], None]] = []
+        self._zeros = {**(zeros or {}), **given}
+        # The joint that each joint follows, in the order of the file.
+        self._follows: dict[str, Mimic] = {}
+        try:
+            period = period_of(self._parameter("rate"))
+            self._check_dependent_joints()
+            if robot_description:
+                self.set_description(robot_description)
+        except CourseError:
+            self.destroy_node()
+            raise
+        if not robot_description:
+            self.get_logger().info(
+                "Waiting for robot_description to be published on the robot_description topic..."
+            )
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.create_subscription(String, "robot_description", self._on_description, latched)
+        for topic in self._parameter("source_list"):
+            self.create_subscription(JointState, topic, self._on_source, 10)
+        self._publisher = self.create_publisher(JointState, "joint_states", 10)
+        self.create_timer(period, self._publish)
+
+    def _parameter(self, name: str) -> Any:
+        return self._parameters_at_start[name]
+
+    def _check_dependent_joints(self) -> None:
+        names = self.get_parameters_by_prefix("dependent_joints")
+        for name in names:
+            joint, dot, part = name.rpartition(".")
+            if not dot or "." in joint:
+                raise CourseError(f"Invalid dependent_joint name '{name}'")
+            if part not in _DEPENDENT:
+                allowed = ", ".join(f"'{word}'" for word in _DEPENDENT)
+                raise CourseError(f"Invalid dependent_joint name '{part}' (allowed values are {allowed})")
+            if f"{joint}.parent" not in names:
+                raise CourseError("All dependent_joints must at least have a parent")
+
+    def set_description(self, text: str) -> None:
+        """Replace the robot. Its joints start at their zeros.
+
+        Raises a CourseError if a joint has no limits.
+        """
+        tree = parse_urdf(text)
+        moving = [joint for joint in tree.joints.values() if joint.kind in MOVING]
+        uses_mimic = self._parameter("use_mimic_tags")
+        follows = {
+            joint.name: tree.resolve_mimic(joint) if uses_mimic else Mimic(joint.name, 1.0, 0.0)
+            for joint in moving
+        }
+        joints = {
+            joint.name: self._free_joint(joint) for joint in moving if follows[joint.name].joint == joint.name
+        }
+        self.joints, self._follows = joints, follows
+        for tell in self.on_robot:
+            tell()
+
+    def _free_joint(self, joint: Joint) -> FreeJoint:
+        limits = dict(joint.limits)
+        if joint.kind == "continuous":
+            limits |= {"lower": -pi, "upper": pi}
+        for side in ("lower", "upper"):
+            if side not in limits:
+                raise CourseError(
+                    f'"{side}" limit must be specified for joint "{joint.name}" of type "{joint.kind}"'
+                )
+        lower, upper = limits["lower"], limits["upper"]
+        if self._parameter("use_smallest_joint_limits"):
+            lower = max(lower, limits.get("soft_lower_limit", lower))
+            upper = min(upper, limits.get("soft_upper_limit", upper))
+        zero = float(self._zeros.get(joint.name, (lower + upper) / 2 if lower > 0 or upper < 0 else 0.0))
+        return FreeJoint(
+            joint.unit,
+            lower,
+            upper,
+            zero,
+            position=zero if self._parameter("publish_default_positions") else None,
+            velocity=0.0 if self._parameter("publish_default_velocities") else None,
+            effort=0.0 if self._parameter("publish_default_efforts") else None,
+            is_continuous=joint.kind == "continuous",
+        )
+
+    def _on_description(self, message: String) -> None:
+        try:
+            self.set_description(message.data)
+        except CourseError as error:
+            self.get_logger().warning(str(error))
+
+    def _on_source(self, message: JointState) -> None:
+        for index, name in enumerate(message.name):
+            for kind in _KINDS:
+                values = getattr(message, kind)
+                if name in self.joints and index < len(values):
+                    setattr(self.joints[name], kind, values[index])
+
+    def _publish(self) -> None:
+        state = JointState(name=list(self._follows))
+        state.header.stamp = self.get_clock().now().to_msg()
+        delta = self._parameter("delta")
+        for joint in self.joints.values() if delta > 0 else ():
+            _move(joint, delta)
+        for kind in _KINDS:
+            known = {
+                name: value for name, one in self.joints.items() if (value := getattr(one, kind)) is not None
+            }
+            # Dependent joints have positions even if the position of no other joint is known.
+            if known or (kind == "position" and len(self.joints) < len(self._follows)):
+                values = [_mimic_value(kind, follow, known) for follow in self._follows.values()]
+                setattr(state, kind, values)
+        if state.name:
+            self._publisher.publish(state)
+
+
+def _mimic_value(kind: str, follow: Mimic, known: Mapping[str, float]) -> float:
+    """Return the position, velocity or effort of a joint that follows another one or itself."""
+    if follow.joint not in known:
+        return 0.0
+    value = float(known[follow.joint])
+    if kind == "position":
+        return value * follow.factor + follow.offset
+    return value * follow.factor if kind == "velocity" else value
+
+
+def _move(joint: FreeJoint, delta: float) -> None:
+    """Move a joint by a step, and reverse its direction at a limit."""
+    if joint.position is None:
+        return
+    joint.position += delta if joint.moves_up else -delta
+    if joint.position > joint.upper and joint.moves_up:
+        joint.position = joint.lower if joint.is_continuous else joint.upper
+        joint.moves_up = joint.is_continuous
+    elif joint.position < joint.lower and not joint.moves_up:
+        joint.position, joint.moves_up = joint.lower, True
+
+
+def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
+    """Return a slider for each joint of a joint state publisher, or None without a page.
+
+    Their values are published while the node runs: `run_live(publisher)`. Tab moves to the next
+    slider, arrow keys change the value by a thousandth of its range, and the number can be edited.
+    """
+    if pace.mode() == "fast":
+        return None
+    import ipywidgets
+
+    center = ipywidgets.Button(description="Center", tooltip="All joints to where they began")
+    box = ipywidgets.VBox()
+
+    def build() -> None:
+        box.children = [center, *(_row(name, joint) for name, joint in publisher.joints.items())]
+
+    def to_zeros(_: Any) -> None:
+        for row, joint in zip(box.children[1:], publisher.joints.values(), strict=True):
+            row.children[0].value = joint.zero
+
+    center.on_click(to_zeros)
+    publisher.on_robot.append(build)
+    build()
+    return box
+
+
+def _row(name: str, joint: FreeJoint) -> "HBox":
+    import ipywidgets
+
+    # Not at the head, because importing anywidget is slow.
+    from course_lib.controls import Slider
+
+    lower, upper = sorted((joint.lower, joint.upper))
+    slider = Slider(
+        value=joint.zero if joint.position is None else joint.position,
+        min=lower,
+        max=upper,
+        step=(upper - lower) / 1000,
+        description=name,
+        description_width="14em",
+        layout={"width": "34em"},
+    )
+    slider.observe(lambda change: setattr(joint, "position", change["new"]), "value")
+    return ipywidgets.HBox([slider, ipywidgets.Label(f"{lower:.3f} … {upper:.3f} {joint.unit}")])
+
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class RobotStatePublisher(Node):
+    """Publishes /tf from /joint_states, /tf_static and /robot_description, with the rules of the ROS node.
+
+    As in ROS, a joint state is ignored if its stamp is 0 or less than a period after the last one,
+    and unknown joints are ignored silently.
+
+    Args:
+        robot_description: The text of a URDF, like `load_robot("ur10").urdf`.
+        publish_frequency: Maximum rate of /tf, [Hz]; 0 for no limit.
+        frame_prefix: Prefix of all frame names.
+        ignore_timestamp: Whether every message is used, whatever its stamp.
+        options: Options of any node.
+
+    Raises:
+        CourseError: The description is empty or invalid, or the frequency is not in 0..1000.
+    """
+
+    def __init__(
+        self,
+        robot_description: str = "",
+        *,
+        publish_frequency: float = 20.0,
+        frame_prefix: str = "",
+        ignore_timestamp: bool = False,
+        **options: Unpack[NodeOptions],
+    ) -> None:
+        super().__init__("robot_state_publisher", **options)
+        self.declare_parameter("robot_description", robot_description)
+        self.declare_parameter("publish_frequency", float(publish_frequency))
+        self.declare_parameter("frame_prefix", frame_prefix)
+        self.declare_parameter("ignore_timestamp", ignore_timestamp)
+        # Stamp of the last published transform by joint.
+        self._published_ns: dict[str, int] = {}
+        self._heard_ns = 0
+        self._tf = self.create_publisher(TFMessage, "/tf", 100)
+        self._tf_static = self.create_publisher(TFMessage, "/tf_static", _LATCHED)
+        self._description = self.create_publisher(String, "robot_description", _LATCHED)
+        try:
+            _check_frequency(self._value("publish_frequency"))
+            self.set_description(self._value("robot_description"))
+        except CourseError:
+            self.destroy_node()
+            raise
+        self.add_on_set_parameters_callback(self._on_parameters)
+        self.add_post_set_parameters_callback(self._on_set)
+        self.create_subscription(JointState, "joint_states", self._on_state, qos_profile_sensor_data)
+
+    def set_description(self, text: str) -> None:
+        """Replace the robot, or raise a CourseError if the text is not a URDF."""
+        if not text:
+            raise CourseError("robot_description parameter must not be empty")
+        self._tree = parse_urdf(text)
+        named = sorted(self._tree.joints.items())
+        self._mimics = [(name, joint.mimic) for name, joint in named if joint.mimic]
+        self._description.publish(String(data=text))
+        self.get_logger().info("Robot initialized")
+        # KDL supports neither planar joints, which are treated as fixed, nor floating joints, which
+        # are ignored.
+        fixed = [joint.name for joint in self._tree.joints.values() if joint.kind in ("fixed", "planar")]
+        self._tf_static.publish(self._transforms(dict.fromkeys(fixed, 0.0), self.get_clock().now().to_msg()))
+
+    def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
+        """Reject an invalid parameter with ROS's reason."""
+        for parameter in parameters:
+            try:
+                if parameter.name == "robot_description":
+                    if not parameter.value:
+                        raise CourseError("Empty URDF is not allowed")
+                    parse_urdf(parameter.value)
+                elif parameter.name == "publish_frequency":
+                    # ROS writes the limits in another way than at the start.
+                    _check_frequency(parameter.value, "0.0 and 1000.0")
+            except CourseError as error:
+                return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _on_set(self, parameters: list[Parameter]) -> None:
+        """Replace the robot after all parameters of a request were accepted."""
+        for parameter in parameters:
+            if parameter.name == "robot_description":
+                self.set_description(parameter.value)
+
+    def _value(self, parameter: str) -> Any:
+        return self.get_parameter(parameter).value
+
+    def _on_state(self, state: JointState) -> None:
+        if len(state.name) != len(state.position) and len(state.position) > 0:
+            self.get_logger().error("Robot state publisher ignored an invalid JointState message")
+        elif len(state.name) != len(state.position):
+            self.get_logger().warning(
+                "Robot state publisher ignored a JointState message about joint(s) "
+                f'"{state.name[0]}"(,...) whose position member was empty.'
+            )
+        elif self._is_due(state):
+            # If a joint is named twice, its first position is used.
+            positions = dict(zip(reversed(state.name), reversed(state.position), strict=True))
+            for name, mimic in self._mimics:
+                if mimic.joint in positions:
+                    positions.setdefault(name, positions[mimic.joint] * mimic.factor + mimic.offset)
+            joints = self._tree.joints
+            moving = {n: p for n, p in positions.items() if n in joints and joints[n].kind in MOVING}
+            self._tf.publish(self._transforms(moving, state.header.stamp))
+            self._published_ns |= dict.fromkeys(state.name, Time.from_msg(state.header.stamp).nanoseconds)
+
+    def _is_due(self, state: JointState) -> bool:
+        now_ns = self.get_clock().now().nanoseconds
+        if now_ns < self._heard_ns:
+            self.get_logger().warning("Moved backwards in time, re-publishing joint transforms!")
+            self._published_ns.clear()
+        self._heard_ns = now_ns
+        last_ns = min([now_ns, *(self._published_ns.get(name, 0) for name in state.name)])
+        frequency = self._value("publish_frequency")
+        # In whole milliseconds, as in ROS.
+        period_ns = int(1000.0 / frequency) * 10**6 if frequency else 0
+        late_enough = Time.from_msg(state.header.stamp).nanoseconds >= last_ns + period_ns
+        return late_enough or bool(self._value("ignore_timestamp"))
+
+    def _transforms(self, positions: dict[str, float], stamp: TimeMsg) -> TFMessage:
+        prefix, message = self._value("frame_prefix"), TFMessage()
+        for name, pose in sorted(joint_poses(self._tree, positions).items()):
+            joint, moved = self._tree.joints[name], TransformStamped()
+            moved.header.stamp = stamp
+            moved.header.frame_id, moved.child_frame_id = prefix + joint.parent, prefix + joint.child
+            place, turn = moved.transform.translation, moved.transform.rotation
+            place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = pose.tolist()
+            message.transforms.append(moved)
+        return message
+
+
+def _check_frequency(frequency: float, limits: str = "0 and 1000") -> None:
+    if not 0.0 <= frequency <= 1000.0:
+        raise CourseError(f"publish_frequency must be between {limits}")

@@ -1,0 +1,460 @@
+"""Writers and readers of RTPS: matching, resending, ordering and fragments.
+
+A reliable writer keeps its last messages and resends those that a reader reports as missing
+(ACKNACK). A reliable reader delivers each writer's messages once and in order; heartbeats show it
+which messages it lacks. All methods are called under the participant's lock.
+"""
+
+import itertools
+import struct
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from course_lib.ros.dds.wire import (
+    ACKNACK,
+    DATA,
+    DATA_FRAG,
+    FAST_DDS,
+    GAP,
+    HEARTBEAT,
+    MAX_MESSAGE,
+    MAX_SET,
+    NACK_FRAG,
+    PREFIX_SIZE,
+    UNKNOWN_ENTITY,
+    Endpoint,
+    Locator,
+    RequestId,
+    number_bitmap,
+    sequence_number,
+    submessage,
+    timestamp,
+)
+
+FRAGMENT_SIZE = 60_000  # [B]
+# Messages that a writer with history KEEP_ALL keeps.
+KEEP_ALL_DEPTH = 10_000
+# Number of times that a reader requests a writer's first heartbeat.
+FIRST_REQUESTS = 20
+# Limit on messages of a writer that arrived out of order.
+MAX_PENDING = 256
+# Limit on messages of a writer whose fragments are incomplete.
+MAX_PARTIAL = 8
+# Limit on the bytes of all incomplete messages of a reader.
+MAX_PARTIAL_BYTES = 2 * MAX_MESSAGE
+
+
+class ReceivedSample(NamedTuple):
+    """A received message.
+
+    Args:
+        data: The message with its encapsulation header.
+        writer: GUID of its writer.
+        source_ns: Source time, [ns] since 1970.
+        related: The request that a reply belongs to.
+        is_disposed: Whether it removes an instance, which discovery uses for endpoints that leave.
+    """
+
+    data: bytes
+    writer: bytes
+    sequence: int
+    source_ns: int
+    related: RequestId | None = None
+    is_disposed: bool = False
+
+
+class Sender(Protocol):
+    """The interface for sending datagrams, which the participant implements."""
+
+    def send(
+        self, submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+    ) -> None:
+        """Send submessages, addressed to one participant or to all."""
+
+
+class Change(NamedTuple):
+    """A message that a writer has sent."""
+
+    data: bytes
+    inline_qos: bytes
+    at_ns: int
+
+
+@dataclass
+class MatchedReader:
+    """A remote reader of a writer.
+
+    Args:
+        first: The first message that it may request.
+        acknowledged: It has received all messages up to this one.
+    """
+
+    endpoint: Endpoint
+    first: int
+    acknowledged: int
+
+
+class Writer:
+    """A writer of this participant.
+
+    Args:
+        sender: Sends its datagrams.
+        endpoint: Its description.
+    """
+
+    def __init__(self, sender: Sender, endpoint: Endpoint) -> None:
+        self._sender, self.endpoint = sender, endpoint
+        # Called when a reader has been matched.
+        self.on_matched: Callable[[], None] | None = None
+        # Sequence number of the last message.
+        self.last = 0
+        self.readers: dict[bytes, MatchedReader] = {}
+        self._history: dict[int, Change] = {}
+        self._counts = itertools.count(1)
+        qos = endpoint.qos
+        self._depth = KEEP_ALL_DEPTH if qos.history == "keep_all" else max(1, qos.depth)
+
+    def write(self, data: bytes, inline_qos: bytes, at_ns: int) -> int:
+        """Send a message to all matched readers; return its sequence number."""
+        self.last += 1
+        change = Change(data, inline_qos, at_ns)
+        if self.endpoint.is_reliable or self.endpoint.is_latched:
+            self._history[self.last] = change
+            if len(self._history) > self._depth:
+                del self._history[next(iter(self._history))]
+        reached = set[Locator]()
+        for reader in self.readers.values():
+            new = [one for one in reader.endpoint.locators if one not in reached]
+            reached.update(new)
+            if new:
+                self._send(self.last, change, new, with_heartbeat=self.endpoint.is_reliable)
+        return self.last
+
+    def match(self, endpoint: Endpoint) -> None:
+        """Add a remote reader."""
+        if endpoint.guid in self.readers:
+            return
+        gets_history = self.endpoint.is_latched and endpoint.is_latched
+        first = next(iter(self._history), self.last + 1) if gets_history else self.last + 1
+        self.readers[endpoint.guid] = MatchedReader(endpoint, first, first - 1)
+        if self.endpoint.is_reliable and endpoint.is_reliable:
+            self._send_heartbeat(self.readers[endpoint.guid])
+        if self.on_matched is not None:
+            self.on_matched()
+
+    def on_acknack(self, guid: bytes, base: int, missing: list[int], *, is_final: bool) -> None:
+        """Process a reader's report of received messages, and resend the missing ones."""
+        reader = self.readers.get(guid)
+        if reader is None:
+            return
+        reader.acknowledged = max(reader.acknowledged, min(base - 1, self.last))
+        lost = [number for number in missing if number < reader.first or number not in self._history]
+        for number in missing:
+            if number not in lost and number <= self.last:
+                locators = reader.endpoint.locators
+                self._send(number, self._history[number], locators, entity=guid[PREFIX_SIZE:])
+        lost = [number for number in lost if number <= self.last]
+        if lost:
+            body = guid[PREFIX_SIZE:] + self.endpoint.guid[PREFIX_SIZE:] + sequence_number(lost[0])
+            body += sequence_number(lost[0] + 1) + number_bitmap(lost[0] + 1, lost[1:])
+            self._sender.send([submessage(GAP, 0, body)], reader.endpoint.locators, guid[:PREFIX_SIZE])
+        if not is_final:
+            self._send_heartbeat(reader)
+
+    def on_nack_frag(self, guid: bytes, number: int, fragments: list[int]) -> None:
+        """Resend fragments of a message."""
+        reader, change = self.readers.get(guid), self._history.get(number)
+        if reader is None or change is None or number < reader.first:
+            return
+        count = -(-len(change.data) // FRAGMENT_SIZE)
+        for fragment in fragments:
+            if 1 <= fragment <= count:
+                parts = self._fragment(number, change, fragment, guid[PREFIX_SIZE:])
+                self._sender.send(parts, reader.endpoint.locators)
+
+    def tick(self) -> None:
+        """Send a heartbeat to reliable readers that have not acknowledged everything."""
+        for reader in self._unacknowledged_readers():
+            self._send_heartbeat(reader)
+
+    def is_acknowledged(self) -> bool:
+        """Return whether all reliable readers have received everything."""
+        return not self._unacknowledged_readers()
+
+    def _unacknowledged_readers(self) -> list[MatchedReader]:
+        if not self.endpoint.is_reliable:
+            return []
+        readers = [reader for reader in self.readers.values() if reader.endpoint.is_reliable]
+        return [reader for reader in readers if reader.acknowledged < self.last]
+
+    def _send_heartbeat(self, reader: MatchedReader) -> None:
+        guid = reader.endpoint.guid
+        first = max(reader.first, next(iter(self._history), self.last + 1))
+        body = self._heartbeat(guid[PREFIX_SIZE:], first, self.last)
+        self._sender.send([body], reader.endpoint.locators, guid[:PREFIX_SIZE])
+
+    def _heartbeat(self, entity: bytes, first: int, last: int) -> bytes:
+        body = entity + self.endpoint.guid[PREFIX_SIZE:] + sequence_number(first) + sequence_number(last)
+        return submessage(HEARTBEAT, 0, body + struct.pack("<I", next(self._counts)))
+
+    def _send(
+        self,
+        number: int,
+        change: Change,
+        locators: Iterable[Locator],
+        entity: bytes = UNKNOWN_ENTITY,
+        *,
+        with_heartbeat: bool = False,
+    ) -> None:
+        count = -(-len(change.data) // FRAGMENT_SIZE)
+        for fragment in range(1, count):
+            self._sender.send(self._fragment(number, change, fragment, entity), locators)
+        if count > 1:
+            parts = self._fragment(number, change, count, entity)
+        else:
+            data = data_submessage(self.endpoint.guid, number, change.data, change.inline_qos, entity)
+            parts = [timestamp(change.at_ns), data]
+        if with_heartbeat:
+            parts.append(self._heartbeat(UNKNOWN_ENTITY, next(iter(self._history), number), number))
+        self._sender.send(parts, locators)
+
+    def _fragment(self, number: int, change: Change, fragment: int, entity: bytes) -> list[bytes]:
+        """Encode a fragment, counted from 1."""
+        begin = (fragment - 1) * FRAGMENT_SIZE
+        # 28 bytes lie between the field itself and the inline QoS.
+        head = struct.pack("<HH", 0, 28) + entity + self.endpoint.guid[PREFIX_SIZE:] + sequence_number(number)
+        head += struct.pack("<IHHI", fragment, 1, FRAGMENT_SIZE, len(change.data)) + change.inline_qos
+        data = memoryview(change.data)[begin : begin + FRAGMENT_SIZE]
+        return [timestamp(change.at_ns), submessage(DATA_FRAG, 0x02 if change.inline_qos else 0, head, data)]
+
+
+def data_submessage(
+    writer: bytes, number: int, data: bytes, inline_qos: bytes = b"", entity: bytes = UNKNOWN_ENTITY
+) -> bytes:
+    """Encode a DATA submessage."""
+    # 16 bytes lie between the field itself and the inline QoS.
+    head = struct.pack("<HH", 0, 16) + entity + writer[PREFIX_SIZE:] + sequence_number(number)
+    return submessage(DATA, 0x04 | (0x02 if inline_qos else 0), head, inline_qos, data)
+
+
+class PartialMessage:
+    """A message whose fragments are being received.
+
+    Args:
+        size: Size of the message, [bytes].
+        fragment_size: Size of each fragment except the last, [bytes].
+    """
+
+    def __init__(self, size: int, fragment_size: int) -> None:
+        # The system provides zeroed memory when it is first used. A bytearray would write zeros to
+        # all of it, so that a single fragment of a large message would cost tens of milliseconds.
+        self.data, self._fragment_size = np.zeros(size, dtype=np.uint8), fragment_size
+        self.missing = set(range(1, -(-size // fragment_size) + 1))
+
+    def add(self, first: int, payload: memoryview) -> bool:
+        """Add consecutive fragments; return True once the message is complete."""
+        begin = (first - 1) * self._fragment_size
+        if not 0 <= begin < len(self.data) or begin + len(payload) > len(self.data) + 3:
+            raise ValueError("a fragment outside of its message")
+        end = min(begin + len(payload), len(self.data))
+        self.data[begin:end] = np.frombuffer(payload[: end - begin], dtype=np.uint8)
+        self.missing -= set(range(first, first + -(-(end - begin) // self._fragment_size)))
+        return not self.missing
+
+
+@dataclass
+class MatchedWriter:
+    """A remote writer of a reader.
+
+    Args:
+        due: Sequence number of the next message to deliver; None before the first is known, which
+            only a heartbeat tells a reliable reader.
+        pending: Messages that arrived early, by number; None stands for a message that was skipped.
+        requests: How many more times the reader requests a first heartbeat.
+        last_heartbeat: Count of the last heartbeat. A robot may send each one over several ways.
+        is_ack_due: Whether a heartbeat waits for its acknowledgement.
+    """
+
+    endpoint: Endpoint
+    due: int | None = None
+    pending: dict[int, ReceivedSample | None] = field(default_factory=dict)
+    partial: dict[int, PartialMessage] = field(default_factory=dict)
+    counts: Iterator[int] = field(default_factory=lambda: itertools.count(1))
+    requests: int = FIRST_REQUESTS
+    last_heartbeat: int | None = None
+    is_ack_due: bool = False
+
+    @property
+    def has_answered(self) -> bool:
+        """Whether the writer has matched the reader as well, or has not answered in time."""
+        return self.requests == 0
+
+
+class Reader:
+    """A reader of this participant.
+
+    Args:
+        sender: Sends its datagrams.
+        endpoint: Its description.
+        on_sample: Called with each message, in the participant's thread.
+    """
+
+    def __init__(
+        self, sender: Sender, endpoint: Endpoint, on_sample: Callable[[ReceivedSample], None]
+    ) -> None:
+        self._sender, self.endpoint, self._on_sample = sender, endpoint, on_sample
+        self.writers: dict[bytes, MatchedWriter] = {}
+        # Called when a writer has answered.
+        self.on_matched: Callable[[], None] | None = None
+        # Number of dropped messages whose fragments did not all arrive, and the size of the newest
+        # [B].
+        self.incomplete, self.incomplete_size = 0, 0
+        # Number of complete messages.
+        self.complete = 0
+
+    def match(self, endpoint: Endpoint) -> None:
+        """Add a remote writer."""
+        if endpoint.guid in self.writers:
+            return
+        writer = self.writers[endpoint.guid] = MatchedWriter(endpoint)
+        if self._is_reliable(writer):
+            writer.due = 1 if self.endpoint.is_latched else None
+            self._request_heartbeat(writer)
+
+    def tick(self) -> None:
+        """Send acknowledgements, and request the first heartbeats that have not arrived yet."""
+        for writer in self.writers.values():
+            if writer.is_ack_due:
+                self._send_acknack(writer, writer.due or 1, [], is_final=True)
+            if writer.requests and self._is_reliable(writer):
+                self._request_heartbeat(writer)
+                if writer.has_answered and self.on_matched is not None:
+                    self.on_matched()
+
+    def on_data(self, sample: ReceivedSample) -> None:
+        """Deliver a message, or keep it until its predecessors have arrived."""
+        writer = self.writers.get(sample.writer)
+        if writer is None:
+            return
+        self.complete += 1
+        due = writer.due or 0
+        if sample.sequence < due or sample.sequence in writer.pending:
+            return
+        if not self._is_reliable(writer):
+            writer.due = sample.sequence + 1
+            self._on_sample(sample)
+        elif len(writer.pending) < MAX_PENDING or sample.sequence == due:
+            writer.pending[sample.sequence] = sample
+            self._deliver(writer)
+
+    def on_fragment(
+        self, sample: ReceivedSample, first: int, fragment_size: int, size: int, payload: memoryview
+    ) -> None:
+        """Collect fragments of a message; `sample` describes it without its data."""
+        writer, number = self.writers.get(sample.writer), sample.sequence
+        if writer is None or (writer.due is not None and number < writer.due) or number in writer.pending:
+            return
+        if not (fragment_size > 0 and 0 < size <= MAX_MESSAGE and size // fragment_size < 2**16):
+            raise ValueError("a fragmented message with an impossible size")
+        if number not in writer.partial:
+            self._free_memory(writer, size)
+            writer.partial[number] = PartialMessage(size, fragment_size)
+        partial = writer.partial[number]
+        if partial.add(first, payload):
+            del writer.partial[number]
+            self.on_data(sample._replace(data=partial.data.tobytes()))
+
+    def _free_memory(self, writer: MatchedWriter, size: int) -> None:
+        """Drop the oldest incomplete messages, of this writer first, so that memory stays bounded."""
+        self.incomplete_size = size
+        while len(writer.partial) >= MAX_PARTIAL:
+            del writer.partial[min(writer.partial)]
+            self.incomplete += 1
+        for other in (writer, *self.writers.values()):
+            used = sum(len(one.data) for each in self.writers.values() for one in each.partial.values())
+            if used + size <= MAX_PARTIAL_BYTES:
+                return
+            self.incomplete += len(other.partial)
+            other.partial.clear()
+
+    def on_heartbeat(self, guid: bytes, first: int, last: int, count: int, *, is_final: bool) -> None:
+        """Process a heartbeat, and request the missing messages that the writer still has.
+
+        If none is missing, the acknowledgement is sent with the next tick, for all messages until
+        then.
+        """
+        writer = self.writers.get(guid)
+        if writer is None or not self._is_reliable(writer) or count == writer.last_heartbeat:
+            return
+        writer.last_heartbeat = count
+        was_open, writer.requests = writer.requests > 0, 0
+        if writer.due is None or first > writer.due:
+            # The writer no longer keeps the messages before `first`. It skips those from before the
+            # match by a GAP.
+            writer.due = first
+            writer.pending = {number: one for number, one in writer.pending.items() if number >= first}
+        self._deliver(writer)
+        end = min(last, writer.due + MAX_SET - 1) + 1
+        missing = [number for number in range(writer.due, end) if number not in writer.pending]
+        for number in [number for number in missing if number in writer.partial]:
+            self._request_fragments(writer, number)
+        whole = [number for number in missing if number not in writer.partial]
+        writer.is_ack_due = not is_final
+        if missing:
+            self._send_acknack(writer, writer.due, whole, is_final=True)
+        if was_open and self.on_matched is not None:
+            self.on_matched()
+
+    def on_gap(self, guid: bytes, first: int, base: int, others: list[int]) -> None:
+        """Skip messages that will not arrive: [first, base) and `others`."""
+        writer = self.writers.get(guid)
+        if writer is None or writer.due is None:
+            return
+        if first <= writer.due < base:
+            writer.due = base
+            writer.pending = {number: one for number, one in writer.pending.items() if number >= base}
+        for number in others:
+            if number >= writer.due and len(writer.pending) < MAX_PENDING:
+                writer.pending.setdefault(number, None)
+        self._deliver(writer)
+
+    def _is_reliable(self, writer: MatchedWriter) -> bool:
+        return self.endpoint.is_reliable and writer.endpoint.is_reliable
+
+    def _deliver(self, writer: MatchedWriter) -> None:
+        while writer.due is not None and writer.due in writer.pending:
+            sample = writer.pending.pop(writer.due)
+            writer.partial.pop(writer.due, None)
+            writer.due += 1
+            if sample is not None:
+                self._on_sample(sample)
+
+    def _request_heartbeat(self, writer: MatchedWriter) -> None:
+        """Request the first heartbeat of a writer.
+
+        Fast DDS answers immediately only to base 0, otherwise after up to 3 s. Cyclone DDS rejects
+        base 0.
+        """
+        writer.requests -= 1
+        is_fast_dds = writer.endpoint.guid[:2] == FAST_DDS
+        self._send_acknack(writer, 0 if is_fast_dds else writer.due or 1, [], is_final=False)
+
+    def _request_fragments(self, writer: MatchedWriter, number: int) -> None:
+        missing = sorted(writer.partial[number].missing)
+        fragments = [fragment for fragment in missing if fragment < missing[0] + MAX_SET]
+        guid = writer.endpoint.guid
+        body = self.endpoint.guid[PREFIX_SIZE:] + guid[PREFIX_SIZE:] + sequence_number(number)
+        body += struct.pack("<I", missing[0]) + number_bitmap(missing[0], fragments)
+        body += struct.pack("<I", next(writer.counts))
+        self._sender.send([submessage(NACK_FRAG, 0, body)], writer.endpoint.locators, guid[:PREFIX_SIZE])
+
+    def _send_acknack(self, writer: MatchedWriter, base: int, missing: list[int], *, is_final: bool) -> None:
+        writer.is_ack_due = False
+        guid = writer.endpoint.guid
+        body = self.endpoint.guid[PREFIX_SIZE:] + guid[PREFIX_SIZE:] + sequence_number(base)
+        body += number_bitmap(base, missing) + struct.pack("<I", next(writer.counts))
+        flags = 0x02 if is_final else 0
+        self._sender.send([submessage(ACKNACK, flags, body)], writer.endpoint.locators, guid[:PREFIX_SIZE])

@@ -1,0 +1,558 @@
+"""A participant of a DDS domain: sockets, discovery (SPDP and SEDP), and the thread that receives.
+
+The participants of a robot are contacted by unicast, on the ports that the RTPS specification
+assigns to the first participants of a computer. So neither multicast nor any setting on the robot
+is needed.
+
+The thread must neither import modules (a deadlock with the import lock) nor use `threading` or
+`time`, which robot time replaces while a program runs. It uses `_thread` and the wall clock.
+"""
+
+import _thread
+import contextlib
+import itertools
+import os
+import select
+import socket
+import struct
+from collections import Counter
+from collections.abc import Callable, Iterable
+
+from course_lib.errors import CourseError
+from course_lib.ros.dds.endpoints import Reader, ReceivedSample, Writer, data_submessage
+from course_lib.ros.dds.wire import (
+    ACKNACK,
+    BUILTIN_ENDPOINTS,
+    DATA,
+    DATA_FRAG,
+    DISPOSED,
+    GAP,
+    HEADER_SIZE,
+    HEARTBEAT,
+    INFO_DST,
+    NACK_FRAG,
+    PARTICIPANT_ENTITY,
+    PL_CDR_LE,
+    PREFIX_SIZE,
+    PROTOCOL,
+    PUBLICATIONS_READER,
+    PUBLICATIONS_WRITER,
+    SPDP_READER,
+    SPDP_WRITER,
+    SUBSCRIPTIONS_READER,
+    SUBSCRIPTIONS_WRITER,
+    UNKNOWN_ENTITY,
+    USER_READER,
+    USER_WRITER,
+    VENDOR_ID,
+    Endpoint,
+    Locator,
+    ParameterList,
+    Pid,
+    RequestId,
+    Submessage,
+    describe,
+    disposal,
+    duration,
+    locator,
+    octets,
+    parameter,
+    read_bitmap,
+    read_datagram,
+    read_parameters,
+    read_sequence_number,
+    string,
+    submessage,
+    timestamp,
+)
+from course_lib.ros.graph.topics import Qos, find_incompatible_policy
+from course_lib.ros.time import wall
+
+PORT_BASE, PORTS_PER_DOMAIN, FIRST_UNICAST = 7400, 250, 10
+# Number of participants on the robot that are contacted.
+ASKED_PARTICIPANTS = 40
+PORT_ATTEMPTS = 120
+ANNOUNCE_SECONDS, EAGER_SECONDS, HEARTBEAT_SECONDS = 2.0, 0.1, 0.1
+# A participant that has just started misses the first announcements.
+EAGER_ANNOUNCEMENTS = 10
+LEASE_SECONDS = 20.0
+# Waiting time for acknowledgements at the end, and interval between checks [s].
+LINGER_SECONDS, POLL_SECONDS = 1.0, 0.01
+# Limits on remote participants and endpoints. Further ones are ignored.
+MAX_PARTICIPANTS, MAX_ENDPOINTS = 500, 20_000
+# Limit on datagrams read in one go before timers are checked.
+MAX_DATAGRAMS = 64
+SOCKET_BUFFER = 2**23  # [B]
+DISCOVERY_QOS = Qos(history="keep_all", durability="transient_local")
+SEDP = (
+    (PUBLICATIONS_WRITER, PUBLICATIONS_READER),
+    (SUBSCRIPTIONS_WRITER, SUBSCRIPTIONS_READER),
+)
+
+# The flag is False if the endpoint has left.
+OnEndpoint = Callable[[Endpoint, bool], None]
+
+
+def resolve(host: str) -> str:
+    """Return the IPv4 address of a host.
+
+    Raises:
+        CourseError: The name is unknown.
+    """
+    try:
+        return socket.gethostbyname(host)
+    except OSError as error:
+        raise CourseError(
+            f"There is no computer {host!r} in this network ({error.strerror or error}): write the robot's "
+            "address like dds/192.168.1.5."
+        ) from error
+
+
+def socket_towards(host: str, port: int) -> socket.socket:
+    """Return a socket that is connected to a port, which notices if nothing listens there.
+
+    Raises:
+        CourseError: No network leads to the host.
+    """
+    probe = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        probe.connect((host, port))
+    except OSError as error:
+        probe.close()
+        raise CourseError(
+            f"No network of this computer leads to {host} ({error.strerror or error}). Is it the robot's "
+            "address, and are both in the same network?"
+        ) from error
+    return probe
+
+
+class Participant:
+    """A participant of a domain, with its own thread.
+
+    Args:
+        domain: ROS_DOMAIN_ID.
+        peer: IPv4 address of the robot.
+        on_endpoint: Called with each remote endpoint that joins or leaves, in the participant's
+            thread.
+
+    Raises:
+        CourseError: No port is free, or no network leads to the robot.
+    """
+
+    def __init__(self, domain: int, peer: str, on_endpoint: OnEndpoint) -> None:
+        self.domain, self._on_endpoint = domain, on_endpoint
+        self.prefix = VENDOR_ID + os.urandom(PREFIX_SIZE - len(VENDOR_ID))
+        self.guid = self.prefix + PARTICIPANT_ENTITY
+        self.lock = _thread.RLock()
+        # Malformed datagrams by the kind of error.
+        self.dropped = Counter[str]()
+        # Number of datagrams received from others.
+        self.datagrams = 0
+        base = PORT_BASE + PORTS_PER_DOMAIN * domain + FIRST_UNICAST
+        self._probe, self._probe_error = socket_towards(peer, base), 0
+        self._address = self._probe.getsockname()[0]
+        # Without submessages it only shows whether the first participant's port is open.
+        self._probe.send(PROTOCOL + VENDOR_ID + self.prefix)
+        self._socket = self._bind(base)
+        self._own_locator: Locator = (self._address, self._socket.getsockname()[1])
+        self._peers = [(peer, base + 2 * i) for i in range(ASKED_PARTICIPANTS)]
+        self._entities = itertools.count(1)
+        # Own writers by entity id.
+        self._writers: dict[bytes, Writer] = {}
+        self._readers: dict[bytes, Reader] = {}
+        # End of the lease in wall time [s], by the GUID prefix of a remote participant.
+        self._leases: dict[bytes, float] = {}
+        self._default_locators: dict[bytes, tuple[Locator, ...]] = {}
+        # Remote endpoints by GUID.
+        self._endpoints: dict[bytes, Endpoint] = {}
+        self._announcements = itertools.count(1)
+        self._eager = EAGER_ANNOUNCEMENTS
+        for writer, reader in SEDP:
+            self._writers[writer] = Writer(self, Endpoint(self.prefix + writer, "", "", DISCOVERY_QOS))
+            endpoint = Endpoint(self.prefix + reader, "", "", DISCOVERY_QOS)
+            self._readers[reader] = Reader(self, endpoint, self._on_sedp)
+        self.is_open = True
+        self._ended = _thread.allocate_lock()
+        self._ended.acquire()
+        _thread.start_new_thread(self._run, ())
+
+    def peer_error(self) -> int:
+        """Return the error number with which the robot's computer or network rejects datagrams, or 0."""
+        with self.lock:
+            if self.is_open and not self._probe_error:
+                self._probe_error = self._probe.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        return self._probe_error
+
+    def has_peers(self) -> bool:
+        """Return whether a remote participant is present now."""
+        return bool(self._leases)
+
+    def add_writer(self, topic: str, type_name: str, qos: Qos, user_data: bytes = b"") -> Writer:
+        """Create a writer and announce it."""
+        with self.lock:
+            endpoint = self._new_endpoint(USER_WRITER, topic, type_name, qos, user_data)
+            writer = self._writers[endpoint.guid[PREFIX_SIZE:]] = Writer(self, endpoint)
+            self._announce_endpoint(endpoint)
+            for remote in tuple(self._endpoints.values()):
+                if remote.kind == "reader" and _is_match(writer.endpoint, remote):
+                    writer.match(remote)
+            return writer
+
+    def add_reader(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        on_sample: Callable[[ReceivedSample], None],
+        user_data: bytes = b"",
+    ) -> Reader:
+        """Create a reader and announce it. `on_sample` is called in the participant's thread."""
+        with self.lock:
+            endpoint = self._new_endpoint(USER_READER, topic, type_name, qos, user_data)
+            reader = self._readers[endpoint.guid[PREFIX_SIZE:]] = Reader(self, endpoint, on_sample)
+            self._announce_endpoint(endpoint)
+            for remote in tuple(self._endpoints.values()):
+                if remote.kind == "writer" and _is_match(remote, reader.endpoint):
+                    reader.match(remote)
+            return reader
+
+    def incomplete_topics(self) -> list[tuple[str, int, int]]:
+        """Return topic, number and size [B] of messages that arrived in part, where these are most."""
+        with self.lock:
+            return [
+                (reader.endpoint.topic, reader.incomplete, reader.incomplete_size)
+                for reader in self._readers.values()
+                if reader.incomplete > reader.complete
+            ]
+
+    def write(self, writer: Writer, data: bytes, inline_qos: bytes = b"") -> int:
+        """Publish a message and return its sequence number. May be called from any thread."""
+        with self.lock:
+            return writer.write(data, inline_qos, wall.time_ns()) if self.is_open else 0
+
+    def remove(self, endpoint: Endpoint) -> None:
+        """Remove a writer or a reader from the network."""
+        with self.lock:
+            self._writers.pop(endpoint.guid[PREFIX_SIZE:], None)
+            self._readers.pop(endpoint.guid[PREFIX_SIZE:], None)
+            announcer = PUBLICATIONS_WRITER if endpoint.kind == "writer" else SUBSCRIPTIONS_WRITER
+            if self.is_open:
+                self._writers[announcer].write(*disposal(Pid.ENDPOINT, endpoint.guid), wall.time_ns())
+
+    def close(self) -> None:
+        """Leave the domain as soon as reliable messages have been acknowledged.
+
+        Further calls have no effect.
+        """
+        deadline = wall.monotonic() + LINGER_SECONDS
+        while self.is_open and wall.monotonic() < deadline and not self._is_acknowledged():
+            wall.sleep(POLL_SECONDS)
+        with self.lock:
+            if not self.is_open:
+                return
+            data, inline_qos = disposal(Pid.PARTICIPANT, self.guid)
+            self._send_spdp(self._peers, data, inline_qos)
+            self.is_open = False
+        # The thread may be ending at this moment, so the wait has a timeout.
+        self._ended.acquire(timeout=1.0)
+        self._socket.close()
+        self._probe.close()
+
+    def _is_acknowledged(self) -> bool:
+        with self.lock:
+            return all(writer.is_acknowledged() for writer in self._writers.values())
+
+    def send(
+        self, submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+    ) -> None:
+        """Send submessages to addresses, for one participant or for all participants there."""
+        info = submessage(INFO_DST, 0, destination) if destination else b""
+        datagram = b"".join((PROTOCOL, VENDOR_ID, self.prefix, info, *submessages))
+        for one in locators:
+            # If the buffer is full or an address unreachable, the datagram is lost, and the
+            # protocol resends it.
+            with contextlib.suppress(OSError):
+                self._socket.sendto(datagram, one)
+
+    # Discovery of participants.
+
+    def _announce(self, locators: Iterable[Locator]) -> None:
+        here = locator(self._own_locator)
+        data = (
+            PL_CDR_LE
+            + parameter(Pid.VERSION, PROTOCOL[4:])
+            + parameter(Pid.VENDOR, VENDOR_ID)
+            + parameter(Pid.DOMAIN, struct.pack("<I", self.domain))
+            + parameter(Pid.PARTICIPANT, self.guid)
+            + parameter(Pid.METATRAFFIC, here)
+            + parameter(Pid.DEFAULT_UNICAST, here)
+            + parameter(Pid.LEASE, duration(round(LEASE_SECONDS * 1e9)))
+            + parameter(Pid.BUILTIN, struct.pack("<I", BUILTIN_ENDPOINTS))
+            + parameter(Pid.NAME, string("/"))
+            + parameter(Pid.USER_DATA, octets(b"enclave=/;"))
+            + parameter(Pid.SENTINEL, b"")
+        )
+        self._send_spdp(locators, data)
+
+    def _send_spdp(self, locators: Iterable[Locator], data: bytes, inline_qos: bytes = b"") -> None:
+        writer = self.prefix + SPDP_WRITER
+        body = data_submessage(writer, next(self._announcements), data, inline_qos, SPDP_READER)
+        self.send((timestamp(wall.time_ns()), body), locators)
+
+    def _on_spdp(self, payload: bytes, source: bytes, key: bytes, *, is_disposed: bool) -> None:
+        """Process the announcement or departure of a participant."""
+        if is_disposed:
+            self._remove_participant(
+                key[:PREFIX_SIZE] or ParameterList(payload).first(Pid.PARTICIPANT)[:PREFIX_SIZE]
+            )
+            return
+        listed = ParameterList(payload)
+        prefix = listed.first(Pid.PARTICIPANT)[:PREFIX_SIZE] or source
+        if prefix == self.prefix or listed.number(Pid.DOMAIN, self.domain) != self.domain:
+            return
+        lease_ns = listed.duration(Pid.LEASE, default=round(LEASE_SECONDS * 1e9))
+        is_new = prefix not in self._leases
+        if is_new and len(self._leases) >= MAX_PARTICIPANTS:
+            self.dropped["too many participants"] += 1
+            return
+        self._leases[prefix] = wall.monotonic() + (1e9 if lease_ns is None else lease_ns * 1e-9)
+        if not is_new:
+            return
+        locators = self._choose_locator(listed.locators(Pid.METATRAFFIC))
+        self._default_locators[prefix] = (
+            self._choose_locator(listed.locators(Pid.DEFAULT_UNICAST)) or locators
+        )
+        self._announce(locators)
+        self._eager = EAGER_ANNOUNCEMENTS
+        for writer, reader in SEDP:
+            remote_reader = Endpoint(prefix + reader, "", "", DISCOVERY_QOS, locators=locators)
+            remote_writer = Endpoint(prefix + writer, "", "", DISCOVERY_QOS, locators=locators)
+            self._writers[writer].match(remote_reader)
+            self._readers[reader].match(remote_writer)
+
+    def _remove_participant(self, prefix: bytes) -> None:
+        """Remove a participant and its endpoints."""
+        if self._leases.pop(prefix, None) is None:
+            return
+        self._default_locators.pop(prefix, None)
+        builtin = [prefix + entity for pair in SEDP for entity in pair]
+        for guid in [guid for guid in self._endpoints if guid[:PREFIX_SIZE] == prefix] + builtin:
+            self._remove_endpoint(guid)
+
+    def _choose_locator(self, locators: tuple[Locator, ...]) -> tuple[Locator, ...]:
+        """Choose one address of a remote participant, in this participant's network if possible."""
+        network = self._address.split(".")[0]
+        near = [one for one in locators if one[0].split(".")[0] == network]
+        return tuple((near or list(locators))[:1])
+
+    # Discovery of endpoints.
+
+    def _new_endpoint(self, kind: int, topic: str, type_name: str, qos: Qos, user_data: bytes) -> Endpoint:
+        guid = self.prefix + next(self._entities).to_bytes(3, "big") + bytes([kind])
+        return Endpoint(guid, topic, type_name, qos, user_data)
+
+    def _announce_endpoint(self, endpoint: Endpoint) -> None:
+        announcer = PUBLICATIONS_WRITER if endpoint.kind == "writer" else SUBSCRIPTIONS_WRITER
+        data = describe(endpoint, self.guid, self._own_locator)
+        self._writers[announcer].write(data, b"", wall.time_ns())
+
+    def _on_sedp(self, sample: ReceivedSample) -> None:
+        listed = ParameterList(sample.data)
+        guid = listed.first(Pid.ENDPOINT) or listed.first(Pid.KEY_HASH)
+        if len(guid) != 16:
+            raise ValueError("an endpoint without a GUID")
+        if sample.is_disposed:
+            self._remove_endpoint(guid)
+            return
+        if guid not in self._endpoints and len(self._endpoints) >= MAX_ENDPOINTS:
+            self.dropped["too many endpoints"] += 1
+            return
+        own_locators = self._choose_locator(listed.locators(Pid.UNICAST))
+        endpoint = Endpoint(
+            guid,
+            listed.string(Pid.TOPIC),
+            listed.string(Pid.TYPE),
+            listed.qos("writer" if guid[15] & 0x0F in (2, 3) else "reader"),
+            listed.octets(Pid.USER_DATA),
+            own_locators or self._default_locators.get(guid[:PREFIX_SIZE], ()),
+            # An empty sequence of partitions has the length 0.
+            has_partition=listed.number(Pid.PARTITION, 0) > 0,
+        )
+        if guid not in self._endpoints:
+            self._endpoints[guid] = endpoint
+            self._on_endpoint(endpoint, True)
+        if endpoint.kind == "writer":
+            for reader in tuple(self._readers.values()):
+                if _is_match(endpoint, reader.endpoint):
+                    reader.match(endpoint)
+        else:
+            for writer in tuple(self._writers.values()):
+                if _is_match(writer.endpoint, endpoint):
+                    writer.match(endpoint)
+
+    def _remove_endpoint(self, guid: bytes) -> None:
+        for writer in self._writers.values():
+            writer.readers.pop(guid, None)
+        for reader in self._readers.values():
+            reader.writers.pop(guid, None)
+        endpoint = self._endpoints.pop(guid, None)
+        if endpoint is not None:
+            self._on_endpoint(endpoint, False)
+
+    # Receiving.
+
+    def _bind(self, base: int) -> socket.socket:
+        """Return a socket on the first free unicast port of the domain."""
+        for i in range(PORT_ATTEMPTS):
+            found = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            found.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, SOCKET_BUFFER)
+            found.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SOCKET_BUFFER)
+            found.setblocking(False)
+            try:
+                found.bind((self._address, base + 2 * i))
+                return found
+            except OSError:
+                found.close()
+        raise CourseError(
+            f"No UDP port from {base} to {base + 2 * PORT_ATTEMPTS - 2} is free on {self._address}: end "
+            "other ROS programs on this computer, or choose another domain."
+        )
+
+    def _run(self) -> None:
+        try:
+            self._loop()
+        finally:
+            self._ended.release()
+
+    def _loop(self) -> None:
+        next_announcement = next_heartbeat = 0.0
+        while self.is_open:
+            now = wall.monotonic()
+            if now >= next_announcement or self._eager == EAGER_ANNOUNCEMENTS:
+                next_announcement = now + (EAGER_SECONDS if self._eager else ANNOUNCE_SECONDS)
+                self._eager = max(0, self._eager - 1)
+                with self.lock:
+                    self._announce(self._peers)
+                    for prefix in [prefix for prefix, end in self._leases.items() if end < now]:
+                        self._remove_participant(prefix)
+            if now >= next_heartbeat:
+                next_heartbeat = now + HEARTBEAT_SECONDS
+                with self.lock:
+                    for writer in self._writers.values():
+                        writer.tick()
+                    for reader in self._readers.values():
+                        reader.tick()
+            wait = max(0.0, min(next_announcement, next_heartbeat) - wall.monotonic())
+            if select.select([self._socket], [], [], wait)[0]:
+                self._receive_all()
+
+    def _receive_all(self) -> None:
+        for _ in range(MAX_DATAGRAMS):
+            try:
+                data = self._socket.recv(2**16)
+            except OSError:
+                # Nothing more to read, or, on Windows, an earlier datagram had no receiver.
+                return
+            self.receive(data)
+
+    def receive(self, data: bytes) -> None:
+        """Process a datagram. A malformed datagram is dropped and counted."""
+        # Its own announcement arrives here if the robot is this computer.
+        self.datagrams += data[HEADER_SIZE - PREFIX_SIZE : HEADER_SIZE] != self.prefix
+        try:
+            with self.lock:
+                if self.is_open:
+                    self._process(data)
+        except (struct.error, IndexError, ValueError, MemoryError) as error:
+            self.dropped[type(error).__name__] += 1
+
+    def _process(self, data: bytes) -> None:
+        for one in read_datagram(data, self.prefix):
+            if not one.is_for or one.source == self.prefix:
+                continue
+            if one.kind in (DATA, DATA_FRAG):
+                self._on_data(one)
+            elif one.kind in (ACKNACK, NACK_FRAG):
+                self._on_nack(one)
+            elif one.kind in (HEARTBEAT, GAP):
+                self._on_writer_state(one)
+
+    def _on_data(self, one: Submessage) -> None:
+        body, order = one.body, one.order
+        reader_entity, writer_entity = body[4:8], body[8:12]
+        number = read_sequence_number(body, 12, order)
+        begin = 4 + struct.unpack_from(f"{order}H", body, 2)[0]
+        related, status, key = None, 0, b""
+        if one.flags & 0x02:
+            inline, begin = read_parameters(body, order, begin)
+            for pid, value in inline:
+                if pid in (Pid.RELATED, Pid.RELATED_OLD):
+                    related = RequestId(value[:16], read_sequence_number(value, 16, order))
+                elif pid == Pid.STATUS:
+                    status = value[3]
+                elif pid == Pid.KEY_HASH:
+                    key = value
+        is_disposed = bool(status & DISPOSED[3])
+        if writer_entity == SPDP_WRITER:
+            self._on_spdp(body[begin:], one.source, key, is_disposed=is_disposed)
+            return
+        payload = b""
+        if one.kind == DATA:
+            payload = body[begin:] if one.flags & 0x0C else PL_CDR_LE + disposal_of(key)
+        sample = ReceivedSample(
+            payload, one.source + writer_entity, number, one.stamp_ns, related, is_disposed
+        )
+        for reader in self._readers_of(reader_entity, sample.writer):
+            if one.kind == DATA:
+                reader.on_data(sample)
+            else:
+                first, _, fragment_size, size = struct.unpack_from(f"{order}IHHI", body, 20)
+                reader.on_fragment(sample, first, fragment_size, size, memoryview(body)[begin:])
+
+    def _on_nack(self, one: Submessage) -> None:
+        """Process a remote reader's report of missing messages."""
+        body, order = one.body, one.order
+        reader, writer = one.source + body[:4], self._writers.get(body[4:8])
+        if writer is None:
+            return
+        number = read_sequence_number(body, 8, order)
+        if one.kind == ACKNACK:
+            missing = read_bitmap(body, 16, number, order)
+            writer.on_acknack(reader, number, missing, is_final=bool(one.flags & 0x02))
+        else:
+            (base,) = struct.unpack_from(f"{order}I", body, 16)
+            writer.on_nack_frag(reader, number, read_bitmap(body, 20, base, order))
+
+    def _on_writer_state(self, one: Submessage) -> None:
+        """Process a remote writer's report of the messages that it has or no longer has."""
+        body, order = one.body, one.order
+        writer = one.source + body[4:8]
+        first, second = (read_sequence_number(body, at, order) for at in (8, 16))
+        for reader in self._readers_of(body[:4], writer):
+            if one.kind == HEARTBEAT:
+                (count,) = struct.unpack_from(f"{order}i", body, 24)
+                reader.on_heartbeat(writer, first, second, count, is_final=bool(one.flags & 0x02))
+            else:
+                reader.on_gap(writer, first, second, read_bitmap(body, 24, second, order))
+
+    def _readers_of(self, entity: bytes, writer: bytes) -> list[Reader]:
+        """Return the readers to which a submessage of a remote writer is addressed."""
+        if entity == UNKNOWN_ENTITY:
+            return [reader for reader in self._readers.values() if writer in reader.writers]
+        reader = self._readers.get(entity)
+        return [] if reader is None or writer not in reader.writers else [reader]
+
+
+def disposal_of(key: bytes) -> bytes:
+    """Return a parameter list that contains only the key of a disposed instance."""
+    return parameter(Pid.KEY_HASH, key) + parameter(Pid.SENTINEL, b"")
+
+
+def _is_match(writer: Endpoint, reader: Endpoint) -> bool:
+    """Return whether DDS connects two endpoints."""
+    return (
+        bool(writer.topic)
+        and (writer.topic, writer.type_name) == (reader.topic, reader.type_name)
+        and not (writer.has_partition or reader.has_partition)
+        and find_incompatible_policy(writer.qos, reader.qos) is None
+    )

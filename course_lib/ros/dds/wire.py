@@ -1,0 +1,361 @@
+"""RTPS 2.3 on the wire: datagrams, submessages, parameter lists and sequence numbers.
+
+The numbers are from the DDSI-RTPS specification, version 2.3. Written bytes are little endian; read
+bytes may have either byte order. Malformed bytes raise a ValueError or a struct.error, which the
+participant counts; no other exception leaves these functions, and no size that a datagram claims is
+trusted.
+"""
+
+import socket
+import struct
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Literal, NamedTuple
+
+from course_lib.ros.graph.topics import Qos
+
+Locator = tuple[str, int]  # IPv4 address and port
+
+PROTOCOL = b"RTPS\x02\x03"
+VENDOR_ID = b"\x7f\x7f"  # not assigned to a vendor
+FAST_DDS = b"\x01\x0f"  # vendor ID, with which the GUIDs of Fast DDS begin
+HEADER_SIZE = 20  # [B]
+# Size of the part of a GUID that identifies the participant; the other 4 bytes are the entity.
+PREFIX_SIZE = 12
+# Limit on the numbers in one set.
+MAX_SET = 256
+MAX_MESSAGE = 64 * 2**20  # [B]
+
+# Submessages
+PAD, ACKNACK, HEARTBEAT, GAP, INFO_TS, INFO_SRC, INFO_DST = 0x01, 0x06, 0x07, 0x08, 0x09, 0x0C, 0x0E
+NACK_FRAG, DATA, DATA_FRAG = 0x12, 0x15, 0x16
+
+# Entities
+UNKNOWN_ENTITY, PARTICIPANT_ENTITY = b"\0\0\0\0", b"\0\0\1\xc1"
+SPDP_WRITER, SPDP_READER = b"\0\1\0\xc2", b"\0\1\0\xc7"
+PUBLICATIONS_WRITER, PUBLICATIONS_READER = b"\0\0\3\xc2", b"\0\0\3\xc7"
+SUBSCRIPTIONS_WRITER, SUBSCRIPTIONS_READER = b"\0\0\4\xc2", b"\0\0\4\xc7"
+BUILTIN_ENDPOINTS = 0x3F  # SPDP and SEDP, both directions
+USER_WRITER, USER_READER = 0x03, 0x04  # last byte of the entities of ROS, which have no keys
+
+PL_CDR_LE = b"\0\3\0\0"
+DISPOSED = b"\0\0\0\3"  # status of an instance that was disposed and unregistered
+INFINITE = (0x7FFFFFFF, 0xFFFFFFFF)
+Kind = Literal["writer", "reader"]
+
+
+class Pid(IntEnum):
+    """The ids of parameters."""
+
+    SENTINEL = 0x01
+    LEASE = 0x02
+    TOPIC = 0x05
+    TYPE = 0x07
+    DOMAIN = 0x0F
+    VERSION = 0x15
+    VENDOR = 0x16
+    RELIABILITY = 0x1A
+    LIVELINESS = 0x1B
+    DURABILITY = 0x1D
+    DEADLINE = 0x23
+    PARTITION = 0x29
+    LIFESPAN = 0x2B
+    USER_DATA = 0x2C
+    UNICAST = 0x2F
+    DEFAULT_UNICAST = 0x31
+    METATRAFFIC = 0x32
+    PARTICIPANT = 0x50
+    BUILTIN = 0x58
+    ENDPOINT = 0x5A
+    NAME = 0x62
+    KEY_HASH = 0x70
+    STATUS = 0x71
+    REPRESENTATION = 0x73
+    RELATED = 0x83
+    RELATED_OLD = 0x800F
+
+
+class Submessage(NamedTuple):
+    """One submessage of a datagram.
+
+    Args:
+        source: GUID prefix of the sender.
+        is_for: Whether it is addressed to the given participant, or to all.
+        stamp_ns: Source time, [ns] since 1970; 0 if none was sent.
+    """
+
+    kind: int
+    flags: int
+    order: Literal["<", ">"]
+    body: bytes
+    source: bytes
+    is_for: bool
+    stamp_ns: int
+
+
+class RequestId(NamedTuple):
+    """The identity of a service request: GUID of the writer or reply reader, and sequence number."""
+
+    guid: bytes
+    sequence: int
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """A writer or a reader, as discovery describes it.
+
+    Args:
+        guid: Its GUID, 16 bytes.
+        topic: DDS name of the topic, like `rt/chatter`.
+        type_name: DDS name of the type, like `std_msgs::msg::dds_::String_`.
+        locators: The addresses to send to.
+        has_partition: Whether it is in a partition, where it cannot match the kit's endpoints.
+    """
+
+    guid: bytes
+    topic: str
+    type_name: str
+    qos: Qos = field(default_factory=Qos)
+    user_data: bytes = b""
+    locators: tuple[Locator, ...] = ()
+    has_partition: bool = False
+
+    @property
+    def kind(self) -> Kind:
+        """Whether it is a writer or a reader."""
+        return "writer" if self.guid[15] & 0x0F in (2, 3) else "reader"
+
+    @property
+    def is_reliable(self) -> bool:
+        """Whether its reliability is RELIABLE."""
+        return self.qos.reliability == "reliable"
+
+    @property
+    def is_latched(self) -> bool:
+        """Whether its durability is TRANSIENT_LOCAL."""
+        return self.qos.durability == "transient_local"
+
+
+def submessage(kind: int, flags: int, *body: bytes | memoryview) -> bytes:
+    """Encode a submessage, whose body may be in parts.
+
+    A submessage of 64 KiB or more must be the last of its datagram; its length field is then 0.
+    """
+    size = sum(map(len, body))
+    padding = bytes(-size % 4)
+    size += len(padding)
+    head = struct.pack("<BBH", kind, flags | 1, size if size < 2**16 else 0)
+    return b"".join((head, *body, padding))
+
+
+def read_datagram(data: bytes, own_prefix: bytes) -> Iterator[Submessage]:
+    """Yield the submessages of a datagram, except INFO submessages, which set fields of the others."""
+    if len(data) < HEADER_SIZE or data[:4] != PROTOCOL[:4]:
+        raise ValueError("not an RTPS datagram")
+    source, is_for, stamp_ns, at = data[8:HEADER_SIZE], True, 0, HEADER_SIZE
+    while at + 4 <= len(data):
+        kind, flags = data[at], data[at + 1]
+        order: Literal["<", ">"] = "<" if flags & 1 else ">"
+        (size,) = struct.unpack_from(f"{order}H", data, at + 2)
+        # A length of 0 means "up to the end", except in submessages that may be empty.
+        end = at + 4 + size if size or kind in (PAD, INFO_TS) else len(data)
+        body = data[at + 4 : end]
+        at = end
+        if kind == INFO_DST:
+            is_for = body[:PREFIX_SIZE] in (own_prefix, bytes(PREFIX_SIZE))
+        elif kind == INFO_SRC:
+            source = body[8:HEADER_SIZE]
+        elif kind == INFO_TS:
+            stamp_ns = 0 if flags & 2 else read_time(body, order)
+        else:
+            yield Submessage(kind, flags, order, body, source, is_for, stamp_ns)
+
+
+def timestamp(at_ns: int) -> bytes:
+    """Encode an INFO_TS submessage with a time, [ns] since 1970."""
+    seconds, rest = divmod(at_ns, 10**9)
+    return submessage(INFO_TS, 0, struct.pack("<II", seconds & 0xFFFFFFFF, rest * 2**32 // 10**9))
+
+
+def read_time(data: bytes, order: str) -> int:
+    """Decode a time, [ns] since 1970."""
+    seconds, fraction = struct.unpack_from(f"{order}II", data)
+    value_ns: int = seconds * 10**9 + round(fraction * 1e9 / 2**32)
+    return value_ns
+
+
+def sequence_number(value: int) -> bytes:
+    """Encode a sequence number."""
+    return struct.pack("<iI", value >> 32, value & 0xFFFFFFFF)
+
+
+def read_sequence_number(data: bytes, at: int, order: str) -> int:
+    """Decode the sequence number at a position."""
+    high, low = struct.unpack_from(f"{order}iI", data, at)
+    value: int = high << 32 | low
+    return value
+
+
+def number_bitmap(base: int, numbers: Sequence[int]) -> bytes:
+    """Encode numbers of [base, base + 256) as a bitmap with its length."""
+    count = max((number - base + 1 for number in numbers), default=0)
+    words = [0] * ((count + 31) // 32)
+    for number in numbers:
+        words[(number - base) // 32] |= 1 << (31 - (number - base) % 32)
+    return struct.pack(f"<I{len(words)}I", count, *words)
+
+
+def read_bitmap(data: bytes, at: int, base: int, order: str) -> list[int]:
+    """Decode the bitmap at a position, as the numbers that are set."""
+    (count,) = struct.unpack_from(f"{order}I", data, at)
+    if count > MAX_SET:
+        raise ValueError(f"a set of {count} numbers")
+    words = struct.unpack_from(f"{order}{(count + 31) // 32}I", data, at + 4)
+    return [base + i for i in range(count) if words[i // 32] >> (31 - i % 32) & 1]
+
+
+def parameter(pid: int, value: bytes) -> bytes:
+    """Encode a parameter."""
+    value += bytes(-len(value) % 4)
+    return struct.pack("<HH", pid, len(value)) + value
+
+
+def string(value: str) -> bytes:
+    """Encode a string."""
+    data = value.encode() + b"\0"
+    return struct.pack("<I", len(data)) + data
+
+
+def octets(value: bytes) -> bytes:
+    """Encode a sequence of octets."""
+    return struct.pack("<I", len(value)) + value
+
+
+def duration(value_ns: int | None) -> bytes:
+    """Encode a duration [ns]; None is infinite."""
+    if value_ns is None:
+        return struct.pack("<iI", *INFINITE)
+    seconds, rest = divmod(value_ns, 10**9)
+    return struct.pack("<iI", min(seconds, INFINITE[0]), rest * 2**32 // 10**9)
+
+
+def locator(address: Locator) -> bytes:
+    """Encode a UDPv4 locator."""
+    return struct.pack("<iI12s4s", 1, address[1], bytes(12), socket.inet_aton(address[0]))
+
+
+def read_parameters(data: bytes, order: str, at: int) -> tuple[list[tuple[int, bytes]], int]:
+    """Return the parameters (pid, value) of the list at a position, and the position after the list."""
+    found: list[tuple[int, bytes]] = []
+    while at + 4 <= len(data):
+        pid, size = struct.unpack_from(f"{order}HH", data, at)
+        at += 4
+        if pid == Pid.SENTINEL:
+            return found, at
+        found.append((int(pid), data[at : at + size]))
+        at += size
+    raise ValueError("a parameter list without an end")
+
+
+class ParameterList:
+    """A received parameter list, with an encapsulation header of 4 bytes."""
+
+    def __init__(self, payload: bytes) -> None:
+        if len(payload) < 4:
+            raise ValueError("a parameter list without a header")
+        self.order = "<" if payload[1] & 1 else ">"
+        self._values: dict[int, list[bytes]] = {}
+        for pid, value in read_parameters(payload, self.order, 4)[0]:
+            self._values.setdefault(pid, []).append(value)
+
+    def __contains__(self, pid: int) -> bool:
+        return pid in self._values
+
+    def first(self, pid: int) -> bytes:
+        """Return the first value of a parameter, or b""."""
+        return self._values.get(pid, [b""])[0]
+
+    def number(self, pid: int, default: int) -> int:
+        """Return an unsigned integer of 32 bits."""
+        return int(struct.unpack_from(f"{self.order}I", self.first(pid))[0]) if pid in self else default
+
+    def octets(self, pid: int) -> bytes:
+        """Return a sequence of octets."""
+        return self.first(pid)[4 : 4 + self.number(pid, 0)]
+
+    def string(self, pid: int) -> str:
+        """Return a string."""
+        return self.octets(pid).rstrip(b"\0").decode(errors="replace")
+
+    def duration(self, pid: int, at: int = 0, default: int | None = None) -> int | None:
+        """Return a duration [ns]; None is infinite."""
+        if pid not in self:
+            return default
+        seconds, fraction = struct.unpack_from(f"{self.order}iI", self.first(pid), at)
+        if (seconds, fraction) == INFINITE:
+            return None
+        value_ns: int = seconds * 10**9 + round(fraction * 1e9 / 2**32)
+        return value_ns
+
+    def locators(self, pid: int) -> tuple[Locator, ...]:
+        """Return the UDPv4 locators. Shared memory, TCP and IPv6 are ignored."""
+        found = []
+        for value in self._values.get(pid, ()):
+            kind, port = struct.unpack_from(f"{self.order}iI", value)
+            if kind == 1 and len(value) >= 24 and 0 < port < 2**16:
+                found.append((socket.inet_ntoa(value[20:24]), int(port)))
+        return tuple(found)
+
+    def qos(self, kind: Kind) -> Qos:
+        """Return the QoS of an endpoint. Absent policies have the defaults of DDS, not ROS.
+
+        DDS does not transmit the history and the depth.
+        """
+        reliability = self.number(Pid.RELIABILITY, 2 if kind == "writer" else 1)
+        return Qos(
+            history="unknown",
+            reliability="reliable" if reliability == 2 else "best_effort",
+            durability="transient_local" if self.number(Pid.DURABILITY, 0) >= 1 else "volatile",
+            deadline_ns=self.duration(Pid.DEADLINE),
+            lifespan_ns=self.duration(Pid.LIFESPAN),
+            liveliness="manual_by_topic" if self.number(Pid.LIVELINESS, 0) == 2 else "automatic",
+            lease_ns=self.duration(Pid.LIVELINESS, at=4),
+        )
+
+
+def describe(endpoint: Endpoint, participant: bytes, here: Locator) -> bytes:
+    """Encode an endpoint of this participant for discovery."""
+    qos = endpoint.qos
+    liveliness = 2 if qos.liveliness == "manual_by_topic" else 0
+    return (
+        PL_CDR_LE
+        + parameter(Pid.ENDPOINT, endpoint.guid)
+        + parameter(Pid.KEY_HASH, endpoint.guid)
+        + parameter(Pid.PARTICIPANT, participant)
+        + parameter(Pid.TOPIC, string(endpoint.topic))
+        + parameter(Pid.TYPE, string(endpoint.type_name))
+        + parameter(Pid.UNICAST, locator(here))
+        + parameter(Pid.RELIABILITY, struct.pack("<I", 1 + endpoint.is_reliable) + duration(10**8))
+        + parameter(Pid.DURABILITY, struct.pack("<I", endpoint.is_latched))
+        + parameter(Pid.DEADLINE, duration(qos.deadline_ns))
+        + parameter(Pid.LIFESPAN, duration(qos.lifespan_ns))
+        + parameter(Pid.LIVELINESS, struct.pack("<I", liveliness) + duration(qos.lease_ns))
+        + parameter(Pid.REPRESENTATION, struct.pack("<Ihh", 1, 0, 0))
+        + (parameter(Pid.USER_DATA, octets(endpoint.user_data)) if endpoint.user_data else b"")
+        + parameter(Pid.SENTINEL, b"")
+    )
+
+
+def disposal(pid: int, guid: bytes) -> tuple[bytes, bytes]:
+    """Return the payload and inline QoS of the message that removes an endpoint or a participant."""
+    inline = parameter(Pid.KEY_HASH, guid) + parameter(Pid.STATUS, DISPOSED) + parameter(Pid.SENTINEL, b"")
+    return PL_CDR_LE + parameter(pid, guid) + parameter(Pid.SENTINEL, b""), inline
+
+
+def related_request(request: RequestId) -> bytes:
+    """Encode the inline QoS by which Fast DDS relates a reply to its request."""
+    identity = request.guid + sequence_number(request.sequence)
+    return (
+        parameter(Pid.RELATED, identity) + parameter(Pid.RELATED_OLD, identity) + parameter(Pid.SENTINEL, b"")
+    )

@@ -1,0 +1,416 @@
+"""The graph of one run: robot time, the heap of events that advances it, the nodes and the topics."""
+
+import heapq
+import threading
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from course_lib.ros.graph.topics import (
+    EndpointInfo,
+    NodeInfo,
+    OnMessage,
+    Qos,
+    Sample,
+    Subscription,
+    Topics,
+    find_incompatible_policy,
+)
+
+# Robot time at the start of every run.
+START_NS = 1_700_000_000 * 10**9
+# Stands for a node id where an event wakes a thread. It sorts after all nodes.
+THREADS = 1 << 30
+
+
+class Alarm:
+    """A scheduled event, which can be cancelled."""
+
+    __slots__ = ("action", "cancelled", "due_ns", "entity", "node")
+
+    def __init__(self, due_ns: int, action: Callable[[], None], node: int, entity: int) -> None:
+        self.due_ns = due_ns
+        self.action = action
+        self.node = node
+        self.entity = entity
+        self.cancelled = False
+
+    def cancel(self) -> None:
+        """Cancel the event."""
+        self.cancelled = True
+
+
+class Clock:
+    """The clock and its heap of events, ordered by (due time, node, entity, sequence number)."""
+
+    def __init__(self, start_ns: int = START_NS) -> None:
+        self.now_ns = start_ns
+        self._heap: list[tuple[int, int, int, int, Alarm]] = []
+        self._sequence = 0
+
+    def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
+        """Schedule `action` at `due_ns`.
+
+        If that is in the past, it becomes the next event of its time.
+        """
+        alarm = Alarm(max(due_ns, self.now_ns), action, node, entity)
+        self._sequence += 1
+        heapq.heappush(self._heap, (alarm.due_ns, node, entity, self._sequence, alarm))
+        return alarm
+
+    def next_due_ns(self) -> int | None:
+        """Return the time of the next event, or None."""
+        while self._heap and self._heap[0][4].cancelled:
+            heapq.heappop(self._heap)
+        return self._heap[0][0] if self._heap else None
+
+    def is_next_for_same_entity(self, alarm: Alarm) -> bool:
+        """Return whether the next event has the same time and entity as `alarm`."""
+        if not self._heap:
+            return False
+        due_ns, node, entity, _, other = self._heap[0]
+        same = (due_ns, node, entity) == (alarm.due_ns, alarm.node, alarm.entity)
+        return same and not other.cancelled
+
+    def __len__(self) -> int:
+        return len(self._heap)
+
+    def actions(self) -> Iterator[Callable[[], None]]:
+        """Yield the actions of the scheduled events, in arbitrary order."""
+        return (entry[4].action for entry in self._heap)
+
+    def pop(self) -> Alarm:
+        """Remove and return the next event."""
+        return heapq.heappop(self._heap)[4]
+
+
+__all__ = ["EndpointInfo", "Graph", "NodeInfo", "Sample", "current_graph", "use_graph"]
+
+# Time from publication to delivery.
+DELAY_NS = 1_000_000
+PartT = TypeVar("PartT")
+# Returns the topics that a tap needs.
+Wanted = Callable[[], Collection[str]]
+
+
+class Graph:
+    """The nodes and topics of one run, and the clock that owns its events.
+
+    Args:
+        start_ns: Robot time at which the run starts.
+        end_ns: Robot time at which it ends, if it does; events due exactly then still run.
+        delay_ns: Time from the publication of a message to its delivery.
+        notebook: Whether it is a kernel's graph, with the more lenient rules of notebooks.
+    """
+
+    # Whether robot time is the wall clock, as with a robot: it cannot be paused or change its
+    # speed.
+    keeps_wall_time = False
+
+    def __init__(
+        self,
+        *,
+        start_ns: int = START_NS,
+        end_ns: int | None = None,
+        delay_ns: int = DELAY_NS,
+        notebook: bool = False,
+    ) -> None:
+        self.end_ns = end_ns
+        self.ended = False
+        # Nodes that publish a user's actions, one at a time, as RViz does. Their samples never form
+        # a burst.
+        self.human_nodes: set[int] = set()
+        # Whether further samples of the same time follow for the subscription that is receiving
+        # one.
+        self.more_follow = False
+        self.notebook = notebook
+        # Returns whether the wall clock has reached a robot time.
+        self.pace: Callable[[int], bool] | None = None
+        # Called after each callback with the entity, the times at which it became ready and began
+        # [ns], and its processor time [s].
+        self.callback_listeners: list[Callable[[Any, int, int, float], None]] = []
+        # Number of programs started concurrently.
+        self.programs = 0
+        # State objects by program name and class.
+        self._parts: dict[str, dict[type, object]] = {}
+        self._clock = Clock(start_ns)
+        self.delay_ns = delay_ns
+        self._topics = Topics()
+        self._nodes: dict[int, NodeInfo] = {}
+        self._hidden_nodes: set[int] = set()
+        # The number that was assigned last to a node or endpoint.
+        self.last_id = 0
+        self._taps: list[tuple[Callable[[Sample], None], Wanted | None]] = []
+        self._watchers: list[Callable[[int], None]] = []
+
+    @property
+    def now_ns(self) -> int:
+        """Robot time, [ns]."""
+        return self._clock.now_ns
+
+    def part(self, kind: type[PartT]) -> PartT:
+        """Return the calling program's object of a class in this run, created on first use.
+
+        A module that keeps state for a run defines a class for it, which is created without
+        arguments.
+        """
+        parts = self._parts.setdefault(program.name, {})
+        found = parts.get(kind)
+        if not isinstance(found, kind):
+            found = parts[kind] = kind()
+        return found
+
+    def add_node(self, name: str, namespace: str) -> int:
+        """Add a node. Return its id, which is its position in the start order."""
+        self.last_id += 1
+        self._nodes[self.last_id] = NodeInfo(self.last_id, name, namespace)
+        return self.last_id
+
+    def remove_node(self, node: int) -> None:
+        """Remove a node with its endpoints."""
+        self._nodes.pop(node, None)
+        for endpoint in self._topics.endpoints():
+            if endpoint.node == node:
+                self._topics.remove(endpoint.id)
+
+    def add_publisher(self, node: int, topic: str, type_name: str, qos: Qos) -> int:
+        """Add a publisher on a fully qualified topic. Return its endpoint id."""
+        self.last_id += 1
+        self._topics.add_publisher(EndpointInfo(self.last_id, "pub", node, topic, type_name, qos))
+        return self.last_id
+
+    def add_subscription(
+        self, node: int, entity: int, topic: str, type_name: str, qos: Qos, on_message: OnMessage
+    ) -> int:
+        """Add a subscription.
+
+        `on_message(cdr, source_ns, received_ns)` is called for each sample.
+        """
+        self.last_id += 1
+        info = EndpointInfo(self.last_id, "sub", node, topic, type_name, qos)
+        subscription = Subscription(info, entity, on_message)
+        for sample in self._topics.add_subscription(subscription):
+            self._deliver(sample, subscription)
+        return self.last_id
+
+    def remove_endpoint(self, endpoint: int) -> None:
+        """Remove a publisher or a subscription."""
+        self._topics.remove(endpoint)
+
+    def publish(self, endpoint: int, cdr: bytes) -> None:
+        """Publish serialized data.
+
+        Each matching subscription receives it as an event after the delay. After the end of the run
+        nothing is published.
+        """
+        if self.ended:
+            return
+        publisher = self._topics.publishers[endpoint]
+        info = publisher.info
+        self.show_node(info.node)
+        sample = Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node)
+        if info.qos.durability == "transient_local":
+            publisher.kept.append(sample)
+        self._notify_taps(sample)
+        for subscription in self._topics.receivers(info):
+            self._deliver(sample, subscription)
+
+    def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
+        """Schedule `action` at robot time `due_ns`, in the order of events."""
+        return self._clock.call_at(due_ns, action, node=node, entity=entity)
+
+    def advance(self) -> bool:
+        """Run the next event. If there is none before the end, set `ended` and return False."""
+        due_ns = self._clock.next_due_ns()
+        at_end = self.end_ns is not None and (due_ns is None or due_ns > self.end_ns)
+        target_ns = self.end_ns if at_end else due_ns
+        if target_ns is None:
+            return False
+        if self.pace is not None and not self.pace(target_ns):
+            # The wall clock may not have reached the time, because other events may have been
+            # scheduled.
+            return True
+        alarm = None if at_end else self._clock.pop()
+        self._advance_to(target_ns)
+        self.ended = at_end
+        if alarm is None:
+            return False
+        # Samples published at the same time reach a subscription together, so that a queue that is
+        # too short drops the oldest samples of a burst, as in ROS.
+        delivery = alarm.action if isinstance(alarm.action, _Delivery) else None
+        is_burst = delivery is not None and delivery.sample.node not in self.human_nodes
+        self.more_follow = is_burst and self._clock.is_next_for_same_entity(alarm)
+        alarm.action()
+        while self.more_follow:
+            alarm = self._clock.pop()
+            self.more_follow = self._clock.is_next_for_same_entity(alarm)
+            alarm.action()
+        return True
+
+    def next_due_ns(self) -> int | None:
+        """Return the time of the next event [ns], or None."""
+        return self._clock.next_due_ns()
+
+    @property
+    def pending(self) -> int:
+        """The number of scheduled events."""
+        return len(self._clock)
+
+    def count_stored_bytes(self) -> int:
+        """Return the serialized size of all samples in transit or kept by publishers, each counted once."""
+        held = {id(sample): sample for p in self._topics.publishers.values() for sample in p.kept}
+        for action in self._clock.actions():
+            if isinstance(action, _Delivery):
+                held[id(action.sample)] = action.sample
+        return sum(len(sample.cdr) for sample in held.values())
+
+    def hide_node(self, node: int) -> None:
+        """Hide a node and its endpoints from the lists until it wakes or publishes."""
+        self._hidden_nodes.add(node)
+
+    def show_node(self, node: int) -> None:
+        """List a node and its endpoints again."""
+        self._hidden_nodes.discard(node)
+
+    def nodes(self) -> list[NodeInfo]:
+        """List the nodes in their start order."""
+        return [node for node in self._nodes.values() if node.id not in self._hidden_nodes]
+
+    def endpoints(self) -> list[EndpointInfo]:
+        """List the publishers and subscriptions in the order of their creation."""
+        return [info for info in self._topics.endpoints() if info.node not in self._hidden_nodes]
+
+    def endpoints_on(self, topic: str) -> list[EndpointInfo]:
+        """List the publishers and subscriptions of a topic in the order of their creation."""
+        return [info for info in self._topics.endpoints_on(topic) if info.node not in self._hidden_nodes]
+
+    def incompatible_policy(self, publisher: EndpointInfo, subscription: EndpointInfo) -> str | None:
+        """Return the QoS policy that makes a publisher and subscription incompatible, or None."""
+        return find_incompatible_policy(publisher.qos, subscription.qos)
+
+    def tap(self, listener: Callable[[Sample], None], wanted: Wanted | None = None) -> Callable[[], None]:
+        """Call `listener` with every sample on a topic when it is published.
+
+        Return a function that ends this. As in `ros2 bag record`, requests and responses of
+        services are not included. `wanted` returns the topics that a robot has to send for the
+        listener; None stands for all.
+        """
+        tap = (listener, wanted)
+        self._taps.append(tap)
+        return lambda: self._taps.remove(tap)
+
+    @property
+    def is_tapped(self) -> bool:
+        """True while viewers or recordings receive published samples."""
+        return bool(self._taps)
+
+    def link_report(self) -> list[tuple[str, object]]:
+        """Return the state of the link to a robot as rows of `ros2 doctor`; empty without a link."""
+        return []
+
+    def take_blocked_calls(self) -> list[str]:
+        """Return the services whose calls a link has held back since the last time; empty without a link."""
+        return []
+
+    def close(self) -> None:
+        """Close the link to a robot, if there is one."""
+
+    def watch_time(self, listener: Callable[[int], None]) -> Callable[[], None]:
+        """Call `listener(now_ns)` whenever robot time advances.
+
+        Return a function that ends this.
+        """
+        self._watchers.append(listener)
+        return lambda: self._watchers.remove(listener)
+
+    def latched_samples(self) -> list[Sample]:
+        """List the samples that publishers keep for late-joining subscriptions, oldest first."""
+        kept = [sample for p in self._topics.publishers.values() for sample in p.kept]
+        return sorted(kept, key=lambda sample: sample.stamp_ns)
+
+    def _notify_taps(self, sample: Sample) -> None:
+        for listener, _ in tuple(self._taps) if sample.topic.startswith("/") else ():
+            listener(sample)
+
+    def _advance_to(self, now_ns: int) -> None:
+        if now_ns > self._clock.now_ns:
+            self._clock.now_ns = now_ns
+            for watcher in tuple(self._watchers):
+                watcher(now_ns)
+
+    def _deliver(self, sample: Sample, subscription: Subscription) -> None:
+        due_ns = self.now_ns + self.delay_ns
+        arrive = _Delivery(self, sample, subscription)
+        self._clock.call_at(due_ns, arrive, node=subscription.info.node, entity=subscription.entity)
+
+    def _receive(self, sample: Sample, subscription: Subscription) -> None:
+        if subscription.info.id in self._topics.subscriptions:
+            subscription.on_message(sample.cdr, sample.stamp_ns, self.now_ns)
+
+
+class _Delivery:
+    """The event that delivers a sample to a subscription.
+
+    `Graph.count_stored_bytes` accesses its sample.
+    """
+
+    __slots__ = ("graph", "sample", "subscription")
+
+    def __init__(self, graph: Graph, sample: Sample, subscription: Subscription) -> None:
+        self.graph, self.sample, self.subscription = graph, sample, subscription
+
+    def __call__(self) -> None:
+        self.graph._receive(self.sample, self.subscription)
+
+
+@dataclass
+class NodesOfProgram:
+    """The ids of one program's nodes in the graph, which are removed when the program ends."""
+
+    ids: set[int] = field(default_factory=set)
+
+
+@dataclass
+class UnspunNodes:
+    """The full names, by id, of nodes with ready entities that were never added to an executor."""
+
+    names: dict[int, str] = field(default_factory=dict)
+
+
+@dataclass
+class FailedNodes:
+    """What stopped live nodes, by their full names, until a node of the same name is spun."""
+
+    errors: dict[str, str] = field(default_factory=dict)
+
+
+class _ProgramName(threading.local):
+    name = ""
+
+
+# The name of the program, among those that share a graph, to which the calling thread belongs.
+program = _ProgramName()
+_current = Graph()
+
+
+def current_graph() -> Graph:
+    """Return the graph that the stand-in uses."""
+    return _current
+
+
+def set_graph(graph: Graph) -> None:
+    """Replace the current graph."""
+    global _current
+    _current = graph
+
+
+@contextmanager
+def use_graph(graph: Graph) -> Iterator[Graph]:
+    """Make another graph the current one for the length of a `with` block."""
+    before = _current
+    set_graph(graph)
+    try:
+        yield graph
+    finally:
+        set_graph(before)

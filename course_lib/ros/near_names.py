@@ -1,0 +1,647 @@
+"""Suggestions for misspelled names: the closest name that the failing line could have used.
+
+Python itself suggests such names below a traceback, but IPython prints tracebacks without them, and
+Python cannot suggest names that are not imported yet or, before 3.12, `self.name`.
+"""
+
+import builtins
+import dis
+import importlib
+import inspect
+import keyword
+import re
+import sys
+import sysconfig
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from pkgutil import iter_modules
+from traceback import walk_tb
+from types import CodeType, FrameType, FunctionType, MethodType, ModuleType
+from typing import Any
+
+from course_lib.errors import format_count
+from course_lib.ros.messages.definitions import definition, type_names
+
+# Folder of the kit. A class defined in it, in Python or in a library is not from a student.
+_KIT_FOLDER = str(Path(__file__).resolve().parent.parent)
+
+# Names other than messages that ROS programs import. In a launch file, its own names take
+# precedence.
+_IMPORTS = {
+    "Node": "from rclpy.node import Node",
+    "rclpy": "import rclpy",
+    "Duration": "from rclpy.duration import Duration",
+    "Time": "from rclpy.time import Time",
+    "QoSProfile": "from rclpy.qos import QoSProfile",
+    "ReliabilityPolicy": "from rclpy.qos import ReliabilityPolicy",
+    "DurabilityPolicy": "from rclpy.qos import DurabilityPolicy",
+    "qos_profile_sensor_data": "from rclpy.qos import qos_profile_sensor_data",
+    "Parameter": "from rclpy.parameter import Parameter",
+    "Buffer": "from tf2_ros import Buffer",
+    "TransformListener": "from tf2_ros import TransformListener",
+    "TransformBroadcaster": "from tf2_ros import TransformBroadcaster",
+    "StaticTransformBroadcaster": "from tf2_ros import StaticTransformBroadcaster",
+    "TransformException": "from tf2_ros import TransformException",
+    "math": "import math",
+    "pi": "from math import pi",
+    "np": "import numpy as np",
+    "numpy": "import numpy",
+    "Path": "from pathlib import Path",
+}
+_LAUNCH_IMPORTS = {
+    "Node": "from launch_ros.actions import Node",
+    "LaunchDescription": "from launch import LaunchDescription",
+    "DeclareLaunchArgument": "from launch.actions import DeclareLaunchArgument",
+    "IncludeLaunchDescription": "from launch.actions import IncludeLaunchDescription",
+    "LaunchConfiguration": "from launch.substitutions import LaunchConfiguration",
+    "PathJoinSubstitution": "from launch.substitutions import PathJoinSubstitution",
+    "FindPackageShare": "from launch_ros.substitutions import FindPackageShare",
+}
+# Names that are suggested in launch files only, by the module that has them.
+_NAMES_OF_LAUNCH = {
+    "launch.actions": (
+        *("ExecuteProcess", "GroupAction", "LogInfo", "OpaqueFunction", "RegisterEventHandler", "Shutdown"),
+        *("AppendEnvironmentVariable", "SetEnvironmentVariable", "SetLaunchConfiguration", "TimerAction"),
+    ),
+    "launch.conditions": ("IfCondition", "UnlessCondition"),
+    "launch.event_handlers": ("OnProcessExit", "OnProcessStart", "OnShutdown"),
+    "launch.launch_description_sources": (
+        *("AnyLaunchDescriptionSource", "FrontendLaunchDescriptionSource", "PythonLaunchDescriptionSource"),
+    ),
+    "launch.substitutions": (
+        *("Command", "EnvironmentVariable", "FindExecutable", "PythonExpression", "TextSubstitution"),
+        *("ThisLaunchFileDir", "EqualsSubstitution", "IfElseSubstitution", "NotEqualsSubstitution"),
+    ),
+    "launch_ros.actions": (
+        *("ComposableNodeContainer", "LifecycleNode", "LoadComposableNodes", "PushRosNamespace"),
+        *("SetParameter", "SetParametersFromFile", "SetRemap", "SetUseSimTime"),
+    ),
+    "launch_ros.descriptions": ("ComposableNode",),
+    "launch_ros.parameter_descriptions": ("ParameterFile", "ParameterValue"),
+    "ament_index_python.packages": ("get_package_share_directory", "get_package_share_path"),
+}
+_IN_LAUNCH_FILES = _LAUNCH_IMPORTS | {
+    name: f"from {module} import {name}" for module, names in _NAMES_OF_LAUNCH.items() for name in names
+}
+_KIT = ("course_lib", "course_lib.robots", "course_lib.displays", "course_lib.sensors")
+# Modules that students use without having imported them. Other names, like `time`, also occur in
+# rclpy.
+_STDLIB = ("time", "os", "sys", "random", "json", "copy", "re", "datetime", "threading", "itertools")
+# The field that is meant by a word of everyday speech, or of another library.
+_SYNONYMS = {
+    "size": ("scale", "dimensions"),
+    "scale": ("size",),
+    "red": ("r",),
+    "green": ("g",),
+    "blue": ("b",),
+    "alpha": ("a",),
+    "opacity": ("a",),
+    "transparency": ("a",),
+    "rotation": ("orientation",),
+    "orientation": ("rotation",),
+    "translation": ("position",),
+    "position": ("translation", "center"),
+    "label": ("class_id", "text", "name"),
+    "class_name": ("class_id",),
+    "confidence": ("score",),
+    "probability": ("score",),
+    "frame": ("frame_id",),
+    "parent": ("header.frame_id",),
+    "child": ("child_frame_id",),
+    "time": ("stamp", "time_from_start"),
+    "timestamp": ("stamp",),
+    "secs": ("sec",),
+    "nanoseconds": ("nanosec",),
+    "nsec": ("nanosec",),
+    "nsecs": ("nanosec",),
+    "namespace": ("ns",),
+    "duration": ("lifetime", "time_from_start"),
+    "vertices": ("points",),
+    "names": ("joint_names",),
+    "joints": ("joint_names", "name"),
+    "angles": ("positions", "position"),
+    "distances": ("ranges",),
+    "speed": ("velocity", "linear"),
+    "battery": ("percentage",),
+    "charge": ("percentage",),
+    "msg": ("data",),
+    "value": ("data",),
+}
+_ANGLES = ("yaw", "roll", "pitch", "angle", "heading", "theta")
+_HEAP_TYPE = 1 << 9  # Python's flag of classes that are not static in C
+_COMMON = ("std_msgs", "geometry_msgs", "visualization_msgs", "sensor_msgs", "nav_msgs", "builtin_interfaces")
+# Modules that ROS programs often use, by their names on PyPI.
+_FROM_PIP = {
+    "cv2": "opencv-python-headless",
+    "cvxpy": "cvxpy",
+    "flask": "flask",
+    "gymnasium": "gymnasium",
+    "mediapipe": "mediapipe",
+    "networkx": "networkx",
+    "open3d": "open3d",
+    "paho": "paho-mqtt",
+    "pandas": "pandas",
+    "PIL": "pillow",
+    "py_trees": "py-trees",
+    "pygame": "pygame",
+    "pynput": "pynput",
+    "requests": "requests",
+    "scipy": "scipy",
+    "serial": "pyserial",
+    "shapely": "shapely",
+    "simple_pid": "simple-pid",
+    "skimage": "scikit-image",
+    "sklearn": "scikit-learn",
+    "smbus2": "smbus2",
+    "torch": "torch",
+    "transforms3d": "transforms3d",
+    "ultralytics": "ultralytics",
+}
+# Modules of ROS 1, with their replacements in ROS 2.
+_ROS_1 = {
+    "rospy": "its library for Python is `import rclpy`",
+    "roslib": "its library for Python is `import rclpy`",
+    "roscpp": "its library for Python is `import rclpy`",
+    "actionlib": "actions are in `from rclpy.action import ActionClient`",
+    "tf": "the one to import is `import tf2_ros`",
+    "tf2": "the one to import is `import tf2_ros`",
+    "rosbag": "bags are read by `import rosbag2_py`",
+    "rospkg": "packages are found by `from ament_index_python.packages import get_package_share_directory`",
+    "roslaunch": "launch files use `from launch import LaunchDescription`",
+    "dynamic_reconfigure": "every node has parameters: `self.declare_parameter('speed', 1.0)`",
+    "rviz": "here the view is `from course_lib import Viewer`",
+    "rviz2": "here the view is `from course_lib import Viewer`",
+    "ros2": "its library for Python is `import rclpy`",
+    "ros": "its library for Python is `import rclpy`",
+}
+
+
+def nearest(wanted: str, names: Iterable[str], cutoff: float = 0.75) -> str:
+    """Return the name that differs only in case and underscores, otherwise the most similar name, or ""."""
+    known = [name for name in dict.fromkeys(names) if name != wanted and not name.startswith("_")]
+    plain = wanted.lower().replace("_", "")
+    same = [name for name in known if name.lower().replace("_", "") == plain]
+    return next(iter([*same, *get_close_matches(wanted, known, 1, cutoff)]), "")
+
+
+def frame_of(error: BaseException) -> FrameType | None:
+    """Return the frame that raised an exception."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    return trace.tb_frame if trace is not None else None
+
+
+def name_hint(error: NameError) -> str:
+    """Return the hint for a name that is undefined or has no value yet, or "" if no name is similar."""
+    found = re.search(r"(?:name|variable) '(\w+)'", str(error))
+    frame = frame_of(error)
+    if found is None or frame is None:
+        return ""
+    wanted = found[1]
+    owner = _attributes(frame.f_locals.get("self"))
+    if wanted in owner and not (isinstance(error, UnboundLocalError) and _is_set_before(error, wanted)):
+        return f"did you mean `self.{wanted}`?"
+    if isinstance(error, UnboundLocalError):
+        if wanted in frame.f_globals:
+            return (
+                f"a function that assigns {wanted} has a {wanted} of its own. Keep the value in the node, as "
+                f"`self.{wanted}`, or write `global {wanted}` first."
+            )
+        return f"give {wanted} a value before this line, on every way that leads here."
+    # One letter too many, like Points, is more likely than a class of the kit that no cell imports.
+    singular = wanted.removesuffix("s")
+    if singular != wanted and singular in frame.f_globals and wanted not in _IMPORTS:
+        return f"did you mean `{singular}`?"
+    importable = _importable(frame)
+    if wanted in importable:
+        return f"import it: `{importable[wanted]}`; in a notebook run the first cells again."
+    return _similar_name(wanted, frame, owner, importable)
+
+
+def _similar_name(wanted: str, frame: FrameType, owner: Sequence[str], importable: Mapping[str, str]) -> str:
+    """Return the hint for a name that no import defines, with the most similar name that exists."""
+    for name, module in frame.f_globals.items():
+        if (
+            isinstance(module, ModuleType)
+            and name in ("math", "np", "numpy", "rclpy")
+            and hasattr(module, wanted)
+        ):
+            return f"did you mean `{name}.{wanted}`?"
+    if found_constant := _constant_of(wanted, frame.f_globals):
+        return f"did you mean `{found_constant}`?"
+    near = nearest(wanted, [*frame.f_locals, *frame.f_globals])
+    if near:
+        return f"did you mean `{near}`?"
+    if near := nearest(wanted, owner):
+        return f"did you mean `self.{near}`?"
+    if near := nearest(wanted, [*vars(builtins), *keyword.kwlist], 0.8):
+        return f"did you mean `{near}`?"
+    if near := nearest(wanted, importable, 0.8):
+        return f"did you mean {near}? Then import it: `{importable[near]}`."
+    if given := _parameters(frame.f_code):
+        return (
+            f"{frame.f_code.co_name} gets {given}, and knows what the cells above define. Where is {wanted} "
+            f"from?"
+        )
+    return ""
+
+
+def _is_set_before(error: BaseException, name: str) -> bool:
+    """Return whether the function of the failing line sets a local variable on an earlier line."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is None:
+        return False
+    stores = (one for one in dis.get_instructions(trace.tb_frame.f_code) if one.argval == name)
+    return any("STORE" in one.opname and one.offset < trace.tb_lasti for one in stores)
+
+
+def _constant_of(name: str, names: Mapping[str, object]) -> str:
+    """Return a constant of a message class that is in reach, like "Marker.CUBE", or ""."""
+    if not name.isupper():
+        return ""
+    kinds = {key: one for key, one in names.items() if isinstance(one, type)}
+    classes = ((key, one) for key, one in kinds.items() if hasattr(one, "get_fields_and_field_types"))
+    return next((f"{key}.{name}" for key, one in classes if isinstance(getattr(one, name, None), int)), "")
+
+
+def _parameters(code: CodeType) -> str:
+    """Return a function's parameters, like "a, b and c", without self; "" outside of a function."""
+    names = [name for name in code.co_varnames[: code.co_argcount] if name != "self"]
+    return join(names) if code.co_name.isidentifier() else ""
+
+
+def parameter_hint(error: BaseException) -> str:
+    """Return a question with the declared parameter closest to a missing one, or ""."""
+    found = re.search(r"undeclared parameter\(s\): (\w+)$", str(error))
+    holders = (frame.f_locals.get("self") for frame, _ in walk_tb(error.__traceback__))
+    node = next((one for one in holders if hasattr(one, "get_parameters_by_prefix")), None)
+    near = nearest(found[1], node.get_parameters_by_prefix("")) if found and node is not None else ""
+    return f"did you mean {near!r}? It is declared." if near else ""
+
+
+def key_hint(error: BaseException) -> str:
+    """Return a question with the key closest to a missing one, or "".
+
+    The exception does not contain its dictionary, so those within reach of the line are searched.
+    """
+    frame = frame_of(error)
+    wanted = error.args[0] if isinstance(error, KeyError) and error.args else None
+    if frame is None or not isinstance(wanted, str):
+        return ""
+    own = getattr(frame.f_locals.get("self"), "__dict__", {})
+    reached = [*frame.f_locals.values(), *own.values(), *frame.f_globals.values()]
+    keys = [key for one in reached if type(one) is dict for key in one if isinstance(key, str)]
+    near = nearest(wanted, keys)
+    return f"did you mean {near!r}?" if near else ""
+
+
+def attribute_hint(error: AttributeError) -> str:
+    """Return a question with the attribute closest to a missing one, or ""."""
+    if error.name is None or error.obj is None:
+        return ""
+    frame = frame_of(error)
+    if frame is not None and error.obj is frame.f_locals.get("self") and error.name in frame.f_locals:
+        return f"{error.name} is a variable of this method: write `{error.name}` without self."
+    cls = type(error.obj)
+    own_classes = [one for one in cls.__mro__ if is_student_class(one)]
+    if own_classes:
+        # For a student's own node class, its own attributes and ROS's methods are suggested. ROS's
+        # properties, like `publishers`, are too similar to names that students choose.
+        own = [*getattr(error.obj, "__dict__", ()), *(name for one in own_classes for name in vars(one))]
+        methods = [name for name in _attributes(cls) if callable(getattr(cls, name, None))]
+        names = [name for name in [*own, *methods] if not name.startswith("_")]
+    else:
+        names = _attributes(error.obj)
+    near = nearest(error.name, names)
+    if own_classes:
+        # The name `self.publish` is closer to the name `publisher` than to what it means.
+        values = getattr(error.obj, "__dict__", {}).items()
+        holders = [
+            key
+            for key, one in values
+            if not key.startswith("_") and callable(getattr(type(one), error.name, None))
+        ]
+        if holders:
+            return f"did you mean `self.{holders[0]}.{error.name}`?"
+        own_names = list(dict.fromkeys(name for name in names if name in own))
+        in_init = frame is not None and frame.f_code.co_name == "__init__"
+        if not near and own_names and in_init and hasattr(cls, "create_timer"):
+            return f"{cls.__name__} has {join(own_names[:6])}. Which of them do you mean, or is one missing?"
+    if not near and isinstance(error.obj, ModuleType) and error.obj.__name__ in _interfaces():
+        near = nearest(error.name, _interfaces()[error.obj.__name__], 0.6)
+    longer = [name for name in names if name.startswith(f"{error.name}_")]
+    if own_classes and not longer and len(error.name) > 2:
+        # An abbreviation of one of the student's own names: `self.pub` for `self.publisher`.
+        longer = list(dict.fromkeys(name for name in names if name in own and name.startswith(error.name)))
+    near = near or (longer[0] if len(longer) == 1 else "")
+    return f"did you mean `{near}`?" if near else ""
+
+
+def join(names: Sequence[str]) -> str:
+    """Return names as in a sentence, "a, b and c"."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+
+
+def keyword_hint(error: BaseException) -> str:
+    """Return a question with the argument closest to one that a function does not have, or ""."""
+    found = re.match(
+        r"(?:\w+\.)*?(\w+)(?:\.__init__)?\(\) got an unexpected keyword argument '(\w+)'", str(error)
+    )
+    frame = frame_of(error)
+    if found is None or frame is None:
+        return ""
+    # The base class in the kit that rejects the argument is not the one that the student called.
+    own = frame.f_locals.get("self")
+    is_in_kit = own is not None and frame.f_code.co_filename.startswith(_KIT_FOLDER)
+    function = type(own) if is_in_kit and ".__init__()" in str(error) else _reachable_object(frame, found[1])
+    if not isinstance(function, FunctionType | MethodType | type):
+        return ""
+    try:
+        parameters = inspect.signature(function).parameters
+    except (TypeError, ValueError):
+        return ""
+    names = [name for name in parameters if name != "self" and not name.startswith("_")]
+    near = nearest(found[2], names, 0.6) or next((one for one in names if one.startswith(found[2])), "")
+    if near:
+        return f"did you mean `{near}`?"
+    return f"{found[1]} takes {join(names)}." if 0 < len(names) <= 8 else ""
+
+
+def surplus_hint(error: BaseException) -> str:
+    """Return the hint for a method that gets more values than it takes, although self is its first name."""
+    found = re.match(
+        r"(?:.*\.)?(\w+)\.(\w+)\(\) takes \d+ positional arguments? but (\d+) (?:was|were) given", str(error)
+    )
+    frame = frame_of(error)
+    if found is None or frame is None:
+        return ""
+    cls, name = _reachable_object(frame, found[1]), found[2]
+    method = getattr(cls, name, None) if isinstance(cls, type) else _reachable_object(frame, name)
+    code = getattr(method, "__code__", None)
+    if not isinstance(code, CodeType) or code.co_varnames[:1] != ("self",) or name == "__init__":
+        return ""
+    names = list(code.co_varnames[1 : code.co_argcount])
+    given = f"the call passes {format_count(int(found[3]) - 1, 'value')}"
+    call = f"self.{name}({', '.join(names)})"
+    return f"{name} takes {join(names) or 'nothing'} besides self, and {given}: write {call}."
+
+
+def _reachable_object(frame: FrameType, name: str) -> Any:
+    """Return the object of a name: a variable, a method of self, or of an object in reach of the line."""
+    own = frame.f_locals.get("self")
+    for one in (frame.f_locals, frame.f_globals, vars(builtins)):
+        if name in one:
+            return one[name]
+    holders = [
+        own,
+        *frame.f_locals.values(),
+        *getattr(own, "__dict__", {}).values(),
+        *frame.f_globals.values(),
+    ]
+    methods = (getattr(type(one), name, None) for one in holders if one is not None)
+    return next((one for one in methods if callable(one)), None)
+
+
+def constructor_hint(error: BaseException) -> str:
+    """Return a question with the field closest to one that a message's constructor rejects, or ""."""
+    found = re.match(r"Invalid arguments passed to constructor: (\w+)", str(error))
+    frame = frame_of(error)
+    own = frame.f_locals.get("self", frame.f_locals.get("_self")) if frame is not None else None
+    if found is None or own is None or not hasattr(type(own), "get_fields_and_field_types"):
+        return ""
+    fields = list(own.get_fields_and_field_types())
+    near = near_field(found[1], fields)
+    kind = type(own).__name__
+    return f"did you mean `{near}`?" if near else f"the fields of {kind} are {join(fields)}."
+
+
+def near_field(wanted: str, names: Sequence[str]) -> str:
+    """Return the field or constant of a message that a name stands for, or "".
+
+    The candidates are names that differ in case only, everyday words for a field, similar names,
+    and names that contain the word.
+    """
+    plain = wanted.lower().replace("_", "")
+    same = [name for name in names if name.lower().replace("_", "") == plain and name != wanted]
+    meant = [name for name in _SYNONYMS.get(wanted.lower(), ()) if name in names]
+    close = get_close_matches(wanted, names)
+    longer = [name for name in names if len(wanted) > 2 and wanted.lower() in name.lower().split("_")]
+    return next(iter([*same, *meant, *close, *longer]), "")
+
+
+def synonyms(wanted: str) -> tuple[str, ...]:
+    """Return the names of fields for which a word of everyday speech stands."""
+    return _SYNONYMS.get(wanted.lower(), ())
+
+
+def is_angle(name: str) -> bool:
+    """Return whether a name is one of an angle that students look for in a quaternion."""
+    return name.lower() in _ANGLES
+
+
+def is_native(kind: type) -> bool:
+    """Return whether a class is defined in C, as those of Python itself are."""
+    return not kind.__flags__ & _HEAP_TYPE
+
+
+def is_student_class(kind: type) -> bool:
+    """Return whether a class is defined in a notebook, or in a program next to it."""
+    module = sys.modules.get(kind.__module__)
+    place = getattr(module, "__file__", None) or ""
+    # In a notebook, the file of __main__ is the program that runs its kernel.
+    if kind.__module__ == "__main__":
+        return True
+    # Cells that are executed without a module define classes of "builtins".
+    if kind.__module__ == "builtins":
+        return getattr(builtins, kind.__name__, None) is None and not is_native(kind)
+    return not place.startswith((_KIT_FOLDER, *sysconfig.get_paths().values()))
+
+
+def module_hint(error: ModuleNotFoundError) -> str:
+    """Return the hint for a module that is misspelled or belongs to ROS 1, or ""."""
+    package, _, inner = (error.name or "").partition(".")
+    if inner and (found := _interface_module_hint(package, inner, _imported_name(error))):
+        return found
+    if package in _FROM_PIP:
+        return f"it is not part of ROS 2 for Python: pip install {_FROM_PIP[package]}"
+    if package in _ROS_1:
+        return f"there is no module {package} in ROS 2: {_ROS_1[package]}."
+    if inner and package in sys.modules:
+        holder, _, last = (error.name or "").rpartition(".")
+        folders = map(Path, getattr(sys.modules.get(holder), "__path__", ()))
+        submodules = [p.stem for folder in folders for p in folder.iterdir() if p.suffix in ("", ".py")]
+        near = nearest(last, submodules)
+        return f"did you mean `import {holder}.{near}`?" if near else ""
+    # A package like my_msgs is more likely a student's own than a misspelled one. The standard library
+    # has hundreds of short names.
+    cutoff = 0.85 if package.endswith(("_msgs", "_srvs", "_interfaces")) else 0.8
+    near = nearest(package, _packages(), cutoff) or nearest(package, sys.stdlib_module_names, 0.85)
+    return f"did you mean {near}?" if near else ""
+
+
+@cache
+def _interfaces() -> Mapping[str, Mapping[str, Sequence[str]]]:
+    """Return the names of interfaces by package and kind: ["std_srvs"]["srv"] has "Trigger"."""
+    found: dict[str, dict[str, list[str]]] = {}
+    for type_name in type_names():
+        package, kind, name = type_name.split("/")
+        # The types of a service or an action begin with its name: Trigger_Request.
+        whole = name if kind == "msg" else name.partition("_")[0]
+        names = found.setdefault(package, {}).setdefault(kind, [])
+        if whole not in names:
+            names.append(whole)
+    return found
+
+
+def _import_of_interface(name: str, package: str) -> str:
+    """Return the import of an interface with exactly this name, if possible from a package, or ""."""
+    places = [(p, kind) for p, kinds in _interfaces().items() for kind in kinds if name in kinds[kind]]
+    places.sort(key=lambda place: (place[0] != package, place[0] not in _COMMON))
+    return next((f"from {p}.{kind} import {name}" for p, kind in places), "")
+
+
+def _interface_module_hint(package: str, inner: str, imported: str) -> str:
+    """Return the hint for a module that a package of interfaces does not have, or "".
+
+    Args:
+        package: The package.
+        inner: The rest of the module's name, "mgs" or "msg.String".
+        imported: The name that was to be imported from the module, or "".
+    """
+    kinds = _interfaces().get(package)
+    if kinds is None:
+        return ""
+    kind, _, name = inner.partition(".")
+    if name and kind in kinds:
+        near = name if name in kinds[kind] else nearest(name, kinds[kind])
+        return f"write `from {package}.{kind} import {near}`." if near else ""
+    if imported and (line := _import_of_interface(imported, package)):
+        return f"it is elsewhere: `{line}`."
+    near = nearest(kind, kinds, 0.5) or next(iter(kinds))
+    return f"did you mean `import {package}.{near}`?"
+
+
+def _imported_name(error: BaseException) -> str:
+    """Return the first name of the failing `from … import …`, or "".
+
+    The source text is not always available, but the bytecode contains the names.
+    """
+    trace = error.__traceback__
+    while trace is not None:
+        constant: object = None
+        for one in dis.get_instructions(trace.tb_frame.f_code):
+            if (one.offset, one.opname) == (trace.tb_lasti, "IMPORT_NAME") and one.argval == getattr(
+                error, "name", None
+            ):
+                return str(constant[0]) if isinstance(constant, tuple) and constant else ""
+            if one.opname == "LOAD_CONST":
+                constant = one.argval
+        trace = trace.tb_next
+    return ""
+
+
+def import_hint(error: ImportError) -> str:
+    """Return a question with the name closest to one that cannot be imported, or ""."""
+    found = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", str(error))
+    if found is None:
+        return ""
+    wanted, module = found[1], found[2]
+    package, _, kind = module.partition(".")
+    if package in _interfaces() and (interface := _interface_hint(wanted, package, kind)):
+        return interface
+    if module.partition(".")[0] in ("launch", "launch_ros"):
+        line = _IN_LAUNCH_FILES.get(wanted) or _IMPORTS.get(wanted)
+    else:
+        line = _IMPORTS.get(wanted) or _LAUNCH_IMPORTS.get(wanted)
+    if line:
+        return f"it is elsewhere: `{line}`."
+    names = [*_attributes(sys.modules.get(module)), *_submodules(sys.modules.get(module))]
+    near = nearest(wanted, names)
+    return f"did you mean {near}? `from {module} import {near}`" if near else ""
+
+
+def _interface_hint(wanted: str, package: str, kind: str) -> str:
+    """Return the hint for a name that a package of interfaces, or its module of a kind, does not have."""
+    kinds = _interfaces()[package]
+    if line := _import_of_interface(wanted, package):
+        return f"it is elsewhere: `{line}`." if kind else f"write `{line}`."
+    if not kind and (near := nearest(wanted, kinds, 0.6)):
+        return f"did you mean {near}? `from {package} import {near}`"
+    modules = {kind: kinds[kind]} if kind in kinds else kinds
+    places = [(package, one, names) for one, names in modules.items()]
+    # A name of another package must be more similar.
+    places += [(p, one, names) for p, other in _interfaces().items() for one, names in other.items()]
+    for number, (holder, one, names) in enumerate(places):
+        if near := nearest(wanted, names, 0.75 if number < len(modules) else 0.85):
+            return f"did you mean {near}? `from {holder}.{one} import {near}`"
+    return ""
+
+
+def _submodules(module: ModuleType | None) -> list[str]:
+    return [found.name for found in iter_modules(getattr(module, "__path__", None) or [])]
+
+
+def call_with_fields(name: str) -> str:
+    """Return a call of a message class with its first fields, like "ColorRGBA(r=1.0, g=1.0, b=1.0, a=1.0)".
+
+    The result is "" if no type has this name. Of several types, one of a common package is chosen.
+    """
+    found = [one for one in type_names() if one.endswith(f"/msg/{name}")]
+    if not found:
+        return ""
+    common = [one for one in found if one.partition("/")[0] in _COMMON]
+    samples = {"float64": "1.0", "float32": "1.0", "string": "'text'", "bool": "True"}
+    fields = definition((common or found)[0]).fields[:4]
+    simple = [f for f in fields if f.container == "scalar" and not f.is_message]
+    if len(simple) < len(fields):
+        # A nested message needs its own object, which the empty message already has.
+        return f"{name}()"
+    return f"{name}({', '.join(f'{field.name}={samples.get(field.base, 1)}' for field in fields)})"
+
+
+def _attributes(thing: object) -> list[str]:
+    """Return the public attributes of an object, or [] if its own `__dir__` raises an exception."""
+    try:
+        return [name for name in dir(thing) if not name.startswith("_")] if thing is not None else []
+    except (Exception, SystemExit):
+        return []
+
+
+def _importable(frame: FrameType) -> dict[str, str]:
+    """Return the import of each well-known name.
+
+    In a launch file, names of launch take precedence.
+    """
+    is_launch = "generate_launch_description" in (*frame.f_globals, frame.f_code.co_name)
+    messages = {
+        name.rpartition("/")[2]: "from {}.{} import {}".format(*name.split("/"))
+        for name in reversed(type_names())
+    }
+    own = {**_LAUNCH_IMPORTS, **_IMPORTS, **(_IN_LAUNCH_FILES if is_launch else {})}
+    modules = {name: f"import {name}" for name in _STDLIB}
+    return {**_names_of_the_kit(), **messages, **modules, **own}
+
+
+@cache
+def _names_of_the_kit() -> dict[str, str]:
+    # Functions of displays and sensors are left out, because names like `text` and `box` are common
+    # variables.
+    return {
+        name: f"from {module} import {name}"
+        for module in reversed(_KIT)
+        for name in _attributes(importlib.import_module(module))
+        if name[0].isupper() or module in _KIT[:2]
+    }
+
+
+@cache
+def _packages() -> list[str]:
+    standins = Path(__file__).with_name("standin")
+    named = [name.partition("/")[0] for name in type_names()]
+    own = [path.name for path in standins.iterdir() if path.is_dir()]
+    return [*named, *own, "numpy", "matplotlib", "course_lib"]

@@ -1,0 +1,346 @@
+"""Import hooks: modules under ROS's names, interface packages, and packages of the workspace.
+
+A package of ROS often has a module for each class, like `launch_ros.actions.node`, where the
+stand-in has one module for the subject. Programs import both forms.
+"""
+
+import os
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from functools import cache, partial
+from importlib import import_module
+from importlib.abc import Loader
+from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
+from importlib.util import spec_from_file_location, spec_from_loader
+from pathlib import Path
+from types import FrameType, ModuleType
+from typing import Any
+
+from course_lib.errors import CourseError
+
+# Packages of ROS with one module per class. In the stand-in, the class is in the module of its
+# subject.
+FOLDERS = (
+    *("launch", "launch.actions", "launch.conditions", "launch.event_handlers", "launch.events"),
+    *("launch.launch_description_sources", "launch.substitutions"),
+    *("launch_ros.actions", "launch_ros.descriptions", "launch_ros.event_handlers"),
+    *("launch_ros.events.lifecycle", "launch_xml.launch_description_sources"),
+    "launch_yaml.launch_description_sources",
+    "launch_ros.substitutions",
+)
+HOME_MODULES = {
+    "launch.actions.shutdown_action": "launch.actions",
+    "launch.descriptions": "launch.actions",
+    "launch.launch_description": "launch.actions",
+    "launch.events.matchers": "launch.events",
+    "launch.events.process": "launch.events",
+    "launch.launch_description_entity": "launch.entities",
+    "launch.substitutions.boolean_substitution": "launch.substitutions",
+    "launch_ros.substitutions.find_package": "launch_ros.substitutions",
+    "rclpy._rclpy_pybind11": "rclpy.exceptions",
+    "rclpy.expand_topic_name": "rclpy.impl.names",
+    "rclpy.guard_condition": "rclpy.impl.node_handle",
+    "rclpy.qos_event": "rclpy.event_handler",
+    "rclpy.topic_endpoint_info": "rclpy.impl.graph_queries",
+    "rclpy.topic_or_service_is_hidden": "rclpy.impl.names",
+    "rclpy.type_hash": "rclpy.impl.graph_queries",
+    "rclpy.validate_full_topic_name": "rclpy.impl.names",
+    "rclpy.validate_namespace": "rclpy.impl.names",
+    "rclpy.validate_node_name": "rclpy.impl.names",
+    "rclpy.validate_parameter_name": "rclpy.impl.names",
+    "rclpy.validate_topic_name": "rclpy.impl.names",
+}
+
+
+# Names that a module only re-exports although programs import them from it, by defining module.
+THIRD_PARTY_IMPORTS: dict[str, dict[str, list[str]]] = {}
+for _line in Path(__file__).with_name("third_party_imports.txt").read_text("utf-8").splitlines():
+    if _line and not _line.startswith("#"):
+        _host, _home, *_names = _line.split()
+        THIRD_PARTY_IMPORTS.setdefault(_host, {})[_home] = _names
+_PACKAGES = {name.partition(".")[0] for name in (*FOLDERS, *HOME_MODULES, *THIRD_PARTY_IMPORTS)}
+_PYTHON = os.path.dirname(os.__file__) + os.sep
+_WORD = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+
+
+class HomeModuleFinder(Loader):
+    """Imports a module of ROS that the stand-in does not contain, with all names of its home module."""
+
+    @classmethod
+    def find_spec(
+        cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Find the home module in the table, or by the name of a class."""
+        folder, _, own = name.rpartition(".")
+        if name.partition(".")[0] not in _PACKAGES:
+            return None
+        if folder and name in FOLDERS:
+            spec = PathFinder.find_spec(name, path)
+            # Python searches for submodules in packages only, so the module becomes one.
+            if spec is not None and spec.submodule_search_locations is None:
+                spec.submodule_search_locations = []
+            return spec
+        if name in THIRD_PARTY_IMPORTS:
+            spec = PathFinder.find_spec(name, path)
+            if spec is None or spec.origin is None:
+                return spec
+            return spec_from_file_location(name, spec.origin, loader=_HostLoader(name, spec.origin))
+        home = HOME_MODULES.get(name)
+        # For a module per class, like launch.actions.execute_process, the home is its folder.
+        if home is None and folder in FOLDERS:
+            names = {_WORD.sub("_", word).lower() for word in vars(import_module(folder))}
+            home = folder if own in names else None
+        return None if home is None else spec_from_loader(name, cls(), origin=home)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Copy the names of the home module."""
+        home = import_module(str(module.__spec__ and module.__spec__.origin))
+        vars(module).update({name: value for name, value in vars(home).items() if not name.startswith("__")})
+
+
+class _HostLoader(SourceFileLoader):
+    """Imports a module of the stand-in that also offers the names which ROS's module imports from others."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Execute the module's code."""
+        vars(module)["__getattr__"] = partial(_third_party_name, module.__name__)
+        super().exec_module(module)
+
+
+def _third_party_name(host: str, name: str) -> Any:
+    """Return a name that programs import from a module because ROS's module imports it."""
+    # Every `from … import` also requests __path__.
+    if name.startswith("__"):
+        raise AttributeError(f"module '{host}' has no attribute '{name}'")
+    for home, names in THIRD_PARTY_IMPORTS[host].items():
+        if name in names:
+            return getattr(import_module(home), name)
+    raise AttributeError(f"module '{host}' has no attribute '{name}'")
+
+
+class WorkspaceImports:
+    """Finds packages in the workspace's sources under their ROS names, if Python does not find them."""
+
+    @classmethod
+    def find_spec(
+        cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Find a Python package, or a package with interface files."""
+        # Python itself tries modules of other platforms, like msvcrt, which no workspace contains.
+        if path is not None or "." in name or name in sys.stdlib_module_names:
+            return None
+        return None if _is_library(sys._getframe(1)) else _find_in_workspace(name)
+
+
+class PackageFolderImports:
+    """Finds a package in the workspace if Python would import the folder around it instead.
+
+    In `src`, Python takes the folder `src/arm` of the ROS package `arm` for a namespace package and
+    misses the Python package in `src/arm/arm`. As in Python, a regular package takes precedence.
+    """
+
+    @classmethod
+    def find_spec(
+        cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Find the package if a folder of its name without `__init__.py` is on Python's path."""
+        if path is not None or "." in name or name in sys.stdlib_module_names:
+            return None
+        if not any(os.path.isdir(os.path.join(entry, name)) for entry in _own_entries()):
+            return None
+        spec = PathFinder.find_spec(name)
+        is_namespace = spec is not None and spec.origin is None and spec.submodule_search_locations
+        return _find_in_workspace(name) if is_namespace else None
+
+
+def _find_in_workspace(name: str) -> ModuleSpec | None:
+    # Imported late because few programs need it, but this module is imported whenever the kit is.
+    from course_lib.ros.programs.packages import has_interfaces, packages
+
+    found = packages(in_working_folder=_imports_from_working_folder())
+    for package in (name, *found) if name in found else found:
+        if spec := _python_spec(name, package, found[package]):
+            return spec
+    if name in found and has_interfaces(found[name]):
+        spec = ModuleSpec(name, None, is_package=True)
+        spec.submodule_search_locations = [str(found[name])]
+        return spec
+    return None
+
+
+def _is_library(frame: FrameType | None) -> bool:
+    """Return whether a library's module does the import, which then is not meant for a workspace.
+
+    numpy alone tries a dozen optional modules, each of which would be searched for in all packages.
+    """
+    while frame is not None and "importlib" in frame.f_code.co_filename:
+        frame = frame.f_back
+    if frame is None or frame.f_code.co_name != "<module>":
+        return False
+    file = frame.f_code.co_filename
+    return file.startswith(_PYTHON) or f"{os.sep}site-packages{os.sep}" in file
+
+
+def _python_spec(name: str, package: str, sources: Path) -> ModuleSpec | None:
+    from course_lib.ros.programs.packages import read_build_files
+
+    if sources.parent.name == "share":
+        return None
+    if name != package and (sources / name / "__init__.py").is_file():
+        return PathFinder.find_spec(name, [str(sources)])
+    try:
+        folders = read_build_files(package, sources).package_folders
+    except CourseError:
+        # A syntax error in setup.py is reported where the package is used, not at each import.
+        return None
+    renamed = folders.get(name)
+    if renamed is not None:
+        return spec_from_file_location(
+            name, renamed / "__init__.py", submodule_search_locations=[str(renamed)]
+        )
+    root = folders.get("", sources)
+    if (root / name / "__init__.py").is_file():
+        return PathFinder.find_spec(name, [str(root)])
+    return None
+
+
+def _imports_from_working_folder() -> bool:
+    """Return whether Python imports from the working folder, or a folder in it, anyway.
+
+    A process that grades submissions must not import them because it was started in their folder.
+    """
+    try:
+        here = os.getcwd()
+    except OSError:
+        # The working folder was deleted.
+        return False
+    return any(not entry or entry == here or entry.startswith(f"{here}{os.sep}") for entry in _own_entries())
+
+
+def _own_entries() -> list[str]:
+    """Return the entries of sys.path that contain neither libraries nor the stand-in."""
+    return [
+        entry
+        for entry in sys.path
+        if "site-packages" not in entry and entry != _STANDIN_ENTRY and not entry.startswith(_PYTHON[:-1])
+    ]
+
+
+STANDIN = Path(__file__).parents[1] / "standin"
+_STANDIN_ENTRY = str(STANDIN)
+# Environment variables that setup.bash sets in ROS.
+SOURCED = {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2", "ROS_PYTHON_VERSION": "3"}
+KINDS = ("msg", "srv", "action")
+
+
+def install() -> None:
+    """Put the stand-in's packages first on sys.path, and set ROS's environment variables.
+
+    Raises a CourseError if a package of the same name has already been imported from elsewhere.
+    """
+    ours = str(STANDIN)
+    for name in provided_packages():
+        module = sys.modules.get(name)
+        if module is not None and not _location_of(module).startswith(f"{ours}{os.sep}"):
+            raise CourseError(
+                f"{name} has already been imported from {_location_of(module)}, so the course's own ROS "
+                "can't take its place. Restart the kernel and load course_lib first: %load_ext course_lib"
+            )
+    for name, value in SOURCED.items():
+        os.environ.setdefault(name, value)
+    if sys.path[:1] != [ours]:
+        sys.path[:] = [ours, *(entry for entry in sys.path if entry != ours)]
+    if _InterfaceTypesFinder not in sys.meta_path:
+        sys.meta_path[:0] = [_InterfaceTypesFinder, HomeModuleFinder, PackageFolderImports]
+        sys.meta_path.append(WorkspaceImports)
+
+
+class _InterfaceTypesFinder(Loader):
+    """Imports interface types: `std_msgs`, `std_msgs.msg`, or `my_msgs/msg/Name.msg` on the path."""
+
+    @classmethod
+    def find_spec(
+        cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Find a package whose types the kit has, or a folder with interface files."""
+        package, _, kind = name.rpartition(".")
+        if not package:
+            return _package_of_types(name, cls())
+        if kind not in KINDS or "." in package:
+            return None
+        for folder in _interface_folders(package, path or ()):
+            if (
+                _has_types(package, kind)
+                if folder.parent == STANDIN
+                else any(folder.glob(f"{kind}/*.{kind}"))
+            ):
+                return spec_from_loader(name, cls(), origin=str(folder))
+        return None
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Fill the module with the types. The package itself remains empty."""
+        from course_lib.ros.messages.definitions import add_package
+        from course_lib.ros.messages.message import fill_module
+
+        if "." not in module.__name__:
+            vars(module)["__getattr__"] = partial(_types_of_loaded, module.__name__)
+            return
+        folder = Path(str(module.__spec__ and module.__spec__.origin))
+        if folder.parent != STANDIN:
+            add_package(folder, module.__name__.partition(".")[0])
+        fill_module(module)
+
+
+def _interface_folders(package: str, path: Sequence[str]) -> Iterator[Path]:
+    """Yield folders that may hold a package's interface files, with parents of its Python folder."""
+    # Imported late because only programs with their own interface files need it.
+    from course_lib.ros.programs.packages import MANIFEST, name_of
+
+    for folder in map(Path, path):
+        yield folder
+        # The folder of Python code is in the package's folder, or in a subfolder such as `src`.
+        if folder.name == package:
+            yield from (above for above in folder.parents[:2] if name_of(above / MANIFEST) == package)
+
+
+def _types_of_loaded(package: str, name: str) -> ModuleType:
+    """Return `std_msgs.msg` if a message of std_msgs is loaded, since ROS has imported it then."""
+    from course_lib.ros.messages.message import loaded
+
+    if name not in KINDS or package not in loaded or not _has_types(package, name):
+        raise AttributeError(f"module '{package}' has no attribute '{name}'")
+    return import_module(f"{package}.{name}")
+
+
+def _package_of_types(name: str, loader: Loader) -> ModuleSpec | None:
+    """Find a package for which the build has written only stubs.
+
+    It takes precedence over others.
+    """
+    folder = STANDIN / name
+    if not folder.is_dir() or (folder / "__init__.py").is_file():
+        return None
+    spec = ModuleSpec(name, loader, origin=str(folder), is_package=True)
+    spec.submodule_search_locations = [str(folder)]
+    return spec
+
+
+def _has_types(package: str, kind: str) -> bool:
+    from course_lib.ros.messages.definitions import type_names
+
+    return any(name.startswith(f"{package}/{kind}/") for name in type_names())
+
+
+@cache
+def provided_packages() -> list[str]:
+    """List the packages that the stand-in provides."""
+    code = {path.parent for path in STANDIN.glob("*/__init__.py")}
+    types = {path.parents[1] for path in STANDIN.glob("*/*/__init__.pyi")}
+    return sorted(folder.name for folder in code | types)
+
+
+def _location_of(module: ModuleType) -> str:
+    """Return the location of a module: its file, or the folder of a package without one."""
+    file = getattr(module, "__file__", None)
+    return str(file or next(iter(getattr(module, "__path__", [])), "an unknown place"))

@@ -1,0 +1,477 @@
+"""Execution of launch files, with the name of its process before each line of output: `[talker-1] `.
+
+Actions that cannot run here, such as a simulator, are skipped with one line in the log.
+"""
+
+import os
+import re
+import signal
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any, cast
+
+from ament_index_python.packages import PackageNotFoundError
+from launch.actions import IncludeLaunchDescription, declared
+from launch.conditions import InvalidConditionExpressionError
+from launch.entities import Action, Entities, Event, LaunchContext, listed, text_of
+from launch.event_handlers import OnProcessIO
+from launch.events import ProcessExited, ProcessIO, ProcessStarted, Shutdown, ShutdownProcess, SignalProcess
+from launch.launch_description_sources import LaunchDescriptionSource
+
+from course_lib.errors import CourseError
+from course_lib.ros.graph.graph import THREADS, current_graph, program
+from course_lib.ros.hints import hint
+from course_lib.ros.programs import absent_modules
+from course_lib.ros.programs.missing_packages import (
+    NotHereError,
+    reason_in,
+    tolerate_missing,
+    why_not_offered,
+)
+from course_lib.ros.programs.package_programs import (
+    Executables,
+    find_component,
+    find_executable,
+    prepend_to_path,
+    unload_packages,
+)
+from course_lib.ros.programs.packages import python_path, source
+from course_lib.ros.programs.process import INTERRUPTED, Function, Process, Processes, Program
+from course_lib.ros.time.time_lock import DeadlockError, ShutDown, time_lock
+from course_lib.ros.tracebacks import line_of_traceback, name_line
+
+# Receives the name of a process, its stream (1: standard output, 2: standard error), and lines.
+OutputCallback = Callable[[str, int, str], object]
+
+
+class OutputPrefixes:
+    """Prefixes the output of processes with their names, which are kept by program.
+
+    `on_output` receives the output in whole lines.
+    """
+
+    def __init__(self, on_output: OutputCallback) -> None:
+        self.by_program: dict[str, str] = {}
+        self._on_output = on_output
+        self._streams: list[_PrefixedStream] = []
+
+    @contextmanager
+    def prefix_output(self) -> Iterator[None]:
+        """Prefix the output of the processes within a `with` block."""
+        former = sys.stdout, sys.stderr
+        self._streams = [
+            _PrefixedStream(stream, number, self.by_program, self._on_output)
+            for number, stream in enumerate(former, 1)
+        ]
+        sys.stdout, sys.stderr = self._streams
+        try:
+            yield
+        finally:
+            # If another launch has replaced the streams, leave its own in place.
+            if [sys.stdout, sys.stderr] == self._streams:
+                sys.stdout, sys.stderr = former
+
+    @contextmanager
+    def of_process(self, process: str) -> Iterator[None]:
+        """Prefix the output of the calling program within a `with` block."""
+        self.by_program[program.name] = process
+        try:
+            yield
+        finally:
+            for stream in self._streams:
+                stream.end(program.name)
+
+
+class _PrefixedStream:
+    """A stream that buffers the output of processes until a line is complete, as launch does."""
+
+    def __init__(
+        self, stream: Any, number: int, by_program: dict[str, str], on_output: OutputCallback
+    ) -> None:
+        self._stream, self._number, self._by_program = stream, number, by_program
+        self._on_output = on_output
+        # The incomplete last lines by program.
+        self._incomplete_lines: dict[str, str] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def write(self, text: str) -> int:
+        """Write text. The output of a process is written line by line after its name."""
+        if program.name not in self._by_program:
+            return int(self._stream.write(text))
+        *lines, rest = (self._incomplete_lines.get(program.name, "") + text).split("\n")
+        self._incomplete_lines[program.name] = rest
+        if lines:
+            self._write_lines(program.name, lines)
+        return len(text)
+
+    def _write_lines(self, name: str, lines: list[str]) -> None:
+        process = self._by_program[name]
+        self._stream.write("".join(f"[{process}] {line}\n" for line in lines))
+        self._on_output(process, self._number, "".join(f"{line}\n" for line in lines))
+
+    def writelines(self, lines: list[str]) -> None:
+        """Write lines."""
+        self.write("".join(lines))
+
+    def end(self, name: str) -> None:
+        """Write the incomplete last line of a program."""
+        rest = self._incomplete_lines.pop(name, "")
+        if rest:
+            self._write_lines(name, [rest])
+
+
+_COMPLAINTS = (CourseError, RuntimeError, OSError, PackageNotFoundError, InvalidConditionExpressionError)
+# Limit on skipped actions, because an exit handler may start the same action again and again.
+_MAX_SKIPPED = 100
+# Variables that the setup of ROS or a simulator defines and to which launch files prepend folders.
+_SET_BY_SETUP = (
+    *("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "COLCON_PREFIX_PATH", "LD_LIBRARY_PATH", "PYTHONPATH"),
+    *("GZ_SIM_RESOURCE_PATH", "GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_RESOURCE_PATH"),
+    *("GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH", "GAZEBO_PLUGIN_PATH"),
+)
+# The representation of a substitution or an action, and the length of it that a warning shows.
+_OBJECT = re.compile(r"<launch(?:_ros)?\.[\w.]*?(\w+) object at 0x\w+>")
+_MAX_WORD = 80
+_ENDS = ("SIGINT", "SIGTERM", "SIGKILL", "SIGQUIT")
+
+
+class LaunchProgram(Process):
+    """A launch file: XML, YAML, or Python with `generate_launch_description`.
+
+    Actions that cannot run here, such as a simulator, are skipped with one line in the log.
+
+    Args:
+        file: The launch file.
+        args: `name:=value` for its arguments, and arguments for all nodes.
+        own: The kit's executables.
+        is_strict: Whether the launch ends, as in ROS, if something cannot run here.
+    """
+
+    def __init__(self, file: Path, args: Sequence[str], own: Executables, *, is_strict: bool = False) -> None:
+        super().__init__(file, args)
+        self._own, self._is_strict = own, is_strict
+        # Missing packages, with the reasons.
+        self._absent: dict[str, str] = {}
+        # Skipped actions, with the reasons.
+        self._skipped: dict[Action | None, str] = {}
+        self._settings: dict[str, str] = {}
+        self._node_arguments: list[str] = []
+        for_ros = False
+        for word in args:
+            for_ros = word == "--ros-args" or (for_ros and word != "--")
+            if ":=" in word and not for_ros:
+                name, _, value = word.partition(":=")
+                self._settings[name] = value
+            else:
+                self._node_arguments.append(word)
+        self._context = LaunchContext(self, file=str(file.absolute()))
+        self._processes = Processes()
+        self._prefixes = OutputPrefixes(self._on_output)
+        self._started: list[tuple[Action, Process]] = []
+        # Number of process exits that were reported.
+        self._reported_ends = 0
+        # Events to handle and timer actions to execute.
+        self._due_actions: list[Callable[[], None]] = []
+        # Number of pending timers.
+        self._pending_timers = 0
+        self._stopping = False
+
+    def work(self) -> None:
+        """Execute the launch description and handle its events until all processes have ended."""
+        unload_packages()
+        self.log("INFO", "launch", "Default logging verbosity is set to INFO")
+        with self._prefixes.prefix_output(), tolerate_missing(None if self._is_strict else self._absent):
+            is_over = False
+            try:
+                self._due_actions.append(self._begin)
+                self._run_until_done()
+                is_over = True
+            finally:
+                # An error of the launch file: its processes must not continue without it.
+                if not is_over:
+                    self._shut_down()
+        if self._skipped and not self._started:
+            self.exit_code = self.exit_code or 1
+
+    def _begin(self) -> None:
+        description = self.describe()
+        self._context.launch_configurations |= self._settings
+        self._visit(description)
+        reasons = " ".join(self._skipped.values())
+        for package, reason in self._absent.items():
+            # A launch file may look up the folder of a simulator that it then does not start.
+            is_of_kit = any(package == owner for owner, _ in self._own)
+            if reason not in reasons and not is_of_kit and not why_not_offered(package):
+                self.log("WARNING", "launch", f"{reason} Nothing of '{package}' is used.")
+                self._skipped[None] = reason
+
+    def arguments(self) -> str:
+        """Describe the arguments as `ros2 launch --show-args` does."""
+        lines = ["Arguments (pass arguments as '<name>:=<value>'):"]
+        for argument in declared(self.describe(), self._context):
+            lines += ["", f"    '{argument.name}':", f"        {argument.description}"]
+            if argument.default_value is not None:
+                default = text_of(self._context, argument.default_value)
+                self._context.launch_configurations.setdefault(argument.name, default)
+                lines.append(f"        (default: {default!r})")
+        return "\n".join(lines if len(lines) > 1 else [*lines, "", "    No arguments."])
+
+    def start(self, action: Action, package: str, executable: str, words: Iterable[str]) -> None:
+        """Start an executable. Raise a CourseError if there is none."""
+        words = list(words)
+        if reason := reason_in(" ".join(words)):
+            raise NotHereError(reason)
+        for word in words:
+            if found := _OBJECT.search(word):
+                # An f-string with a substitution; ROS passes this string without a warning.
+                text = (
+                    f"'{word[:_MAX_WORD]}' contains a {found[1]} that has no value yet where the string is "
+                    f"made. Pass a list of its parts instead of an f-string: ['robot_', {found[1]}(…)]"
+                )
+                self.log("WARNING", "launch", text)
+        self.start_function(action, executable, find_executable(package, executable, self._own), words)
+
+    def has_executable(self, package: str, executable: str) -> bool:
+        """Return whether the kit itself provides the executable."""
+        return (package, executable) in self._own
+
+    def start_file(self, action: Action, file: Path, words: Iterable[str]) -> None:
+        """Start a Python program by its path. Raise a CourseError if it cannot be run."""
+        self.start_function(action, file.name, Program(file, ()).work, words)
+
+    def start_component(self, action: Action, package: str, plugin: str, words: Iterable[str]) -> None:
+        """Start a component, or log why it is skipped."""
+        try:
+            function = find_component(package, plugin, self._own)
+        except CourseError as error:
+            self.log("ERROR", "launch_ros.actions.load_composable_nodes", str(error))
+        else:
+            self.start_function(action, plugin, function, words)
+
+    def start_function(
+        self, action: Action, name: str, function: Callable[[], object], words: Iterable[str]
+    ) -> None:
+        """Start a function as a process. `words` is its command line."""
+        if self._stopping:
+            return
+        pid = len(self._started) + 1
+        name = f"{name}-{pid}"
+        for_all = ["--", *self._node_arguments] if self._node_arguments else []
+        process = _LaunchedProcess(name, function, [*words, *for_all], self._prefixes)
+        self._started.append((action, process))
+        self._processes.start(process)
+        self.log("INFO", name, f"process started with pid [{pid}]")
+        self.emit(ProcessStarted(action, name, pid, process.argv))
+
+    def later(self, seconds: float, entities: Entities) -> None:
+        """Visit entities after `seconds` of robot time [s]."""
+        if self._stopping:
+            return
+        graph = current_graph()
+
+        def fire() -> None:
+            self._pending_timers -= 1
+            self._due_actions.append(partial(self._visit, entities))
+
+        self._pending_timers += 1
+        graph.call_at(graph.now_ns + round(seconds * 1e9), fire, node=THREADS, entity=0)
+
+    def emit(self, event: Event) -> None:
+        """Queue an event for the event handlers. A Shutdown then ends all processes."""
+        cause = getattr(self._context.locals, "event", None)
+        if isinstance(event, Shutdown) and isinstance(cause, ProcessExited) and cause.action in self._skipped:
+            # The process has not exited, it was never started.
+            return
+        self._due_actions.append(partial(self._handle, event))
+
+    def _handle(self, event: Event) -> None:
+        for handler in [one for one in self._context.handlers if one.matches(event)]:
+            if handler.handle_once:
+                self._context.unregister_event_handler(handler)
+            self._context.locals.event = event
+            self._visit(handler.handle(event, self._context))
+            del self._context.locals.event
+        if isinstance(event, Shutdown):
+            self._shut_down()
+        elif isinstance(event, ShutdownProcess):
+            # A SignalProcess may send a signal that does not end the process.
+            number = event.signal_number if isinstance(event, SignalProcess) else signal.SIGINT
+            if (number if isinstance(number, str) else signal.Signals(number).name) in _ENDS:
+                matching = [n for n, (action, _) in enumerate(self._started) if event.process_matcher(action)]
+                self._processes.interrupt(matching)
+
+    def _on_output(self, name: str, number: int, text: str) -> None:
+        """Emit the output of a process if there is a handler for such events."""
+        if any(isinstance(handler, OnProcessIO) for handler in self._context.handlers):
+            pid = int(name.rpartition("-")[2])
+            action, process = self._started[pid - 1]
+            self.emit(ProcessIO(action, name, pid, process.argv, text.encode(), number))
+
+    def log(self, level: str, name: str, text: str) -> None:
+        """Write a line to the log of the launch itself."""
+        sys.stdout.write(f"[{level}] [{name}]: {text}\n")
+
+    def describe(self) -> Entities:
+        """Return the launch description of the file."""
+        prepare_imports(self.file)
+        return LaunchDescriptionSource(self.file).get_launch_description(self._context)
+
+    def _visit(self, entities: Entities | None, parent: object = None) -> None:
+        for entity in listed(entities):
+            try:
+                if not hasattr(entity, "visit"):
+                    kind = type(entity).__name__
+                    raise AttributeError(
+                        f"'{kind}' object has no attribute 'visit': expected an action such as Node(…), not "
+                        f"{entity!r:.60}"
+                    )
+                inner = entity.visit(self._context)
+            except Exception as error:
+                reason = "" if self._is_strict else _skip_reason(entity, error)
+                if not reason:
+                    # The location at which the innermost failing action was created.
+                    place = getattr(entity, "place", None) or getattr(parent, "place", None)
+                    if place is not None and not hasattr(error, "launch_place"):
+                        error.launch_place = place  # type: ignore[attr-defined]
+                    raise
+                self._skip(cast("Action", entity), reason)
+            else:
+                self._visit(inner, entity)
+
+    def _skip(self, action: Action, reason: str) -> None:
+        """Log that an action is skipped.
+
+        Handlers of its process run as if it had exited successfully.
+        """
+        text = " ".join(reason.split())
+        if reason in self._skipped.values():
+            text = f"{text.partition(': ')[0]} (see above)."
+        # The location and the type of the action, as the launch file writes it.
+        name = action.origin if isinstance(action, absent_modules.Placeholder) else type(action).__name__
+        if action.place is not None:
+            file, line = action.place
+            name = f"{Path(file).name}, line {line}: {name}"
+        self.log("WARNING", "launch", f"{name} is left out: {text}")
+        is_known = action in self._skipped or len(self._skipped) > _MAX_SKIPPED
+        self._skipped[action] = reason
+        if action.goes_on and not is_known:
+            self.emit(ProcessStarted(action))
+            self.emit(ProcessExited(action))
+            self._due_actions.append(partial(self._context.complete, action))
+
+    def _run_until_done(self) -> None:
+        while True:
+            try:
+                while (
+                    self._report_ends()
+                    or self._due_actions
+                    or (self._pending_timers and not current_graph().ended)
+                ):
+                    time_lock.wait(self._has_events, until_ns=None, what="the processes of the launch")
+                    while self._due_actions:
+                        self._due_actions.pop(0)()
+                return
+            except KeyboardInterrupt:
+                self.emit(Shutdown("ctrl-c (SIGINT)", due_to_sigint=True))
+            except DeadlockError:
+                self._shut_down()
+                self._run_until_done()
+                raise
+            except ShutDown:
+                raise
+            except Exception as error:
+                if not isinstance(error, _COMPLAINTS) and line_of_traceback(error.__traceback__):
+                    # The error comes from a line of the launch file, which the traceback shows.
+                    if reason := reason_in(str(error)):
+                        error.add_note(f"hint: {reason}")
+                    raise
+                has_own_text = isinstance(error, (*_COMPLAINTS, TypeError, ValueError))
+                text = str(error) if has_own_text else f"{type(error).__name__}: {error}"
+                # The launch file itself reads a file of a missing package.
+                if isinstance(error, OSError) and (reason := reason_in(text)):
+                    text = f"{text}: {reason}"
+                place = getattr(error, "launch_place", None)
+                # An action that rejects its arguments has no place yet: its line is in the
+                # traceback.
+                line = line_of_traceback(error.__traceback__) if place is None else name_line(*place)
+                if line and line.partition(":")[0] not in text:
+                    text = f"{text} ({line})"
+                self.log("ERROR", "launch", f"Caught exception in launch (see debug for traceback): {text}")
+                self.exit_code = 1
+                self._shut_down()
+
+    def _shut_down(self) -> None:
+        self._stopping, self._pending_timers = True, 0
+        self._processes.interrupt()
+
+    def _has_events(self) -> bool:
+        return bool(self._due_actions) or len(self._processes.ended) > self._reported_ends
+
+    def _report_ends(self) -> bool:
+        """Report processes that have exited. Return whether others are still running."""
+        while self._reported_ends < len(self._processes.ended):
+            self._reported_ends += 1
+            number = self._processes.ended[self._reported_ends - 1]
+            action, process = self._started[number]
+            name, pid = process.file.name, number + 1
+            code = 0 if self._stopping and process.exit_code == INTERRUPTED else process.exit_code
+            if code:
+                command = " ".join(process.argv)
+                self.log("ERROR", name, f"process has died [pid {pid}, exit code {code}, cmd '{command}'].")
+            else:
+                self.log("INFO", name, f"process has finished cleanly [pid {pid}]")
+            self.exit_code = self.exit_code or code
+            self.emit(ProcessExited(action, name, pid, process.argv, code))
+            self._due_actions.append(partial(self._context.complete, action))
+        return self._reported_ends < len(self._started)
+
+
+class _LaunchedProcess(Function):
+    """A process of a launch, whose output is prefixed with its name."""
+
+    def __init__(
+        self, name: str, function: Callable[[], object], args: Sequence[str], prefixes: OutputPrefixes
+    ) -> None:
+        super().__init__(name, function, args)
+        self._prefixes = prefixes
+
+    def run(self) -> None:
+        """Run the process to its end. A missing package is an error here."""
+        absent_modules.unload_absent_modules()
+        with self._prefixes.of_process(self.file.name), tolerate_missing(None):
+            super().run()
+
+
+def prepare_imports(file: Path) -> None:
+    """Add the packages of a launch file's workspace to the paths, and prepare its imports."""
+    source(file)
+    prepend_to_path(python_path(file))
+    absent_modules.install()
+    for name in _SET_BY_SETUP:
+        os.environ.setdefault(name, "")
+
+
+def _skip_reason(entity: object, error: Exception) -> str:
+    """Return why the launch continues without an entity; "" if the launch file itself is wrong."""
+    if isinstance(error, NotHereError | PackageNotFoundError):
+        return str(error)
+    if isinstance(entity, IncludeLaunchDescription) and isinstance(error, ModuleNotFoundError):
+        return hint(error) or str(error)
+    return reason_in(str(error))
+
+
+def arguments_of(file: Path) -> str:
+    """Describe the arguments that a launch file declares.
+
+    Raise a CourseError for any other file.
+    """
+    try:
+        with tolerate_missing({}):
+            return LaunchProgram(file, (), {}).arguments()
+    except _COMPLAINTS as error:
+        raise CourseError(f"{file}: {error}") from error

@@ -1,0 +1,172 @@
+"""Executables and Python components of packages, run as programs of a graph."""
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from course_lib.errors import CourseError, did_you_mean, location_of
+from course_lib.ros.programs.missing_packages import NotHereError, why_not_offered
+from course_lib.ros.programs.packages import (
+    Package,
+    find_package,
+    malformed_script,
+    python_path,
+    why_not_found,
+)
+from course_lib.ros.programs.process import Function, Program
+
+# Functions by package and executable.
+Executables = Mapping[tuple[str, str], Callable[[], object]]
+# Components that the kit provides as executables of their package.
+_AS_EXECUTABLE = {
+    "robot_state_publisher::RobotStatePublisher": "robot_state_publisher",
+    "joint_state_publisher::JointStatePublisher": "joint_state_publisher",
+    "demo_nodes_cpp::Talker": "talker",
+    "demo_nodes_cpp::Listener": "listener",
+    "demo_nodes_cpp::ServerNode": "add_two_ints_server",
+    "demo_nodes_cpp::ParameterBlackboard": "parameter_blackboard",
+}
+# Packages that processes have imported. The next launch reads their files again.
+_imported: set[str] = set()
+
+
+class RunProgram(Function):
+    """An executable of a package with its arguments, as `ros2 run` starts it."""
+
+    def __init__(self, package: str, executable: str, words: Sequence[str], own: Executables) -> None:
+        super().__init__(executable, find_executable(package, executable, own), words)
+
+    def run(self) -> None:
+        """Run the executable to its end. Report a failure with ros2cli's line."""
+        unload_packages()
+        super().run()
+        if self.exit_code:
+            sys.stdout.write(f"[ros2run]: Process exited with failure {self.exit_code}\n")
+
+
+def find_executable(package: str, executable: str, own: Executables) -> Callable[[], object]:
+    """Find an executable of a package or of the kit.
+
+    Raise a CourseError that lists the executables.
+    """
+    found = find_package(package)
+    if found is not None and executable in found.executables:
+        return partial(_call, found, executable)
+    if (package, executable) in own:
+        return own[package, executable]
+    if found is not None and executable in found.compiled:
+        raise NotHereError(
+            f"'{executable}' of package '{package}' is a compiled program, and this kit runs Python only. "
+            "Build it with colcon on a computer with ROS 2, or write the node in Python."
+        )
+    if found is None and (why := why_not_offered(package)):
+        is_partly_here = any(place == package for place, _ in own)
+        what = f"executable '{executable}' of package" if is_partly_here else "package"
+        raise NotHereError(f"{what} '{package}' not found: {why}")
+    if found is not None and _is_built_by_other_macros(found):
+        raise NotHereError(
+            f"'{executable}' of package '{found.name}' cannot run here: the package has sources in C++ and "
+            f"no Python executables. Its {found.share / 'CMakeLists.txt'} builds them with its own commands."
+        )
+    names = [*(found.executables if found else ()), *(name for place, name in own if place == package)]
+    if not names and found is None:
+        raise NotHereError(why_not_found(package))
+    where = ""
+    if found is not None:
+        where = malformed_script(found.share / "setup.py") or (
+            " Executables are named in console_scripts in setup.py, or by install(PROGRAMS …) in "
+            "CMakeLists.txt."
+        )
+    raise CourseError(
+        f"executable '{executable}' not found in package '{package}', which has: "
+        f"{', '.join(names) or 'none'}{did_you_mean(executable, names) or '.'}{where}"
+    )
+
+
+def _is_built_by_other_macros(package: Package) -> bool:
+    """Return whether a package only has programs in C++ whose names its CMake files do not show."""
+    if package.executables or package.compiled or not (package.share / "CMakeLists.txt").is_file():
+        return False
+    return any(file.suffix in (".cpp", ".cc", ".cxx") for file in package.share.rglob("*.c*"))
+
+
+def find_component(package: str, plugin: str, own: Executables) -> Callable[[], object]:
+    """Find a component as a program. Raise a CourseError if it is a C++ component."""
+    found = find_package(package)
+    if found is not None and plugin in found.components:
+        return partial(_spin_component, found, *found.components[plugin])
+    if plugin in _AS_EXECUTABLE:
+        return find_executable(package, _AS_EXECUTABLE[plugin], own)
+    if why := why_not_offered(package):
+        raise CourseError(f"component '{plugin}' is left out: {why}")
+    raise CourseError(
+        f"component '{plugin}' of package '{package}' is left out: it is a C++ plugin, and this kit runs "
+        "Python only. Start a Python node instead, or run the component on a computer with ROS 2 and link "
+        "to it: course run FILE --robot dds/HOST"
+    )
+
+
+def unload_packages() -> None:
+    """Unload the packages of earlier processes, because their files may have changed."""
+    for name in [name for name in sys.modules if name.partition(".")[0] in _imported]:
+        del sys.modules[name]
+    _imported.clear()
+
+
+def prepend_to_path(folders: Sequence[str]) -> None:
+    """Put folders of packages first on sys.path, after the stand-in.
+
+    The next launch reads them again.
+    """
+    sys.path[1:] = [*folders, *(entry for entry in sys.path[1:] if entry not in folders)]
+    packages = [Path(folder) for folder in folders if (Path(folder) / "package.xml").is_file()]
+    _imported.update(path.parent.name for package in packages for path in package.glob("*/__init__.py"))
+
+
+def _call(package: Package, executable: str) -> object:
+    _add_to_path(package)
+    target = package.executables[executable]
+    if isinstance(target, Path):
+        Program(target, ()).work()
+        return None
+    return _imported_name(package, *target)()
+
+
+def _spin_component(package: Package, module: str, name: str) -> None:
+    """Spin a node of a component class, as a container does."""
+    import rclpy
+    from rclpy.executors import ExternalShutdownException
+
+    _add_to_path(package)
+    rclpy.init()
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
+        rclpy.spin(_imported_name(package, module, name)())
+
+
+def _add_to_path(package: Package) -> None:
+    """Let the calling program import a package and the other packages of its workspace."""
+    prepend_to_path([str(folder) for folder in package.python])
+    sys.path += [place for place in python_path(package.share / "package.xml") if place not in sys.path]
+
+
+def _imported_name(package: Package, module: str, name: str) -> Any:
+    _imported.add(module.partition(".")[0])
+    place = location_of(package.share / "setup.py", f"{module}:{name}")
+    try:
+        found = import_module(module)
+    except ModuleNotFoundError as error:
+        # Any other missing module is a mistake in a file of the package, which the traceback shows.
+        if error.name is None or not f"{module}.".startswith(f"{error.name}."):
+            raise
+        raise CourseError(f"{place}: there is no module {module} in {package.share}.") from None
+    target: Any = found
+    for part in name.split("."):
+        if not hasattr(target, part):
+            near = did_you_mean(part, vars(target)) or "."
+            raise CourseError(f"{place}: the module {module} has no function {name!r}{near}")
+        target = getattr(target, part)
+    return target

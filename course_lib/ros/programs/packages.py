@@ -1,0 +1,749 @@
+"""The index of ROS packages: which package lies in which folder.
+
+Everything that looks a package up by its name asks this index: `course run`, the `ros2` verbs,
+`ament_index_python`, `$(find …)` of launch and xacro, `package://` of displays, `load_robot` and
+imports. Sources are found as colcon finds them (colcon-recursive-crawl): at any depth, by the
+`<name>` of a `package.xml` whatever the folder is called, not below a folder with an ignore file,
+and not inside of another package.
+"""
+
+import ast
+import atexit
+import os
+import re
+import shutil
+import sys
+import tempfile
+from collections import deque
+from collections.abc import Iterator, Mapping
+from configparser import ConfigParser
+from configparser import Error as ConfigError
+from dataclasses import dataclass, field
+from functools import cache, lru_cache
+from importlib.metadata import distributions
+from itertools import chain, islice
+from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
+
+from course_lib.errors import CourseError, did_you_mean, location_of
+from course_lib.ros.programs.missing_packages import why_not_offered
+from course_lib.ros.time import wall
+from course_lib.third_party import parse_python
+
+# Number of parent folders of a file in which a checkout, or a folder `src`, is looked for.
+SRC_WITHIN = 4
+MANIFEST = "package.xml"
+IGNORED = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE", "pyvenv.cfg"})
+_NOT_SEARCHED = frozenset({"node_modules", "__pycache__", "site-packages"})
+# A working folder can be a home directory: the search ends there, the nearest folders first.
+_MOST_FOLDERS = 20_000
+# How many duplicate names are reported in a line each, and how many more are listed.
+_MOST_REPORTED, _MOST_NAMED = 3, 10
+# A folder changed this recently may change again within one tick of the file system.
+_FRESH_NS = 50_000_000
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>")
+_reported: set[tuple[Path, ...]] = set()
+
+
+@dataclass(frozen=True)
+class _Crawl:
+    """Packages below a folder as (name, folder), with the modification times [ns] of all files read."""
+
+    packages: tuple[tuple[str, Path], ...]
+    changed_ns: dict[str, int]
+    read_ns: int
+
+    def is_current(self) -> bool:
+        """Return whether the folders and manifests are unchanged since they were read."""
+        if any(self.read_ns - changed < _FRESH_NS for changed in self.changed_ns.values()):
+            return False
+        return all(_changed_ns(path) == changed for path, changed in self.changed_ns.items())
+
+
+_crawls: dict[Path, _Crawl] = {}
+
+
+def packages(*, in_working_folder: bool = True) -> dict[str, Path]:
+    """Return the share folder, or the source folder, of each package by name.
+
+    Packages installed under the prefixes on AMENT_PREFIX_PATH take precedence over sources in the
+    folders on ROS_PACKAGE_PATH and in the workspace of the working folder. If two folders of a
+    workspace have the same package name, this is reported on stderr, once.
+    """
+    found: dict[str, Path] = {}
+    for prefix in _paths_in_variable("AMENT_PREFIX_PATH"):
+        for manifest in sorted(prefix.glob(f"share/*/{MANIFEST}")):
+            if name := name_of(manifest):
+                found.setdefault(name, manifest.parent)
+    for root in source_roots() if in_working_folder else _paths_in_variable("ROS_PACKAGE_PATH"):
+        below = _folders_below(root)
+        _report_duplicates({name: folders for name, folders in below.items() if name not in found})
+        for name, folders in below.items():
+            found.setdefault(name, folders[0])
+    return dict(sorted(found.items()))
+
+
+def source_roots() -> list[Path]:
+    """Return the folders in which sources of packages are searched."""
+    here = Path.cwd()
+    near = workspace_of(here)
+    return list(dict.fromkeys([*_paths_in_variable("ROS_PACKAGE_PATH"), *([near] if near else []), here]))
+
+
+def packages_below(root: Path) -> dict[str, Path]:
+    """Return the source folders below a folder, by package name."""
+    below = _folders_below(root)
+    _report_duplicates(below)
+    return {name: folders[0] for name, folders in below.items()}
+
+
+def _folders_below(root: Path) -> dict[str, list[Path]]:
+    """Return all source folders below a folder, by package name.
+
+    A name may have several folders.
+    """
+    crawl = _crawls.get(root)
+    if crawl is None or not crawl.is_current():
+        crawl = _crawls[root] = _crawl(root)
+    found: dict[str, list[Path]] = {}
+    for name, folder in crawl.packages:
+        found.setdefault(name, []).append(folder)
+    return found
+
+
+def name_of(manifest: Path) -> str | None:
+    """Return the package name in a package.xml, or None."""
+    try:
+        text = manifest.read_text("utf-8", errors="replace")
+    except OSError:
+        return None
+    name = _NAME.search(_COMMENT.sub("", text))
+    return name and name[1]
+
+
+def has_interfaces(folder: Path) -> bool:
+    """Return whether a folder has interface files in its msg, srv or action folder."""
+    return any(any(folder.glob(f"{kind}/*.{kind}")) for kind in ("msg", "srv", "action"))
+
+
+def package_folder_of(path: Path) -> Path | None:
+    """Return the folder of the package that contains a file or folder."""
+    path = path.resolve()
+    return next((folder for folder in (path, *path.parents) if (folder / MANIFEST).is_file()), None)
+
+
+def workspace_of(path: Path) -> Path | None:
+    """Return the source root of the workspace that contains a file or folder.
+
+    It is the folder `src` above the package, otherwise the package's checkout, otherwise the
+    package's parent folder. A file outside of any package belongs to a `src` above or next to it,
+    or to a checkout with packages at its top level.
+    """
+    package = package_folder_of(path)
+    if package is not None and package.parent.name == "share":
+        return None
+    start = package.parent if package is not None else path.resolve()
+    above = (start, *start.parents)
+    if package is not None:
+        source = next((folder for folder in above if folder.name == "src"), None)
+        return source or _checkout(above[: SRC_WITHIN - 1]) or start
+    above = above[:SRC_WITHIN]
+    checkout = _checkout(above)
+    if checkout is not None and any(checkout.glob(f"*/{MANIFEST}")):
+        return checkout
+    for folder in above:
+        for source in (folder, folder / "src"):
+            if source.name == "src" and source.is_dir() and _folders_below(source):
+                return source
+    return None
+
+
+def _checkout(folders: tuple[Path, ...]) -> Path | None:
+    return next((folder for folder in folders if (folder / ".git").exists()), None)
+
+
+def _paths_in_variable(variable: str) -> list[Path]:
+    return [Path(word) for word in os.environ.get(variable, "").split(os.pathsep) if word]
+
+
+def _crawl(root: Path) -> _Crawl:
+    """Search a folder level by level, so that the limit excludes the most distant folders."""
+    read_ns, changed_ns = wall.time_ns(), dict[str, int]()
+    found: list[tuple[str, Path]] = []
+    visited, waiting = set[str](), deque([str(root)])
+    while waiting and len(visited) < _MOST_FOLDERS:
+        folder = waiting.popleft()
+        real = os.path.realpath(folder)
+        if real in visited:
+            continue
+        visited.add(real)
+        try:
+            with os.scandir(folder) as iterator:
+                entries = list(iterator)
+        except OSError:
+            # The folder was deleted or is not readable, so no package of this user is in it.
+            entries = []
+        changed_ns[folder] = _changed_ns(folder)
+        names = {entry.name for entry in entries}
+        if names & IGNORED:
+            continue
+        if MANIFEST in names:
+            manifest = os.path.join(folder, MANIFEST)
+            changed_ns[manifest] = _changed_ns(manifest)
+            if name := name_of(Path(manifest)):
+                found.append((name, Path(folder)))
+                continue
+        waiting += sorted(entry.path for entry in entries if _is_searched(entry))
+    return _Crawl(tuple(found), changed_ns, read_ns)
+
+
+def _is_searched(entry: "os.DirEntry[str]") -> bool:
+    if entry.name.startswith(".") or entry.name in _NOT_SEARCHED:
+        return False
+    try:
+        return entry.is_dir()
+    except OSError:
+        return False
+
+
+def _changed_ns(path: str) -> int:
+    try:
+        return os.stat(path).st_mtime_ns
+    except OSError:
+        return 0
+
+
+def _report_duplicates(below: Mapping[str, list[Path]]) -> None:
+    """Report package names with several folders, each once.
+
+    Only the first few are reported in full, because a folder of many workspaces has many of them.
+    """
+    claimed = {name: tuple(folders) for name, folders in below.items() if len(folders) > 1}
+    new = {name: folders for name, folders in claimed.items() if folders not in _reported}
+    _reported.update(new.values())
+    for name, folders in list(new.items())[:_MOST_REPORTED]:
+        places = " and ".join(map(str, folders[:_MOST_REPORTED]))
+        more = f" and {len(folders) - _MOST_REPORTED} more" if len(folders) > _MOST_REPORTED else ""
+        sys.stderr.write(
+            f"warning: there are {len(folders)} packages named '{name}': {places}{more}. The first one is "
+            "used, and colcon refuses to build them. Change the <name> in one package.xml, or put an empty "
+            "file COLCON_IGNORE into the folder that is not meant.\n"
+        )
+    if len(new) > _MOST_REPORTED:
+        names = ", ".join(list(new)[_MOST_REPORTED:][:_MOST_NAMED])
+        sys.stderr.write(
+            f"warning: {len(new) - _MOST_REPORTED} more names are each used by several packages: {names}"
+            f"{', …' if len(new) > _MOST_REPORTED + _MOST_NAMED else ''}. If the folder holds several "
+            "workspaces, work in one of them.\n"
+        )
+
+
+# A module and a function in it, or a script.
+Executable = tuple[str, str] | Path
+_FILES = ("setup.cfg", "setup.py", "CMakeLists.txt")
+_SOURCE_FOLDERS = ("CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR")
+# Limit on the files of one package.
+_MOST = 10_000
+# An entry of console_scripts, or of a component.
+# As in Python's entry points, the function may be an attribute of a class, and extras may follow.
+_SCRIPT = re.compile(r"\s*([\w.:-]+)\s*=\s*([\w.]+)\s*:\s*(\w+(?:\.\w+)*)\s*(?:\[[^\]]*\]\s*)?")
+# A command of CMake.
+_COMMAND = re.compile(r"(\w+)\s*\(([^()]*)\)")
+# An argument of a command.
+_WORD = re.compile(r"\"([^\"]*)\"|([^\s\";]+)")
+_VARIABLE = re.compile(r"\$\{(\w+)\}")
+_KINDS_OF_INSTALL = ("DESTINATION", "RENAME", "PERMISSIONS", "USE_SOURCE_PERMISSIONS", "PATTERN", "OPTIONAL")
+
+
+@dataclass
+class BuildFiles:
+    """The information read from a package's build files.
+
+    Args:
+        executables: Executables by name, as `ros2 run` finds them.
+        installed: Installed paths, like share/arm/arm.urdf, with the files in the sources.
+        package_folders: Folders of Python packages by name; "" is the folder of all others.
+        compiled: Names of executables and components that are built from C++.
+    """
+
+    executables: dict[str, Executable] = field(default_factory=dict)
+    installed: list[tuple[str, Path]] = field(default_factory=list)
+    package_folders: dict[str, Path] = field(default_factory=dict)
+    compiled: set[str] = field(default_factory=set)
+
+
+def read_build_files(name: str, sources: Path) -> BuildFiles:
+    """Read a package's build files. Raise a CourseError for a syntax error in setup.py."""
+    # The cache key contains the folders, because globs depend on them, and the files.
+    with os.scandir(sources) as entries:
+        watched = [entry for entry in entries if entry.is_dir() or entry.name in _FILES]
+        times = {entry.name: entry.stat().st_mtime_ns for entry in watched}
+    return _read(name, sources, tuple(sorted(times.items())))
+
+
+@lru_cache(maxsize=1000)
+def _read(name: str, sources: Path, changed_ns: tuple[tuple[str, int], ...]) -> BuildFiles:
+    found = BuildFiles()
+    setup_cfg, setup_py, cmake = (sources / file for file in _FILES)
+    _read_setup_cfg(setup_cfg, found)
+    _read_setup_py(name, setup_py, found)
+    _read_cmake(name, cmake, found)
+    catkin_like = sources / "src" / name / "__init__.py"
+    if not found.package_folders and catkin_like.is_file() and not (sources / name).is_dir():
+        found.package_folders[""] = sources / "src"
+    return found
+
+
+def executables_of(setup: Path) -> dict[str, tuple[str, str]]:
+    """Read {executable: (module, function)} from a setup.py.
+
+    Raise a CourseError for a syntax error.
+    """
+    tree = _tree_of(setup)
+    return {} if tree is None else _console_scripts(tree, _Values(tree, setup.parent))
+
+
+def is_python(file: Path) -> bool:
+    """Return whether a file is a Python script, judging by its suffix or its first line."""
+    if file.suffix == ".py":
+        return True
+    try:
+        with file.open("rb") as stream:
+            first = stream.readline(200)
+    except OSError:
+        return False
+    return not file.suffix and first.startswith(b"#!") and b"python" in first
+
+
+def _tree_of(setup: Path) -> ast.Module | None:
+    if not setup.is_file():
+        return None
+    try:
+        return parse_python(setup.read_text(encoding="utf-8"))
+    except SyntaxError as error:
+        raise CourseError(f"{setup}, line {error.lineno}: {error.msg}.") from error
+    except ValueError as error:
+        raise CourseError(f"{setup}: {error}.") from error
+
+
+def _read_setup_py(name: str, setup: Path, found: BuildFiles) -> None:
+    tree = _tree_of(setup)
+    if tree is None:
+        return
+    values = _Values(tree, setup.parent)
+    found.executables.update(_console_scripts(tree, values))
+    for node in (node for node in ast.walk(tree) if isinstance(node, ast.keyword)):
+        if node.arg == "package_dir" and isinstance(node.value, ast.Dict):
+            for key, value in zip(node.value.keys, node.value.values, strict=True):
+                for package, folder in zip(values.texts(key), values.texts(value), strict=False):
+                    found.package_folders[package] = setup.parent / folder
+        elif node.arg == "scripts":
+            _add_scripts(found, ((Path(file).name, setup.parent / file) for file in values.texts(node.value)))
+        elif node.arg == "data_files":
+            found.installed += _installed_files(node.value, values, setup.parent)
+    in_lib = [pair for pair in found.installed if PurePosixPath(pair[0]).parent == PurePosixPath("lib", name)]
+    _add_scripts(found, ((PurePosixPath(place).name, file) for place, file in in_lib))
+
+
+def _installed_files(data_files: ast.expr, values: "_Values", folder: Path) -> Iterator[tuple[str, Path]]:
+    """Yield each installed path of `data_files` with its file, if both are inside the package."""
+    listed = values.names.get(data_files.id) if isinstance(data_files, ast.Name) else data_files
+    for entry in listed.elts if isinstance(listed, ast.List | ast.Tuple) else ():
+        if not isinstance(entry, ast.Tuple) or len(entry.elts) != 2:
+            continue
+        destinations, files = (values.texts(part) for part in entry.elts)
+        for file in files[:_MOST] if len(destinations) == 1 else ():
+            place = os.path.normpath(os.path.join(destinations[0], os.path.basename(file)))
+            inside = (folder / file).resolve().is_relative_to(folder.resolve())
+            if inside and (folder / file).exists():
+                yield place, folder / file
+
+
+def _console_scripts(tree: ast.Module, values: "_Values") -> dict[str, tuple[str, str]]:
+    texts = [
+        text
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant | ast.JoinedStr | ast.BinOp)
+        for text in values.texts(node)
+    ]
+    scripts = filter(None, map(_SCRIPT.fullmatch, texts))
+    return {script[1]: (script[2], script[3]) for script in scripts}
+
+
+def malformed_script(setup: Path) -> str:
+    """Describe the first malformed entry of console_scripts in a setup.py, or return ""."""
+    tree = _tree_of(setup)
+    values = None if tree is None else _Values(tree, setup.parent)
+    for node in ast.walk(tree) if tree is not None else ():
+        if not isinstance(node, ast.Dict) or values is None:
+            continue
+        for key, value in zip(node.keys, node.values, strict=True):
+            if values.texts(key) != ["console_scripts"] or not isinstance(value, ast.List):
+                continue
+            for entry in value.elts:
+                text = "".join(values.texts(entry))
+                if text and not _SCRIPT.fullmatch(text):
+                    return (
+                        f" {setup}, line {entry.lineno}: {text!r} is not of the form "
+                        "'NAME = MODULE:FUNCTION'. Is a comma missing between two entries?"
+                    )
+    return ""
+
+
+def _read_setup_cfg(setup: Path, found: BuildFiles) -> None:
+    parser = ConfigParser(interpolation=None)
+    try:
+        parser.read(setup, encoding="utf-8")
+    except (ConfigError, UnicodeDecodeError):
+        # setuptools reports the error when the package is built. Without it, nothing is known from
+        # this file.
+        return
+    scripts = map(
+        _SCRIPT.fullmatch, parser.get("options.entry_points", "console_scripts", fallback="").splitlines()
+    )
+    found.executables.update({script[1]: (script[2], script[3]) for script in filter(None, scripts)})
+    for line in parser.get("options", "package_dir", fallback="").splitlines():
+        package, equals, folder = line.partition("=")
+        if equals:
+            found.package_folders[package.strip()] = setup.parent / folder.strip()
+    files = parser.get("options", "scripts", fallback="").split()
+    _add_scripts(found, ((Path(file).name, setup.parent / file) for file in files))
+
+
+def _add_scripts(found: BuildFiles, scripts: Iterator[tuple[str, Path]]) -> None:
+    found.executables.update({name: file for name, file in scripts if file.is_file() and is_python(file)})
+
+
+class _Values:
+    """Evaluates expressions in a setup.py that consist of strings, lists, join and glob."""
+
+    def __init__(self, tree: ast.Module, folder: Path) -> None:
+        assigned = (node for node in ast.walk(tree) if isinstance(node, ast.Assign))
+        self.names = {
+            node.targets[0].id: node.value for node in assigned if isinstance(node.targets[0], ast.Name)
+        }
+        self._folder = folder
+
+    def texts(self, node: ast.expr | None) -> list[str]:
+        """Return a string, or the strings of a list; [] for any other expression."""
+        try:
+            return self._evaluate(node)
+        except (ValueError, RecursionError):
+            return []
+
+    def _evaluate(self, node: ast.expr | None) -> list[str]:
+        match node:
+            case ast.Constant(value=str(text)):
+                return [text]
+            case ast.Name(id=name):
+                return self._evaluate(self.names.get(name))
+            case ast.List(elts=parts):
+                return [one for part in parts for one in self._evaluate(part)]
+            case ast.BinOp(left=left, op=ast.Add(), right=right):
+                first, second = self._evaluate(left), self._evaluate(right)
+                lists = isinstance(left, ast.List | ast.Call) and isinstance(right, ast.List | ast.Call)
+                return [*first, *second] if lists else ["".join([*first, *second])]
+            case ast.JoinedStr(values=parts):
+                texts = [part.value if isinstance(part, ast.FormattedValue) else part for part in parts]
+                return ["".join(text for part in texts for text in self._evaluate(part))]
+            case ast.Call(func=ast.Attribute(attr=name) | ast.Name(id=name), args=arguments):
+                words = [word for part in arguments for word in self._evaluate(part)]
+                if words and name == "join":
+                    return [os.path.join(*words)]
+                is_glob = bool(words) and name in ("glob", "iglob")
+                if is_glob and not os.path.isabs(words[0]) and ".." not in words[0]:
+                    return [str(path.relative_to(self._folder)) for path in _glob(self._folder, words[0])]
+        raise ValueError("neither a string nor a list of strings")
+
+
+def _read_cmake(name: str, cmake: Path, found: BuildFiles) -> None:
+    """Read the executables and Python packages of a CMakeLists.txt.
+
+    Only variables that are lists are known.
+    """
+    if not cmake.is_file():
+        return
+    text = re.sub(r"#.*", "", cmake.read_text("utf-8", errors="replace"))
+    here = cmake.parent
+    variables = {
+        "PROJECT_NAME": [name],
+        "CMAKE_PROJECT_NAME": [name],
+        **{variable: [str(here)] for variable in _SOURCE_FOLDERS},
+    }
+    for command, inner in _COMMAND.findall(text):
+        words = _words(inner, variables)
+        match command.lower(), words:
+            case (("set" | "foreach"), [variable, *values]):
+                variables[variable] = [value for value in values if value not in ("IN", "ITEMS", "LISTS")]
+                if command.lower() == "foreach" and "LISTS" in values:
+                    lists = values[values.index("LISTS") + 1 :]
+                    variables[variable] = [value for one in lists for value in variables.get(one, [])]
+            case "list", ["APPEND", variable, *values]:
+                variables[variable] = [*variables.get(variable, []), *values]
+            case "file", ["GLOB" | "GLOB_RECURSE", variable, *patterns]:
+                relative = [os.path.relpath(one, here) if os.path.isabs(one) else one for one in patterns]
+                inside = [pattern for pattern in relative if not pattern.startswith("..")]
+                variables[variable] = [str(path) for pattern in inside for path in _glob(here, pattern)]
+            case (("add_executable" | "rclcpp_components_register_node"), [first, *rest]):
+                found.compiled.update(
+                    (first, *_argument_after("EXECUTABLE", rest), *_argument_after("PLUGIN", rest))
+                )
+            case "ament_python_install_package", [package, *rest]:
+                for folder in _argument_after("PACKAGE_DIR", rest):
+                    found.package_folders[package] = here / folder
+            case "install", ["PROGRAMS" | "FILES" | "DIRECTORY" as kind, *rest]:
+                if PurePosixPath(*_argument_after("DESTINATION", rest) or [""]) == PurePosixPath("lib", name):
+                    _add_scripts(found, _installed_by_cmake(here, kind, rest))
+
+
+def _installed_by_cmake(here: Path, kind: str, words: list[str]) -> Iterator[tuple[str, Path]]:
+    """Yield the names and files of one `install(…)`."""
+    end = next((at for at, word in enumerate(words) if word in _KINDS_OF_INSTALL), len(words))
+    renamed = _argument_after("RENAME", words)
+    for word in words[:end]:
+        file = here / word
+        if kind != "DIRECTORY":
+            yield (renamed[0] if renamed else file.name), file
+        elif file.is_dir():
+            yield from ((one.name, one) for one in sorted(file.iterdir())[:_MOST])
+
+
+def _words(inner: str, variables: Mapping[str, list[str]]) -> list[str]:
+    """Split the arguments of a CMake command and substitute its variables."""
+    words: list[str] = []
+    for quoted, plain in _WORD.findall(inner):
+        whole = _VARIABLE.fullmatch(plain)
+        if whole is not None:
+            words += variables.get(whole[1], [])
+        else:
+            replaced = _VARIABLE.sub(lambda one: ";".join(variables.get(one[1], [])), quoted or plain)
+            words.append(replaced)
+    return words
+
+
+def _glob(folder: Path, pattern: str) -> list[Path]:
+    """Return the sorted paths that match a pattern of a build file; [] for a malformed pattern."""
+    if os.path.normpath(pattern) == "." or "\0" in pattern:
+        return []
+    try:
+        return sorted(islice(folder.glob(pattern), _MOST))
+    except (ValueError, NotImplementedError, OSError):
+        # pathlib rejects some patterns that CMake and the glob module accept, such as "**.py".
+        return []
+
+
+def _argument_after(keyword: str, words: list[str]) -> list[str]:
+    """Return a list of the argument after a keyword, or []."""
+    return words[words.index(keyword) + 1 :][:1] if keyword in words else []
+
+
+# Share folders of packages whose executables the kit provides.
+_OWN = Path(__file__).parents[1] / "share"
+# Suffixes of launch files that are not Python.
+LAUNCH_IN_WORDS = (".xml", ".yaml", ".yml", ".launch")
+# Limit on the names in a message.
+_MOST_NAMES = 12
+
+
+@dataclass(frozen=True)
+class Package:
+    """A package: its share folder, the folders in which Python finds it, and its executables.
+
+    `executables` has (module, function) by name, or the file of a script. Names of the form
+    `package::Class` are `components`. `modules` are folders of Python packages that have a
+    different name, and `compiled` has the names that are built from C++.
+    """
+
+    name: str
+    share: Path
+    python: tuple[Path, ...]
+    executables: Mapping[str, Executable]
+    modules: Mapping[str, Path] = field(default_factory=dict)
+    compiled: frozenset[str] = frozenset()
+
+    @property
+    def components(self) -> dict[str, tuple[str, str]]:
+        """The (module, class) of each Python component."""
+        return {name: at for name, at in self.executables.items() if "::" in name and isinstance(at, tuple)}
+
+
+def find_package(name: str) -> Package | None:
+    """Find a package by its name (see `packages`) or by its folder, which is "." or contains a slash."""
+    if ("/" in name or name in (".", "..")) and (Path(name) / MANIFEST).is_file():
+        folder = Path(name).resolve()
+        source(folder / MANIFEST)
+        return _package(name_of(folder / MANIFEST) or folder.name, folder)
+    found = packages().get(name, _OWN / name)
+    return _package(name, found) if (found / MANIFEST).is_file() else None
+
+
+def why_not_found(name: str) -> str:
+    """Explain that a package is missing, which packages there are, and how to add it."""
+    if reason := why_not_offered(name):
+        return f"package '{name}' not found: {reason}"
+    if reason := _why_skipped(name):
+        return f"package '{name}' not found: {reason}"
+    names = list(packages())
+    meant = did_you_mean(name, names) or "."
+    more = f" and {len(names) - _MOST_NAMES} more (ros2 pkg list)" if len(names) > _MOST_NAMES else ""
+    searched = list(dict.fromkeys(map(str, [*_paths_in_variable("AMENT_PREFIX_PATH"), *source_roots()])))
+    return (
+        f"package '{name}' not found, searching: {searched}{meant} There is: "
+        f"{', '.join(names[:_MOST_NAMES]) or 'none'}{more}. Put its folder, with its package.xml, into the "
+        f"workspace's src, or make it: course export FILE --package {name} --out DIR"
+    )
+
+
+def _why_skipped(name: str) -> str:
+    """Explain why a folder of the workspace that has a package's manifest is not searched; "" if none has."""
+    roots = [root.resolve() for root in source_roots()]
+    walks = (os.walk(root) for root in roots)
+    for where, folders, files in islice(chain.from_iterable(walks), _MOST_FOLDERS):
+        folders[:] = [one for one in folders if not one.startswith(".") and one not in _NOT_SEARCHED]
+        if "pyvenv.cfg" in files:
+            folders.clear()
+        found = name_of(Path(where, MANIFEST)) if MANIFEST in files else ""
+        folder = Path(where)
+        if found is None and folder.name == name:
+            return _error_of_manifest(folder / MANIFEST)
+        if found != name:
+            continue
+        if folder.parent.name == "share":
+            prefix = folder.parents[1]
+            return (
+                f"it is installed in {prefix}, which is not in use. Set AMENT_PREFIX_PATH={prefix}, as "
+                "source install/setup.bash does, or put its sources into the workspace's src."
+            )
+        for above in (folder, *folder.parents):
+            if marker := next((above / mark for mark in sorted(IGNORED) if (above / mark).exists()), None):
+                return f"its folder {folder} is ignored because of the file {marker}. Remove that file."
+            if above != folder and name_of(above / MANIFEST):
+                return (
+                    f"its folder {folder} is inside of the package in {above}, where colcon does not search. "
+                    "Move it next to that package."
+                )
+    return ""
+
+
+def _error_of_manifest(manifest: Path) -> str:
+    """Explain why no package name can be read from a package.xml."""
+    try:
+        ElementTree.parse(manifest)
+    except ElementTree.ParseError as error:
+        return f"{manifest}: not XML: {error.msg}."
+    except OSError as error:
+        # After `colcon build --symlink-install`, a workspace that was moved has links to nothing.
+        link = f" is a link to {os.readlink(manifest)}" if manifest.is_symlink() else ""
+        return f"{manifest}{link}: {error.strerror}. Put the sources of the package into the workspace's src."
+    line = location_of(manifest, "<name").removeprefix(str(manifest)).replace(" line", ", line")
+    return f"{manifest}{line}: expected the element <name>{manifest.parent.name}</name>."
+
+
+def source(file: Path) -> None:
+    """Add the package and workspace of a file to the paths, as `source setup.bash` does."""
+    package = package_folder_of(file)
+    if package is not None and package.parent.name == "share":
+        prefixes = (package.parent, *package.parents[2].glob("*/share"))
+        _prepend_paths("AMENT_PREFIX_PATH", [path.parent for path in prefixes])
+    elif root := workspace_of(file):
+        _prepend_paths("ROS_PACKAGE_PATH", [root])
+
+
+def python_path(file: Path) -> list[str]:
+    """List the folders from which a file of a package imports modules and messages."""
+    root = workspace_of(file)
+    if root is None:
+        return []
+    package = package_folder_of(file)
+    folders = packages_below(root)
+    own = [] if package is None else [package]
+    ordered = dict.fromkeys([*own, *folders.values()])
+    names = {folder: name for name, folder in folders.items()}
+    roots = [place for folder in ordered for place in python_folders(names.get(folder, folder.name), folder)]
+    holders = ([package.parent] if package else []) + [root, *(folder.parent for folder in folders.values())]
+    return [str(place) for place in dict.fromkeys([*roots, *holders])]
+
+
+def python_folders(name: str, sources: Path) -> list[Path]:
+    """Return the folders in which Python finds the packages of a ROS package's sources."""
+    try:
+        whole = read_build_files(name, sources).package_folders.get("")
+    except CourseError:
+        # The syntax error in setup.py is reported where one of the executables is started.
+        return [sources]
+    return [sources] if whole is None else [whole, sources]
+
+
+def python_package(file: Path) -> str | None:
+    """Return the Python package of a file, because console scripts may use relative imports."""
+    if package_folder_of(file) is None:
+        return None
+    names: list[str] = []
+    for folder in file.resolve().parents:
+        if (folder / MANIFEST).is_file() or not (folder / "__init__.py").is_file():
+            break
+        names.append(folder.name)
+    return ".".join(reversed(names)) or None
+
+
+def _prepend_paths(variable: str, paths: list[Path]) -> None:
+    words = [str(path) for path in paths] + os.environ.get(variable, "").split(os.pathsep)
+    os.environ[variable] = os.pathsep.join(dict.fromkeys(filter(None, words)))
+
+
+def _package(name: str, share: Path) -> Package:
+    if share.parent.name != "share":
+        build = read_build_files(name, share)
+        modules = {one: folder for one, folder in build.package_folders.items() if one}
+        return Package(
+            name,
+            share,
+            tuple(python_folders(name, share)),
+            build.executables,
+            modules,
+            frozenset(build.compiled),
+        )
+    found = sorted((share.parents[1] / "lib" / name).glob("*"))
+    scripts = {file.name: file for file in found if file.is_file() and is_python(file)}
+    python = tuple(share.parents[1].glob("lib/python*/site-packages"))
+    built = distributions(name=name, path=[str(path) for path in python])
+    points = [point for one in built for point in one.entry_points if point.group == "console_scripts"]
+    return Package(name, share, python, {**scripts, **{p.name: (p.module, p.attr) for p in points}})
+
+
+def share_folder(name: str, sources: Path) -> Path:
+    """Return a folder in which the files of a package have the paths of their installation."""
+    share = PurePosixPath("share", name)
+    installed = [(PurePosixPath(place), file) for place, file in read_build_files(name, sources).installed]
+    places = {str(at.relative_to(share)): file for at, file in installed if at.is_relative_to(share)}
+    moved = {place: file for place, file in places.items() if not (sources / place).exists()}
+    return _create_links(sources, tuple(sorted(moved.items()))) if moved else sources
+
+
+@cache
+def _create_links(sources: Path, moved: tuple[tuple[str, Path], ...]) -> Path:
+    """Create a folder of links to the sources, and to files at their installed paths."""
+    folder = Path(tempfile.mkdtemp(prefix="share_"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    _link_all(sources, folder)
+    for place, file in moved:
+        at = folder
+        for part in PurePosixPath(place).parts[:-1]:
+            at /= part
+            # A folder of the sources is copied as links, so that its files stay unchanged.
+            if at.is_symlink():
+                inner = at.resolve()
+                at.unlink()
+                at.mkdir()
+                _link_all(inner, at)
+            at.mkdir(exist_ok=True)
+        link = folder / place
+        if not link.exists():
+            link.symlink_to(file.resolve())
+    return folder
+
+
+def _link_all(source: Path, target: Path) -> None:
+    for path in source.iterdir():
+        (target / path.name).symlink_to(path.resolve())

@@ -1,0 +1,141 @@
+"""Parameters in YAML, typed by rcl's rules: files of `--params-file`, and values of `-p`."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+# The package has no type information.
+import yaml  # type: ignore[import-untyped]
+
+PARAMETERS = "ros__parameters"
+# Limit on the nesting of collections.
+DEEPEST = 50
+_TRUE = {"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"}
+_FALSE = {"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"}
+_INTEGER = re.compile(r"[+-]?(0[xX][0-9a-fA-F]+|\d+)")
+_STRING = "tag:yaml.org,2002:str"
+_RESOLVER = yaml.resolver.Resolver()
+_TYPE_NAMES = {bool: "bool", int: "integer", float: "double", str: "string"}
+
+
+def read_file(path: str) -> list[tuple[str, dict[str, Any]]]:
+    """Read a parameter file as (node name pattern, values by parameter).
+
+    Raises:
+        ValueError: The file is not a parameter file; the text is rcl's.
+    """
+    try:
+        return read_text(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ValueError(f"Error opening YAML file: {error.strerror}") from error
+
+
+def read_text(text: str) -> list[tuple[str, dict[str, Any]]]:
+    """Parse a file's text as (node name pattern, values by parameter).
+
+    A file without values is accepted. If there are several documents, the last one takes
+    precedence.
+
+    Raises:
+        ValueError: The text is not a parameter file; the message is rcl's.
+    """
+    return [pair for document in _documents(text) for pair in _nodes(document, "")]
+
+
+def read_value(text: str) -> Any:
+    """Parse one value. Raise ValueError if a parameter cannot have it."""
+    return _value(next(iter(_documents(text)), None))
+
+
+def _documents(text: str) -> list[Any]:
+    try:
+        depth = 0
+        for event in yaml.parse(text):
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if depth > DEEPEST:
+                raise ValueError(f"It is nested too deeply at line {event.start_mark.line + 1}")
+            if isinstance(event, yaml.AliasEvent):
+                raise ValueError(f"Will not support aliasing at line {event.start_mark.line + 1}")
+        return list(yaml.compose_all(text))
+    except yaml.YAMLError as error:
+        line = getattr(getattr(error, "problem_mark", None), "line", 0) + 1
+        problem = getattr(error, "problem", None) or "not YAML"
+        raise ValueError(f"Error parsing a event near line {line}: {problem}") from error
+
+
+def _nodes(mapping: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the names of nodes, which may be nested, with their parameters."""
+    if not isinstance(mapping, yaml.MappingNode):
+        line = mapping.start_mark.line + 1 if mapping else 1
+        raise ValueError(f"Cannot have a value before {PARAMETERS} at line {line}")
+    for key, value in mapping.value:
+        if key.value != PARAMETERS:
+            yield from _nodes(value, f"{path}/{str(key.value).strip('/')}")
+        elif not path:
+            raise ValueError(f"There are no node names before {PARAMETERS} at line {key.start_mark.line + 1}")
+        elif re.search(r"[^\w/*]|\w\*|\*\w", path, re.ASCII):
+            raise ValueError("node name must not contain characters other than alphanumerics or '_'")
+        else:
+            yield path, dict(_flat(value, ""))
+
+
+def _flat(mapping: Any, prefix: str) -> Iterator[tuple[str, Any]]:
+    if not isinstance(mapping, yaml.MappingNode):
+        raise ValueError(f"No value at line {mapping.start_mark.line + 1}")
+    for key, value in mapping.value:
+        name = f"{prefix}{key.value}"
+        if isinstance(value, yaml.MappingNode):
+            yield from _flat(value, f"{name}.")
+        else:
+            yield name, _value(value)
+
+
+def _value(node: Any) -> Any:
+    if isinstance(node, yaml.ScalarNode):
+        return _scalar(node)
+    if not isinstance(node, yaml.SequenceNode):
+        raise ValueError(
+            "No value at line 1" if node is None else "a parameter is a value or a list of values"
+        )
+    values: list[Any] = []
+    for item in node.value:
+        if not isinstance(item, yaml.ScalarNode):
+            raise ValueError(f"Sequences cannot hold lists or maps, at line {item.start_mark.line + 1}")
+        values.append(_scalar(item))
+        if type(values[-1]) is not type(values[0]):
+            raise ValueError(
+                f"Sequence should be of same type. Value type '{_TYPE_NAMES[type(values[-1])]}' "
+                f"do not belong at line_num {item.start_mark.line + 1}"
+            )
+    return values
+
+
+def _scalar(node: yaml.ScalarNode) -> bool | int | float | str:
+    """Infer a scalar's type as rcl does: a string if quoted, otherwise bool, integer, double or string."""
+    text: str = node.value
+    if node.style in ("'", '"', "|", ">") or _is_tagged_as_string(node):
+        return text
+    if not text:
+        raise ValueError(f"No value at line {node.start_mark.line + 1}")
+    if text in _TRUE | _FALSE:
+        return text in _TRUE
+    if _INTEGER.fullmatch(text) and -(2**63) <= (number := _integer(text)) < 2**63:
+        return number
+    try:
+        return float(re.sub(r"^([+-]?)\.(?=[infaINFA]{3}$)", r"\1", text)) if "_" not in text else text
+    except ValueError:
+        return text
+
+
+def _is_tagged_as_string(node: yaml.ScalarNode) -> bool:
+    """Return whether a scalar that is not a string by itself has the tag `!!str`."""
+    plain: str = _RESOLVER.resolve(yaml.ScalarNode, node.value, (True, False))
+    return node.tag == _STRING and plain != _STRING
+
+
+def _integer(text: str) -> int:
+    """Parse an integer as C does: 0x… is hexadecimal, and a leading 0 means octal if possible."""
+    digits = text.lstrip("+-")
+    base = 16 if digits[:2] in ("0x", "0X") else 8 if re.fullmatch("0[0-7]+", digits) else 10
+    return int(text, base)

@@ -1,0 +1,291 @@
+"""Programs as processes: each has its own command line and exit code, in a thread of this process."""
+
+import ast
+import contextvars
+import sys
+import threading
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from course_lib.errors import CourseError
+from course_lib.ros.graph.graph import NodesOfProgram, current_graph, program
+from course_lib.ros.hints import newer_python_hint
+from course_lib.ros.programs.packages import python_package, python_path, source
+from course_lib.ros.time.busy_loops import BusyWaitTransformer, compile_program
+from course_lib.ros.time.time_lock import (
+    AtEnd,
+    DeadlockError,
+    ShutDown,
+    StoppedProgram,
+    StoppedThread,
+    time_lock,
+)
+from course_lib.ros.tracebacks import print_error
+from course_lib.third_party import parse_python, read_json
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+# The exit code that a shell reports after Ctrl+C.
+INTERRUPTED = 130
+
+
+class Process:
+    """A program, started like a file. `args` follow its name in `sys.argv`."""
+
+    at_end = AtEnd.INTERRUPT
+
+    def __init__(self, file: Path, args: Sequence[str] = ()) -> None:
+        self.file = file
+        self.exit_code = 0
+        self.argv = [str(file), *args]
+
+    def work(self) -> None:
+        """Run the program until it ends."""
+        raise NotImplementedError
+
+    def run(self) -> None:
+        """Run the program to its end. Print an uncaught exception as Python does."""
+        sys.argv = self.argv
+        try:
+            with time_lock.at_end(self.at_end):
+                self.work()
+        except (StoppedProgram, StoppedThread):
+            sys.stderr.write(f"{self.file.name} was stopped: it went on waiting after the end of the run.\n")
+        except SystemExit as end:
+            if end.code is None or isinstance(end.code, int):
+                self.exit_code = end.code or 0
+            else:
+                # As in Python, a string is printed, and the exit code is 1.
+                sys.stderr.write(f"{end.code}\n")
+                self.exit_code = 1
+        except KeyboardInterrupt:
+            self.exit_code = 0 if current_graph().ended else INTERRUPTED
+        except BaseException as error:
+            if not (isinstance(error, ShutDown) and current_graph().ended):
+                print_error(error)
+                self.exit_code = 1
+
+
+class Function(Process):
+    """A program that consists of a function.
+
+    As in a console script, its return value is the exit code.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        function: Callable[[], object],
+        args: Sequence[str],
+        *,
+        at_end: AtEnd = AtEnd.INTERRUPT,
+    ) -> None:
+        super().__init__(Path(name), args)
+        self._function = function
+        self.at_end = at_end
+
+    def work(self) -> None:
+        """Call the function."""
+        sys.exit(self._function())  # type: ignore[arg-type]  # it takes any object
+
+
+class Program(Process):
+    """A Python file, run as `__main__`. `args` follow its name in `sys.argv`."""
+
+    def __init__(self, file: Path, args: Sequence[str]) -> None:
+        super().__init__(file, args)
+        try:
+            source = file.read_bytes()
+            self._code = compile_program(source, str(file))
+            self._only_defines_main = _only_defines_main(parse_python(source, str(file)))
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            raise CourseError(f"{file} cannot be run: {reason}. Give the path of a Python file.") from error
+        except SyntaxError as error:
+            hint = newer_python_hint(error)
+            text = f"{file}, line {error.lineno}: {error.msg}."
+            raise CourseError(f"{text}\nhint: {hint}" if hint else text) from error
+
+    @property
+    def is_launch_file(self) -> bool:
+        """True if the file is a launch file, by its name or by the function it defines."""
+        named = self.file.name.endswith((".launch.py", "_launch.py"))
+        return named or "generate_launch_description" in self._code.co_names
+
+    def work(self) -> None:
+        """Run the file. If it only defines `main`, call that, as its console script does."""
+        module = ModuleType("__main__")
+        module.__file__ = str(self.file)
+        sys.modules["__main__"] = module
+        # The stand-in's packages stay first.
+        sys.path.insert(1, str(self.file.resolve().parent))
+        source(self.file)
+        sys.path += [place for place in python_path(self.file) if place not in sys.path]
+        module.__package__ = python_package(self.file)
+        exec(self._code, module.__dict__)
+        if self._only_defines_main:
+            sys.exit(module.__dict__["main"]())
+
+
+_DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Assign, ast.AnnAssign)
+_IMPORTS = (ast.Import, ast.ImportFrom, ast.Try)
+
+
+def _only_defines_main(tree: ast.Module) -> bool:
+    """Return whether a file defines a function `main` and executes nothing on import."""
+    has_main = any(isinstance(node, ast.FunctionDef) and node.name == "main" for node in tree.body)
+    return has_main and all(
+        isinstance(node, (*_DEFINITIONS, *_IMPORTS))
+        # A docstring, or another constant.
+        or (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
+        for node in tree.body
+    )
+
+
+class NotebookProgram(Process):
+    """The code cells of a notebook of format 4, run in order until one fails."""
+
+    # Later cells examine the results of earlier ones.
+    at_end = AtEnd.RETURN
+
+    def __init__(self, file: Path) -> None:
+        super().__init__(file)
+        # Resolved before the working directory changes.
+        self._folder = str(file.resolve().parent)
+        try:
+            cells = read_json(file.read_bytes())["cells"]
+            self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        except OSError as error:
+            raise CourseError(f"{file} cannot be run: {error.strerror}.") from error
+        except (ValueError, KeyError, TypeError) as error:
+            raise CourseError(
+                f"{file} is not a notebook of format 4. Save it again in JupyterLab."
+            ) from error
+
+    def work(self) -> None:
+        """Run the cells. IPython prints an uncaught exception."""
+        # JupyterLab adds the folder, too.
+        sys.path.insert(1, self._folder)
+        shell = make_shell()
+        for cell in self._sources:
+            if not shell.run_cell(cell).success:  # type: ignore[no-untyped-call]  # IPython annotates little
+                self.exit_code = 1
+                return
+
+
+class DiscardedOutputs(dict[int, list[Any]]):
+    """Replaces IPython's list of each cell's outputs and stores nothing.
+
+    In an endless loop that list would grow without limit.
+    """
+
+    def __missing__(self, cell: int) -> list[Any]:
+        """Return a new list that nothing else refers to."""
+        return []
+
+
+class Processes:
+    """Processes that share the graph, each in its own thread."""
+
+    def __init__(self) -> None:
+        # Indices of the processes that have ended, in the order of their ends.
+        self.ended: list[int] = []
+        self._threads: list[threading.Thread] = []
+
+    def start(self, process: Process) -> int:
+        """Start a process, which runs when the calling thread waits. Return its index."""
+        number, before = len(self._threads), program.name
+        graph = current_graph()
+
+        def run() -> None:
+            try:
+                with _event_loop():
+                    process.run()
+            finally:
+                # Nodes that the program has not destroyed are gone, as they are with a real
+                # process.
+                for node in current_graph().part(NodesOfProgram).ids:
+                    current_graph().remove_node(node)
+                self.ended.append(number)
+
+        # A kernel exits without waiting for these threads.
+        daemon = graph.notebook
+        # With a copy of the context, output goes to this cell, whatever messages pages send
+        # meanwhile.
+        context = contextvars.copy_context()
+        self._threads.append(
+            threading.Thread(target=context.run, args=(run,), name=process.file.name, daemon=daemon)
+        )
+        graph.programs += 1
+        # Numbered, because the same file may run twice.
+        program.name = f"{graph.programs}: {process.file}"
+        try:
+            self._threads[-1].start()
+        finally:
+            program.name = before
+        return number
+
+    def interrupt(self, numbers: Collection[int] | None = None) -> None:
+        """Interrupt all running processes, or only those with these indices, as Ctrl+C does."""
+        for number, thread in enumerate(self._threads):
+            if number not in self.ended and (numbers is None or number in numbers):
+                time_lock.interrupt(thread)
+
+    def wait(self) -> None:
+        """Wait until all have ended. Ctrl+C and a deadlock interrupt all of them."""
+        try:
+            for thread in self._threads:
+                thread.join()
+        except (KeyboardInterrupt, DeadlockError) as reason:
+            self.interrupt()
+            for thread in self._threads:
+                thread.join()
+            if isinstance(reason, DeadlockError):
+                raise
+
+
+@contextmanager
+def _event_loop() -> Iterator[None]:
+    """Give the calling thread an event loop, because a process has one for `asyncio.get_event_loop()`."""
+    # Imported late, because programs that run alone do not need it.
+    import asyncio
+
+    loop = asyncio.new_event_loop()
+    asyncio.set_event_loop(loop)
+    try:
+        yield
+    finally:
+        loop.close()
+
+
+def make_shell() -> "InteractiveShell":
+    """Create an IPython shell without history, colors or a page."""
+    from IPython.core.displayhook import DisplayHook
+    from IPython.core.interactiveshell import InteractiveShell
+    from traitlets.config import Config
+
+    class Quiet(DisplayHook):
+        def write_output_prompt(self) -> None:
+            """Print nothing: results have no prompt such as `Out[1]:`."""
+
+    class Shell(InteractiveShell):
+        displayhook_class = Quiet
+
+        def enable_gui(self, gui: Any = None) -> None:
+            """Do nothing, so that `%matplotlib inline` is accepted although there is no window."""
+
+    config = Config()
+    config.HistoryManager.enabled = False
+    config.InteractiveShell.colors = "nocolor"
+    # Another notebook in this process may have left its instance.
+    InteractiveShell.clear_instance()
+    shell = Shell.instance(config=config)
+    shell.ast_transformers.append(BusyWaitTransformer())
+    # Always true, but IPython annotates the attribute as optional.
+    if shell.history_manager is not None:
+        shell.history_manager.outputs = DiscardedOutputs()
+    return shell

@@ -1,0 +1,221 @@
+"""Linking a program or a notebook to a robot."""
+
+import atexit
+import os
+import re
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from course_lib.errors import CourseError, format_count
+from course_lib.ros.graph.graph import Graph, current_graph, set_graph
+from course_lib.ros.notices import say
+from course_lib.ros.time import wall
+
+if TYPE_CHECKING:
+    from course_lib.ros.dds.link import DdsLink
+    from course_lib.ros.robot.link import Link
+    from course_lib.ros.robot.robot_graph import RobotGraph
+
+# Address prefix of links over DDS.
+DDS = "dds/"
+# An IPv4 address or a name.
+HOST = re.compile(r"\d+(?:\.\d+){3}|(?![\d.]+$)[\w.-]+", re.ASCII)
+# The default port of rmw_zenohd.
+PORT = 7447
+MAX_DOMAIN = 232
+# Time in which the first node of the robot must be discovered [s].
+DISCOVERY = 1.0
+# Time after the first node in which the other nodes are discovered [s].
+SETTLED = 0.3
+
+
+@dataclass(frozen=True)
+class RobotAddress:
+    """The address of a robot, and permissions for sending to it.
+
+    Args:
+        router: `dds/192.168.1.5` for a link over DDS, or the robot's Zenoh router, like
+            `tcp/192.168.1.5:7447`; `tcp/` and the port are optional. The address of a gateway has a
+            login: `tcp/ann:TOKEN@lab:7448`.
+        domain: ROS_DOMAIN_ID; None: the value of the environment variable, else 0.
+        send: Topics that may be sent.
+        call: Services and actions that may be called or offered.
+        everything: Whether everything may be sent and offered, because the linked program is the
+            robot.
+    """
+
+    router: str
+    domain: int | None = None
+    send: Sequence[str] = ()
+    call: Sequence[str] = ()
+    everything: bool = False
+
+
+def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
+    """Return a graph that is linked to a robot. It is closed when Python exits, if not before.
+
+    Raises:
+        CourseError: The extra `robot` is not installed, no router answers, or the address or domain
+            is malformed.
+    """
+    from course_lib.ros.robot.robot_graph import RobotGraph
+    from course_lib.ros.robot.sending import Permissions
+
+    report = say if notebook else _write_to_stderr
+    link = _open_link(robot.router, _domain(robot.domain))
+    allowed = (
+        Permissions(allows_everything=True)
+        if robot.everything
+        else Permissions.from_names(robot.send, robot.call)
+    )
+    graph = RobotGraph(link, allowed, report, notebook=notebook)
+    atexit.register(graph.close_at_exit)
+    start = first_node = wall.monotonic()
+    while wall.monotonic() < min(
+        start + DISCOVERY, first_node + SETTLED if graph.nodes() else start + DISCOVERY
+    ):
+        first_node = first_node if graph.nodes() else wall.monotonic()
+        graph.advance()
+    if not graph.nodes():
+        report(link.no_nodes_message())
+    return graph
+
+
+def is_over_dds(address: str) -> bool:
+    """Return whether an address, which may be malformed, is meant for a link over DDS.
+
+    Raises:
+        CourseError: It is not a string.
+    """
+    # A robot from start_robot has its address as an attribute.
+    if not isinstance(address, str):
+        raise CourseError(
+            f"{address!r} is not an address of a robot, but an object of type {type(address).__name__}: "
+            f"give a string like {DDS}192.168.1.5, or robot.address."
+        )
+    return re.match(r"dds([:/]|$)", address, re.IGNORECASE) is not None
+
+
+def _open_link(address: str, domain: int) -> "Link":
+    """Open a link over DDS for `dds/HOST`, else over Zenoh."""
+    if is_over_dds(address):
+        return open_dds_link(address, domain)
+    if find_spec("zenoh") is None or find_spec("xxhash") is None:
+        raise CourseError(
+            'A link over Zenoh needs two more packages: pip install "course-lib[robot]". A link over DDS, '
+            f"like {DDS}192.168.1.5, needs none."
+        )
+    found = re.fullmatch(
+        r"(?:(\w+)/)?(\w+:[\w-]+@)?([\w.-]+|\[[0-9a-fA-F:]+\])(?::(\d+))?", address, re.ASCII
+    )
+    if found is None:
+        raise CourseError(
+            f"{address!r} is not an address of a robot: write it like tcp/192.168.1.5:{PORT} or "
+            f"{DDS}192.168.1.5."
+        )
+    from course_lib.ros.zenoh.link import ZenohLink
+
+    # In Zenoh's notation.
+    router = f"{found[1] or 'tcp'}/{found[2] or ''}{found[3]}:{found[4] or PORT}"
+    return ZenohLink(router, domain)
+
+
+def open_dds_link(address: str, domain: int) -> "DdsLink":
+    """Open a link over DDS for an address like `dds/HOST`.
+
+    Raises:
+        CourseError: The address is malformed, the host is unknown, or no network leads there.
+    """
+    from course_lib.ros.dds.link import DdsLink
+
+    host = address.removeprefix(DDS)
+    if not address.startswith(DDS) or not HOST.fullmatch(host):
+        raise CourseError(f"{address!r} is not an address of a robot: {_dds_advice(address)}")
+    return DdsLink(host, domain)
+
+
+def _dds_advice(address: str) -> str:
+    """Return how to write a malformed address of a link over DDS."""
+    host = re.sub(r"^dds[:/]*", "", address, flags=re.IGNORECASE)
+    if host.count(":") > 1:
+        return f"a link over DDS needs the robot's IPv4 address, like {DDS}192.168.1.5."
+    if re.fullmatch(r"[\d.]+", host) and not HOST.fullmatch(host):
+        return f"an IPv4 address has four numbers, like {DDS}192.168.1.5."
+    meant = HOST.fullmatch(host.partition(":")[0].rstrip("/"))
+    if meant:
+        return f"write it without a port or other signs, {DDS}{meant[0]}."
+    return f"write it like {DDS}192.168.1.5."
+
+
+def _write_to_stderr(line: str) -> None:
+    """Print a line to stderr, separately from the output of a program or tool."""
+    sys.stderr.write(f"{line}\n")
+
+
+def _domain(domain: int | None) -> int:
+    text = os.environ.get("ROS_DOMAIN_ID", "0") if domain is None else str(domain)
+    if not text.isdigit() or int(text) > MAX_DOMAIN:
+        raise CourseError(f"{text!r} is not a domain: give a number from 0 to {MAX_DOMAIN}.")
+    return int(text)
+
+
+def connect(
+    router: str, *, domain: int | None = None, send: Sequence[str] = (), call: Sequence[str] = ()
+) -> None:
+    """Link this notebook to a robot. Without `send` and `call` the link is read-only.
+
+    Args:
+        router: The robot, like `dds/192.168.1.5`, or its Zenoh router, like `tcp/192.168.1.5:7447`.
+        domain: ROS_DOMAIN_ID; None: the value of the environment variable, else 0.
+        send: Topics that may be sent to the robot, like `["/cmd_vel"]`.
+        call: Services and actions that may be called.
+
+    Raises:
+        CourseError: Nodes or viewers already exist, the notebook is already linked, or the robot
+            cannot be reached.
+    """
+    # Not at the top, because driving imports rclpy, which a command that only links does without.
+    from course_lib.ros.time.driving import drive_between_cells
+
+    graph = current_graph()
+    if not graph.notebook:
+        raise CourseError(
+            "connect() is for notebooks; exercises are checked without a robot. For a program type: "
+            f"course run my_node.py --robot {router}"
+        )
+    if graph.link_report():
+        raise CourseError("This notebook is linked to a robot already. Type: %ros2 disconnect")
+    if graph.nodes():
+        names = ", ".join(node.full_name for node in graph.nodes())
+        raise CourseError(f"There are nodes already ({names}): restart the kernel, and connect first.")
+    if graph.is_tapped:
+        raise CourseError(
+            "There is a viewer or a recording already, which would not see the robot: restart the kernel, "
+            "and connect first."
+        )
+    linked = link_to(RobotAddress(router, domain, send, call), notebook=True)
+    set_graph(linked)
+    drive_between_cells(linked)
+    out = ", ".join(sorted([*send, *call])) or "nothing: read-only"
+    nodes = format_count(len(linked.nodes()), "node")
+    say(f"Linked to {linked.link.address}: {nodes}. What may go out: {out}.")
+
+
+def disconnect() -> None:
+    """Close the notebook's link. The robot stops, and the notebook's nodes end.
+
+    Raises:
+        CourseError: There is no link.
+    """
+    from course_lib.ros.time.driving import stop_all
+
+    graph = current_graph()
+    if not graph.link_report():
+        raise CourseError("This notebook is not linked to a robot.")
+    stop_all()
+    set_graph(Graph(notebook=True))
+    graph.close()
+    say("The link is ended. Nodes and viewers of before have ended too: run their cells again.")

@@ -1,0 +1,193 @@
+"""The interface between a robot graph and the network, implemented by links over Zenoh and DDS.
+
+A link runs its own threads. They must not access the graph, which belongs to the kernel's thread,
+and must not use `threading` or `time`, which robot time replaces. So a link only puts actions into
+a queue (`actions`) and messages into inboxes; the graph processes both when it advances.
+"""
+
+from _queue import SimpleQueue
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+from course_lib.ros.graph.topics import Qos
+
+EntityKind = Literal["node", "publisher", "subscription", "server", "client"]
+Actions = SimpleQueue[Callable[[], None]]
+# Prints a line for the user.
+Report = Callable[[str], None]
+OnPacket = Callable[["Packet"], None]
+# The flag is False if the entity has left.
+OnEntity = Callable[["Entity", bool], None]
+# Called with None if the call received no reply.
+OnReply = Callable[[bytes | None], None]
+SendReply = Callable[[bytes], None]
+OnRequest = Callable[[bytes, SendReply], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Packet:
+    """A message received from the network.
+
+    Args:
+        cdr: The message with its encapsulation header.
+        sequence: Sequence number, counted by its publisher.
+        source_ns: Time of publication by the sender's clock, [ns] since 1970.
+        gid: GID of its publisher.
+        received_ns: Time of reception by this computer's clock, [ns] since 1970.
+    """
+
+    cdr: bytes
+    sequence: int
+    source_ns: int
+    gid: bytes
+    received_ns: int
+
+
+class Entity(Protocol):
+    """A node on the network, or an endpoint of a node."""
+
+    @property
+    def kind(self) -> EntityKind:
+        """The kind of entity."""
+
+    @property
+    def key(self) -> Hashable:
+        """The key that identifies the entity among all entities of the network."""
+
+    @property
+    def node_key(self) -> Hashable:
+        """The key that identifies the entity's node."""
+
+    @property
+    def gid(self) -> bytes:
+        """The GID of a publisher, as in its packets."""
+
+    @property
+    def namespace(self) -> str:
+        """The namespace of the entity's node."""
+
+    @property
+    def node(self) -> str:
+        """The name of the entity's node."""
+
+    @property
+    def topic(self) -> str:
+        """The fully qualified name of the topic or service; empty for a node."""
+
+    @property
+    def type_name(self) -> str:
+        """The type, like `std_msgs/msg/String`; for a service without `_Request`."""
+
+    @property
+    def type_hash(self) -> str:
+        """The hash of the type, like `RIHS01_…`."""
+
+    @property
+    def qos(self) -> Qos:
+        """The QoS. Policies that the network does not transmit have their defaults."""
+
+
+class Declaration(Protocol):
+    """An entity of the kit on the network."""
+
+    def withdraw(self) -> None:
+        """Remove the entity from the network. Further calls have no effect."""
+
+
+class NetworkPublisher(Declaration, Protocol):
+    """A publisher of the kit on the network. All methods may be called from any thread."""
+
+    topic: str
+
+    def put(self, cdr: bytes) -> None:
+        """Publish a message."""
+
+    def is_matched(self) -> bool:
+        """Return whether a message would reach a subscription now."""
+
+    def hide(self) -> None:
+        """Leave the network's graph, but remain able to publish a stop command that may still be needed."""
+
+
+class NetworkClient(Declaration, Protocol):
+    """A service client of the kit on the network."""
+
+    def call(self, cdr: bytes, on_reply: OnReply) -> None:
+        """Send a request. `on_reply` is queued with the reply, or with None if there is none."""
+
+
+class Link(Protocol):
+    """A connection to a robot.
+
+    `peer` describes the other side, "router" or "robot". `is_qos_enforced` states whether the
+    network itself separates publishers and subscriptions with incompatible QoS, as DDS does and
+    Zenoh does not.
+    """
+
+    address: str
+    domain: int
+    actions: Actions
+    peer: str
+    is_qos_enforced: bool
+
+    @property
+    def is_open(self) -> bool:
+        """True until `close`."""
+
+    def is_up(self) -> bool:
+        """Return whether the robot's side can be reached now."""
+
+    def close(self) -> None:
+        """Close the connection. Further calls have no effect."""
+
+    def watch(self, on_entity: OnEntity, report: Report) -> None:
+        """Queue a call for each remote entity that joins or leaves.
+
+        `report` prints lines for the user.
+        """
+
+    def no_nodes_message(self) -> str:
+        """Return a message for a domain in which no node was found."""
+
+    def network_topic(self, topic: str) -> str:
+        """Return the topic on which messages of a topic leave this kit."""
+
+    def on_sent(self, topic: str) -> None:
+        """Record that a message on a topic has been sent."""
+
+    def status_rows(self) -> list[tuple[str, object]]:
+        """Return rows of `ros2 doctor` about this kind of link."""
+
+    def warnings(self) -> Iterable[tuple[str, str]]:
+        """Yield (key, message) for each problem of this kind of link. Each key is reported once."""
+
+    # The link itself creates the entities of the kit, which the graph only passes back to it.
+    def node(self, name: str, namespace: str) -> Any:
+        """Return a node of the kit that is not announced yet."""
+
+    def endpoint(
+        self, node: Any, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
+    ) -> Any:
+        """Return an endpoint of a node of the kit, not announced yet.
+
+        `known_hash` is the hash of its type, if the definition may be missing on this computer.
+        """
+
+    def announce(self, entity: Any) -> Declaration:
+        """Announce a node, or a subscription that shares an inbox."""
+
+    def publisher(self, entity: Any) -> NetworkPublisher:
+        """Declare a publisher."""
+
+    def subscriber(self, topic: str, type_name: str, qos: Qos, kept: int, on_packet: OnPacket) -> Declaration:
+        """Subscribe to a topic, and request the last `kept` messages of latched publishers.
+
+        `on_packet` is called with each message in the link's threads.
+        """
+
+    def service(self, entity: Any, on_request: OnRequest) -> Declaration:
+        """Offer a service. `on_request(cdr, send_reply)` is queued for each request."""
+
+    def client(self, entity: Any) -> NetworkClient:
+        """Declare a service client."""

@@ -1,0 +1,570 @@
+"""The graph of a kit that is linked to a robot.
+
+Its time is the wall clock, and it lists the robot's nodes.
+"""
+
+import itertools
+from _queue import Empty
+from collections import Counter
+from collections.abc import Callable, Hashable
+from functools import partial
+from typing import Any
+
+from course_lib.ros.graph.graph import Graph
+from course_lib.ros.graph.topics import (
+    SERVICE_HEADER,
+    SERVICE_TOPICS,
+    EndpointInfo,
+    OnMessage,
+    Publisher,
+    Qos,
+    Sample,
+    Topics,
+    find_incompatible_policy,
+)
+from course_lib.ros.messages.hashes import is_known, type_hash
+from course_lib.ros.robot.link import Declaration, Entity, Link, NetworkClient, Packet, Report, SendReply
+from course_lib.ros.robot.sending import BlockedTraffic, OutgoingTraffic, Permissions
+from course_lib.ros.robot.subscriptions import TopicSubscription, TopicSubscriptions
+from course_lib.ros.time import wall
+
+# Client id in the header of requests received over the link.
+REMOTE_CLIENT = -1
+# Limit on remote requests without a response.
+MAX_OPEN = 1000
+REPLY_PREFIX, REPLY_SUFFIX = SERVICE_TOPICS[1]
+
+# Called with the topic, the type, and the header with the CDR bytes.
+Deliver = Callable[[str, str, bytes], None]
+
+
+class Services:
+    """The service clients and servers of the kit that are on the network.
+
+    Args:
+        link: Declares them.
+        deliver: Delivers data to the subscriptions of a topic in the graph.
+    """
+
+    def __init__(self, link: Link, deliver: Deliver) -> None:
+        self._link, self._deliver = link, deliver
+        # Clients by the endpoint that publishes their requests.
+        self._clients: dict[int, NetworkClient] = {}
+        # Servers by the endpoint that receives their requests.
+        self._servers: dict[int, Declaration] = {}
+        self._open: dict[int, SendReply] = {}
+        self._numbers = itertools.count()
+
+    def add_client(self, node: Any, info: EndpointInfo) -> None:
+        """Declare a client, identified by the endpoint that publishes its requests."""
+        name, type_name = info.service or ("", "")
+        entity = self._link.endpoint(node, "client", name, type_name, info.qos)
+        self._clients[info.id] = self._link.client(entity)
+
+    def add_server(self, node: Any, info: EndpointInfo) -> None:
+        """Offer a service, identified by the endpoint that receives its requests."""
+        name, type_name = info.service or ("", "")
+        entity = self._link.endpoint(node, "server", name, type_name, info.qos)
+        self._servers[info.id] = self._link.service(entity, partial(self._on_request, info))
+
+    def remove(self, endpoint: int) -> None:
+        """Withdraw the client or server of an endpoint if there is one."""
+        for declaration in (self._clients.pop(endpoint, None), self._servers.pop(endpoint, None)):
+            if declaration is not None:
+                declaration.withdraw()
+
+    def call(self, info: EndpointInfo, data: bytes) -> bool:
+        """Send a request of a client. Return False if the client is not on the network."""
+        client = self._clients.get(info.id)
+        if client is None:
+            return False
+        name, type_name = info.service or ("", "")
+        header, cdr = data[: SERVICE_HEADER.size], data[SERVICE_HEADER.size :]
+
+        def on_reply(reply: bytes | None) -> None:
+            if reply is not None:
+                topic = f"{REPLY_PREFIX}{name}{REPLY_SUFFIX}"
+                self._deliver(topic, f"{type_name}_Response", header + reply)
+
+        client.call(cdr, on_reply)
+        return True
+
+    def send_response(self, data: bytes) -> None:
+        """Send a response over the link if its request was received from there."""
+        client, number = SERVICE_HEADER.unpack_from(data)
+        send_reply = self._open.pop(number, None) if client == REMOTE_CLIENT else None
+        if send_reply is not None:
+            send_reply(data[SERVICE_HEADER.size :])
+
+    def _on_request(self, info: EndpointInfo, cdr: bytes, send_reply: SendReply) -> None:
+        number = next(self._numbers)
+        self._open[number] = send_reply
+        if len(self._open) > MAX_OPEN:
+            # The oldest client receives no reply, which Zenoh reports to it when `send_reply` is
+            # released.
+            del self._open[next(iter(self._open))]
+        self._deliver(info.topic, info.type_name, SERVICE_HEADER.pack(REMOTE_CLIENT, number) + cdr)
+
+
+# Limit on departed publishers whose latched messages are kept.
+MAX_LATCHED = 100
+
+
+class RemoteEntities:
+    """The entities of other sessions in the graph.
+
+    They are added with the methods of `Graph`, because those of `RobotGraph` would announce them
+    again.
+
+    Args:
+        graph: The graph that lists them.
+        topics: The graph's topics.
+        on_added: Called with each endpoint that joins.
+    """
+
+    def __init__(self, graph: Graph, topics: Topics, on_added: Callable[[Entity], None]) -> None:
+        self._graph, self._topics, self._on_added = graph, topics, on_added
+        self.servers = Counter[str]()  # service servers by service name
+        self._nodes: dict[Hashable, int] = {}
+        self._endpoints: dict[Hashable, int] = {}
+        # Endpoint ids by GID.
+        self._publishers: dict[bytes, int] = {}
+        # Latched samples of departed publishers by GID.
+        self._latched: dict[bytes, list[Sample]] = {}
+
+    def __len__(self) -> int:
+        return len(self._nodes)
+
+    def on_change(self, entity: Entity, has_joined: bool) -> None:
+        """Add or remove an entity. Entities may be reported in any order."""
+        if not has_joined:
+            self._remove(entity)
+        elif entity.kind == "node":
+            self._node_of(entity)
+        elif entity.key not in self._endpoints:
+            self._endpoints[entity.key] = self._add(entity, self._node_of(entity))
+            self._on_added(entity)
+
+    def publisher(self, gid: bytes) -> Publisher | None:
+        """Return the publisher with a GID, or None if it is unknown."""
+        return self._topics.publishers.get(self._publishers.get(gid, -1))
+
+    def publisher_infos(self) -> list[EndpointInfo]:
+        """List the remote publishers."""
+        publishers = (self._topics.publishers.get(endpoint) for endpoint in self._publishers.values())
+        return [publisher.info for publisher in publishers if publisher is not None]
+
+    def _node_of(self, entity: Entity) -> int:
+        if entity.node_key not in self._nodes:
+            self._nodes[entity.node_key] = Graph.add_node(self._graph, entity.node, entity.namespace)
+        return self._nodes[entity.node_key]
+
+    def _add(self, entity: Entity, node: int) -> int:
+        topic, type_name, qos = entity.topic, entity.type_name, entity.qos
+        if entity.kind == "publisher":
+            endpoint = Graph.add_publisher(self._graph, node, topic, type_name, qos)
+            self._publishers[entity.gid] = endpoint
+            self._topics.publishers[endpoint].kept.extend(self._latched.pop(entity.gid, ()))
+            return endpoint
+        if entity.kind in ("server", "client"):
+            prefix, suffix = SERVICE_TOPICS[0]
+            topic, type_name, qos = f"{prefix}{topic}{suffix}", f"{type_name}_{suffix}", Qos()
+        if entity.kind == "client":
+            return Graph.add_publisher(self._graph, node, topic, type_name, qos)
+        self.servers[entity.topic] += entity.kind == "server"
+        return Graph.add_subscription(self._graph, node, 0, topic, type_name, qos, ignore)
+
+    def _remove(self, entity: Entity) -> None:
+        if entity.kind == "node":
+            node = self._nodes.pop(entity.node_key, None)
+            for gid in tuple(self._publishers):
+                self._keep_latched(gid, node)
+            if node is not None:
+                Graph.remove_node(self._graph, node)
+        elif (endpoint := self._endpoints.pop(entity.key, None)) is not None:
+            self.servers[entity.topic] -= entity.kind == "server"
+            if entity.kind == "publisher":
+                self._keep_latched(entity.gid, None)
+                self._publishers.pop(entity.gid, None)
+            Graph.remove_endpoint(self._graph, endpoint)
+
+    def _keep_latched(self, gid: bytes, node: int | None) -> None:
+        """Keep the latched messages of a publisher that leaves, because the link may only be interrupted."""
+        publisher = self.publisher(gid)
+        if publisher is not None and publisher.kept and node in (None, publisher.info.node):
+            self._latched[gid] = list(publisher.kept)
+        while len(self._latched) > MAX_LATCHED:
+            del self._latched[next(iter(self._latched))]
+
+
+def ignore(cdr: bytes, source_ns: int, received_ns: int) -> None:
+    """Do nothing: the network delivers a message to remote subscriptions, and taps receive every sample."""
+
+
+HUMBLE_HASH = "TypeHashNotSupported"
+NO_SKEW = "not measured: no topic is received yet"
+MAX_SKEW = 0.5  # [s]
+STOP_IS_DUE = "The link is down, and the robot may still move: it gets its stop when the link is back."
+NO_STOP = "The link is down: the robot has not got its stop. If it moves, use its emergency stop."
+
+
+def type_warning(entity: Entity) -> str:
+    """Return a message if the kit cannot read an entity's messages, else ""."""
+    if entity.type_hash == HUMBLE_HASH:
+        return (
+            "The robot runs ROS 2 Humble, whose messages Jazzy does not receive over Zenoh. Install Jazzy on "
+            "the robot, with ros-jazzy-rmw-zenoh-cpp."
+        )
+    if entity.topic == "/clock" and entity.kind == "publisher":
+        return (
+            "The robot publishes /clock: its time is simulated. Set use_sim_time to true here as well, or "
+            "stamps and tf do not fit: -p use_sim_time:=true behind --ros-args, Viewer(use_sim_time=True)."
+        )
+    # Humble and Cyclone DDS transmit no hash.
+    if not entity.type_hash or not is_known(entity.type_name):
+        return ""
+    if entity.type_hash == type_hash(entity.type_name):
+        return ""
+    return (
+        f"The robot has another definition of {entity.type_name} than this kit, so {entity.topic} stays "
+        "silent. If the package is yours, copy its interface file from the robot. If it is ROS's, the robot "
+        "needs ROS 2 Jazzy."
+    )
+
+
+def qos_warning(offered: EndpointInfo, requested: EndpointInfo, *, is_enforced: bool) -> str:
+    """Return a message if the QoS of a pair is incompatible, else ""."""
+    policy = find_incompatible_policy(offered.qos, requested.qos)
+    if policy is None:
+        return ""
+    line = f"{offered.topic}: publisher and subscription have incompatible QoS ({policy})."
+    if is_enforced:
+        return f"{line} DDS does not connect them, so no message arrives. Give both the same {policy}."
+    return f"{line} Zenoh delivers all the same; on a robot with DDS the topic would be silent."
+
+
+def clock_warning(skew: float) -> str:
+    """Return a message if the robot's clock is `skew` [s] ahead of this computer's clock, else ""."""
+    if abs(skew) < MAX_SKEW:
+        return ""
+    return (
+        f"The robot's clock is {abs(skew):.1f} s {'ahead of' if skew > 0 else 'behind'} this computer's: "
+        "stamps and tf do not fit together. Set both by NTP (timedatectl)."
+    )
+
+
+# Limit on a wait, so that an interrupt is noticed soon [s].
+MAX_WAIT = 0.02
+# Time that Python's exit waits for a lost link. A restarting kernel is killed after 5 s.
+EXIT_SECONDS = 3.0
+# Interval between checks of the link and of the topics that taps need.
+POLL_NS = 200_000_000
+# The node that subscribes for displays and recordings. ROS hides names that begin with an
+# underscore.
+TAP_NODE = "_course_lib"
+# Limit on actions that run before a due event.
+MAX_ACTIONS = 100
+
+
+class RobotGraph(Graph):
+    """A graph whose time is the wall clock. It never runs out of events while the link is open.
+
+    Args:
+        link: The connection to the robot, which the graph closes.
+        allowed: Permissions for sending and calling.
+        report: Prints a line about the link.
+        notebook: Whether it is a kernel's graph.
+    """
+
+    keeps_wall_time = True
+
+    def __init__(self, link: Link, allowed: Permissions, report: Report, *, notebook: bool = False) -> None:
+        super().__init__(start_ns=wall.time_ns(), delay_ns=0, notebook=notebook)
+        self.link = link
+        self.blocked = BlockedTraffic(report, notebook=notebook)
+        self._allowed, self._report = allowed, report
+        self._reported = set[str]()
+        self._own_nodes: dict[int, tuple[Any, Declaration]] = {}
+        # Subscriptions of the kit by endpoint.
+        self._announced: dict[int, Declaration] = {}
+        self._subscriptions = TopicSubscriptions(link, self._on_message)
+        self._sending = OutgoingTraffic()
+        self._services = Services(link, self._on_service_data)
+        self._remote = RemoteEntities(self, self._topics, self._on_entity_added)
+        # Endpoints of TAP_NODE by topic and type.
+        self._tap_endpoints: dict[tuple[str, str], int] = {}
+        self._tap_node: int | None = None
+        self._polled_ns = 0
+        self._is_up = link.is_up()
+        # Wall time at which the link was lost [s]; None if it never was.
+        self._down_since: float | None = None
+        link.watch(self._remote.on_change, report)
+
+    @property
+    def now_ns(self) -> int:
+        """Robot time, [ns]: the wall clock, but never decreasing."""
+        return self._clock.now_ns if self.ended else max(self._clock.now_ns, wall.time_ns())
+
+    def advance(self) -> bool:
+        """Run the queued actions and the due event, or wait a moment for either."""
+        due_ns = self._clock.next_due_ns()
+        if self.end_ns is not None and self.now_ns >= self.end_ns and (due_ns or self.end_ns) >= self.end_ns:
+            self.ended = True
+        if self.ended:
+            return False
+        remaining = MAX_WAIT if due_ns is None else (due_ns - self.now_ns) * 1e-9
+        try:
+            # Messages that arrive faster than they are delivered wait in their inboxes, which are
+            # bounded.
+            is_behind = remaining <= 0 and len(self._clock) > MAX_ACTIONS
+            if not is_behind:
+                self._run_actions(min(max(remaining, 0.0), MAX_WAIT))
+            self._poll()
+            self._advance_to(self.now_ns)
+            due_ns = self._clock.next_due_ns()
+            if due_ns is not None and due_ns <= self._clock.now_ns:
+                self._clock.pop().action()
+        except KeyboardInterrupt:
+            self._sending.stop()
+            raise
+        return True
+
+    def add_node(self, name: str, namespace: str) -> int:
+        """Add a node and announce it."""
+        node = super().add_node(name, namespace)
+        entity = self.link.node(name, namespace)
+        self._own_nodes[node] = entity, self.link.announce(entity)
+        return node
+
+    def remove_node(self, node: int) -> None:
+        """Remove a node and its endpoints."""
+        for info in self._topics.endpoints():
+            if info.node == node:
+                self.remove_endpoint(info.id)
+        super().remove_node(node)
+        if node in self._own_nodes:
+            self._own_nodes.pop(node)[1].withdraw()
+
+    def add_publisher(self, node: int, topic: str, type_name: str, qos: Qos) -> int:
+        """Add a publisher. It is on the network if its topic may be sent."""
+        endpoint = super().add_publisher(node, topic, type_name, qos)
+        info = self._topics.publishers[endpoint].info
+        own_node = self._own_nodes[node][0]
+        if info.service is None:
+            if self._allowed.is_topic_allowed(topic):
+                network_topic = self.link.network_topic(topic)
+                entity = self.link.endpoint(own_node, "publisher", network_topic, type_name, qos)
+                self._sending.add(endpoint, type_name, self.link.publisher(entity))
+                self._check_qos(topic)
+        elif _is_request_publisher(info) and self._allowed.is_service_allowed(info.service[0]):
+            self._services.add_client(own_node, info)
+        return endpoint
+
+    def add_subscription(
+        self, node: int, entity: int, topic: str, type_name: str, qos: Qos, on_message: OnMessage
+    ) -> int:
+        """Add a subscription. From now on the robot sends the topic."""
+        endpoint = super().add_subscription(node, entity, topic, type_name, qos, on_message)
+        info, own_node = self._topics.subscriptions[endpoint].info, self._own_nodes[node][0]
+        if info.service is None:
+            # Subscribe before announcing, because a peer that sees the announcement may publish
+            # immediately.
+            self._subscriptions.add(endpoint, topic, type_name, qos)
+            announced = self.link.endpoint(own_node, "subscription", topic, type_name, qos)
+            self._announced[endpoint] = self.link.announce(announced)
+            self._check_qos(topic)
+        elif info.is_service and self._allowed.is_service_allowed(info.service[0]):
+            self._services.add_server(own_node, info)
+        return endpoint
+
+    def remove_endpoint(self, endpoint: int) -> None:
+        """Remove an endpoint from the graph and from the network."""
+        super().remove_endpoint(endpoint)
+        self._sending.remove(endpoint)
+        self._services.remove(endpoint)
+        self._subscriptions.remove(endpoint)
+        if endpoint in self._announced:
+            self._announced.pop(endpoint).withdraw()
+
+    def incompatible_policy(self, publisher: EndpointInfo, subscription: EndpointInfo) -> str | None:
+        """Return the QoS policy that makes a pair incompatible.
+
+        Over Zenoh, QoS does not separate pairs.
+        """
+        if self._is_over_link(publisher, subscription) and not self.link.is_qos_enforced:
+            return None
+        return super().incompatible_policy(publisher, subscription)
+
+    def publish(self, endpoint: int, cdr: bytes) -> None:
+        """Publish in this graph and, if allowed, on the network."""
+        super().publish(endpoint, cdr)
+        info = self._topics.publishers[endpoint].info
+        if info.service is None:
+            if self._sending.put(endpoint, cdr):
+                self.link.on_sent(info.topic)
+            else:
+                self.blocked.add(info.topic, "--send")
+        elif not _is_request_publisher(info):
+            self._services.send_response(cdr)
+        elif self._remote.servers[info.service[0]] > 0 and not self._services.call(info, cdr):
+            self.blocked.add(info.service[0], "--call")
+
+    def link_report(self) -> list[tuple[str, object]]:
+        """Return the state of the link: address, permissions, clocks and rates of topics."""
+        held = (f"{count} on {name}" for name, count in sorted(self.blocked.counts.items()))
+        skew = self._clock_skew()
+        return [
+            (self.link.peer, f"{self.link.address}, {self._state()}"),
+            ("domain", self.link.domain),
+            ("nodes", len(self._remote)),
+            *self._allowed.status_rows(),
+            *self.link.status_rows(),
+            ("held back", ", ".join(held) or "nothing"),
+            ("robot's clock", NO_SKEW if skew is None else f"{skew:+.3f} s from this computer's"),
+            *(subscription.status_row() for subscription in self._subscriptions),
+        ]
+
+    def take_blocked_calls(self) -> list[str]:
+        """Return the services whose calls have been held back since the last time."""
+        calls, self.blocked.calls = self.blocked.calls, []
+        return calls
+
+    def close(self) -> None:
+        """Stop the robot and close the link as soon as the robot has received the stop."""
+        self._subscriptions.close()
+        self._sending.close(self.link.close)
+        if self.link.is_open:
+            self._report_once("stop", STOP_IS_DUE)
+
+    def close_at_exit(self) -> None:
+        """Close when Python exits.
+
+        Wait briefly for a lost link if the robot still needs its stop.
+        """
+        self.close()
+        end = wall.monotonic() + EXIT_SECONDS
+        while self.link.is_open and wall.monotonic() < end:
+            wall.sleep(MAX_WAIT)
+        if self.link.is_open:
+            self._report(NO_STOP)
+            self.link.close()
+
+    def _run_actions(self, seconds: float) -> None:
+        """Run the actions that the link has queued. Wait at most `seconds` for the first."""
+        actions = self.link.actions
+        try:
+            action = actions.get(timeout=seconds) if seconds else actions.get_nowait()
+            for _ in range(MAX_ACTIONS):
+                action()
+                action = actions.get_nowait()
+            action()
+        except Empty:
+            return
+
+    def _on_message(self, receiver: TopicSubscription, packet: Packet) -> None:
+        """Deliver a message received by the link to the endpoints of its subscription."""
+        topic, type_name = receiver.topic, receiver.type_name
+        publisher = self._remote.publisher(packet.gid)
+        qos, node = (publisher.info.qos, publisher.info.node) if publisher else (Qos(), 0)
+        sample = Sample(self.now_ns, topic, type_name, packet.cdr, qos, node)
+        is_shared = not self.link.is_qos_enforced
+        if publisher is not None and qos.durability == "transient_local" and is_shared:
+            publisher.kept.append(sample)
+        # If several subscriptions receive the message, taps receive it from their own subscription
+        # only.
+        if is_shared or self._tap_endpoints.get((topic, type_name)) in receiver.users:
+            self._notify_taps(sample)
+        for subscription in self._topics.subscriptions_of_type(topic, type_name):
+            if subscription.info.id in receiver.users:
+                self._deliver(sample, subscription)
+
+    def _on_service_data(self, topic: str, type_name: str, data: bytes) -> None:
+        sample = Sample(self.now_ns, topic, type_name, data, Qos(), 0)
+        for subscription in self._topics.subscriptions_of_type(topic, type_name):
+            self._deliver(sample, subscription)
+
+    def _on_entity_added(self, entity: Entity) -> None:
+        self._report_once(entity.type_name, type_warning(entity))
+        if entity.kind == "publisher":
+            # Poll immediately, so that taps miss as few of the first messages as possible.
+            self._polled_ns = 0
+        if entity.kind in ("publisher", "subscription"):
+            self._check_qos(entity.topic)
+
+    def _check_qos(self, topic: str) -> None:
+        """Warn about pairs over the link whose QoS is incompatible."""
+        infos = self._topics.endpoints_on(topic)
+        for publisher in (info for info in infos if info.kind == "pub"):
+            for subscription in (info for info in infos if info.kind == "sub"):
+                if self._is_over_link(publisher, subscription):
+                    line = qos_warning(publisher, subscription, is_enforced=self.link.is_qos_enforced)
+                    self._report_once(f"qos {topic}", line)
+
+    def _is_over_link(self, publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
+        return (publisher.node in self._own_nodes) != (subscription.node in self._own_nodes)
+
+    def _poll(self) -> None:
+        """Every POLL_NS, subscribe to the topics that taps need and report problems of the link."""
+        if self.now_ns - self._polled_ns < POLL_NS or not self.link.is_open:
+            return
+        self._polled_ns = self.now_ns
+        self._follow_taps()
+        self._watch_link()
+        for key, line in self.link.warnings():
+            self._report_once(key, line)
+        self._report_once("clock", clock_warning(self._clock_skew() or 0.0))
+        for subscription in self._subscriptions:
+            self._report_once(f"slow {subscription.topic}", subscription.warning())
+
+    def _follow_taps(self) -> None:
+        """Subscribe to the topics that displays and recordings need, with the offered QoS."""
+        offered = {(info.topic, info.type_name): info.qos for info in self._remote.publisher_infos()}
+        takes_all = any(needed is None for _, needed in self._taps)
+        names = {topic for topic, _ in offered} if takes_all else set()
+        names |= {name for _, needed in self._taps if needed is not None for name in needed()}
+        topics = {key for key in offered if key[0] in names and is_known(key[1])}
+        for removed in self._tap_endpoints.keys() - topics:
+            self.remove_endpoint(self._tap_endpoints.pop(removed))
+        if topics and self._tap_node is None:
+            self._tap_node = self.add_node(TAP_NODE, "/")
+        for key in sorted(topics - self._tap_endpoints.keys()):
+            node = self._tap_node or 0
+            self._tap_endpoints[key] = self.add_subscription(node, 0, *key, offered[key], ignore)
+
+    def _watch_link(self) -> None:
+        is_up, address = self.link.is_up(), self.link.address
+        if self._is_up and not is_up:
+            self._down_since = wall.monotonic()
+            self._report(
+                f"The link to {address} is lost. It comes back by itself when the {self.link.peer} is there "
+                "again."
+            )
+            for subscription in self._subscriptions:
+                subscription.traffic.reset_sequences()
+        elif is_up and not self._is_up and self._down_since is not None:
+            self._report(f"The link to {address} is back after {wall.monotonic() - self._down_since:.1f} s.")
+        self._is_up = is_up
+
+    def _state(self) -> str:
+        if self._is_up:
+            return "connected"
+        return "no answer yet" if self._down_since is None else "lost"
+
+    def _clock_skew(self) -> float | None:
+        """Return the offset of the robot's clock from this computer's clock [s], minus the transport time.
+
+        Latched topics are ignored, because their messages are old when they arrive.
+        """
+        lags = [one.traffic.lag_ns for one in self._subscriptions if not one.kept]
+        known = [lag for lag in lags if lag is not None]
+        return -min(known) * 1e-9 if known else None
+
+    def _report_once(self, key: str, line: str) -> None:
+        if line and key not in self._reported:
+            self._reported.add(key)
+            self._report(line)
+
+
+def _is_request_publisher(info: EndpointInfo) -> bool:
+    """Return whether an endpoint publishes the requests of a service."""
+    return info.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")

@@ -1,0 +1,226 @@
+"""The parameters of a node: declarations, the values that descriptors allow, and rclpy's error texts."""
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from math import isclose
+from typing import Any
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    ParameterEvent,
+    SetParametersResult,
+)
+
+from rclpy.clock import Clock
+from rclpy.exceptions import (
+    InvalidParameterException,
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    ParameterAlreadyDeclaredException,
+)
+from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+
+Pre = Callable[[list[Parameter]], list[Parameter]]
+On = Callable[[list[Parameter]], SetParametersResult]
+Post = Callable[[list[Parameter]], object]
+
+# Relative tolerance; PARAM_REL_TOL in rclpy.
+CLOSE = 1e-6
+_NAME_ONLY = (
+    "when declaring parameter named '{}', "
+    "declaring a parameter only providing its name is deprecated. You have to either:\n"
+    '\t- Pass a name and a default value different to "PARAMETER NOT SET"'
+    " (and optionally a descriptor).\n"
+    "\t- Pass a name and a parameter type.\n"
+    "\t- Pass a name and a descriptor with `dynamic_typing=True"
+)
+_NO_RESULT = "Callback returned an invalid type, it should return SetParameterResult."
+
+
+class ParameterStore:
+    """The declared parameters of a node and the callbacks of changes.
+
+    Args:
+        node_name: The node's fully qualified name.
+        clock: The clock of the events' stamps.
+        events: Publishes the changes.
+        overrides: Values from outside the program, which replace the defaults of declarations.
+    """
+
+    def __init__(
+        self,
+        node_name: str,
+        clock: Clock,
+        events: Publisher[ParameterEvent],
+        overrides: Mapping[str, Parameter],
+    ) -> None:
+        self._node_name, self._clock = node_name, clock
+        self.events, self.overrides = events, overrides
+        self.values: dict[str, Parameter] = {}
+        self.descriptors: dict[str, ParameterDescriptor] = {}
+        # All three lists have the newest callback first.
+        self.pre_set_callbacks: list[Pre] = []
+        self.on_set_callbacks: list[On] = []
+        self.post_set_callbacks: list[Post] = []
+
+    def declare(
+        self, namespace: str, parameters: Sequence[tuple[Any, ...]], *, ignore_override: bool
+    ) -> list[Parameter]:
+        """Declare parameters, each given as (name), (name, value) or (name, value, descriptor)."""
+        declared: list[tuple[Parameter, ParameterDescriptor]] = []
+        for index, given in enumerate(parameters):
+            _require_declaration(index, given)
+            name, value, descriptor = _declaration(*given, namespace=namespace)
+            if not ignore_override and name in self.overrides:
+                value = self.overrides[name].value
+            declared.append((Parameter(name, value=value), descriptor))
+        already = [parameter.name for parameter, _ in declared if parameter.name in self.values]
+        if already:
+            raise ParameterAlreadyDeclaredException(already)
+        # The last descriptor of a name counts.
+        descriptors = {parameter.name: descriptor for parameter, descriptor in declared}
+        for parameter, _ in declared:
+            name, descriptor = parameter.name, descriptors[parameter.name]
+            result = self.change([parameter], {name: descriptor})
+            if result.reason.startswith("Wrong parameter type"):
+                raise InvalidParameterTypeException(parameter, Parameter.Type(descriptor.type).name)
+            if not result.successful:
+                raise InvalidParameterValueException(name, parameter.value, result.reason)
+        return [self.values[parameter.name] for parameter, _ in declared]
+
+    def change(
+        self, parameters: list[Parameter], new: Mapping[str, ParameterDescriptor]
+    ) -> SetParametersResult:
+        """Set parameters if their descriptors and the callbacks accept them, and publish the event.
+
+        `new` has new descriptors by the parameters' names.
+        """
+        for parameter in parameters:
+            name = parameter.name
+            descriptor = new.get(name) or self.descriptors.get(name)
+            if descriptor is not None:
+                declared = name in self.values
+                reason = _refusal(parameter, descriptor, is_declared=declared, new_descriptor=bool(new))
+                if reason:
+                    return SetParametersResult(successful=False, reason=reason)
+        for allows in self.on_set_callbacks:
+            result = allows(parameters)
+            if not isinstance(result, SetParametersResult):
+                warnings.warn(_NO_RESULT, stacklevel=2)
+                result = SetParametersResult(successful=False, reason="Callback returned an invalid type")
+            if not result.successful:
+                return result
+        event = ParameterEvent(node=self._node_name, stamp=self._clock.now().to_msg())
+        for parameter in parameters:
+            name, message = parameter.name, parameter.to_parameter_msg()
+            if parameter.type_ is Parameter.Type.NOT_SET and not new:
+                event.deleted_parameters.append(message)
+                self.values.pop(name, None)
+                self.descriptors.pop(name, None)
+                continue
+            former = self.values.get(name)
+            had_value = former is not None and former.type_ is not Parameter.Type.NOT_SET
+            (event.changed_parameters if had_value else event.new_parameters).append(message)
+            if name in new or name not in self.descriptors:
+                self.descriptors[name] = new.get(name) or ParameterDescriptor(dynamic_typing=True)
+            self.values[name] = parameter
+        self.events.publish(event)
+        for call in self.post_set_callbacks:
+            call(parameters)
+        return SetParametersResult(successful=True)
+
+
+def _require_declaration(index: int, given: Any) -> None:
+    """Raise rclpy's TypeError unless `given` is (name), (name, value) or (name, value, descriptor)."""
+    at = f"at index {index} in parameters list"
+    if not 1 <= len(given) <= 3:
+        raise TypeError(f"Invalid parameter tuple length {at}: {given}; expecting length between 1 and 3")
+    if not isinstance(given[0], str):
+        raise TypeError(f"First element {given[0]} {at} is not a str.")
+    if len(given) == 3 and not isinstance(given[2], ParameterDescriptor):
+        raise TypeError(f"Third element {given[2]} {at} is not a ParameterDescriptor.")
+
+
+def _declaration(name: str, *more: Any, namespace: str) -> tuple[str, Any, ParameterDescriptor]:
+    """Read (name), (name, value) or (name, value, descriptor). A missing value becomes None."""
+    name = f"{namespace}.{name}" if namespace else name
+    if not name:
+        raise InvalidParameterException(name)
+    value, descriptor = (*more, None, None)[:2]
+    if not more:
+        warnings.warn(_NAME_ONLY.format(name), stacklevel=5)
+        descriptor = ParameterDescriptor(dynamic_typing=True)
+    return name, *_typed(name, value, descriptor or ParameterDescriptor())
+
+
+def _typed(name: str, value: Any, descriptor: ParameterDescriptor) -> tuple[Any, ParameterDescriptor]:
+    """Set a descriptor's type to the value's type, or to the type that is passed instead of a value."""
+    if isinstance(value, Parameter.Type):
+        if value is Parameter.Type.NOT_SET:
+            raise ValueError(f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET")
+        if descriptor.dynamic_typing:
+            raise ValueError(
+                f"When declaring parameter {{{name}}} passing a descriptor with`dynamic_typing=True` "
+                "is not allowed when the parameter type is provided"
+            )
+        descriptor.type = value.value
+        return None, descriptor
+    if not descriptor.dynamic_typing:
+        descriptor.type = Parameter.Type.from_parameter_value(value).value
+        if value is None:
+            raise ValueError(
+                "Cannot declare a statically typed parameter with default value of type PARAMETER_NOT_SET"
+            )
+    return value, descriptor
+
+
+def _refusal(
+    parameter: Parameter, descriptor: ParameterDescriptor, *, is_declared: bool, new_descriptor: bool
+) -> str:
+    """Return why a value is rejected, or "" if it is accepted. Sets the descriptor's name and type.
+
+    With a new descriptor, `read_only` has no effect yet.
+    """
+    descriptor.name = parameter.name
+    kind = parameter.type_
+    if descriptor.read_only and not new_descriptor:
+        return f"Trying to set a read-only parameter: {parameter.name}."
+    if descriptor.dynamic_typing:
+        descriptor.type = kind.value
+    elif kind is Parameter.Type.NOT_SET:
+        return "Static parameter cannot be undeclared" if is_declared else ""
+    elif kind.value != descriptor.type:
+        return f"Wrong parameter type, expected '{Parameter.Type(descriptor.type)}' got '{kind}'"
+    if kind is Parameter.Type.INTEGER and descriptor.integer_range:
+        return _outside_integers(parameter, descriptor.integer_range[0])
+    if kind is Parameter.Type.DOUBLE and descriptor.floating_point_range:
+        return _outside_doubles(parameter, descriptor.floating_point_range[0])
+    return ""
+
+
+def _outside_integers(parameter: Parameter, allowed: IntegerRange) -> str:
+    low, high = sorted((allowed.from_value, allowed.to_value))
+    name, value, step = parameter.name, parameter.value, allowed.step
+    if not low <= value <= high:
+        return f"Parameter {name} out of range. Min: {low}, Max: {high}, value: {value}"
+    if value not in (low, high) and step and (value - low) % step:
+        limits = f"Min: {low}, max: {high}, value: {value}, step: {step}"
+        return f"The parameter value for {name} is not a valid step. {limits}"
+    return ""
+
+
+def _outside_doubles(parameter: Parameter, allowed: FloatingPointRange) -> str:
+    low, high = sorted((allowed.from_value, allowed.to_value))
+    name, value, step = parameter.name, parameter.value, allowed.step
+    if any(isclose(value, end, rel_tol=CLOSE) for end in (low, high)):
+        return ""
+    # rcl's text has no full stop here, unlike the text for integers.
+    if not low < value < high:
+        return f"Parameter {name} out of range Min: {low}, Max: {high}, value: {value}"
+    if step and not isclose(low + round((value - low) / step) * step, value, rel_tol=CLOSE):
+        limits = f"Min: {low}, max: {high}, value: {value}, step: {step}"
+        return f"The parameter value for {name} is not close enough to a valid step. {limits}"
+    return ""

@@ -1,0 +1,176 @@
+"""Detection of rclpy's private names in subclasses of Node and Executor, which break on a robot.
+
+The stand-in keeps its own state under other names, so such a class would work here. Each name is a
+descriptor of the class that reports assignments. Python calls a descriptor only for its own
+attribute, so nothing else becomes slower.
+"""
+
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from course_lib.ros.notices import say
+from course_lib.ros.tracebacks import line_of_thread
+
+_LISTS = "create_{0}(), destroy_{0}() and the executor use it as the list of the node's {0}s"
+_PARAMETERS = "declare_parameter(), get_parameter() and set_parameters() use it"
+_CALLED = "rclpy's own methods call it"
+
+# What rclpy 7.1.6 (Jazzy) uses each name for. Names that a program may set to an equivalent object,
+# like `self._clock = self.get_clock()`, are listed in _EQUALS below.
+USES = {
+    **{
+        f"_{kind}s": _LISTS.format(kind)
+        for kind in ("publisher", "subscription", "client", "service", "timer")
+    },
+    "_guards": _LISTS.format("guard_condition"),
+    "_context": "create_timer() and create_rate() use it",
+    "_clock": "create_timer() and get_clock() use it",
+    "_logger": "get_logger() returns it",
+    "_default_callback_group": "every callback without a group of its own is in it",
+    "_rate_group": "create_rate() uses it",
+    "_time_source": "destroy_node() uses it",
+    "_type_description_service": "destroy_node() uses it",
+    "_parameter_event_publisher": "set_parameters() publishes with it",
+    **dict.fromkeys(
+        (
+            "_allow_undeclared_parameters",
+            "_descriptors",
+            "_on_set_parameters_callbacks",
+            "_parameter_overrides",
+            "_parameters",
+            "_post_set_parameters_callbacks",
+            "_pre_set_parameters_callbacks",
+        ),
+        _PARAMETERS,
+    ),
+}
+METHODS = dict.fromkeys(
+    (
+        "_apply_descriptor",
+        "_apply_descriptor_and_set",
+        "_apply_descriptors",
+        "_apply_floating_point_range",
+        "_apply_integer_range",
+        "_call_post_set_parameters_callback",
+        "_call_pre_set_parameters_callback",
+        "_check_undeclared_parameters",
+        "_count_clients_or_servers",
+        "_count_publishers_or_subscribers",
+        "_declare_parameter_common",
+        "_get_info_by_topic",
+        "_set_parameters_atomically",
+        "_set_parameters_atomically_common",
+        "_validate_qos_or_depth_parameter",
+        "_validate_topic_or_service_name",
+        "_wake_executor",
+    ),
+    _CALLED,
+)
+OF_LIFECYCLE_NODES = {
+    "_callbacks": "each transition looks its callback up in it",
+    "_managed_entities": "each transition calls the entities in it",
+    "_state_machine": "each transition uses it",
+}
+# `_nodes`, `_tasks` and `_is_shutdown` are missing because the stand-in uses them as rclpy does: a
+# program that uses them for something else fails here as well.
+OF_EXECUTORS = {
+    "_cb_iter": "spin_once() goes on with it",
+    "_clock": "timeouts are measured by it",
+    "_context": "every spin asks whether it is shut down",
+    "_guard": "wake() and shutdown() trigger it",
+    "_last_args": "spin_once() compares its arguments with it",
+    "_last_kwargs": "spin_once() compares its arguments with it",
+    "_nodes_lock": "add_node() and remove_node() hold it",
+    "_shutdown_lock": "shutdown() holds it",
+    "_sigint_gc": "Ctrl+C triggers it",
+    "_tasks_lock": "create_task() holds it",
+    "_work_tracker": "shutdown() waits for it",
+    **dict.fromkeys(
+        (
+            "_make_handler",
+            "_take_client",
+            "_take_guard_condition",
+            "_take_service",
+            "_take_subscription",
+            "_take_timer",
+            "_take_waitable",
+            "_wait_for_ready_callbacks",
+        ),
+        _CALLED,
+    ),
+}
+_EQUALS = {
+    "_clock": "Clock",
+    "_context": "Context",
+    "_logger": "RcutilsLogger",
+    "_rate_group": "CallbackGroup",
+}
+_EQUALS["_default_callback_group"] = "CallbackGroup"
+
+
+class PrivateName:
+    """A descriptor for one of rclpy's private names.
+
+    It reports an assignment to it in a student's class.
+    """
+
+    def __init__(self, base: str, name: str, use: str, read: Callable[[Any], object] | None) -> None:
+        self._base, self._name, self._use, self._read = base, name, use, read
+
+    def __get__(self, node: Any, owner: type) -> Any:
+        if node is None:
+            return self
+        try:
+            return node.__dict__[self._name]
+        except KeyError:
+            # Without `super().__init__()` there is no value to read.
+            with suppress(AttributeError):
+                if self._read is not None:
+                    return self._read(node)
+            raise AttributeError(
+                f"'{owner.__name__}' object has no attribute '{self._name}'", name=self._name, obj=node
+            ) from None
+
+    def __set__(self, node: Any, value: object) -> None:
+        node.__dict__[self._name] = value
+        equal = _EQUALS.get(self._name)
+        if equal is None or equal not in (one.__name__ for one in type(value).__mro__):
+            place = line_of_thread(threading.get_ident())
+            notice(self._base, type(node).__name__, self._name, self._use, place)
+
+    def __delete__(self, node: Any) -> None:
+        node.__dict__.pop(self._name, None)
+
+
+# (class, name) pairs reported so far in this process.
+_noticed: set[tuple[str, str]] = set()
+
+
+def notice(base: str, class_name: str, name: str, use: str, place: str) -> None:
+    """Print a hint, once per class and name, that a subclass of rclpy's `base` breaks on a robot."""
+    if (class_name, name) not in _noticed:
+        _noticed.add((class_name, name))
+        where = f" ({place})" if place else ""
+        say(
+            f"hint: {class_name}.{name}{where} is a name of rclpy's own {base}: {use}. This breaks the "
+            f"{base.lower()} on a robot, even where it works here. Choose another name, like my{name}."
+        )
+
+
+def watch_names(
+    base: str, cls: type, names: dict[str, str], kept: dict[str, Callable[[Any], object]]
+) -> None:
+    """Report assignments to these names in objects of a class.
+
+    `kept` has functions that read the values which the stand-in keeps under other names.
+    """
+    for name, use in names.items():
+        setattr(cls, name, PrivateName(base, name, use, kept.get(name)))
+
+
+def check_class(base: str, cls: type, names: dict[str, str]) -> None:
+    """Report private names of rclpy's `base` that the body of a subclass defines."""
+    for name in sorted(names.keys() & vars(cls).keys()):
+        notice(base, cls.__name__, name, names[name], "")

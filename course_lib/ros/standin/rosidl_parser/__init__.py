@@ -1,0 +1,1 @@
+"""The types of message fields, which `SLOT_TYPES` contains."""

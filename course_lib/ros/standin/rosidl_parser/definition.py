@@ -1,0 +1,3 @@
+"""The types of message fields."""
+
+from course_lib.ros.messages.idl import *  # noqa: F403

@@ -1,0 +1,268 @@
+"""Interrupts of callbacks in a notebook: ■, Stop, and the watch that reports lines that take long.
+
+Jupyter ignores ■ while no cell runs, and for cells that await it only sets an event, which waits
+until the event loop is free. A callback that does not end would block both, so SIGINT is handled
+here.
+"""
+
+import _thread
+import contextvars
+import itertools
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from traceback import walk_stack
+from types import FrameType
+from typing import Any
+
+from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.notices import say
+from course_lib.ros.time import wall
+from course_lib.ros.time.time_lock import time_lock
+from course_lib.ros.tracebacks import is_own, line_of_thread, line_of_traceback
+
+# Wall time after which the line of a running callback is reported [s].
+PATIENCE = 3.0
+# Interval between checks [s].
+LOOK = 0.25
+# Time that a callback has to end by itself after Stop was clicked [s].
+A_MOMENT = 0.5
+# The module of the kernel's signal handler for cells that await, which only sets an event of the
+# loop.
+KERNELS = "ipykernel.ipkernel"
+# Number of interrupts that are raised at the callback's current line.
+DIRECTLY = 2
+# Lines of the callback over which later interrupts are varied.
+LINES = 7
+
+
+class Callback:
+    """A running callback: its node, its thread, and the function that reports it."""
+
+    __slots__ = (
+        "attempts",
+        "context",
+        "ident",
+        "is_reported",
+        "node",
+        "report",
+        "since",
+        "stop_requested_since",
+    )
+
+    def __init__(self, node: str, report: "Callable[[Callback, str], None]") -> None:
+        self.node = node
+        self.report = report
+        self.ident = _thread.get_ident()
+        # A kernel's output goes to the cell that this context identifies.
+        self.context = contextvars.copy_context()
+        self.since = wall.monotonic()
+        self.is_reported = False
+        # Number of interrupts so far.
+        self.attempts = 0
+        # When its end was requested, in wall time [s].
+        self.stop_requested_since: float | None = None
+
+    @property
+    def seconds(self) -> float:
+        """How long it has been running, in wall time [s]."""
+        return wall.monotonic() - self.since
+
+
+def write_once(callback: Callback, line: str) -> None:
+    """Write to the cell's output, once, which line keeps a node busy."""
+    if not callback.is_reported:
+        callback.is_reported = True
+        sys.stdout.write(
+            f"{callback.node} has been busy for {callback.seconds:.0f} s in {line} (■ stops it)\n"
+        )
+
+
+class Watch:
+    """A thread that watches the running callback."""
+
+    def __init__(self) -> None:
+        self.running_callback: Callback | None = None
+        self.report: Callable[[Callback, str], None] = write_once
+        # Times at which Stop was clicked while a callback ran.
+        self._clicks: list[float] = []
+        # Number of threads that the watch has started: 1 after the first callback.
+        self.threads = 0
+        self._started = False
+
+    @property
+    def is_stop_pending(self) -> bool:
+        """True if an interrupt comes from the watch because of a click on Stop, not from the user's ■."""
+        callback = self.running_callback
+        return bool(self._clicks) or (callback is not None and callback.stop_requested_since is not None)
+
+    def interrupt_callback(self) -> None:
+        """Interrupt the running callback, if there is one, until it ends."""
+        if self.running_callback is not None and self.running_callback.stop_requested_since is None:
+            self.running_callback.stop_requested_since = wall.monotonic()
+
+    def begin(self, node: str) -> None:
+        """Register that the calling thread starts a callback.
+
+        At its end the caller restores the previous callback.
+        """
+        if not self._started:
+            self._started = True
+            is_running = _thread.allocate_lock()
+            is_running.acquire()
+            _thread.start_new_thread(self._watch_callbacks, (is_running,))
+            # Wait for the thread to run, because only then Python counts it.
+            is_running.acquire()
+            self.threads = 1
+        self.running_callback = Callback(node, self.report)
+
+    @contextmanager
+    def stopping(self) -> Iterator[None]:
+        """Interrupt the main thread during the block if a callback that Stop waits for does not end."""
+        clicked = wall.monotonic()
+        self._clicks.append(clicked)
+        try:
+            yield
+        finally:
+            self._clicks.remove(clicked)
+
+    def _watch_callbacks(self, is_running: _thread.LockType) -> None:
+        is_running.release()
+        while True:
+            wall.sleep(LOOK)
+            callback = self.running_callback
+            if callback is None:
+                continue
+            requests = [*self._clicks, *filter(None, [callback.stop_requested_since])]
+            if requests and wall.monotonic() - min(requests) > A_MOMENT:
+                interrupt_main_thread()
+            line = line_of_thread(callback.ident) if callback.seconds > PATIENCE else ""
+            if line and callback is self.running_callback:
+                callback.context.run(callback.report, callback, line)
+
+
+def interrupt_main_thread() -> None:
+    """Interrupt as ■ does. Where signals are supported, this also ends a wait for a lock."""
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+    else:
+        _thread.interrupt_main()
+
+
+class LiveInterrupts:
+    """The handler of SIGINT for nodes that run between the cells."""
+
+    def __init__(self) -> None:
+        # Whether ■ was pressed.
+        self.was_pressed = False
+        self._in_step = False
+
+    @contextmanager
+    def handle(self) -> Iterator[None]:
+        """Let ■ raise KeyboardInterrupt in a running callback and set `was_pressed`, during the block."""
+        before = signal.signal(signal.SIGINT, self._handle)
+        self._in_step = True
+        try:
+            yield
+        finally:
+            self._in_step = False
+            # Otherwise the handler stays installed until `ignore`.
+            if before is not signal.SIG_IGN:
+                signal.signal(signal.SIGINT, before)
+
+    def ignore(self) -> None:
+        """Ignore ■ between the cells again, as Jupyter does."""
+        self.was_pressed = False
+        if signal.getsignal(signal.SIGINT) == self._handle:
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        self.was_pressed = self.was_pressed or not watch.is_stop_pending
+        if self._in_step and (watch.running_callback is not None or not time_lock.is_held_by_caller()):
+            _interrupt(number, frame)
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Let ■ interrupt the callbacks that a kernel's cell drives, even if the cell awaits."""
+    before: Any = signal.getsignal(signal.SIGINT)
+    is_main = threading.current_thread() is threading.main_thread()
+    is_of_cell = before is signal.default_int_handler or getattr(before, "__module__", "") == KERNELS
+    if not (is_main and is_of_cell and current_graph().notebook):
+        yield
+        return
+    signal.signal(signal.SIGINT, _interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _interrupt(_number: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt.
+
+    If a callback suppresses it, later interrupts are raised at one of its next lines.
+    """
+    callback = watch.running_callback
+    if callback is not None:
+        watch.interrupt_callback()
+        callback.attempts += 1
+        if callback.attempts > DIRECTLY and frame is not None and sys.gettrace() is None:
+            # Raise it some lines later, because the current line may be in the callback's `try`.
+            remaining = itertools.count(callback.attempts % LINES, -1)
+
+            def trace(_frame: FrameType, event: str, _: Any) -> Any:
+                if event == "line" and next(remaining) <= 0:
+                    sys.settrace(None)
+                    raise KeyboardInterrupt
+                return trace
+
+            for one, _line in walk_stack(frame):
+                # The function that has called the callback.
+                if one.f_code.co_name == "await_or_execute":
+                    break
+                if is_own(one.f_code.co_filename):
+                    one.f_trace = trace
+            sys.settrace(lambda *_: None)
+            return
+    raise KeyboardInterrupt
+
+
+@contextmanager
+def keep_signal_handlers() -> Iterator[None]:
+    """Restore the handlers of SIGINT and SIGTERM after the block.
+
+    A program that never shuts down leaves its own handlers behind.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    former = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in former.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+
+
+@contextmanager
+def until_interrupted() -> Iterator[None]:
+    """End quietly with a notice when the student presses ■. Nodes remain usable."""
+    graph = current_graph()
+    start_ns = graph.now_ns
+    try:
+        with interruptible():
+            yield
+    except KeyboardInterrupt as interrupt:
+        line = line_of_traceback(interrupt.__traceback__)
+        where = line and f", in {line}"
+        # At the end of a run the interrupt does not come from a user.
+        if graph.ended:
+            return
+        say(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time{where}.")
+
+
+watch = Watch()
+live_interrupts = LiveInterrupts()

@@ -1,0 +1,629 @@
+"""The time lock, which lets one program thread run at a time.
+
+Robot time advances only when all threads of the program wait. The lock passes from thread to thread
+in an order that depends on the program alone, not on the operating system, so a run with threads
+repeats exactly. Ordinary threads, for example a notebook's, hold the lock during calls of the kit
+only.
+"""
+
+import _thread
+import itertools
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import Enum, auto
+from typing import Any
+
+from course_lib.errors import CourseError
+from course_lib.ros.graph.graph import THREADS, Graph, current_graph
+from course_lib.ros.notices import say
+
+# Waits that return immediately after the end of a run, before the thread is ended.
+WAITS_AFTER_THE_END = 200
+# The same for waits with a timeout, during which robot time does not advance.
+SLEEPS_AFTER_THE_END = 100
+
+
+class AtEnd(Enum):
+    """The effect of the end of a run on a waiting thread."""
+
+    # The wait returns: a cell, a test, a tool.
+    RETURN = auto()
+    # The wait raises KeyboardInterrupt, once: the main thread of a program.
+    INTERRUPT = auto()
+    # The wait returns, but only once if it has a timeout: other threads of a program.
+    SHUT_DOWN = auto()
+    # The thread ends: callbacks that run in their own threads.
+    STOP = auto()
+
+
+class ShutDown(Exception):  # noqa: N818 - the base of ROS's exceptions, whose names end otherwise
+    """Raised by a call that a shutdown has ended.
+
+    At the end of a run it ends a program silently.
+    """
+
+
+class CtrlC(KeyboardInterrupt):
+    """Stands for Ctrl+C sent to a program in a thread, which may have its own handler."""
+
+
+class StoppedProgram(KeyboardInterrupt):
+    """Ends the main thread of a program that continues to wait after the end of the run."""
+
+
+class StoppedThread(SystemExit):
+    """Silently ends another thread that continues to wait after the end of the run."""
+
+
+def always() -> bool:
+    """Return True, as the condition of a wait that is over immediately."""
+    return True
+
+
+def never() -> bool:
+    """Return False, as the condition of a wait that only its deadline ends."""
+    return False
+
+
+class Wait:
+    """A wait of a program thread: the condition and deadline that end it, and its description."""
+
+    __slots__ = ("deadline_passed", "events_help", "graph", "has_deadline", "ready", "what")
+
+    def __init__(
+        self, graph: Graph, ready: Callable[[], bool], what: str, *, events_help: bool = True
+    ) -> None:
+        self.graph = graph
+        self.ready = ready
+        self.what = what
+        self.events_help = events_help
+        self.has_deadline = False
+        self.deadline_passed = False
+
+    def pass_deadline(self) -> None:
+        """Mark the deadline as passed. Called by the event that ends the wait."""
+        self.deadline_passed = True
+
+
+class ProgramThread:
+    """A thread's position in the order of threads, and its wait.
+
+    Args:
+        index: The position in the order.
+        name: The name in a DeadlockError.
+        main: Whether it is Python's main thread.
+        is_ordinary: Whether it is an ordinary thread that belongs to the program during one `with
+            time_lock.hold()`.
+    """
+
+    def __init__(self, index: int, *, name: str, main: bool, is_ordinary: bool = False) -> None:
+        self.index = index
+        self.name = name
+        self.main = main
+        self.is_ordinary = is_ordinary
+        # Held by the thread while it waits for its turn; released by the thread that passes the
+        # time lock to it.
+        self.turn = _thread.allocate_lock()
+        self.turn.acquire()
+        # The innermost wait, or None while the thread is running.
+        self.wait: Wait | None = None
+        self.depth = 1
+        self.polls = 0
+        # Describes what the last poll waits for, or returns "" once it is there.
+        self.describe_unmet: Callable[[], str] | None = None
+        self.at_end = AtEnd.RETURN
+        # Signal handlers that the thread's program has set.
+        self.handlers: dict[int, Any] = {}
+        self.waits_after_end = 0
+        self.sleeps_after_end = 0
+        self.stopped = False
+        self.raises: BaseException | None = None
+        self.done = False
+
+    def handle_end(self, *, sleeps: bool) -> None:
+        """Handle a wait that the end of the run has ended.
+
+        `sleeps` states whether it has a timeout.
+        """
+        self.waits_after_end += 1
+        self.sleeps_after_end += sleeps
+        if self.at_end is AtEnd.INTERRUPT and self.waits_after_end == 1:
+            self.interrupt()
+            return
+        sleeps_left = 1 if self.at_end is AtEnd.SHUT_DOWN else SLEEPS_AFTER_THE_END
+        if self.at_end is AtEnd.STOP or self.sleeps_after_end > sleeps_left:
+            self._stop()
+        if self.waits_after_end > WAITS_AFTER_THE_END:
+            self._stop()
+
+    def interrupt(self) -> None:
+        """Interrupt as Ctrl+C does: call the program's handler, or raise KeyboardInterrupt without one."""
+        handler = self.handlers.get(signal.SIGINT, signal.SIG_DFL)
+        if callable(handler):
+            handler(signal.SIGINT, sys._getframe(1))
+        elif handler is not signal.SIG_IGN:
+            raise KeyboardInterrupt
+
+    def _stop(self) -> None:
+        """End the thread. A main thread that catches the interrupt is ended by the next one."""
+        interrupts = (self.main or self.at_end is AtEnd.INTERRUPT) and not self.stopped
+        self.stopped = True
+        raise StoppedProgram if interrupts else StoppedThread
+
+    def raise_pending(self) -> None:
+        """Raise the exception that an interrupt, or another thread, has set for this thread."""
+        if self.raises is not None:
+            error, self.raises = self.raises, None
+            if not isinstance(error, CtrlC):
+                raise error
+            self.interrupt()
+
+    def waits_in(self, graph: Graph) -> bool:
+        """Return whether the thread waits in a run."""
+        wait = self.wait
+        return wait is not None and wait.graph is graph
+
+    def can_run(self, graph: Graph) -> bool:
+        """Return whether the thread waits in a run and its wait is over."""
+        wait = self.wait
+        if wait is None or wait.graph is not graph:
+            return False
+        return wait.deadline_passed or graph.ended or self.raises is not None or wait.ready()
+
+    def can_enter(self) -> bool:
+        """Return whether it is an ordinary thread whose wait is over, in any run."""
+        return self.is_ordinary and self.wait is not None and self.can_run(self.wait.graph)
+
+
+# Number of calls without a wait after which a loop of such calls lets time advance.
+POLLS_BEFORE_TIME_PASSES = 1_000
+POLLS_PER_STEP = 10
+POLL_STEP_NS = 1_000_000  # [ns]
+# Interval at which a main thread that waits for its turn checks for signals [s].
+LOOK = 0.5
+LOOKS_BEFORE_NOTICE = 10
+# CPU time of a main thread without a call of the kit after which its line is reported [s].
+BUSY_SECONDS = 5.0
+# Checks after which the turn is taken from a thread that does not release it.
+LOOKS_AFTER_INTERRUPT = 2
+
+
+class DeadlockError(CourseError):
+    """All threads wait for each other, so nothing can happen anymore."""
+
+
+class TimeLock:
+    """The right to run, which passes between threads in an order that depends on the program alone."""
+
+    def __init__(self) -> None:
+        # By thread identifier.
+        self._threads: dict[int, ProgramThread] = {}
+        # Count of polling calls that survives between calls, because a cell may call the kit in a
+        # loop.
+        self._polls_in_cells = 0
+        self._waiting: list[ProgramThread] = []
+        self._holder: ProgramThread | None = None
+        # Numbers for threads, in the order of their creation.
+        self._numbers = itertools.count(1)
+        self._mutex = _thread.allocate_lock()
+        self._is_signalled = False
+        # Called when robot time cannot advance until the main thread calls the kit.
+        self.on_stall: Callable[[], object] = lambda: None
+
+    def record_signal(self) -> None:
+        """Record a signal that ends the program, so that a thread that never pauses cannot delay it."""
+        self._is_signalled = True
+
+    def is_program_thread(self, ident: int | None = None) -> bool:
+        """Return whether a thread, by default the calling one, is a program thread."""
+        return (_thread.get_ident() if ident is None else ident) in self._threads
+
+    def is_held_by_caller(self) -> bool:
+        """Return whether the calling thread is a program thread and holds the lock."""
+        me = self._threads.get(_thread.get_ident())
+        return me is not None and self._holder is me
+
+    def has_waiting_threads(self, graph: Graph) -> bool:
+        """Return whether ordinary threads wait for the robot time of a run."""
+        return any(thread.is_ordinary and thread.waits_in(graph) for thread in tuple(self._waiting))
+
+    def hold(self) -> "HeldTimeLock":
+        """Make the calling thread a program thread that holds the lock, for the length of a `with` block."""
+        return HeldTimeLock(self)
+
+    @contextmanager
+    def as_ordinary_thread(self) -> Iterator[None]:
+        """Run a `with` block of a program thread as an ordinary thread.
+
+        The thread keeps the lock.
+        """
+        ident = _thread.get_ident()
+        me = self._threads.pop(ident, None)
+        try:
+            yield
+        finally:
+            if me is not None:
+                self._threads[ident] = me
+
+    def new_thread(self, name: str, *, main: bool = False, is_ordinary: bool = False) -> ProgramThread:
+        """Create a thread's entry in the order of threads."""
+        thread = ProgramThread(next(self._numbers), name=name, main=main, is_ordinary=is_ordinary)
+        maker = self._threads.get(_thread.get_ident())
+        if maker is not None and maker.at_end is not AtEnd.RETURN:
+            thread.at_end = AtEnd.SHUT_DOWN
+        return thread
+
+    @contextmanager
+    def at_end(self, at_end: AtEnd) -> Iterator[None]:
+        """Set the effect that the end of the run has on the calling program thread, within a `with` block."""
+        me = self._threads[_thread.get_ident()]
+        before, me.at_end = me.at_end, at_end
+        me.waits_after_end = me.sleeps_after_end = 0
+        me.handlers = {}
+        try:
+            yield
+        finally:
+            me.at_end = before
+            me.handlers = {}
+
+    def handlers(self) -> dict[int, Any] | None:
+        """Return the signal handlers of the calling thread, if it is the main thread of a program."""
+        me = self._threads.get(_thread.get_ident())
+        return None if me is None or me.at_end is not AtEnd.INTERRUPT else me.handlers
+
+    def is_interrupted_by_end(self) -> bool:
+        """Return whether the calling thread belongs to a program, which the end of the run interrupts."""
+        me = self._threads.get(_thread.get_ident())
+        return me is not None and me.at_end is not AtEnd.RETURN
+
+    def is_shut_down(self) -> bool:
+        """Return whether the run has ended and the calling thread belongs to a program."""
+        return self.is_interrupted_by_end() and current_graph().ended
+
+    def enqueue(self, thread: ProgramThread) -> None:
+        """Queue a thread that is about to start for its first turn."""
+        thread.wait = Wait(current_graph(), always, "its start")
+        self._waiting.append(thread)
+
+    def dequeue(self, thread: ProgramThread) -> None:
+        """Remove a queued thread that could not be started."""
+        self._stop_waiting(thread)
+
+    def enter(self, me: ProgramThread) -> None:
+        """Make the calling thread a program thread. Return when it holds the lock."""
+        with self._mutex:
+            self._threads[_thread.get_ident()] = me
+            if me.wait is None:
+                self.enqueue(me)
+            self._pass_lock(None, me)
+        self._await_turn(me)
+        self._stop_waiting(me)
+
+    def leave(self, me: ProgramThread) -> None:
+        """Make the calling thread an ordinary thread and pass the lock on."""
+        with self._mutex:
+            me.done = True
+            del self._threads[_thread.get_ident()]
+            # Without the main thread, time does not advance.
+            if me.main:
+                heir = next((t for t in self._waiting if t.can_enter()), None)
+            else:
+                heir = self._runnable(me, current_graph()) or next((t for t in self._waiting if t.main), None)
+            self._pass_lock(me, heir)
+
+    def wait(
+        self, ready: Callable[[], bool], *, until_ns: int | None, what: str, events_help: bool = True
+    ) -> bool:
+        """Block the calling program thread until `ready()` or `until_ns` [ns], while other threads run.
+
+        `what` describes the wait in a DeadlockError. `events_help` states whether events alone can
+        end the wait. Returns the final value of `ready()`. Raises a DeadlockError in the main
+        thread if nothing can happen anymore.
+        """
+        if ready():
+            return True
+        graph, me = current_graph(), self._threads[_thread.get_ident()]
+        me.polls = 0
+        wait = Wait(graph, ready, what, events_help=events_help)
+        outer, me.wait = me.wait, wait
+        alarm = None
+        if until_ns is not None:
+            wait.has_deadline = True
+            alarm = graph.call_at(until_ns, wait.pass_deadline, node=THREADS, entity=me.index)
+        try:
+            # Otherwise this wait is inside an event, and the outer wait is already queued.
+            if outer is None:
+                self._waiting.append(me)
+            self._run_others(me, graph)
+        finally:
+            me.wait = outer
+            if outer is None:
+                self._stop_waiting(me)
+            if alarm is not None:
+                alarm.cancel()
+        # Without an interrupt, an end or a deadline, only the condition can have ended the wait.
+        done = me.raises is None and not graph.ended and not wait.deadline_passed
+        me.raise_pending()
+        done = done or ready()
+        if graph.ended and not done and not wait.deadline_passed:
+            me.handle_end(sleeps=until_ns is not None)
+        return done
+
+    def sleep_until(self, wake_ns: int, what: str) -> None:
+        """Block the calling program thread until robot time `wake_ns` [ns]."""
+        self.wait(never, until_ns=wake_ns, what=what)
+
+    def poll(self, describe_unmet: Callable[[], str] | None = None, *, reads_clock: bool = False) -> None:
+        """Count a call that does not wait.
+
+        A program that makes such calls in a loop waits for something, so after many calls they let
+        time advance.
+
+        Args:
+            describe_unmet: Describes what is not there yet, for the hint if the run ends during
+                the loop.
+            reads_clock: Whether the loop may do this besides waiting for the last poll's condition.
+        """
+        me = self._threads.get(_thread.get_ident())
+        if me is None:
+            return
+        if not reads_clock:
+            me.describe_unmet = describe_unmet
+        me.polls += 1
+        polls = me.polls
+        if polls >= POLLS_BEFORE_TIME_PASSES and polls % POLLS_PER_STEP == 0:
+            with self.polling():
+                self.sleep_until(current_graph().now_ns + POLL_STEP_NS, "a loop that polls")
+            # Counting continues, because it is still the same loop.
+            me.polls = polls
+
+    def set_unmet(self, describe_unmet: Callable[[], str] | None) -> None:
+        """Set what the calling thread waits for, without counting a poll."""
+        me = self._threads.get(_thread.get_ident())
+        if me is not None:
+            me.describe_unmet = describe_unmet
+
+    @contextmanager
+    def polling(self) -> Iterator[None]:
+        """If the end of the run or Ctrl+C interrupts the block, print what the thread polled for in vain."""
+        try:
+            yield
+        except KeyboardInterrupt:
+            # Imported late, as it is needed only at the end of a run.
+            from course_lib.ros.tracebacks import describe_interruption
+
+            me = self._threads.get(_thread.get_ident())
+            if me is not None and me.describe_unmet is not None:
+                describe_interruption(me.describe_unmet())
+            raise
+
+    def finish_other_threads(self) -> None:
+        """After the end of a run, let the other threads return from their waits and finish."""
+        graph, me = current_graph(), self._threads[_thread.get_ident()]
+        while any(thread.waits_in(graph) for thread in self._waiting):
+            me.waits_after_end = me.sleeps_after_end = 0
+            self.wait(never, until_ns=None, what="the others' ends")
+
+    def interrupt(self, thread: threading.Thread) -> None:
+        """Raise KeyboardInterrupt in a program thread, as the end of a run does."""
+        found = self._threads.get(thread.ident or 0)
+        if found is not None and not current_graph().ended:
+            found.raises = CtrlC()
+
+    def _run_others(self, me: ProgramThread, graph: Graph) -> None:
+        # `wait` has checked the condition immediately before.
+        yielded, can_run = False, graph.ended or me.raises is not None
+        while not can_run or (graph.ended and not yielded):
+            other = self._runnable(me, graph)
+            yielded = True
+            if other is not None:
+                self._hand_over(me, other)
+            elif graph.ended:
+                return
+            # Ordinary threads may still enter, but time advances only while the main thread calls
+            # the kit.
+            elif not any(t.main for t in list(self._threads.values())):
+                self.on_stall()
+                self._hand_over(me, None)
+            else:
+                if not self._can_events_help(me, graph) or not (graph.advance() or graph.ended):
+                    self._report_deadlock(me, graph)
+            can_run = me.can_run(graph)
+
+    def _can_events_help(self, me: ProgramThread, graph: Graph) -> bool:
+        """Return whether an event can end the wait of a thread in a run."""
+        # A shortcut for the usual wait.
+        if me.wait is not None and me.wait.events_help:
+            return True
+        waits = (t.wait for t in self._waiting if t.wait is not None and t.wait.graph is graph)
+        return any(wait.events_help or wait.has_deadline for wait in waits)
+
+    def _runnable(self, me: ProgramThread, graph: Graph) -> ProgramThread | None:
+        """Find the next thread, in the order after `me`, whose wait is over."""
+        # A shortcut for the usual case of a single thread.
+        if len(self._waiting) == 1 and me in self._waiting:
+            return None
+        runnable = [t for t in self._waiting if t is not me and t.can_run(graph)]
+        return min(runnable, key=lambda thread: (thread.index <= me.index, thread.index), default=None)
+
+    def _report_deadlock(self, me: ProgramThread, graph: Graph) -> None:
+        waits = ", ".join(
+            f'thread "{t.name}" waits for {t.wait.what}'
+            for t in self._waiting
+            if t.wait is not None and t.wait.graph is graph
+        )
+        error = DeadlockError(
+            f"Nothing can happen any more: {waits}. A wait must be ended by a timer, a message or another "
+            "thread; give it a time limit, or let another thread spin."
+        )
+        next((t for t in self._waiting if t.main and t.waits_in(graph)), me).raises = error
+
+    def _hand_over(self, me: ProgramThread, other: ProgramThread | None) -> None:
+        """Pass the lock to `other`, or release it until the main thread is back.
+
+        Block until it returns.
+        """
+        with self._mutex:
+            self._pass_lock(me, other or self._runnable(me, current_graph()))
+        self._await_turn(me)
+
+    def _await_turn(self, me: ProgramThread) -> None:
+        """Block until the lock is passed to this thread.
+
+        An interrupt during the wait is raised when the thread holds the lock.
+        """
+        looks, looks_with_interrupt, waiting = 0, 0, True
+        while waiting:
+            is_impatient = False
+            try:
+                # Signals arrive in the main thread, so it must never wait without a timeout.
+                waiting = not me.turn.acquire(timeout=LOOK if me.main else -1)
+            except KeyboardInterrupt as interrupt:
+                is_impatient = isinstance(me.raises, KeyboardInterrupt)
+                me.raises = interrupt
+            if not waiting:
+                return
+            looks += 1
+            looks_with_interrupt += me.raises is not None or self._is_signalled
+            if looks == LOOKS_BEFORE_NOTICE:
+                self._report_busy_thread()
+            with self._mutex:
+                # The holder runs code outside of the kit. It continues without the lock.
+                if is_impatient or looks_with_interrupt > LOOKS_AFTER_INTERRUPT:
+                    self._holder = me
+                    self._is_signalled = False
+                waiting = self._holder is not me
+                if not waiting:
+                    # The turn may have arrived just after the check.
+                    me.turn.acquire(False)
+
+    def _report_busy_thread(self) -> None:
+        """Print which thread holds the lock without pausing, while all other threads of the program wait."""
+        from course_lib.ros.tracebacks import line_of_thread
+
+        for ident, thread in list(self._threads.items()):
+            if thread is self._holder and thread.wait is None:
+                line = line_of_thread(ident)
+                say(
+                    f'Thread "{thread.name}" has been running without a pause{line and f" ({line})"}. '
+                    "Here one thread runs at a time, so the rest of the program waits for it: put "
+                    "time.sleep(0.01) into its loop. Ctrl+C or ■ ends the program."
+                )
+
+    @contextmanager
+    def report_busy_main_thread(self, graph: Graph) -> Iterator[None]:
+        """Report the main thread's line if it computes for long without calling the kit.
+
+        For a `with` block. No other thread waits for the main thread, so a program that ends in
+        `while True: pass` would print nothing.
+        """
+        end = _thread.allocate_lock()
+        end.acquire()
+        _thread.start_new_thread(self._watch_main_thread, (graph, end))
+        try:
+            yield
+        finally:
+            end.release()
+
+    def _watch_main_thread(self, graph: Graph, end: _thread.LockType) -> None:
+        from course_lib.ros.tracebacks import line_of_thread
+
+        ident, seen_ns, began = threading.main_thread().ident or 0, -1, 0.0
+        while not end.acquire(timeout=LOOK):
+            me = self._threads.get(ident)
+            is_running = me is not None and self._holder is me and me.wait is None
+            if not is_running or graph.now_ns != seen_ns:
+                seen_ns, began = graph.now_ns, time.process_time()
+            # CPU time, as a program may also wait for a key or a file.
+            elif time.process_time() - began > BUSY_SECONDS and (line := line_of_thread(ident)):
+                say(
+                    f"The main thread has computed for {BUSY_SECONDS:g} s without a call of ROS ({line}). "
+                    "Robot time does not advance: put rclpy.spin_once(node) or time.sleep(0.01) into a "
+                    "loop that waits. Ctrl+C ends the program."
+                )
+                return
+
+    def _pass_lock(self, giver: ProgramThread | None, heir: ProgramThread | None) -> None:
+        """Pass the lock on, under the mutex, unless an impatient interrupt has taken it from the giver."""
+        if self._holder is giver:
+            self._holder = heir
+            if heir is not None:
+                heir.turn.release()
+
+    def _stop_waiting(self, me: ProgramThread) -> None:
+        if me in self._waiting:
+            self._waiting.remove(me)
+        me.wait = None
+
+
+class HeldTimeLock:
+    """The `with` block of `TimeLock.hold`.
+
+    A class because a generator takes twice as long, and each callback needs two such blocks.
+    """
+
+    __slots__ = ("_me", "_time_lock")
+
+    def __init__(self, time_lock: TimeLock) -> None:
+        self._time_lock = time_lock
+
+    def __enter__(self) -> None:
+        time_lock = self._time_lock
+        me = time_lock._threads.get(_thread.get_ident())
+        if me is not None:
+            me.depth += 1
+        else:
+            thread = threading.current_thread()
+            main = thread is threading.main_thread()
+            me = time_lock.new_thread(thread.name, main=main, is_ordinary=not main)
+            me.polls = time_lock._polls_in_cells if me.main and current_graph().notebook else 0
+            time_lock.enter(me)
+        self._me = me
+        try:
+            me.raise_pending()
+        except BaseException:
+            self.__exit__()
+            raise
+
+    def __exit__(self, *_: object) -> None:
+        me, time_lock = self._me, self._time_lock
+        me.depth -= 1
+        if me.depth == 0:
+            time_lock._polls_in_cells = me.polls if me.main else time_lock._polls_in_cells
+            time_lock.leave(me)
+
+
+time_lock = TimeLock()
+
+
+real_signal, real_getsignal = signal.signal, signal.getsignal
+
+
+def set_handler(number: int, handler: Any) -> Any:
+    """Set a handler as `signal.signal` does.
+
+    The end of the run calls a program's handler of SIGINT, as Ctrl+C would.
+    """
+    handlers = time_lock.handlers()
+    if handlers is None:
+        return real_signal(number, handler)
+    is_main = threading.current_thread() is threading.main_thread()
+    before = real_signal(number, handler) if is_main else handlers.get(number, _default_handler(number))
+    handlers[number] = handler
+    return before
+
+
+def get_handler(number: int) -> Any:
+    """Return a handler as `signal.getsignal` does."""
+    handlers = time_lock.handlers()
+    if handlers is None or threading.current_thread() is threading.main_thread():
+        return real_getsignal(number)
+    return handlers.get(number, _default_handler(number))
+
+
+def _default_handler(number: int) -> Any:
+    return signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL

@@ -1,0 +1,292 @@
+"""Robot time behind the names of the standard library: `time`, sleeps, locks, threads and asyncio.
+
+Installed once. Every replacement checks whether the calling thread is a program thread; for all
+other threads it calls the original, so Jupyter's own threads keep to the wall clock. Waiting for a
+lock passes the time lock on.
+"""
+
+import _thread
+import queue
+import selectors
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from course_lib.errors import CourseError
+from course_lib.ros.graph.graph import START_NS, current_graph, program
+from course_lib.ros.time import busy_loops, wall
+from course_lib.ros.time.busy_loops import cell
+from course_lib.ros.time.time_lock import (
+    ProgramThread,
+    ShutDown,
+    StoppedThread,
+    get_handler,
+    set_handler,
+    time_lock,
+)
+
+_real_start = threading.Thread.start
+_real_join = threading.Thread.join
+_real_select = selectors.DefaultSelector.select
+_RealLock = threading.Lock
+_RealRLock = threading.RLock
+_RealSimpleQueue = queue.SimpleQueue
+# Interval between attempts to take a lock that a thread outside of the program holds [s].
+BRIEFLY = 0.001
+
+
+def install() -> None:
+    """Install the replacements. Calling it again has no effect."""
+    if time.sleep is _sleep:
+        return
+    for name in ("time", "monotonic", "perf_counter"):
+        origin_ns = 0 if name == "time" else START_NS
+        setattr(time, name, _robot_clock(getattr(time, name), origin_ns, 1e-9))
+        setattr(time, f"{name}_ns", _robot_clock(getattr(time, f"{name}_ns"), origin_ns, 1))
+    from concurrent.futures.process import ProcessPoolExecutor
+    from multiprocessing.pool import Pool, ThreadPool
+
+    replacements: tuple[tuple[Any, str, Any], ...] = (
+        (time, "sleep", _sleep),
+        (signal, "signal", set_handler),
+        (signal, "getsignal", get_handler),
+        (threading, "Lock", Lock),
+        (threading, "RLock", make_rlock),
+        (threading, "_allocate_lock", make_waiter),
+        # threading imports the function under this name, as queue does.
+        (threading, "_time", time.monotonic),
+        (threading.Thread, "start", _start),
+        (threading.Thread, "join", _join),
+        (queue, "time", time.monotonic),
+        (queue, "SimpleQueue", SimpleQueue),
+        (selectors.DefaultSelector, "select", _select),
+        *(
+            (pool, "_setup_queues", _reject_in_robot_time(vars(pool)["_setup_queues"]))
+            for pool in (Pool, ThreadPool)
+        ),
+        (ProcessPoolExecutor, "__init__", _reject_in_robot_time(ProcessPoolExecutor.__init__)),
+    )
+    for owner, name, replacement in replacements:
+        setattr(owner, name, replacement)
+    busy_loops.install()
+    streams = sys.modules.get("ipykernel.iostream")
+    # A thread of Jupyter's own sends a kernel's output.
+    if streams is not None:
+        real_flush = streams.OutStream.flush
+
+        def flush(*args: Any) -> Any:
+            with time_lock.as_ordinary_thread():
+                return real_flush(*args)
+
+        streams.OutStream.flush = flush
+
+
+def is_started_by_program(thread: threading.Thread) -> bool:
+    """Return whether a program thread has started this thread."""
+    return hasattr(thread, "_program_thread")
+
+
+def _robot_clock(real: Callable[[], Any], origin_ns: int, unit: float) -> Callable[[], Any]:
+    def now() -> Any:
+        if not time_lock.is_program_thread():
+            return real()
+        time_lock.poll(reads_clock=True)
+        return (current_graph().now_ns - origin_ns) * unit
+
+    return now
+
+
+def _sleep(seconds: float, /) -> None:
+    if not time_lock.is_program_thread():
+        cell.sleep(seconds)
+        return
+    if seconds < 0:
+        raise ValueError("sleep length must be non-negative")
+    with time_lock.polling():
+        time_lock.sleep_until(current_graph().now_ns + round(seconds * 1e9), f"time.sleep({seconds:g})")
+
+
+def _start(thread: threading.Thread) -> None:
+    """Start a thread.
+
+    A thread started by a program thread is a program thread from its first line on.
+    """
+    if not time_lock.is_program_thread():
+        _real_start(thread)
+        return
+    program_thread = time_lock.new_thread(thread.name)
+    run, of_program = thread.run, program.name
+
+    def run_with_the_time_lock() -> None:
+        program.name = of_program
+        time_lock.enter(program_thread)
+        try:
+            run()
+        except (StoppedThread, ShutDown):
+            if not current_graph().ended:
+                raise
+        # Reported while the thread has its turn, so that the output of a run repeats.
+        except Exception as error:
+            what = (type(error), error, error.__traceback__, thread)
+            threading.excepthook(threading.ExceptHookArgs(what))
+        finally:
+            time_lock.leave(program_thread)
+
+    thread.run = run_with_the_time_lock  # type: ignore[method-assign]
+    thread._program_thread = program_thread  # type: ignore[attr-defined]
+    time_lock.enqueue(program_thread)
+    try:
+        with time_lock.as_ordinary_thread():
+            _real_start(thread)
+    # The system cannot create more threads.
+    except RuntimeError:
+        time_lock.dequeue(program_thread)
+        raise
+
+
+def _join(thread: threading.Thread, timeout: float | None = None) -> None:
+    program_thread: ProgramThread | None = getattr(thread, "_program_thread", None)
+    if program_thread is not None and time_lock.is_program_thread():
+        until_ns = None if timeout is None else current_graph().now_ns + round(max(timeout, 0) * 1e9)
+        what = f'the end of thread "{thread.name}"'
+        if not time_lock.wait(lambda: program_thread.done, until_ns=until_ns, what=what, events_help=False):
+            return
+    _real_join(thread, timeout)
+
+
+def _select(selector: Any, timeout: float | None = None) -> Any:
+    """Wait for files or for robot time. asyncio sleeps in this function."""
+    if not time_lock.is_program_thread():
+        return _real_select(selector, timeout)
+    ready = _real_select(selector, 0)
+    if ready or (timeout is not None and timeout <= 0):
+        return ready
+    until_ns = None if timeout is None else current_graph().now_ns + round(timeout * 1e9)
+    time_lock.wait(lambda: bool(_real_select(selector, 0)), until_ns=until_ns, what="asyncio")
+    return _real_select(selector, 0)
+
+
+def _reject_in_robot_time(real: Callable[..., Any]) -> Callable[..., Any]:
+    """Reject pools in robot time. Their threads would hold the time lock while they read pipes."""
+
+    def make(*args: Any, **kwargs: Any) -> Any:
+        if time_lock.is_program_thread():
+            raise CourseError(
+                "multiprocessing's pools and ProcessPoolExecutor would wait forever in robot time. Use "
+                "concurrent.futures.ThreadPoolExecutor."
+            )
+        return real(*args, **kwargs)
+
+    return make
+
+
+class ProgramLock:
+    """A lock created by a program thread.
+
+    Event and Condition use locks with `returns_at_end`, whose `acquire` gives up at the end of the
+    run. A mutex waits until the thread that holds it has finished.
+    """
+
+    def __init__(self, *, returns_at_end: bool = False) -> None:
+        self._real = _thread.allocate_lock()
+        self._returns_at_end = returns_at_end
+        # Identifier of the thread that holds the lock, once it has been recorded.
+        self._owner: int | None = None
+        self._taken_by_program = False
+
+    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
+        """Acquire the lock as `threading.Lock` does. `timeout` is in [s] of robot time."""
+        waits = blocking and time_lock.is_program_thread()
+        is_acquired = self._wait(timeout) if waits else self._real.acquire(blocking, timeout)
+        if is_acquired:
+            self._owner, self._taken_by_program = _thread.get_ident(), time_lock.is_program_thread()
+        return is_acquired
+
+    def release(self) -> None:
+        """Release the lock. Its owner is reset before another thread can acquire it."""
+        if self._real.locked():
+            self._owner, self._taken_by_program = None, False
+        self._real.release()
+
+    def locked(self) -> bool:
+        """Return whether a thread holds the lock."""
+        return self._real.locked()
+
+    def _wait(self, timeout: float) -> bool:
+        until_ns = None if timeout < 0 else current_graph().now_ns + round(timeout * 1e9)
+        while not self._real.acquire(False):
+            if self._is_held_outside():
+                wall.sleep(BRIEFLY)
+                continue
+            is_free = time_lock.wait(
+                lambda: not self._real.locked() or self._is_held_outside(),
+                until_ns=until_ns,
+                what="a lock",
+                events_help=False,
+            )
+            if not is_free and (until_ns is not None or self._returns_at_end):
+                return False
+        return True
+
+    def _is_held_outside(self) -> bool:
+        """Return whether the holder follows the wall clock, because it is not a program thread at the moment.
+
+        A program thread that has just acquired the lock has recorded it before any other thread can
+        check.
+        """
+        if self._taken_by_program:
+            return False
+        return self._owner is None or not time_lock.is_program_thread(self._owner)
+
+    def _at_fork_reinit(self) -> None:
+        self._real = _thread.allocate_lock()
+
+    def __enter__(self) -> bool:
+        return self.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+
+class Lock:
+    """Replacement for `threading.Lock`: a ProgramLock if the program may use it, otherwise a real lock."""
+
+    def __new__(cls) -> Any:
+        """Create the lock."""
+        return ProgramLock() if _is_made_for_program() else _RealLock()
+
+
+class SimpleQueue(_RealSimpleQueue[Any]):
+    """Replacement for `queue.SimpleQueue`: for the program, the pure Python version, which uses our locks."""
+
+    def __new__(cls) -> Any:
+        """Create the queue."""
+        if not _is_made_for_program():
+            return super().__new__(cls)
+        return queue._PySimpleQueue()  # type: ignore[attr-defined]  # the standard library's own fallback
+
+
+def _is_made_for_program() -> bool:
+    """Return whether the program may use an object created now, including objects that a cell creates.
+
+    `current_thread()` is not used because it would create an object with locks for a thread that
+    Python has not started.
+    """
+    return time_lock.is_program_thread() or _thread.get_ident() == threading.main_thread().ident
+
+
+def make_waiter() -> Any:
+    """Create the lock with which a Condition waits."""
+    return ProgramLock(returns_at_end=True) if time_lock.is_program_thread() else _thread.allocate_lock()
+
+
+def make_rlock() -> Any:
+    """Create the replacement for `threading.RLock()`, based on a ProgramLock if the program may use it."""
+    if not _is_made_for_program():
+        return _RealRLock()
+    rlock = threading._PyRLock()  # type: ignore[attr-defined]  # the standard library's RLock in Python
+    rlock._block = ProgramLock()
+    return rlock

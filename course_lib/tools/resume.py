@@ -1,0 +1,188 @@
+"""`resume()`, which brings a new kernel to the cell where the student stopped.
+
+Lessons run in a few seconds at full speed, so all cells above are run again, not only those that
+define names used below: a view also depends on nodes that no later cell refers to. The outputs of
+the cells stay hidden.
+"""
+
+import ast
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from course_lib.errors import CourseError, format_count
+from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.time.driving import drive_between_cells, live_runs
+from course_lib.third_party import read_json
+
+if TYPE_CHECKING:
+    from IPython.core.interactiveshell import InteractiveShell
+
+# Functions that only ask questions or check answers. No later cell depends on them.
+_QUESTION_CALLS = {"ask_identity", "check", "compare", "predict", "quiz", "resume"}
+_PACE = "COURSE_PACE"
+# Sources that `resume` has run in this kernel.
+_resumed: set[str] = set()
+# Whether `resume` is running cells. One of them may call `resume` itself: the places to stop do.
+_is_resuming = False
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """A code cell: its id, its number among the code cells (from 1), and its source."""
+
+    id: str
+    number: int
+    source: str
+
+
+def resume() -> None:
+    """Run the cells above this one that this kernel has not run, at full speed and without their outputs.
+
+    Use it after a restart or on the next day: ``resume()`` in the cell where you want to continue.
+    Cells that only ask questions or check answers are skipped. The cells are read from the
+    notebook's file, so save your changes first.
+
+    It does nothing in kernels that were not started by a server (nbclient, scripts), which run all
+    cells in order, and in a cell that another ``resume()`` runs.
+
+    Raises:
+        CourseError: No saved notebook contains this cell.
+    """
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    if shell is None or _is_resuming or "JPY_SESSION_NAME" not in os.environ:
+        return
+    waiting = _cells_to_run(shell, _cells_above(shell))
+    if not waiting:
+        print("All cells above have been run. Go on below.")  # noqa: T201  the cell's output
+        return
+    failed = []
+    with _resuming(), _full_speed():
+        for cell in waiting:
+            fault = _run(shell, cell.source)
+            _resumed.add(cell.source)
+            if fault:
+                failed.append(f"  In [{cell.number}]: {fault}")
+    lines = [f"Ran {format_count(len(waiting), 'cell')} above. Go on below."]
+    if failed:
+        lines += ["Errors, as when you run these cells yourself:", *failed]
+    print("\n".join(lines))  # noqa: T201  the cell's output
+    graph = current_graph()
+    for run in live_runs(graph):
+        run.show()
+        drive_between_cells(graph)
+
+
+def _cells_above(shell: "InteractiveShell") -> list[_Cell]:
+    """Return the code cells above the running one, from the notebook's file as last saved."""
+    parent: dict[str, Any] = getattr(shell, "get_parent", dict)() or {}
+    running_id = parent.get("metadata", {}).get("cellId")
+    source = str(parent.get("content", {}).get("code", "")).strip()
+    files = [list(_code_cells(path)) for path in _notebooks()]
+    # JupyterLab sends the id of the cell. Other pages use different ids, so the source is compared.
+    for cells in files:
+        ids = [cell.id for cell in cells]
+        if running_id in ids:
+            return cells[: ids.index(running_id)]
+    for cells in files:
+        sources = [cell.source.strip() for cell in cells]
+        if source in sources:
+            return cells[: sources.index(source)]
+    raise CourseError("This cell is in no saved notebook of its folder. Save (Ctrl+S) and run it again.")
+
+
+def _notebooks() -> Iterator[Path]:
+    """Yield the notebook of this kernel, then the other notebooks of its folder, newest first."""
+    name = os.environ.get("JPY_SESSION_NAME", "")
+    if name.endswith(".ipynb") and Path(name).is_file():
+        yield Path(name)
+    folder = Path(name).parent if name and Path(name).parent.is_dir() else Path.cwd()
+    yield from sorted(folder.glob("*.ipynb"), key=lambda path: -path.stat().st_mtime)
+
+
+def _code_cells(path: Path) -> Iterator[_Cell]:
+    try:
+        notebook = read_json(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return
+    cells = notebook.get("cells", []) if isinstance(notebook, dict) else []
+    number = 0
+    for cell in cells:
+        if isinstance(cell, dict) and cell.get("cell_type") == "code":
+            number += 1
+            source = cell.get("source", "")
+            yield _Cell(
+                str(cell.get("id", "")), number, "".join(source) if isinstance(source, list) else source
+            )
+
+
+def _cells_to_run(shell: "InteractiveShell", cells: list[_Cell]) -> list[_Cell]:
+    """Return the cells from the first one that this kernel has not run, except cells that only ask.
+
+    A cell that was run before another one that was not run is run again, because it may depend on
+    it.
+    """
+    history = {str(one).strip() for one in getattr(shell.history_manager, "input_hist_raw", [])}
+    known = history | {source.strip() for source in _resumed}
+    useful = [cell for cell in cells if cell.source.strip() and not _is_interactive(shell, cell.source)]
+    first = next((i for i, cell in enumerate(useful) if cell.source.strip() not in known), len(useful))
+    return useful[first:]
+
+
+def _is_interactive(shell: "InteractiveShell", source: str) -> bool:
+    """Return whether a cell only calls functions that ask or check, or waits for a click."""
+    try:
+        tree = ast.parse(shell.transform_cell(source))  # type: ignore[no-untyped-call]  # untyped there
+    except SyntaxError:
+        # A cell that does not compile is skipped, because it would not run either.
+        return True
+    if any(isinstance(node, ast.Await) for statement in tree.body for node in ast.walk(statement)):
+        return True
+    # An import of `resume` alone may precede its call. It does not need to run.
+    body = [one for one in tree.body if not ast.unparse(one).endswith(" import resume")]
+    calls = [one.value for one in body if isinstance(one, ast.Expr) and isinstance(one.value, ast.Call)]
+    names = [call.func.id for call in calls if isinstance(call.func, ast.Name)]
+    return bool(tree.body) and len(names) == len(body) and set(names) <= _QUESTION_CALLS
+
+
+@contextmanager
+def _resuming() -> Iterator[None]:
+    """Let calls of `resume` in the cells that it runs return immediately."""
+    global _is_resuming
+    _is_resuming = True
+    try:
+        yield
+    finally:
+        _is_resuming = False
+
+
+@contextmanager
+def _full_speed() -> Iterator[None]:
+    """Let robot time pass at full speed, although a page is open."""
+    before = os.environ.get(_PACE)
+    os.environ[_PACE] = "fast"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[_PACE]
+        else:
+            os.environ[_PACE] = before
+
+
+def _run(shell: "InteractiveShell", source: str) -> str:
+    """Run a cell without displaying its output. Return its error on one line, or ""."""
+    from unittest.mock import patch
+
+    from IPython.utils.capture import capture_output
+
+    # A kernel sends the traceback as a separate message, which cannot be captured as output.
+    with capture_output(), patch.object(shell, "_showtraceback", lambda *_: None):
+        result = shell.run_cell(source, store_history=False, silent=True)  # type: ignore[no-untyped-call]  # as above
+    error = result.error_before_exec or result.error_in_exec
+    return "" if error is None else f"{type(error).__name__}: {error}".splitlines()[0]

@@ -1,0 +1,164 @@
+/* global THREE */
+
+// Versions of large meshes with fewer triangles. Software takes about half a microsecond per triangle of any size;
+// a robot has 80,000 triangles, most of them smaller than a pixel.
+
+const LARGE = 300; // number of triangles from which on a mesh has versions
+const GRIDS = [48, 32, 21, 14, 9, 6, 4]; // cells along a mesh's longest side, in each of which vertices are merged
+const WORTH = 0.8; // maximum fraction of the triangles of the previous version; a version with more is omitted
+const AT_ONCE = 12; // [ms] to spend on versions per picture; the others are created during the next pictures
+
+/**
+ * @typedef {{cells: number, geometry: any}} Version cells along the longest side
+ * @typedef {{mesh: any, full: any, versions: Version[] | null, center: any, side: number}} Large
+ */
+
+/** @type {Map<any, Large>} by mesh */
+const large = new Map();
+
+/** @param {any} mesh that may be drawn with fewer triangles */
+export function makeCoarse(mesh) {
+  const full = mesh.geometry;
+  if (full.index.count < 3 * LARGE) return;
+  full.computeBoundingBox();
+  const { min, max } = full.boundingBox;
+  const side = Math.max(max.x - min.x, max.y - min.y, max.z - min.z, 1e-9);
+  const center = full.boundingBox.getCenter(new THREE.Vector3());
+  /** @type {Large} */
+  const kept = { mesh, full, versions: null, center, side };
+  large.set(mesh, kept);
+  full.addEventListener("dispose", () => {
+    kept.versions?.forEach(({ geometry }) => geometry.dispose());
+    large.delete(mesh);
+  });
+}
+
+/**
+ * Draw large meshes with fewer triangles.
+ * @param {number} cell [px] see Quality; 0 for all triangles @param {any} camera @param {number} height [px] of the picture
+ * @param {() => void} render
+ */
+export function drawCoarse(cell, camera, height, render) {
+  if (!cell) return render();
+  const until = performance.now() + AT_ONCE;
+  for (const kept of large.values()) {
+    if (!kept.versions && performance.now() < until) kept.versions = versionsOf(kept);
+    kept.mesh.geometry = versionFor(kept, camera, cell, height);
+  }
+  render();
+  // Rays are intersected with the full mesh.
+  for (const { mesh, full } of large.values()) mesh.geometry = full;
+}
+
+/** @param {Large} kept @param {any} camera @param {number} cell @param {number} height @returns {any} the coarsest geometry that is fine enough */
+function versionFor({ mesh, full, versions, center, side }, camera, cell, height) {
+  const depth = Math.max(-center.clone().applyMatrix4(mesh.matrixWorld).applyMatrix4(camera.matrixWorldInverse).z, camera.near);
+  const perMetre = (camera.projectionMatrix.elements[5] * height) / 2 / (camera.isOrthographicCamera ? 1 : depth);
+  const wanted = (side * mesh.matrixWorld.getMaxScaleOnAxis() * perMetre) / cell;
+  return versions?.filter(({ cells }) => cells >= wanted).pop()?.geometry ?? full;
+}
+
+/** @param {Large} kept @returns {Version[]} from fine to coarse */
+function versionsOf({ full, side }) {
+  /** @type {Version[]} */
+  const versions = [];
+  let last = full.index.array;
+  for (const cells of GRIDS) {
+    const faces = merged(full, last, side / cells);
+    if (faces.length > WORTH * last.length) continue;
+    versions.push({ cells, geometry: compact(full, faces) });
+    last = faces;
+  }
+  return versions;
+}
+
+/** @param {any} full @param {Uint32Array} faces @returns {any} a geometry of these faces with contiguous vertices */
+function compact(full, faces) {
+  const used = [...new Set(faces)];
+  const place = new Map(used.map((vertex, i) => [vertex, i]));
+  const geometry = new THREE.BufferGeometry();
+  for (const [name, { array, itemSize, normalized }] of Object.entries(full.attributes)) {
+    const part = new array.constructor(itemSize * used.length);
+    used.forEach((vertex, i) => part.set(array.subarray(itemSize * vertex, itemSize * (vertex + 1)), itemSize * i));
+    geometry.setAttribute(name, new THREE.BufferAttribute(part, itemSize, normalized));
+  }
+  geometry.setIndex(new THREE.BufferAttribute(faces.map((vertex) => place.get(vertex) ?? 0), 1));
+  return geometry;
+}
+
+/**
+ * Merge the vertices in each cell of a grid whose normals point to the same side.
+ * @param {any} geometry @param {Uint32Array} faces @param {number} size of a cell @returns {Uint32Array} the remaining triangles
+ */
+function merged(geometry, faces, size) {
+  const places = geometry.attributes.position.array;
+  const normals = geometry.attributes.normal?.array;
+  const { min } = geometry.boundingBox;
+  /** @type {Map<number, number>} */
+  const numbers = new Map(); // index of each cell
+  const cellOf = new Int32Array(places.length / 3).fill(-1);
+  const used = new Uint32Array(new Set(faces));
+  for (const i of used) {
+    const at = 3 * i;
+    let key = Math.floor((places[at] - min.x) / size);
+    key = key * 64 + Math.floor((places[at + 1] - min.y) / size);
+    key = key * 64 + Math.floor((places[at + 2] - min.z) / size);
+    if (normals) key = key * 8 + 4 * +(normals[at] > 0) + 2 * +(normals[at + 1] > 0) + +(normals[at + 2] > 0);
+    cellOf[i] = numbers.get(key) ?? numbers.size;
+    if (cellOf[i] === numbers.size) numbers.set(key, cellOf[i]);
+  }
+  const kept = representatives(places, faces, used, cellOf, numbers.size);
+  const seen = new Set();
+  const triangles = [];
+  for (let i = 0; i < faces.length; i += 3) {
+    const [a, b, c] = [cellOf[faces[i]], cellOf[faces[i + 1]], cellOf[faces[i + 2]]];
+    if (a === b || b === c || c === a) continue;
+    const [low, high] = [Math.min(a, b, c), Math.max(a, b, c)];
+    const key = (low * numbers.size + (a + b + c - low - high)) * numbers.size + high;
+    if (seen.has(key)) continue; // both sides of a sheet have become the same triangle
+    seen.add(key);
+    triangles.push(kept[a], kept[b], kept[c]);
+  }
+  return new Uint32Array(triangles);
+}
+
+/**
+ * Choose the vertex of each cell that remains: the nearest to the planes of all its triangles (Lindstrom 2000), so that
+ * corners and edges are preserved, and the nearest to the mean of the vertices if these planes are equal.
+ * @param {Float32Array} places @param {Uint32Array} faces @param {Uint32Array} used indices of vertices
+ * @param {Int32Array} cellOf @param {number} count of the cells @returns {Int32Array}
+ */
+function representatives(places, faces, used, cellOf, count) {
+  const planes = new Float64Array(11 * count); // sums of the pairwise products of the planes' four coefficients, and of the areas
+  const corner = (/** @type {number} */ vertex, /** @type {number} */ axis) => places[3 * vertex + axis];
+  for (let f = 0; f < faces.length; f += 3) {
+    const [a, b, c] = [faces[f], faces[f + 1], faces[f + 2]];
+    const [ux, uy, uz] = [corner(b, 0) - corner(a, 0), corner(b, 1) - corner(a, 1), corner(b, 2) - corner(a, 2)];
+    const [vx, vy, vz] = [corner(c, 0) - corner(a, 0), corner(c, 1) - corner(a, 1), corner(c, 2) - corner(a, 2)];
+    const [x, y, z] = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+    const w = -(x * corner(a, 0) + y * corner(a, 1) + z * corner(a, 2));
+    for (const cell of new Set([cellOf[a], cellOf[b], cellOf[c]])) {
+      const products = [x * x, y * y, z * z, w * w, 2 * x * y, 2 * x * z, 2 * x * w, 2 * y * z, 2 * y * w, 2 * z * w];
+      products.push(x * x + y * y + z * z);
+      for (let k = 0; k < 11; k++) planes[11 * cell + k] += products[k];
+    }
+  }
+  const means = new Float64Array(4 * count);
+  for (const i of used) {
+    const to = 4 * cellOf[i];
+    for (let axis = 0; axis < 3; axis++) means[to + axis] += places[3 * i + axis];
+    means[to + 3]++;
+  }
+  const kept = new Int32Array(count);
+  const errors = new Float64Array(count).fill(Infinity);
+  for (const i of used) {
+    const [cell, from] = [cellOf[i], 4 * cellOf[i]];
+    const [x, y, z] = [corner(i, 0), corner(i, 1), corner(i, 2)];
+    const [xx, yy, zz, ww, xy, xz, xw, yz, yw, zw, areas] = planes.subarray(11 * cell, 11 * cell + 11);
+    let error = x * x * xx + y * y * yy + z * z * zz + ww + x * y * xy + x * z * xz + x * xw + y * z * yz + y * yw + z * zw;
+    error /= areas || 1;
+    for (let axis = 0; axis < 3; axis++) error += 0.05 * (corner(i, axis) - means[from + axis] / means[from + 3]) ** 2;
+    if (error < errors[cell]) [errors[cell], kept[cell]] = [error, i];
+  }
+  return kept;
+}

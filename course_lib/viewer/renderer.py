@@ -1,0 +1,594 @@
+"""Images of a scene rendered with numpy alone, if no browser is available.
+
+All drawables are converted to triangles in the camera's frame, colored by RViz's light. A depth
+buffer with four samples per pixel keeps the nearest ones, and transparent samples are blended back
+to front. Text is drawn with a font of the kit, because machines have no font in common.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+from importlib.util import find_spec
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from course_lib.arrays import Bools, Bytes, Float32s, Floats, Indices, Matrix, Pixels
+from course_lib.viewer.drawables import (
+    OPAQUE_FROM,
+    Camera,
+    Drawable,
+    Inset,
+    Lines,
+    Mesh,
+    Points,
+    Shape,
+    Sheet,
+    Solids,
+    Spot,
+    Text,
+)
+from course_lib.viewer.scene import Scene
+
+# Height of a capital letter of the font in use [px].
+_CAPITAL = 46
+# Margin around the letters, for descenders and accents [px].
+_MARGIN = 16
+_LINE = 74  # [px] line spacing
+# Texture size that every graphics card supports [px].
+_LARGEST = 4096
+# The maximum number of letters.
+_LONGEST = 5000
+
+
+@dataclass(frozen=True)
+class Glyphs:
+    """Rendered text, white on black."""
+
+    # Coverage of each pixel, 0..255, shape (rows, columns).
+    mask: Bytes
+    # Pixels in the height of a capital letter.
+    pixels_per_height: float
+
+
+@lru_cache(maxsize=512)
+def rasterize(text: str) -> Glyphs:
+    """Draw text with centered lines. Very long text is drawn smaller, or truncated."""
+    lines = text[:_LONGEST].split("\n")
+    font = _font_for(text[:_LONGEST])
+    columns = max(font.getlength(line) for line in lines) + 2 * _MARGIN
+    rows = _CAPITAL + _LINE * (len(lines) - 1) + 2 * _MARGIN
+    scale = min(1.0, _LARGEST / max(columns, rows))
+    if scale < 1:
+        font = font.font_variant(size=font.size * scale)
+    image = Image.new("L", (round(columns * scale), round(rows * scale)))
+    draw = ImageDraw.Draw(image)
+    for row, line in enumerate(lines):
+        baseline = (_MARGIN + _CAPITAL + _LINE * row) * scale
+        draw.text((columns * scale / 2, baseline), line, fill=255, font=font, anchor="ms")
+    return Glyphs(np.asarray(image), _CAPITAL * scale)
+
+
+def _font_for(text: str) -> ImageFont.FreeTypeFont:
+    """Return RViz's own font or, for characters that it lacks, the font with the widest coverage."""
+    fonts = _fonts()
+    for font in fonts:
+        missing = bytes(font.getmask("\uffff"))
+        if not any(bytes(font.getmask(sign)) == missing for sign in set(text) if sign.isprintable()):
+            return font
+    return fonts[-1]
+
+
+@cache
+def _fonts() -> tuple[ImageFont.FreeTypeFont, ...]:
+    paths = [Path(__file__).parent / "fonts" / "CourseSans-Regular.ttf"]
+    matplotlib = find_spec("matplotlib")
+    if matplotlib is not None and matplotlib.origin is not None:
+        paths.append(Path(matplotlib.origin).parent / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf")
+    fonts = []
+    for path in (path for path in paths if path.exists()):
+        # The size at which the font's capital letters have the right height.
+        _, top, _, bottom = ImageFont.truetype(path, 1000).getbbox("H", anchor="ls")
+        fonts.append(ImageFont.truetype(path, 1000 * _CAPITAL / (bottom - top)))
+    return tuple(fonts)
+
+
+_ARC = np.linspace(-np.pi / 2, np.pi / 2, 33)
+
+# (radius, height) from bottom to top, to be revolved around z.
+_PROFILES: dict[Shape, Matrix] = {
+    "box": np.array([(0, -0.5), (0.5**0.5, -0.5), (0.5**0.5, 0.5), (0, 0.5)]),
+    "sphere": np.column_stack([np.cos(_ARC), np.sin(_ARC)]) / 2,
+    "cylinder": np.array([(0, -0.5), (0.5, -0.5), (0.5, 0.5), (0, 0.5)]),
+    "cone": np.array([(0, -0.5), (0.5, -0.5), (0, 0.5)]),
+}
+
+_CORNERS = [(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]
+# Two triangles, shape (2, 3, 3).
+SQUARE = np.array(_CORNERS, np.float32)[[[0, 1, 2], [0, 2, 3]]]
+# Sides +x -x, +y -y, +z -z.
+_BOX_SHADES = np.array([(0.6, 0.6), (0.4, 1.0), (0.9, 0.5)], np.float32)
+# Center and rim.
+_DISC_SHADES = np.array([[1.0], [0.8], [0.8]], np.float32)
+
+
+class Surface(NamedTuple):
+    """Independent triangles: corners and normals, both of shape (T, 3, 3)."""
+
+    corners: Float32s
+    normals: Float32s
+
+
+@cache
+def unit_shape(shape: Shape, steps: int) -> Surface:
+    """Return a shape as defined by `Solids`, with `steps` corners around its axis."""
+    profile, steps = _PROFILES[shape], 4 if shape == "box" else steps
+    angles = (np.arange(steps + 1) + 0.5) * 2 * np.pi / steps
+    corners = _quads(_revolve(profile[:-1], angles), _revolve(profile[1:], angles))
+    if shape == "sphere":
+        return Surface(corners, corners)
+    if shape == "box":
+        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return Surface(corners, flat[:, None].repeat(3, axis=1))
+    network_topic = _revolve(np.diff(profile, axis=0)[:, ::-1] * [1, -1], angles)
+    return Surface(corners, _quads(network_topic, network_topic))
+
+
+@cache
+def unit_spot(spot: Spot) -> tuple[Float32s, Float32s]:
+    """Return triangles, shape (T, 3, 3), and RViz's brightness at their corners, shape (T, 3, 1).
+
+    The numbers are those of RViz's shaders: shaded_circle.frag and nogp/box.frag.
+    """
+    if spot in ("square", "tile"):
+        return SQUARE, np.ones((2, 3, 1), np.float32)
+    if spot in ("disc", "sphere"):
+        steps, shades = (24, _DISC_SHADES) if spot == "sphere" else (8, np.ones_like(_DISC_SHADES))
+        angles = np.linspace(0, 2 * np.pi, steps + 1, dtype=np.float32)
+        rim = np.column_stack([np.cos(angles) / 2, np.sin(angles) / 2, 0 * angles]).astype(np.float32)
+        return np.stack([0 * rim[1:], rim[:-1], rim[1:]], axis=1), np.tile(shades, (steps, 1, 1))
+    corners, normals = unit_shape("box", 4)
+    negative = (normals.sum(axis=-1) < 0).astype(int)
+    return corners, _BOX_SHADES[np.abs(normals).argmax(axis=-1), negative][..., None]
+
+
+def _revolve(profile: Matrix, angles: Matrix) -> Float32s:
+    """Rotate points (radius, height), shape (S, 2), around z, and return shape (A, S, 3)."""
+    radius, height = profile.T
+    x, y = np.outer(np.cos(angles), radius), np.outer(np.sin(angles), radius)
+    return np.stack([x, y, np.broadcast_to(height, x.shape)], axis=-1).astype(np.float32)
+
+
+def _quads(low: Float32s, high: Float32s) -> Float32s:
+    """Connect the lower and upper ends of revolved segments to triangles, shape (T, 3, 3)."""
+    corners = [low[:-1], low[1:], high[1:], low[:-1], high[1:], high[:-1]]
+    return np.stack(corners, axis=2).reshape(-1, 3, 3)
+
+
+# Like RViz's depth bias of 16 units at about 10 m.
+_ON_SHEETS = 1e-3
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """One object in the camera's frame."""
+
+    # x right, y up, -z ahead of the camera [m], then RGBA, then the coordinates in the mask, x
+    # right and y up in 0..1; shape (T, 3, 9)
+    corners: Float32s
+    # Whether objects behind it are visible through it.
+    transparent: bool
+    # factors 0..255 of the alpha, shape (rows, columns), or of each channel, shape (rows, columns,
+    # 4); the first row is at the top
+    mask: Bytes | None = None
+    # Whether it is behind all later objects.
+    behind: bool = False
+    # Depth bias as a fraction of the distance.
+    farther: float = 0.0
+
+
+@dataclass(frozen=True)
+class Viewpoint:
+    """The transform from an object to the camera, and the height of the image."""
+
+    transform_object_to_camera: Matrix
+    camera: Camera
+    height: int
+
+    def points(self, points: Float32s) -> Float32s:
+        """Transform points, shape (..., 3), to the camera's frame."""
+        transform = self.transform_object_to_camera
+        return (points @ transform[:3, :3].T + transform[:3, 3]).astype(np.float32)
+
+    def pixel(self, points: Float32s) -> Float32s:
+        """Return the size of a pixel [m] at points in the camera's frame, shape (N, 1)."""
+        depth = np.maximum(-points[:, 2:], self.camera.near)
+        return (1 / self.camera.pixels_per_metre(depth, self.height)).astype(np.float32)
+
+
+def triangles_of(
+    scene: Scene, camera: Camera, height: int, hidden: tuple[str, ...] = ()
+) -> Iterator[Triangles]:
+    """Iterate over all visible objects in an image of the given height, except those at hidden paths.
+
+    Objects that only three.js can draw, without an equivalent drawable, are left out.
+    """
+    transform_scene_to_camera = camera.view_matrix()
+    without = tuple(f"{path}/" for path in hidden)
+    things = scene.objects().items()
+    for path, thing in sorted(things, key=lambda item: not getattr(item[1], "behind", False)):
+        thing = getattr(thing, "stand_in", None) or thing
+        if type(thing) in _SEEN and scene.visible(path) and not f"{path}/".startswith(without):
+            transform = transform_scene_to_camera @ scene.world_transform(path)
+            seen = _SEEN[type(thing)](thing, Viewpoint(transform, camera, height))
+            near = (-seen.corners[..., 2]).min(axis=1, initial=np.inf) <= camera.far
+            yield seen if near.all() else replace(seen, corners=seen.corners[near])
+
+
+def _triangles(points: Float32s, colors: Float32s, lit_by: Float32s | None = None) -> Triangles:
+    """Combine corners, shape (T, 3, 3), and colors, shape (T, 3, 4), shaded by normals."""
+    colors = np.broadcast_to(colors, (*points.shape[:2], 4)).astype(np.float32)
+    if lit_by is not None:
+        length = np.linalg.norm(lit_by, axis=-1, keepdims=True)
+        colors[..., :3] *= np.abs(lit_by[..., 2:]) / np.maximum(length, 1e-12)
+    corners = np.concatenate([points, colors, np.zeros((*points.shape[:2], 2), np.float32)], axis=-1)
+    return Triangles(corners, bool((colors[..., 3] < OPAQUE_FROM).any()))
+
+
+def _normals(corners: Float32s) -> Float32s:
+    """Return unnormalized normals of triangles, shape (T, 1, 3)."""
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, None]
+
+
+def _transform_normals(normals: Float32s, transform: Matrix) -> Float32s:
+    """Transform normals, shape (..., 3), by transforms that may scale or flatten, shape (..., 4, 4)."""
+    x, y, z = (transform[..., :3, axis] for axis in range(3))
+    cofactors = np.stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)], axis=-1)
+    return (cofactors @ normals[..., None])[..., 0].astype(np.float32)
+
+
+def _solids(solids: Solids, view: Viewpoint) -> Triangles:
+    unit = unit_shape(solids.shape, 32 if len(solids.placements) < 50 else 12)
+    placements = (view.transform_object_to_camera @ solids.placements)[:, None, None]
+    points = (placements[..., :3, :3] @ unit.corners[..., None])[..., 0] + placements[..., :3, 3]
+    corners = points.reshape(-1, 3, 3).astype(np.float32)
+    normals = _transform_normals(unit.normals, placements).reshape(-1, 3, 3)
+    each = np.broadcast_to(solids.colors, (len(points), 4))
+    colors = np.repeat(each, len(unit.corners), axis=0)[:, None]
+    front = _front(corners, view)
+    return _triangles(corners[front], colors[front], normals[front] if solids.lit else None)
+
+
+def _front(corners: Float32s, view: Viewpoint) -> Bools:
+    """Return which triangles face the camera."""
+    towards = [0, 0, 1] if view.camera.orthographic_scale else -corners[:, 0]
+    front: Bools = (_normals(corners)[:, 0] * towards).sum(axis=-1) > 0
+    return front
+
+
+def _mesh(mesh: Mesh, view: Viewpoint) -> Triangles:
+    points = view.points(mesh.vertices)[mesh.faces]
+    colors = np.broadcast_to(mesh.colors, (len(mesh.vertices), 4))[mesh.faces]
+    if not mesh.lit:
+        return _triangles(points, colors)
+    if mesh.normals is None:
+        return _triangles(points, colors, _normals(points))
+    return _triangles(
+        points, colors, _transform_normals(mesh.normals, view.transform_object_to_camera)[mesh.faces]
+    )
+
+
+def _lines(lines: Lines, view: Viewpoint) -> Triangles:
+    """Widen each segment perpendicular to the line between its neighbors, like Ogre's billboard chain."""
+    points = view.points(lines.points)
+    colors = np.broadcast_to(lines.colors, (len(points), 4))
+    start = np.arange(0, max(len(points) - 1, 0), 1 if lines.strip else 2)
+    before, after = start, start + 1
+    if lines.strip:
+        before, after = np.maximum(start - 1, 0), np.minimum(start + 2, len(points) - 1)
+    ends = np.stack([points[start], points[start + 1]], axis=1)
+    along = np.stack([points[start + 1] - points[before], points[after] - points[start]], axis=1)
+    across = np.cross(along, [0, 0, 1] if view.camera.orthographic_scale else -ends)
+    across /= np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), 1e-9)
+    width = lines.width or view.pixel(ends.reshape(-1, 3)).reshape(-1, 2, 1)
+    corners = np.stack([ends - across * width / 2, ends + across * width / 2], axis=2)
+    end, side = [0, 1, 1, 0, 1, 0], [0, 0, 1, 0, 1, 1]
+    tints = np.stack([colors[start], colors[start + 1]], axis=1)[:, end]
+    return _triangles(corners[:, end, side].reshape(-1, 3, 3).astype(np.float32), tints.reshape(-1, 3, 4))
+
+
+def _points(points: Points, view: Viewpoint) -> Triangles:
+    centres = view.points(points.points)
+    unit, shade = unit_spot(points.spot)
+    size = np.array(points.size) * (view.pixel(centres) if points.pixels else np.ones((len(centres), 1)))
+    size = size * (points.points[:, 2:] if points.grow else 1)
+    # Right, up and ahead of each spot as columns; see RViz's nogp/billboard.vert.
+    rotation = view.transform_object_to_camera[:3, :3]
+    if points.pixels or points.spot in ("box", "tile"):
+        axes = np.broadcast_to(np.eye(3) if points.pixels else rotation, (len(centres), 3, 3))
+    else:
+        ahead = (
+            np.broadcast_to([0.0, 0.0, 1.0], centres.shape) if view.camera.orthographic_scale else -centres
+        )
+        ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+        right = np.cross(rotation[:, 1], ahead)
+        right /= np.maximum(np.linalg.norm(right, axis=1, keepdims=True), 1e-9)
+        axes = np.stack([right, np.cross(ahead, right), ahead], axis=-1)
+    offsets = np.einsum("nij,tcj,nj->ntci", axes, unit, size)
+    corners = (centres[:, None, None] + offsets).reshape(-1, 3, 3).astype(np.float32)
+    colors = np.broadcast_to(points.colors, (len(centres), 4))[:, None, None].repeat(len(unit), axis=1)
+    colors = (colors * np.concatenate([shade, shade, shade, shade**0], axis=-1)).reshape(-1, 3, 4)
+    # Tiles are two-sided, so their back faces are not culled.
+    if points.spot != "tile":
+        front = _front(corners, view)
+        corners, colors = corners[front], colors[front]
+    return _triangles(corners, colors)
+
+
+def _text(text: Text, view: Viewpoint) -> Triangles:
+    glyphs = rasterize(text.text)
+    rows, columns = glyphs.mask.shape
+    size = np.array([columns, rows, 0], np.float32) * np.float32(text.height / glyphs.pixels_per_height)
+    lowered = SQUARE - np.array([0, 0.5 * text.below, 0], np.float32)
+    corners = view.points(np.zeros(3, np.float32)) + lowered * size
+    square = _triangles(corners, text.color).corners
+    square[..., 7:] = SQUARE[..., :2] + np.float32(0.5)
+    return Triangles(square, True, glyphs.mask)
+
+
+def _sheet(sheet: Sheet, view: Viewpoint) -> Triangles:
+    rows, columns = sheet.cells.shape
+    unit = SQUARE + np.array([0.5, 0.5, 0], np.float32)
+    size = np.array([columns, rows, 0], np.float32) * np.float32(sheet.width)
+    square = _triangles(view.points(unit * size), np.ones(4, np.float32)).corners
+    square[..., 7:] = unit[..., :2]
+    blended = bool((sheet.colors[..., 3] < OPAQUE_FROM).any())
+    pixels = np.rint(sheet.colors * 255).astype(np.uint8)[sheet.cells[::-1]]
+    return Triangles(square, blended, pixels, sheet.behind, _ON_SHEETS)
+
+
+_SEEN: dict[type[Drawable], Callable[[Any, Viewpoint], Triangles]] = {
+    Solids: _solids,
+    Mesh: _mesh,
+    Lines: _lines,
+    Points: _points,
+    Text: _text,
+    Sheet: _sheet,
+}
+
+
+# Left, top, width, height in [px].
+Box: TypeAlias = tuple[int, int, int, int]
+
+# Width of an image and gap between images, as fractions of the view's width.
+SHARE, GAP = 0.3, 0.01
+
+
+def placed_insets(scene: Scene, size: tuple[int, int]) -> Iterator[tuple[Inset, Box]]:
+    """Iterate over the visible insets and their boxes, one below the other at the right edge."""
+    things = scene.objects().items()
+    insets = [thing for path, thing in sorted(things) if isinstance(thing, Inset) and scene.visible(path)]
+    width, gap = SHARE * size[0], GAP * size[0]
+    needed = sum(width / inset.aspect for inset in insets)
+    shrink = min(1.0, (size[1] - gap * (len(insets) + 1)) / needed) if needed else 1.0
+    left, top = size[0] - gap - width * shrink, gap
+    for inset in insets:
+        height = width / inset.aspect * shrink
+        yield inset, (round(left), round(top), max(round(width * shrink), 1), max(round(height), 1))
+        top += height + gap
+
+
+# The number of samples that are processed in one step.
+_AT_ONCE = 500_000
+
+
+class Covered(NamedTuple):
+    """Samples inside triangles."""
+
+    # Indices of samples in the image, row by row, shape (N,).
+    sample: Indices
+    # Indices of the triangles, shape (N,).
+    triangle: Indices
+    # Barycentric coordinates of the sample, shape (N, 3).
+    share: Floats
+
+
+def covered_samples(xy: Floats, size: tuple[int, int]) -> Iterator[Covered]:
+    """Iterate over the samples whose centers are inside triangles.
+
+    Args:
+        xy: Corners in samples, x right and y down, shape (T, 3, 2).
+        size: Width and height of the image in samples.
+    """
+    width, height = size
+    low = np.ceil(xy[..., 1].min(axis=1) - 0.5).clip(0, height).astype(int)
+    high = np.ceil(xy[..., 1].max(axis=1) - 0.5).clip(0, height).astype(int)
+    triangle, y = _expand_ranges(low, high)
+    slope, offset = _edges(xy)
+    slope, offset = slope[triangle], offset[triangle, :, 0] + offset[triangle, :, 1] * (y[:, None] + 0.5)
+    # A coordinate is positive on one side of its zero.
+    crossing = -offset / np.where(slope == 0, 1, slope)
+    first = np.where(slope > 0, crossing, -np.inf).max(axis=1)
+    last = np.where(slope < 0, crossing, np.inf).min(axis=1)
+    outside = ((slope == 0) & (offset < 0)).any(axis=1)
+    left = np.ceil(first - 0.5).clip(0, width)
+    right = np.where(outside, 0, np.ceil(last - 0.5).clip(0, width))
+    ends = np.cumsum(np.maximum(right - left, 0))
+    for chunk in np.split(
+        np.arange(len(y)), np.searchsorted(ends, np.arange(_AT_ONCE, ends[-1:].sum(), _AT_ONCE))
+    ):
+        row, x = _expand_ranges(left[chunk].astype(int), right[chunk].astype(int))
+        row = chunk[row]
+        share = slope[row] * (x[:, None] + 0.5) + offset[row]
+        yield Covered(y[row] * width + x, triangle[row], share)
+
+
+def clip_triangles(corners: Float32s, near: float) -> Float32s:
+    """Clip triangles at a distance from the camera; corners of shape (T, 3, K) begin with x, y, z."""
+    inside = -corners[..., 2] >= near
+    count = inside.sum(axis=1)
+    pieces = [corners[count == 3]]
+    for inner, build in ((1, ("A", "AB", "AC")), (2, ("AB", "B", "C", "AB", "C", "AC"))):
+        some, inside_of_some = corners[count == inner], inside[count == inner]
+        # The index of the only corner on its side.
+        odd = np.argmax(inside_of_some == (inner == 1), axis=1)
+        a, b, c = (some[np.arange(len(some)), (odd + turn) % 3] for turn in range(3))
+        points = {"A": a, "B": b, "C": c, "AB": _cut(a, b, near), "AC": _cut(a, c, near)}
+        built = np.stack([points[name] for name in build], axis=1)
+        pieces.append(built.reshape(-1, 3, corners.shape[2]))
+    return np.concatenate(pieces)
+
+
+def _cut(a: Float32s, b: Float32s, near: float) -> Float32s:
+    """Return the intersections of edges with the near plane, shape (N, K)."""
+    part: Float32s = (-near - a[:, 2:3]) / (b[:, 2:3] - a[:, 2:3])
+    return a + part * (b - a)
+
+
+def _edges(xy: Floats) -> tuple[Floats, Floats]:
+    """Return the barycentric coordinate of each corner as slope * x + offset[0] + offset[1] * y."""
+    this, other = np.roll(xy, -1, axis=1), np.roll(xy, -2, axis=1)
+    rise, run = this[..., 1] - other[..., 1], other[..., 0] - this[..., 0]
+    area = rise * (xy[..., 0] - other[..., 0]) + run * (xy[..., 1] - other[..., 1])
+    # The comparison also selects NaN.
+    flat = ~(np.abs(area) > 1e-9)
+    area[flat] = 1
+    slope = np.where(flat, 0, rise / area)
+    # The coordinate of a flat triangle is negative everywhere.
+    start = np.where(flat, -1, -(rise * other[..., 0] + run * other[..., 1]) / area)
+    return slope, np.stack([start, np.where(flat, 0, run / area)], axis=-1)
+
+
+def _expand_ranges(start: Indices, stop: Indices) -> tuple[Indices, Indices]:
+    """Return the integers of many ranges, preceded by the index of their range."""
+    count = np.maximum(stop - start, 0)
+    source = np.repeat(np.arange(len(start)), count)
+    within = np.arange(len(source)) - np.repeat(np.cumsum(count) - count, count)
+    return source, start[source] + within
+
+
+# Samples per pixel along each axis.
+_FINER = 2
+
+
+@dataclass(frozen=True)
+class Fragments:
+    """Samples of triangles: index of the sample, distance [m], RGBA, all of length N."""
+
+    sample: Indices
+    depth: Float32s
+    color: Float32s
+
+
+def draw(scene: Scene, size: tuple[int, int]) -> bytes:
+    """Draw a scene with its insets, and return a PNG; the size is in pixels."""
+    # A triangle with NaN covers no pixel.
+    with np.errstate(all="ignore"):
+        pixels = _pixels(scene, scene.camera, size)
+        for inset, (left, top, width, height) in placed_insets(scene, size):
+            pixels[top : top + height, left : left + width] = _inset(scene, inset, (width, height))
+    png = BytesIO()
+    Image.fromarray(pixels).save(png, "png")
+    return png.getvalue()
+
+
+def _inset(scene: Scene, inset: Inset, size: tuple[int, int]) -> Pixels:
+    """Draw an inset, including the scene if it has a camera."""
+    picture = np.asarray(Image.fromarray(inset.pixels).resize(size))
+    if inset.camera is None:
+        return picture
+    drawn = _pixels(scene, inset.camera, size, picture if inset.behind else None, inset.hidden)
+    mixed: Pixels = np.rint(drawn * (1 - inset.over) + picture * inset.over).astype(np.uint8)
+    return mixed
+
+
+def _pixels(
+    scene: Scene,
+    camera: Camera,
+    size: tuple[int, int],
+    behind: Pixels | None = None,
+    hidden: tuple[str, ...] = (),
+) -> Pixels:
+    """Draw all objects in RViz's order, like the page.
+
+    The order is: objects behind everything, opaque objects by depth, transparent objects from far
+    to near.
+    Lines and points are triangles here, and are handled like surfaces.
+    """
+    width, height = size[0] * _FINER, size[1] * _FINER
+    depths = np.full(width * height, np.inf, np.float32)
+    if behind is None:
+        behind = np.broadcast_to(np.array(scene.background, np.uint8), (size[1], size[0], 3))
+    fine_behind = behind.repeat(_FINER, axis=0).repeat(_FINER, axis=1)
+    colors = fine_behind.reshape(-1, 3).astype(np.float32) / np.float32(255)
+    seen_through: list[Fragments] = []
+    for triangles in triangles_of(scene, camera, size[1], hidden):
+        for fragments in _fragments(triangles, camera, (width, height)):
+            if triangles.behind:
+                _blend(depths, colors, [fragments])
+            elif triangles.transparent:
+                seen_through.append(fragments)
+            else:
+                # Of each sample, the last fragment written is kept, which is the nearest one.
+                order = np.argsort(-fragments.depth, kind="stable")
+                order = order[fragments.depth[order] < depths[fragments.sample[order]]]
+                sample = fragments.sample[order]
+                depths[sample] = fragments.depth[order]
+                colors[sample] = fragments.color[order, :3]
+    _blend(depths, colors, seen_through)
+    fine = colors.reshape(size[1], _FINER, size[0], _FINER, 3)
+    pixels: Pixels = np.rint(fine.mean(axis=(1, 3)) * 255).astype(np.uint8)
+    return pixels
+
+
+def _blend(depths: Float32s, colors: Float32s, parts: list[Fragments]) -> None:
+    """Blend fragments over the image, back to front."""
+    if not parts:
+        return
+    sample = np.concatenate([part.sample for part in parts])
+    depth = np.concatenate([part.depth for part in parts])
+    color = np.concatenate([part.color for part in parts])
+    order = np.lexsort((-depth, sample))
+    order = order[depth[order] < depths[sample[order]]]
+    sample, color = sample[order], color[order]
+    first = np.flatnonzero(np.diff(sample, prepend=-1))
+    layer = np.arange(len(sample)) - np.repeat(first, np.diff(first, append=len(sample)))
+    for number in range(layer.max(initial=-1) + 1):
+        now = np.flatnonzero(layer == number)
+        alpha = color[now, 3:]
+        colors[sample[now]] = colors[sample[now]] * (1 - alpha) + color[now, :3] * alpha
+
+
+def _fragments(triangles: Triangles, camera: Camera, size: tuple[int, int]) -> Iterator[Fragments]:
+    """Iterate over the samples that triangles cover, a limited number at a time."""
+    perspective = camera.orthographic_scale is None
+    corners = clip_triangles(triangles.corners, camera.near) if perspective else triangles.corners
+    depth = -corners[..., 2:3]
+    scale = camera.pixels_per_metre(depth, size[1]) * (1 if perspective else _FINER)
+    middle = np.array(size) / 2 + np.array(camera.shift) * size[1]
+    xy = middle + corners[..., :2] * scale * [1, -1]
+    weight = 1 / depth if perspective else np.ones_like(depth)
+    values = np.concatenate([depth, corners[..., 3:]], axis=-1) * weight
+    for spans in covered_samples(xy, size):
+        share = spans.share.astype(np.float32)[:, None]
+        total = (share @ weight[spans.triangle])[:, 0]
+        value = (share @ values[spans.triangle])[:, 0] / total
+        value[:, 0] *= 1 + triangles.farther
+        yield _shade(spans.sample, value, triangles.mask)
+
+
+def _shade(sample: Indices, value: Float32s, mask: Bytes | None) -> Fragments:
+    """Split interpolated values into depth and color, and multiply the color by the mask."""
+    depth, color, place = value[:, 0], value[:, 1:5], value[:, 5:]
+    if mask is None:
+        return Fragments(sample, depth, color)
+    rows, columns = mask.shape[:2]
+    row = ((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1)
+    column = (place[:, 0] * columns).astype(int).clip(0, columns - 1)
+    ink = mask[row, column].reshape(len(row), mask.size // (rows * columns))
+    color[:, -ink.shape[1] :] *= ink / np.float32(255)
+    inked = color[:, 3] > 0.01
+    return Fragments(sample[inked], depth[inked], color[inked])

@@ -1,0 +1,332 @@
+"""Recordings of a scene: its changes over time, which a page can play.
+
+A viewer records continuously, so recording must be cheap. Values are stored without a copy, because
+drawables are immutable; after some seconds they are pickled and compressed in chunks; and only a
+recording that is saved is converted to batches for a page. When a limit on time or memory is
+reached, the oldest frames are merged into the initial scene, so that a truncated recording still
+plays correctly.
+"""
+
+import math
+import pickle
+import sys
+from collections import deque
+from collections.abc import Callable, Iterator
+from itertools import chain, takewhile
+from typing import Any
+
+import numpy as np
+
+from course_lib.viewer import encoding
+from course_lib.viewer.scene import Scene, What
+
+if sys.version_info >= (3, 14):
+    from compression import zstd
+else:
+    from backports import zstd
+
+# Estimated bytes of a small change in Python.
+_CHANGE = 500
+# Size of a chunk that is compressed.
+_FRAMES, _BYTES = 32, 2_000_000
+# Bytes of a frame from which compression does not pay off: large values are points without a
+# pattern.
+_LARGE = 1_000_000
+# The compression level of zstd; level 3 takes a third longer and saves a tenth.
+_LEVEL = 1
+
+
+class Frame:
+    """The last value of everything that changed at about the same time."""
+
+    def __init__(self, time: float) -> None:
+        self.time = time
+        self.size = 0.0
+        self.changes: dict[tuple[What, str], Any] = {}
+
+    def add(self, what: What, path: str, value: Any) -> int:
+        """Add a change, and return an estimate of the additional bytes."""
+        # Changes are replayed in the order of the last ones.
+        before = self.changes.pop((what, path), None)
+        self.changes[what, path] = value
+        size = _size(value) - (0 if before is None else _size(before))
+        self.size += size
+        return size
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        """Return the state for pickle, with all matrices in one array, which is ten times faster."""
+        moved = [change for change, value in self.changes.items() if isinstance(value, np.ndarray)]
+        matrices = np.array([self.changes[change] for change in moved])
+        return self.time, self.changes | dict.fromkeys(moved), moved, matrices
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        self.time, changes, moved, matrices = state
+        self.changes = changes | dict(zip(moved, matrices, strict=True))
+
+
+class _Chunk:
+    """Some seconds of frames, compressed or not."""
+
+    def __init__(self) -> None:
+        self.frames = deque[Frame]()
+        self.packed = b""
+        self.size = 0.0
+
+    def pack(self) -> None:
+        """Compress the frames, unless it saves nothing or a value cannot be pickled."""
+        if self.size > _LARGE * len(self.frames):
+            return
+        try:
+            self.packed = zstd.compress(pickle.dumps(self.frames, 5), _LEVEL)
+        except (pickle.PicklingError, AttributeError, TypeError):
+            # A student's class may have been redefined.
+            return
+        self.size = float(len(self.packed))
+        self.frames.clear()
+
+    def unpack(self) -> None:
+        """Decompress the frames. Each gets an equal share of the compressed size."""
+        if self.packed:
+            self.frames, self.packed = _unpack(self.packed), b""
+            for frame in self.frames:
+                frame.size = self.size / len(self.frames)
+
+
+class FrameStore:
+    """Frames in the order of their times."""
+
+    def __init__(self) -> None:
+        self._chunks = deque[_Chunk]()
+        self._count = 0
+        # The estimated number of bytes.
+        self.size = 0.0
+        self.newest: Frame | None = None
+
+    def __len__(self) -> int:
+        """Return the number of frames."""
+        return self._count
+
+    @property
+    def start(self) -> float:
+        """The time of the oldest frame."""
+        self._chunks[0].unpack()
+        return self._chunks[0].frames[0].time
+
+    def begin(self, time: float) -> None:
+        """Add a frame. If the current chunk is full, it is compressed and a new one begins."""
+        last = self._chunks[-1] if self._chunks else None
+        if last is None or len(last.frames) >= _FRAMES or last.size >= _BYTES:
+            if last is not None:
+                self.size -= last.size
+                last.pack()
+                self.size += last.size
+            self._chunks.append(_Chunk())
+        self.newest = Frame(time)
+        self._chunks[-1].frames.append(self.newest)
+        self._count += 1
+
+    def add(self, what: What, path: str, value: Any) -> None:
+        """Add a change to the newest frame."""
+        if self.newest is not None:
+            size = self.newest.add(what, path, value)
+            self._chunks[-1].size += size
+            self.size += size
+
+    def drop_oldest(self) -> Frame:
+        """Remove the oldest frame, and return it."""
+        chunk = self._chunks[0]
+        chunk.unpack()
+        frame = chunk.frames.popleft()
+        chunk.size -= frame.size
+        self.size -= frame.size
+        self._count -= 1
+        if not chunk.frames:
+            self._chunks.popleft()
+        if not self._count:
+            self.newest = None
+        return frame
+
+    def frames(self) -> Iterator[Frame]:
+        """Iterate over the current frames, decompressing one chunk at a time."""
+        chunks = [(chunk.packed, tuple(chunk.frames)) for chunk in self._chunks]
+        return chain.from_iterable(frames or _unpack(packed) for packed, frames in chunks)
+
+
+def _unpack(packed: bytes) -> deque[Frame]:
+    frames: deque[Frame] = pickle.loads(zstd.decompress(packed))
+    return frames
+
+
+def _size(value: Any) -> int:
+    """Estimate the size of a value in bytes by its arrays."""
+    parts = vars(value).values() if hasattr(value, "__dict__") else ()
+    return _CHANGE + sum(part.nbytes for part in parts if isinstance(part, np.ndarray))
+
+
+# The time between two frames [s], like the batches of a page link.
+INTERVAL = 1 / 40
+# Properties of the scene, not of a node.
+_OF_ALL = ("background", "look", "camera", "animation")
+
+
+class SceneRecording:
+    """The changes of a scene, with times.
+
+    Changes beyond the limits are merged into the initial scene.
+
+    Args:
+        scene: The scene to record.
+        now: Returns the time [s]; the recording restarts if it decreases.
+        seconds: The duration to keep [s].
+        megabytes: The maximum memory.
+        interval: Changes within this time [s] form one frame.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        now: Callable[[], float],
+        seconds: float = 120.0,
+        megabytes: float = 50.0,
+        interval: float = INTERVAL,
+    ) -> None:
+        self.scene = scene
+        self._now = now
+        self._limits, self._interval = (seconds, megabytes * 1e6), interval
+        self._start = now()
+        self._initial_scene = copy_of(scene)
+        self._frames = FrameStore()
+        # Whether the beginning was dropped.
+        self.is_truncated = False
+        self.stop = scene.listen(self._note)
+
+    @property
+    def duration(self) -> float:
+        """The time that can be played, [s]."""
+        return max(self._now() - self._start, 0.0)
+
+    @property
+    def time(self) -> float:
+        """The current time, [s]."""
+        return self._now()
+
+    def packed(self, seconds: float = math.inf, until: float = math.inf, interval: float = 0.0) -> bytes:
+        """Return batches with times in [s] since the start, or only a snapshot if nothing has changed.
+
+        Args:
+            seconds: The maximum duration [s].
+            until: The end, as a value of `time` [s].
+            interval: Changes within this time [s] are merged, to save space.
+        """
+        with self.scene.lock:
+            end, scene = min(self._now(), until), copy_of(self._initial_scene)
+            frames = takewhile(lambda frame: frame.time <= end, self._frames.frames())
+            begun, note = self._start, self.note()
+        start = max(begun, end - seconds)
+        first = _seek(scene, frames, start if start < end else math.inf)
+        if first is None:
+            return encoding.snapshot(scene)
+        batches: list[dict[str, Any]] = [{"time": 0.0, **encoding.scene_batch(scene)}]
+        paths = batches[0]["paths"]
+        for frame in _thin(chain((first,), frames), interval):
+            _apply(scene, frame)
+            batches.append({"time": frame.time - start, **_batch(scene, frame)})
+            if batches[-1].get("paths", paths) == paths:
+                batches[-1].pop("paths", None)
+            else:
+                paths = batches[-1]["paths"]
+        return encoding.pack(
+            {"start": start, "end": end - start, "note": note * (start == begun), "batches": batches}
+        )
+
+    def note(self) -> str:
+        """Return a notice about the missing part, or ""."""
+        if not self.is_truncated:
+            return ""
+        return f"Only the last {self.duration:.0f} s are included, to keep the file small."
+
+    def _note(self, what: What, path: str) -> None:
+        """Record a change. The caller holds the scene's lock."""
+        now = self._now()
+        newest = self._frames.newest
+        if now < (newest.time if newest else self._start):
+            self._fold(len(self._frames))
+            self._start, newest = now, None
+        if newest is None or now - newest.time >= self._interval:
+            self._frames.begin(now)
+        self._frames.add(what, path, _value(self.scene, what, path))
+        seconds, size = self._limits
+        while len(self._frames) > 1 and (now - self._start > seconds or self._frames.size > size):
+            self._fold(1)
+            self._start, self.is_truncated = self._frames.start, True
+
+    def _fold(self, count: int) -> None:
+        """Merge the oldest frames into the initial scene."""
+        for _ in range(count):
+            _apply(self._initial_scene, self._frames.drop_oldest())
+
+
+def _apply(scene: Scene, frame: Frame) -> None:
+    """Apply the changes of a frame to a scene."""
+    for (what, path), value in frame.changes.items():
+        if what == "delete":
+            scene.delete(path)
+        elif what in _OF_ALL:
+            setattr(scene, what, value)
+        else:
+            getattr(scene, f"set_{what}")(path, value)
+
+
+def _seek(scene: Scene, frames: Iterator[Frame], start: float) -> Frame | None:
+    """Apply the frames before a time, [s], and return the first one after it."""
+    for frame in frames:
+        if frame.time >= start:
+            return frame
+        _apply(scene, frame)
+    return None
+
+
+def _thin(frames: Iterator[Frame], interval: float) -> Iterator[Frame]:
+    """Yield frames at least an interval [s] apart; each contains all changes until the next one."""
+    thinned: Frame | None = None
+    for frame in frames:
+        if thinned is None or frame.time - thinned.time >= interval:
+            if thinned is not None:
+                yield thinned
+            thinned = Frame(frame.time)
+        for (what, path), value in frame.changes.items():
+            thinned.add(what, path, value)
+    if thinned is not None:
+        yield thinned
+
+
+def _batch(scene: Scene, frame: Frame) -> dict[str, Any]:
+    """Convert a frame to a batch. The scene already has its changes."""
+    changes = [change for change in frame.changes if change[0] != "transform"]
+    batch: dict[str, Any] = {}
+    if changes:
+        batch["commands"] = [c for what, path in changes for c in encoding.commands(scene, what, path)]
+    moved = [path for what, path in frame.changes if what == "transform"]
+    nodes = [node for path in moved if (node := scene.find(path)) is not None]
+    return batch | (encoding.placements(nodes) if nodes else {})
+
+
+def copy_of(scene: Scene) -> Scene:
+    """Return a copy of a scene."""
+    copy = Scene()
+    with scene.lock:
+        for node in scene.nodes():
+            copy.set_transform(node.path, node.matrix)
+            copy.set_visible(node.path, node.visible)
+            if node.object is not None:
+                copy.set_object(node.path, node.object)
+        for what in _OF_ALL:
+            setattr(copy, what, getattr(scene, what))
+    return copy
+
+
+def _value(scene: Scene, what: What, path: str) -> Any:
+    if what in _OF_ALL:
+        return getattr(scene, what)
+    node = scene.find(path)
+    return node and getattr(node, {"transform": "matrix"}.get(what, what), None)

@@ -1,0 +1,143 @@
+"""A notebook whose kernel has ended: closed in the evening, opened again the next day."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Locator, expect
+
+from course_lib.course.questions import load_prediction, load_quiz
+from tests.browser.jupyterlab import Lab, Notebook, opened, red_pixels
+from tests.browser.waiting import A_FRAME, wait_until
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
+RECALL = load_quiz("week01_recall")[0]
+GUESS = load_prediction("week01.ground").answers[0]
+ENOUGH = 500  # [px] of the cube
+CELLS = (
+    """\
+%load_ext course_lib
+import rclpy
+from rclpy.node import Node
+from visualization_msgs.msg import Marker
+from course_lib import Viewer, check, predict, quiz, run_live, spin_for
+rclpy.init()""",
+    """\
+publisher = Node("talker").create_publisher(Marker, "/cube", 10)
+cube = Marker(type=Marker.CUBE)
+cube.header.frame_id = "map"
+cube.scale.x = cube.scale.y = cube.scale.z = 2.0
+cube.color.b = cube.color.a = 1.0""",
+    "viewer = Viewer()\nviewer.add('Marker', '/cube')\nviewer",
+    'predict("week01.ground")',
+    'quiz("week01_recall")',
+    "class Nothing(Node):\n    pass\ncheck('week01.red_cube', Nothing)",
+    "live = run_live(Node('idler'))",
+    "cube.color.r, cube.color.b = 1.0, 0.0\npublisher.publish(cube)\nspin_for(0.5)",
+)
+RED_PIXELS = """image => {
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [image.naturalWidth, image.naturalHeight];
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) count += data[i] > 90 && data[i + 1] < 60 && data[i + 2] < 60;
+    return count; }"""
+
+
+@pytest.fixture(scope="module")
+def reopened(lab: Lab) -> Iterator[Notebook]:
+    """A notebook that was run, answered, saved and closed, with its kernel ended, and opened again."""
+    with opened(lab, "night.ipynb", CELLS) as notebook:
+        notebook.run_all()
+        view = notebook.cell("viewer.add").locator("canvas").first
+        wait_until(lambda: red_pixels(view) > ENOUGH, notebook.page, A_FRAME)
+        notebook.cell("predict(").get_by_text(GUESS.text, exact=True).click()
+        notebook.cell("quiz(").get_by_text(RECALL.right.text, exact=True).click()
+        expect(notebook.cell("quiz(").get_by_text("✔ Right.")).to_be_visible()
+        notebook.cell("viewer.add")
+        notebook.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
+        notebook.wait_idle()
+        picture(notebook, "night_before")
+        notebook.end()
+        notebook.open()
+        notebook.page.wait_for_timeout(3000)  # [ms]; views ask for their models for 2 s
+        yield notebook
+
+
+def picture(notebook: Notebook, name: str) -> None:
+    if PICTURES:
+        notebook.page.screenshot(path=Path(PICTURES) / f"{name}.png")
+
+
+def saved(cell: Locator) -> Locator:
+    line = cell.locator(".course-saved")
+    expect(line.first).to_be_visible()
+    return line
+
+
+def test_reopened_view_shows_its_last_image_and_a_continue_button(reopened: Notebook) -> None:
+    cell = reopened.cell("viewer.add")
+    saved(cell)
+    picture(reopened, "night_view")
+    image = cell.locator("img")
+    # The cube was blue when the view's cell was run, and red when the notebook was saved.
+    assert image.evaluate(RED_PIXELS) > ENOUGH
+    expect(cell.get_by_role("button", name="Continue here")).to_be_visible()
+
+
+def test_reopened_predictions_and_quizzes_show_the_student_answers(reopened: Notebook) -> None:
+    cell = reopened.cell("predict(")
+    saved(cell)
+    expect(cell.get_by_text(f"◉ {GUESS.text}")).to_be_visible()
+    cell = reopened.cell("quiz(")
+    saved(cell)
+    expect(cell.get_by_text(f"◉ {RECALL.right.text}")).to_be_visible()
+    expect(cell.get_by_text(f"✔ Right. {RECALL.right.reason}")).to_be_visible()
+    picture(reopened, "night_questions")
+
+
+def test_reopened_checks_show_their_last_result_and_all_widgets_are_drawn(reopened: Notebook) -> None:
+    cell = reopened.cell("check(")
+    expect(cell.get_by_text("0 of 7 checks passed")).to_be_visible()
+    expect(cell.locator("img")).to_be_visible()
+    assert saved(cell).count() == 1
+    cell = reopened.cell("run_live(")
+    expect(cell.get_by_text("idler ran here. Run this cell to start it again.")).to_be_visible()
+    picture(reopened, "night_checks")
+    for phrase in ("Error displaying widget", "HBox("):
+        expect(reopened.page.get_by_text(phrase)).to_have_count(0)
+
+
+def test_continue_button_runs_the_required_cells_and_the_view_is_live_again(reopened: Notebook) -> None:
+    cell = reopened.cell("viewer.add")
+    saved(cell)
+    cell.get_by_role("button", name="Continue here").click()
+    expect(cell.locator("canvas").first).to_be_visible()
+    reopened.wait_idle()
+    reopened.run_below("cube.color.r, cube.color.b = 1.0, 0.0\npublisher.publish(cube)\nspin_for(0.5)")
+    view = reopened.cell("viewer.add").locator("canvas").first
+    wait_until(lambda: red_pixels(view) > ENOUGH, reopened.page, A_FRAME)
+    picture(reopened, "night_continued")
+    assert reopened.errors() == []
+
+
+def test_static_page_shows_image_and_answers(reopened: Notebook) -> None:
+    from nbconvert import HTMLExporter
+
+    path = reopened.folder / reopened.name
+    assert path.stat().st_size < 1_000_000
+    exporter = HTMLExporter(template_name="lab")  # type: ignore[no-untyped-call]  # untyped there
+    html, _ = exporter.from_filename(str(path))
+    browser = reopened.page.context.browser
+    assert browser is not None
+    page = browser.new_page()
+    page.set_content(html, wait_until="domcontentloaded")
+    expect(page.get_by_text(f"◉ {RECALL.right.text}")).to_be_visible()
+    expect(page.locator(".jp-RenderedImage img").first).to_be_visible()
+    if PICTURES:
+        page.screenshot(path=Path(PICTURES) / "night_static.png", full_page=True)
+    page.close()

@@ -1,0 +1,122 @@
+"""Views without a graphics card: fewer triangles while something moves, and no instances."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from course_lib.viewer.drawables import Lines, Mesh, Points, Solids
+from course_lib.viewer.scene import Scene
+from course_lib.viewer.widget import SceneWidget
+from tests.browser.fake_host import Host, count
+from tests.browser.waiting import wait_until
+
+pytestmark = pytest.mark.browser
+RED, GREY = (255, 0, 0), (200, 200, 200)
+SIDE = 100  # rows and columns of the mesh
+COUNT_DRAWN = """() => {
+    globalThis.drawn = [];
+    globalThis.instanced = 0;
+    for (const gl of [WebGLRenderingContext, WebGL2RenderingContext]) {
+        const [draw, drawInstances] = [gl.prototype.drawElements, gl.prototype.drawElementsInstanced];
+        gl.prototype.drawElements = function (...all) {
+            drawn.push(all[1] / 3); return draw.apply(this, all); };
+        gl.prototype.drawElementsInstanced = function (...all) {
+            instanced++; return drawInstances.apply(this, all); };
+    } }"""
+
+
+@pytest.fixture
+def counted(host: Host) -> Host:
+    host.page.evaluate(COUNT_DRAWN)
+    return host
+
+
+def shown(host: Host, **objects: Any) -> Scene:
+    """Show a scene that the camera sees from above."""
+    scene = Scene()
+    for name, drawable in objects.items():
+        scene.set_object(name, drawable)
+    widget = SceneWidget(scene)
+    host.open(widget)
+    host.show(widget)
+    host.carry()
+    return scene
+
+
+def sphere() -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """Return the vertices and faces of a sphere with a radius of 1.5 m."""
+    around, over = np.meshgrid(np.linspace(0, 2 * np.pi, SIDE), np.linspace(0, np.pi, SIDE))
+    flat = np.sin(over)
+    places = np.stack([np.cos(around) * flat, np.sin(around) * flat, np.cos(over)], axis=-1)
+    corner = (np.arange(SIDE - 1)[:, None] * SIDE + np.arange(SIDE - 1)).ravel()
+    faces = np.concatenate(
+        [
+            np.stack([corner, corner + SIDE, corner + 1], axis=1),
+            np.stack([corner + 1, corner + SIDE, corner + SIDE + 1], axis=1),
+        ]
+    )
+    return 1.5 * places.reshape(-1, 3).astype(np.float32), faces.astype(np.uint32)
+
+
+@pytest.mark.slow
+def test_moving_mesh_is_simplified_and_drawn_in_full_at_rest(counted: Host) -> None:
+    vertices, faces = sphere()
+    scene = shown(counted, ball=Mesh(vertices, faces, (200 / 255,) * 3 + (1,), lit=False))
+    page = counted.page
+    assert page.evaluate("Math.max(...drawn)") == len(faces)
+    full = count(counted.pixels(), GREY)
+    where = np.eye(4)
+    fewest: float = len(faces)
+
+    def is_coarse() -> bool:
+        nonlocal fewest
+        where[2, 3] += 1e-6  # [m]
+        scene.set_transform("ball", where)
+        page.evaluate("drawn.length = 0")
+        counted.carry()
+        fewest = min([fewest, *page.evaluate("drawn")])
+        return bool(fewest < len(faces) / 4)
+
+    wait_until(is_coarse, page)
+    coarse = count(counted.pixels(), GREY)
+    assert coarse == pytest.approx(full, rel=0.1)
+    page.evaluate("drawn.length = 0")
+    wait_until(lambda: len(faces) in page.evaluate("drawn"), page)
+    assert count(counted.pixels(), GREY) == pytest.approx(full, rel=0.005)
+
+
+def test_many_boxes_points_and_lines_need_one_draw_call_each_without_instancing(counted: Host) -> None:
+    spread = np.stack([np.linspace(-2, 2, 300)] * 2 + [np.zeros(300)], axis=-1)
+    boxes = np.tile(np.eye(4), (300, 1, 1))
+    boxes[:, :3, 3] = spread
+    boxes[:, [0, 1, 2], [0, 1, 2]] = 0.05
+    shown(
+        counted,
+        boxes=Solids("box", boxes, (1, 0, 0, 1)),
+        points=Points(spread, (1, 0, 0, 1), (0.05, 0.05)),
+        lines=Lines(spread, (1, 0, 0, 1), width=0.05),
+    )
+    assert count(counted.pixels(), RED, 120) > 100
+    assert counted.page.evaluate("instanced") == 0
+    drawn = counted.page.evaluate("drawn")
+    assert {300 * 12, 300 * 2} <= set(drawn)
+
+
+def test_click_on_one_of_many_boxes_gives_its_index(host: Host) -> None:
+    boxes = np.tile(np.eye(4), (3, 1, 1))
+    boxes[:, 0, 3] = (-9.0, 0.0, 9.0)
+    scene = Scene()
+    scene.set_object("boxes", Solids("box", boxes, (1, 0, 0, 1)))
+    widget = SceneWidget(scene)
+    clicks: list[Any] = []
+    widget.link.on_click.append(clicks.append)
+    host.open(widget)
+    host.show(widget)
+    host.carry()
+    box = host.page.locator("canvas").bounding_box()
+    assert box is not None
+    host.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    host.wait_until(lambda: clicks)
+    assert (clicks[0].path, clicks[0].index) == ("boxes", 1)

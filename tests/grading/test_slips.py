@@ -1,0 +1,80 @@
+"""Slips in code that raise no error."""
+
+import pytest
+
+from course_lib.grading.slips import find_slip
+from tests.notebooks.graded import WEEKS, cells_of, solution
+
+NODE = """class Lamp(Node):
+    def __init__(self):
+        super().__init__("lamp")
+        self.angle = 0.0
+
+    def tick(self):
+        {lines}
+"""
+
+
+def method(*lines: str) -> str:
+    return NODE.format(lines="\n        ".join(lines))
+
+
+SLIPS = [
+    (("marker.color.a == 0.8",), '"marker.color.a == 0.8" compares and changes nothing'),
+    (("self.paint",), '"self.paint" names paint and does not call it'),
+    (("self.angle =+ 0.1",), "=+ sets self.angle to the value on the right"),
+    (("items = items.append(1)",), "append() changes items and returns None"),
+    (
+        ("marker = Marker(id=1)", "marker.ns = 'a'", "marker = Marker()", "self.p.publish(marker)"),
+        '"marker = Marker()" creates a second Marker',
+    ),
+    (
+        ("marker = Marker()", "self.p.publish(marker)", "marker.id = 1"),
+        '"marker.id = 1" comes after "self.p.publish(marker)"',
+    ),
+    (
+        ("for item in items:", "    print(item)", "    return"),
+        "return ends the loop of tick after its first item",
+    ),
+    (
+        ("for item in items:", "    marker = Marker()", "self.p.publish(marker)"),
+        '"self.p.publish(marker)" is after the loop',
+    ),
+    (
+        ("for item in items:", "    found = []", "    found.append(item)", "return found"),
+        '"found = []" in the loop empties the list',
+    ),
+    (("return 1", "self.angle = 2.0"), '"self.angle = 2.0" comes after "return 1" and never runs'),
+    (("angle = self.angle + 0.1",), "angle = … in tick sets a variable that ends with the method"),
+    (("marker.text = '{found.score:.2f} m'",), "the string '{found.score:.2f} m' has names in { }"),
+]
+RIGHT = [
+    ("marker = Marker()", "marker.id = 1", "self.p.publish(marker)", "marker = Marker()", "marker.id = 2"),
+    ("marker = Marker()", "self.p.publish(marker)", "marker.id = 1", "self.p.publish(marker)"),
+    ("for item in items:", "    if item:", "        return item"),
+    ("marker = Marker()", "for item in items:", "    marker.id += 1", "self.p.publish(marker)"),
+    ("angle = self.angle + 0.1", "self.angle = angle"),
+    ("text = '{found} m'.format(found=1)", "return text"),
+    ("text = f'{self.angle:.2f} m'", "return text"),
+    ("x = -1.0", "return x"),
+]
+
+
+@pytest.mark.parametrize(("lines", "sentence"), SLIPS)
+def test_slip_is_named(lines: tuple[str, ...], sentence: str) -> None:
+    assert find_slip(method(*lines)).startswith(sentence)
+
+
+@pytest.mark.parametrize("lines", RIGHT)
+def test_similar_code_without_a_slip_is_accepted(lines: tuple[str, ...]) -> None:
+    assert find_slip(method(*lines)) == ""
+
+
+@pytest.mark.parametrize("week", WEEKS)
+def test_solution_has_no_slip(week: str) -> None:
+    assert [slip for cell in cells_of(solution(week)) if (slip := find_slip(cell))] == []
+
+
+@pytest.mark.parametrize("source", ["", "class A(", "x = 1\n" * 10, "def f():\n" + "    " * 200 + "pass"])
+def test_code_that_is_not_python_has_no_slip(source: str) -> None:
+    assert find_slip(source) == ""

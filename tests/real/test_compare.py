@@ -1,0 +1,42 @@
+from geometry_msgs.msg import PoseStamped
+
+from course_lib.real.check import compare, move_stamps
+from course_lib.ros.graph.graph import START_NS, Sample
+from course_lib.ros.graph.topics import Qos
+from course_lib.ros.messages import serialize
+
+
+def _samples(values: list[float], at_ns: int) -> list[Sample]:
+    samples = []
+    for index, value in enumerate(values):
+        pose = PoseStamped()
+        stamp_ns = at_ns + index * 10**8
+        pose.header.stamp.sec, pose.header.stamp.nanosec = divmod(stamp_ns, 10**9)
+        pose.pose.position.x = value
+        samples.append(Sample(stamp_ns, "/pose", "geometry_msgs/msg/PoseStamped", serialize(pose), Qos(), 1))
+    return samples
+
+
+def test_recordings_with_other_stamps_and_a_later_start_are_equal() -> None:
+    values = [float(number) for number in range(10)]
+    (found,) = compare(_samples(values, START_NS), _samples(values[2:], START_NS + 10**17))
+    assert str(found) == "/pose: kit 10, ROS 8 messages; 8 of 8 pairs bit-equal"
+
+
+def test_different_value_is_reported_with_its_field() -> None:
+    (found,) = compare(_samples([1.0, 2.0, 3.0], START_NS), _samples([1.0, 2.5, 3.0], START_NS))
+    assert (found.equal, found.pairs, found.different_field) == (2, 3, "pose.position.x")
+
+
+def test_topic_on_one_side_only_has_no_pairs() -> None:
+    (found,) = compare([], _samples([1.0], START_NS))
+    assert str(found) == "/pose: kit 0, ROS 1 messages"
+
+
+def test_run_stamps_are_shifted_and_others_are_kept() -> None:
+    pose = PoseStamped()
+    pose.header.stamp.sec = 1_800_000_000
+    move_stamps(pose, -5 * 10**9, 1_800_000_000 * 10**9)
+    assert pose.header.stamp.sec == 1_799_999_995
+    latest = move_stamps(PoseStamped(), -5 * 10**9, 1_800_000_000 * 10**9)
+    assert latest.header.stamp.sec == 0

@@ -1,0 +1,106 @@
+import platform
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from course_lib.errors import CourseError
+from course_lib.real import environment
+from course_lib.real.environment import RealEnvironment, find_environment, install, pins
+
+
+def _fake(folder: Path, versions: dict[str, str]) -> Path:
+    packages = folder / "lib" / "python3.12" / "site-packages"
+    for name, version in versions.items():
+        info = packages / f"{name.replace('-', '_')}-{version}.dist-info"
+        info.mkdir(parents=True)
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+    (folder / "bin").mkdir()
+    (folder / "bin" / "python").touch()
+    return folder / "bin" / "python"
+
+
+def test_environment_with_the_pinned_versions_is_accepted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    python = _fake(tmp_path, pins())
+    monkeypatch.setenv(environment.PYTHON, str(python))
+    assert str(find_environment()) == "rclpy 7.1.6 of ROS 2 Jazzy with Fast DDS 2.14.5"
+
+
+@pytest.mark.parametrize(
+    ("name", "version", "problem"),
+    [
+        ("ros-fastcdr", "2.2.6", "ros-fastcdr 2.2.6, expected 2.2.5"),
+        ("ros-rosidl-runtime-c", "", "ros-rosidl-runtime-c is missing, expected 4.6.6"),
+    ],
+)
+def test_environment_with_another_version_is_rejected(
+    name: str, version: str, problem: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    versions = pins() | {name: version}
+    python = _fake(tmp_path, {one: number for one, number in versions.items() if number})
+    monkeypatch.setenv(environment.PYTHON, str(python))
+    with pytest.raises(CourseError, match=problem):
+        find_environment()
+
+
+def test_missing_environment_error_shows_the_install_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv(environment.PYTHON, raising=False)
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setattr(environment, "why_not_supported", lambda: "")
+    with pytest.raises(CourseError, match=r"not installed .*: course ros --install"):
+        find_environment()
+
+
+def test_unsupported_platform_is_reported_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setattr(sys, "platform", "darwin")
+    monkeypatch.setattr(platform, "machine", lambda: "arm64")
+    with pytest.raises(CourseError, match=r"wheels for Linux on x86-64 only, and this is .* on arm64"):
+        install(print)
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("ending", [KeyboardInterrupt, CourseError("no network")])
+def test_interrupted_installation_leaves_nothing_behind(
+    ending: type[BaseException], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(folder: Path) -> None:
+        (folder / "bin").mkdir(parents=True)
+        (folder / "bin" / "python").touch()
+        raise ending
+
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setattr(environment, "why_not_supported", lambda: "")
+    monkeypatch.setattr(environment, "_create", fail)
+    with pytest.raises((KeyboardInterrupt, CourseError)):
+        install(lambda line: None)
+    assert not RealEnvironment(environment.default_folder() / "bin" / "python").folder.exists()
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (["run", "missing.py", "--ros"], "missing.py is not a file"),
+        (["run", "a.launch.py", "--ros"], "launch has no wheel"),
+        (["run", "a.ipynb", "--ros"], "course check --ros"),
+        (["run", "a.py", "--ros", "--real-time"], "leave out --robot"),
+        (["run", "a.py", "--view"], "--view and --no-view need --ros"),
+    ],
+)
+def test_command_that_cannot_be_executed_is_an_error_with_the_reason(
+    words: list[str], error: str, tmp_path: Path
+) -> None:
+    for name in ("a.launch.py", "a.ipynb", "a.py"):
+        (tmp_path / name).write_text("")
+    command = [sys.executable, "-m", "course_lib", *words]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=tmp_path)
+    assert (done.returncode, done.stderr.startswith("error: ")) == (2, True)
+    assert error in done.stderr

@@ -1,0 +1,191 @@
+"""Where the kit differs from the real rclpy by design: each outcome belongs to a row of docs/simulated.md."""
+
+from dataclasses import dataclass
+from typing import Any
+
+_NOT_INITIALIZED = "NotInitializedException: rclpy.init() has not been called. msg:cannot create executor"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """An outcome of a probe that differs from that of the real rclpy.
+
+    Args:
+        row: The subject of the row of docs/simulated.md that lists it.
+        kits: Part of the outcome in the kit.
+    """
+
+    row: str
+    kits: str
+
+
+_AFTER_THE_END = "Executors after `rclpy.shutdown()`, or before `rclpy.init()`"
+_COUNTS = "Counts after `rclpy.shutdown()`"
+_BYTES = "Bytes that are no message"
+_INSTANCE = "A message instead of its class, `create_publisher(String(), …)`"
+_CONSTANT = "Assigning a constant, `Marker.CUBE = 7`"
+_ASSERTIONS = "Texts of assertions and of wrong types"
+_FOR_EVER, _FIELD = "Waiting for ever", "A field of the wrong type"
+_NUMBERS = "Arrays of numbers"
+# By file and probe.
+PROBES: dict[str, dict[str, Difference]] = {
+    "destroyed": {
+        "shut_down.spin_once": Difference(_AFTER_THE_END, _NOT_INITIALIZED),
+        "shut_down.add_to_executor": Difference(_AFTER_THE_END, _NOT_INITIALIZED),
+        "executors_after_shutdown": Difference(_AFTER_THE_END, _NOT_INITIALIZED),
+    },
+    "spinning": {
+        "changing_time_limits_while_a_coroutine_waits": Difference(
+            "A time limit of `spin_once` that changes while a coroutine waits", "True"
+        ),
+    },
+    "calls": {
+        "service.of_an_instance": Difference(
+            _INSTANCE, "AttributeError: type object 'Trigger_Request' has no attribute"
+        ),
+        "goal.returns_nothing": Difference(_FIELD, "The 'result' field must be a sub message"),
+        "goal.returns_text": Difference(_FIELD, "The 'result' field must be a sub message"),
+    },
+    "details": {
+        "init.returns": Difference("`with rclpy.init():`", "<rclpy.InitContextManager object"),
+        "counts_after_shutdown": Difference(_COUNTS, "publisher's context is invalid\", '0'"),
+        "fresh_context.executor": Difference(_AFTER_THE_END, _NOT_INITIALIZED),
+        "fresh_context.many_threads": Difference(_AFTER_THE_END, _NOT_INITIALIZED),
+        "fresh_context.spin_once": Difference(_AFTER_THE_END, _NOT_INITIALIZED),
+    },
+    "objects": {
+        "qos.depth_none": Difference(_ASSERTIONS, "The 'depth' of a QoSProfile must be int: None"),
+        "qos.text_as_history": Difference(_ASSERTIONS, "The 'history' of a QoSProfile must be"),
+        "time.message_of_far_future": Difference(_FIELD, "The 'sec' field must be an integer in"),
+        "time.as_stamp": Difference(_FIELD, "The 'stamp' field must be a sub message of type 'Time'"),
+        "descriptor.two_ranges": Difference(_FIELD, "a set or sequence with length <= 1"),
+        "descriptor.set_descriptor": Difference(_FIELD, "The 'value' field must be a sub message"),
+        "descriptor.huge_int": Difference(_FIELD, "The 'integer_value' field must be an integer in"),
+        "message.unknown_field": Difference(_FIELD, "Invalid arguments passed to constructor: w"),
+        "message.of_numpy_2d": Difference(_NUMBERS, "The 'data' field must be a set or sequence"),
+        "message.of_a_generator": Difference(_NUMBERS, "The 'position' field must be a set or sequence"),
+        "message.of_a_dict": Difference(_NUMBERS, "The 'position' field must be a set or sequence"),
+    },
+    "running": {
+        "parameter_client.get_text": Difference(_FIELD, "The 'names' field must be a set or sequence"),
+    },
+    "corners": {
+        "corner.constant_of_the_class": Difference(_CONSTANT, "None"),
+        "corner.constant": Difference(_CONSTANT, "7"),
+        "corner.zero_in_a_string": Difference("A zero character in a string", "x00b"),
+        "corner.matrix_as_covariance": Difference(_NUMBERS, "must have a size of 36"),
+        "corner.bad_bytes": Difference(_BYTES, "These 1 bytes are not a valid std_msgs/msg/String"),
+        "corner.no_bytes": Difference(_BYTES, "These 0 bytes are not a valid std_msgs/msg/String"),
+        "corner.deserialize_nothing": Difference(_BYTES, "These 0 bytes are not a valid std_msgs/msg/String"),
+        "corner.deserialize_short": Difference(_BYTES, "These 9 bytes are not a valid std_msgs/msg/String"),
+    },
+    "graphs": {
+        "publisher.of_an_instance": Difference(
+            _INSTANCE, "AttributeError: type object 'String' has no attribute"
+        ),
+        "publisher.publish_class": Difference(_ASSERTIONS, "got <class 'type'>"),
+        "heard.info": Difference("Numbers in `MessageInfo`", "'source_timestamp'], None)"),
+        "profile.depth_float": Difference(
+            _ASSERTIONS, "AssertionError: The 'depth' of a QoSProfile must be int: 1.0"
+        ),
+        "profile.depth_text": Difference(
+            _ASSERTIONS, "AssertionError: The 'depth' of a QoSProfile must be int: '1'"
+        ),
+        "profile.reliability_text": Difference(
+            _ASSERTIONS, "AssertionError: The 'reliability' of a QoSProfile must be"
+        ),
+        "profile.deadline_float": Difference(
+            _ASSERTIONS, "AssertionError: The 'deadline' of a QoSProfile must be Duration"
+        ),
+        "profile.assigned_text": Difference(
+            _ASSERTIONS, "AssertionError: The 'depth' of a QoSProfile must be int: 'x'"
+        ),
+    },
+}
+
+# Rows that say that both agree, with the probe that shows it, by file and probe.
+AGREEMENTS = {
+    "Polling, `spin_once(timeout_sec=0)`": ("refusals", "polling_takes_every_second_call"),
+    "Losses": ("graphs", "burst.one"),
+    "Two types on one topic or service": ("refusals", "two_types_on_one_topic"),
+    "Bytes behind a message": ("refusals", "bytes_with_a_tail"),
+    "Depth in `get_publishers_info_by_topic`": ("graphs", "endpoint.text"),
+}
+
+# Programs whose exit code differs, because the run ends as asked and nobody has pressed Ctrl+C.
+END_OF_A_RUN = "The end of a run"
+ENDS_AS_ASKED = ("plain_spin", "while_ok")
+
+# Programs of the documents whose values differ, with their row.
+OTHER_VALUES = {"PerceptionVisualizer": "Chance"}
+
+# Nodes of the course whose outcome differs, with their row: three publish values of the clock, and one
+# measures a rate with it.
+_CLOCK = "The clock"
+NODES = {
+    "week06_tooling: Home()": _FOR_EVER,
+    "week06_tooling: FirstMonitor()": _CLOCK,
+    "week07_dashboard: TfPublisher()": _CLOCK,
+    "week07_dashboard: PathPublisher()": _CLOCK,
+    "week07_exercise: TfPublisher()": _CLOCK,
+}
+
+
+def without_values(outcome: dict[str, Any]) -> dict[str, Any]:
+    """Return the outcome of a node with the types of its messages only."""
+    topics = {name: [text.split()[0] for text in texts] for name, texts in outcome["topics"].items()}
+    return outcome | {"topics": topics}
+
+
+# Students' mistakes whose error differs, by the text of the program, with their row.
+MISTAKES = {
+    "rate = node.create_rate(1)\nnode.create_timer(0.1, rate.sleep)\nrclpy.spin(node)": _FOR_EVER,
+    "node.create_service(AddTwoInts, 'add', lambda request, response: response)\n"
+    "client = node.create_client(AddTwoInts, 'add')\n"
+    "node.create_timer(0.1, lambda: client.call(AddTwoInts.Request()))\n"
+    "rclpy.spin(node)": _FOR_EVER,
+    "node.create_timer(0.1, lambda: rclpy.spin(node))\nrclpy.spin(node)": "`rclpy.spin` in a callback",
+    "ActionServer(node, AddTwoInts, 'count', print)": "A service as the type of an action",
+    "ActionServer(node, Fibonacci, 'count', lambda goal: goal.succeed())\n"
+    "ActionClient(node, Fibonacci, 'count').send_goal_async(Fibonacci.Goal())\n"
+    "rclpy.spin(node)": _FIELD,
+    "node.get_logger().info(5)": _ASSERTIONS,
+    "node.create_publisher(String, 'chatter', 10).publish(String)": _ASSERTIONS,
+    "best = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)\n"
+    "node.create_publisher(String, 'chatter', best)\n"
+    "node.create_subscription(String, 'chatter', print, 10)": "Discovery",
+    "node.create_publisher(String, 'latched', 1)\n"
+    "latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)\n"
+    "node.create_subscription(String, 'latched', print, latched)": "Discovery",
+    "marker = Marker()\nmarker.points.append((1.0, 2.0, 3.0))\n"
+    "node.create_publisher(Marker, 'marker', 10).publish(marker)": _FIELD,
+    **dict.fromkeys(
+        (
+            "Twist().linear.x = 1",
+            "Twist(linear=(1.0, 0.0, 0.0))",
+            "Int32(data=1.5)",
+            "UInt8(data=300)",
+            "String(data=5)",
+            "ColorRGBA(r=255)",
+            "DiagnosticStatus(level=0)",
+            "String(dta='hello')",
+            "Marker(type='CUBE')",
+            "PoseStamped().pose.position = (1.0, 2.0, 3.0)",
+            "PoseStamped().pose.orientation = 1.57",
+            "Marker().lifetime = Duration(seconds=1.0)",
+            "PoseStamped().header.stamp = node.get_clock().now()",
+            "PoseStamped().header.frame_id = None",
+            "Marker().points = Point()",
+            "Marker().color.a = 0,8",
+            "Marker().scale.x = '1.0'",
+            "Marker().pose.position = PoseStamped().pose",
+            "Marker().pose.position = Marker().scale",
+            "Marker().header.stamp = Node('a').get_clock().now().to_msg",
+            *(
+                f"from sensor_msgs.msg import JointState\nimport numpy as np\nJointState().name = {value}"
+                for value in ("1", "'arm'", "{'arm': 1.0}", "[['a']]", "np.eye(2)")
+            ),
+        ),
+        _FIELD,
+    ),
+}

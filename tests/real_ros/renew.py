@@ -1,0 +1,95 @@
+"""Renews the frozen outcomes of the real rclpy: `REAL_ROS_PYTHON=/path/to/venv/bin/python python renew.py`.
+
+The environment is made with `requirements.txt`. Words after the command choose files by their names. All
+traffic stays on this machine.
+"""
+
+import json
+import os
+import random
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).parent
+INTERRUPT_AFTER = 6.0  # [s] by then also a busy machine has started the program
+TIME_LIMIT = 120.0  # [s] of one file
+ENVIRONMENT = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "PYTHONUNBUFFERED": "1"}
+
+
+def run(command: list[str], *, interrupt_after: float | None = None) -> tuple[str, str, int]:
+    """Run a program, with Ctrl+C after so many seconds; return its stdout, its stderr and its exit code."""
+    env = os.environ | ENVIRONMENT | {"ROS_DOMAIN_ID": str(random.randint(1, 100))}
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env, cwd=HERE
+    ) as process:
+        if interrupt_after is not None:
+            time.sleep(interrupt_after)
+            process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=TIME_LIMIT)
+    return out, err, process.returncode
+
+
+def outcome_of_program(out: str, err: str, code: int) -> dict[str, object]:
+    """Return what a program printed and the last line of its traceback, as a shell reports it."""
+    lines = [line for line in err.splitlines() if "Error: " in line and not line.startswith(" ")]
+    error = re.sub(r"^[\w.]*\.|, at [^ ]*\.c:\d+$", "", lines[-1]) if lines and code else ""
+    return {"stdout": out.splitlines(), "error": error, "exit": code % 256}
+
+
+def outcomes_of_probes(python: str, file: Path) -> dict[str, str]:
+    """Return what the probes of a file find under the real rclpy."""
+    out, err, code = run([python, str(file)])
+    if code:
+        sys.exit(f"{file.name} ended with {code}:\n{err}")
+    outcomes: dict[str, str] = json.loads(out)
+    return outcomes
+
+
+def outcome_after_interrupt(python: str, file: Path) -> dict[str, object]:
+    """Return what a program does under the real rclpy when it gets Ctrl+C."""
+    out, err, code = run([python, str(file)], interrupt_after=INTERRUPT_AFTER)
+    # A shell reports a process that SIGINT has killed as 130.
+    return outcome_of_program(out, err, 130 if code == -signal.SIGINT else code)
+
+
+def main() -> None:
+    """Run all files under the real rclpy and write what they say."""
+    python = os.environ.get("REAL_ROS_PYTHON")
+    if not python:
+        sys.exit("Set REAL_ROS_PYTHON to the Python of an environment with requirements.txt.")
+    version = "from importlib.metadata import version; print(version('ros-rclpy'))"
+    release = run([python, "-c", version])[0].strip()
+    for file in sorted((HERE / "probes").glob("*.py")):
+        if file.stem == "probing" or not all(word in file.stem for word in sys.argv[1:]):
+            continue
+        _write(file.stem, {"rclpy": release, "outcomes": outcomes_of_probes(python, file)})
+    if not sys.argv[1:] or "programs" in sys.argv[1:]:
+        programs = {}
+        for file in sorted((HERE / "programs").glob("*.py")):
+            programs[file.stem] = outcome_after_interrupt(python, file)
+        _write("programs", {"rclpy": release, "outcomes": programs})
+    sys.path.insert(0, str(HERE.parents[1]))
+    import course_lib  # noqa: F401  # makes ROS's names importable
+
+    if not sys.argv[1:] or "mistakes" in sys.argv[1:]:
+        from tests.real_ros.mistakes import outcomes_of_mistakes
+
+        _write("mistakes", {"rclpy": release, "outcomes": outcomes_of_mistakes()})
+    if not sys.argv[1:] or "nodes" in sys.argv[1:]:
+        from tests.real_ros.nodes import outcomes_in_kit, outcomes_on_ros
+
+        _write("nodes", {"rclpy": release, "outcomes": outcomes_on_ros(outcomes_in_kit())})
+
+
+def _write(name: str, content: object) -> None:
+    text = json.dumps(content, indent=1, ensure_ascii=False)
+    (HERE / "frozen" / f"{name}.json").write_text(f"{text}\n", encoding="utf-8")
+    sys.stdout.write(f"frozen/{name}.json\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,302 @@
+"""The stand-in against the names of the real rclpy, which are frozen with its version."""
+
+import ast
+import importlib
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+Names = dict[str, list[str]]
+
+# Private names that no program chooses: Python mangled them with a class of the stand-in, or they are marked.
+OF_THE_KIT = re.compile(
+    r"_(course_\w+|"
+    r"(Node|LifecycleNodeMixin|Executor|MultiThreadedExecutor|Entity|ServiceEnd|TopicEnd|Timer"
+    r"|Rate|RcutilsLogger|Subscription|Client|Service|ActionServer|ActionClient|GuardCondition|Context|Time|Duration|TimeSource"
+    r"|AsyncParameterClient|ParameterEventHandler)__\w+)"
+)
+
+# Names of everyday use with which students' nodes were seen to break.
+EVERYDAY = [
+    "_service",
+    "_set",
+    "_store",
+    "_declare",
+    "_profile",
+    "_resolve",
+    "_keep",
+    "_all",
+    "_created",
+    "_parameter_events",
+    "_on_set",
+    "_post_set",
+    "_pre_set",
+    "_on_topic",
+    "_of_node",
+    "_rosout",
+    "_publish_log",
+    "_keep_parameters",
+    "_names",
+    "_alarm",
+    "_queue",
+    "_events",
+    "_client",
+    "_server",
+    "_goal",
+    "_handle",
+    "_state",
+    "_running",
+    "_done",
+    "_results",
+    "_start",
+    "_stop",
+    "_run",
+    "_update",
+    "_send",
+    "_publish",
+    "_receive",
+]
+
+
+@cache
+def frozen() -> Names:
+    return _parsed(json.loads((HERE / "frozen" / "names.json").read_text("utf-8")))
+
+
+@cache
+def kits() -> Names:
+    command = [sys.executable, "-m", "course_lib", "run", str(HERE / "probes" / "names.py")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    return _parsed({"outcomes": json.loads(done.stdout)})
+
+
+def _parsed(content: dict[str, dict[str, str]]) -> Names:
+    names: Names = ast.literal_eval(content["outcomes"]["names"])
+    return names
+
+
+def test_both_lists_cover_the_same_classes() -> None:
+    assert set(frozen()) == set(kits())
+    assert {"_publishers", "_validate_topic_or_service_name"} <= set(frozen()["Node"])
+
+
+def test_classes_have_no_private_name_missing_in_rclpy() -> None:
+    extra = {
+        kind: [name for name in names if _is_private(name) and name not in frozen()[kind]]
+        for kind, names in kits().items()
+    }
+    assert {kind: names for kind, names in extra.items() if names} == {}
+
+
+def _is_private(name: str) -> bool:
+    return name.startswith("_") and not OF_THE_KIT.fullmatch(name) and name != "_abc_impl"
+
+
+def test_public_names_missing_in_the_kit_are_listed_as_missing() -> None:
+    frozen = json.loads((HERE / "frozen" / "modules.json").read_text("utf-8"))["outcomes"]["modules"]
+    names: list[str] = ast.literal_eval(frozen)
+    assert {"rclpy.node.Node.create_publisher", "rclpy.waitable.Waitable"} <= set(names)
+    page = (HERE.parents[1] / "docs" / "simulated.md").read_text("utf-8")
+    section = page.split("\n## Names of rclpy")[1].split("\n## ")[0]
+    listed = set(re.findall(r"`(rclpy\.[\w.]+)`", section))
+    missing = {name for name in names if not _is_in_kit(name)}
+    assert {name for name in missing if not _with_owners(name) & listed} == set()
+    assert listed - missing == set()
+
+
+def _with_owners(name: str) -> set[str]:
+    """Return a dotted name with the names of its class and modules."""
+    parts = name.split(".")
+    return {".".join(parts[:count]) for count in range(1, len(parts) + 1)}
+
+
+def _is_in_kit(name: str) -> bool:
+    """Return whether a dotted name is a module of the kit's rclpy or an attribute of one."""
+    parts = name.split(".")
+    for count in range(len(parts), 0, -1):
+        try:
+            thing: object = importlib.import_module(".".join(parts[:count]))
+        except ModuleNotFoundError:
+            continue
+        for part in parts[count:]:
+            if not hasattr(thing, part):
+                return False
+            thing = getattr(thing, part)
+        return True
+    return False
+
+
+def test_node_has_no_public_name_missing_in_rclpy() -> None:
+    for kind in ("Node", "LifecycleNode", "SingleThreadedExecutor", "MultiThreadedExecutor", "Future"):
+        public = [name for name in kits()[kind] if not name.startswith("_")]
+        assert sorted(set(public) - set(frozen()[kind])) == [], kind
+
+
+PROGRAM = """
+import rclpy
+import rclpy.node
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, Trigger
+
+rclpy.init()
+
+def nothing(*_, **__):
+    raise SystemExit("the stand-in called a method of the student's")
+
+class Talker(rclpy.node.Node):
+    def __init__(self, name):
+        super().__init__("talker")
+        setattr(self, name, self.create_service(SetBool, "a", print))
+        self.use()
+
+    def use(self):
+        self.create_service(Trigger, "b", print)
+        self.create_client(Trigger, "b")
+        self.declare_parameter("speed", 1.0)
+        self.set_parameters([rclpy.Parameter("speed", value=2.0)])
+        publisher = self.create_publisher(String, "chatter", 10)
+        self.create_subscription(String, "chatter", lambda msg: heard.append(msg.data), 10)
+        self.create_timer(0.1, lambda: None)
+        self.count_publishers("chatter")
+        publisher.publish(String(data="hello"))
+        rclpy.spin_once(self, timeout_sec=1.0)
+        self.destroy_node()
+
+for name in {names}:
+    heard = []
+    Talker(name)
+    kind = type("Speaker", (Talker,), {{name: nothing, "__init__": lambda self: (
+        rclpy.node.Node.__init__(self, "speaker"), self.use())[0]}})
+    kind()
+print("all")
+"""
+
+
+def _run(program: str, tmp_path: Path, *more: str) -> subprocess.CompletedProcess[str]:
+    file = tmp_path / "program.py"
+    file.write_text(program)
+    command = [sys.executable, "-m", "course_lib", "run", str(file), *more]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("names", [EVERYDAY], ids=["everyday"])
+def test_attributes_and_methods_of_a_student_node_do_not_break_it(
+    names: Iterable[str], tmp_path: Path
+) -> None:
+    done = _run(PROGRAM.format(names=list(names)), tmp_path)
+    assert (done.stdout, done.returncode) == ("all\n", 0), done.stderr
+
+
+ASSIGNS = """
+import rclpy
+import rclpy.node
+from std_msgs.msg import String
+
+class Talker(rclpy.node.Node):
+    def __init__(self):
+        super().__init__("talker")
+        self.{name} = {{}}
+        self.create_publisher(String, "chatter", 10)
+
+rclpy.init()
+Talker()
+Talker()
+print("made")
+"""
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("name", ["_publishers", "_timers", "_services", "_parameters", "_context"])
+def test_assigning_a_private_name_of_rclpy_gives_one_notice_with_its_line(name: str, tmp_path: Path) -> None:
+    lines = _run(ASSIGNS.format(name=name), tmp_path).stdout.splitlines()
+    assert [lines[0].count(f"hint: Talker.{name} (program.py, line 9: self.{name}"), lines[1:]] == [
+        1,
+        ["made"],
+    ]
+    assert "breaks the node on a robot" in lines[0]
+
+
+HARMLESS = """
+import rclpy
+import rclpy.node
+
+class Talker(rclpy.node.Node):
+    def __init__(self):
+        super().__init__("talker")
+        self._logger = self.get_logger()
+        self._clock = self.get_clock()
+        self._my_publishers = [self._context, self._parameters, self._publishers]
+        self.create_timer(0.1, lambda: None)
+
+rclpy.init()
+Talker()
+print("made", hasattr(Talker, "_parameter_service"), Talker._clock is not None)
+"""
+
+
+@pytest.mark.slow
+def test_equal_values_of_private_rclpy_names_give_no_notice(tmp_path: Path) -> None:
+    done = _run(HARMLESS, tmp_path)
+    assert (done.stdout, done.stderr) == ("made False True\n", "")
+
+
+OVERRIDES = """
+import rclpy
+import rclpy.node
+from rclpy.lifecycle import LifecycleNode
+
+class Talker(rclpy.node.Node):
+    _timers = []
+
+    def _apply_descriptor(self):
+        pass
+
+class Managed(LifecycleNode):
+    def _state_machine(self):
+        pass
+"""
+
+
+@pytest.mark.slow
+def test_overriding_a_private_name_of_rclpy_gives_a_notice(tmp_path: Path) -> None:
+    lines = _run(OVERRIDES, tmp_path).stdout.splitlines()
+    assert [line.split()[1] for line in lines] == [
+        "Talker._apply_descriptor",
+        "Talker._timers",
+        "Managed._state_machine",
+    ]
+
+
+OWN_EXECUTOR = """
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+
+class Counting(SingleThreadedExecutor):
+    def __init__(self):
+        super().__init__()
+        self._guard = 0
+
+    def _take_timer(self, timer):
+        pass
+
+rclpy.init()
+Counting()
+print("made")
+"""
+
+
+@pytest.mark.slow
+def test_private_names_of_the_rclpy_executor_give_a_notice(tmp_path: Path) -> None:
+    lines = _run(OWN_EXECUTOR, tmp_path).stdout.splitlines()
+    assert [line.split()[1] for line in lines[:-1]] == ["Counting._take_timer", "Counting._guard"]
+    assert all("rclpy's own Executor" in line and "breaks the executor" in line for line in lines[:-1])
+    assert lines[-1] == "made"

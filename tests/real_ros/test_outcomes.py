@@ -1,0 +1,71 @@
+"""The stand-in against frozen outcomes of the real rclpy, probe by probe."""
+
+import json
+import re
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.real_ros import differences
+
+HERE = Path(__file__).parent
+
+
+def _content(file: str) -> dict[str, Any]:
+    content: dict[str, Any] = json.loads((HERE / "frozen" / f"{file}.json").read_text("utf-8"))
+    return content
+
+
+def frozen_outcomes(file: str) -> dict[str, str]:
+    """Return the outcomes of the real rclpy by probe."""
+    outcomes: dict[str, str] = _content(file)["outcomes"]
+    return outcomes
+
+
+@cache
+def _kits(file: str) -> dict[str, str]:
+    command = [sys.executable, "-m", "course_lib", "run", "--seconds", "600"]
+    done = subprocess.run(
+        [*command, str(HERE / "probes" / f"{file}.py")], capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    outcomes: dict[str, str] = json.loads(done.stdout)
+    return outcomes
+
+
+FILES = sorted(
+    file.stem for file in (HERE / "probes").glob("*.py") if file.stem not in ("probing", "names", "modules")
+)
+PROBES = [(file, name) for file in FILES for name in frozen_outcomes(file)]
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_frozen_outcomes_are_from_rclpy_of_jazzy(file: str) -> None:
+    assert _content(file)["rclpy"] == "7.1.6"
+    assert set(frozen_outcomes(file)) == set(_kits(file))
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_no_frozen_outcome_is_an_error_of_the_probe_itself(file: str) -> None:
+    functions = set(
+        re.findall(r"^def (\w+)", (HERE / "probes" / f"{file}.py").read_text("utf-8"), re.MULTILINE)
+    )
+    faulty = re.compile(rf"\b({'|'.join((*functions, 'outcome', 'probe', 'lines'))})\(\)")
+    assert [name for name, found in frozen_outcomes(file).items() if faulty.search(found)] == []
+
+
+@pytest.mark.parametrize(("file", "name"), PROBES)
+def test_probe_has_the_outcome_of_the_real_rclpy(file: str, name: str) -> None:
+    expected = frozen_outcomes(file)[name]
+    found = _kits(file)[name]
+    difference = differences.PROBES.get(file, {}).get(name)
+    if difference is not None:
+        agrees = f"it agrees by now: take it out of differences.py, and out of the row {difference.row!r}"
+        assert found != expected, agrees
+        assert difference.kits in found
+    else:
+        assert found == expected

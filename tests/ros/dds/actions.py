@@ -1,0 +1,107 @@
+"""Programs with an action, and how a program is run in a kit whose network loses datagrams."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Literal
+
+# The feedback of a goal, each in one message. A publisher of feedback keeps ten.
+FEEDBACK = 10
+GOALS = 2
+SERVER = f"""
+import time
+
+import rclpy
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionServer
+
+rclpy.init()
+node = rclpy.create_node("server")
+
+
+def execute(goal):
+    # The topic of the feedback may be discovered later than the services.
+    while not node.count_subscribers("fib/_action/feedback"):
+        time.sleep(0.05)
+    for number in range({FEEDBACK}):
+        goal.publish_feedback(Fibonacci.Feedback(sequence=[number]))
+        time.sleep(0.1)
+    goal.succeed()
+    return Fibonacci.Result(sequence=[goal.request.order])
+
+
+server = ActionServer(node, Fibonacci, "fib", execute)
+print("up", flush=True)
+try:
+    rclpy.spin(node)
+except KeyboardInterrupt:
+    pass
+"""
+CLIENT = f"""
+import rclpy
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionClient
+
+rclpy.init()
+node = rclpy.create_node("client")
+client = ActionClient(node, Fibonacci, "fib")
+
+
+def wait(future):
+    rclpy.spin_until_future_complete(node, future)
+    return future.result()
+
+
+client.wait_for_server()
+for order in range({GOALS}):
+    feedback = []
+    goal = wait(client.send_goal_async(
+        Fibonacci.Goal(order=order), lambda one: feedback.append(one.feedback.sequence[0])
+    ))
+    # Feedback that arrives after the result is dropped.
+    while len(feedback) < {FEEDBACK}:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    result = wait(goal.get_result_async())
+    print(result.status, list(result.result.sequence), feedback, flush=True)
+"""
+EXPECTED = "".join(f"4 [{order}] {list(range(FEEDBACK))}\n" for order in range(GOALS))
+LOSSY = """
+import random, sys
+from course_lib.ros.dds.participant import Participant
+
+chance, send, receive = random.Random(int(sys.argv[1])), Participant.send, Participant.receive
+
+
+def lossy_send(self, submessages, locators, destination=b""):
+    send(self, submessages, [one for one in locators if chance.random() > 0.3], destination)
+
+
+def lossy_receive(self, data):
+    if chance.random() > 0.3:
+        receive(self, data)
+
+
+Participant.send = lossy_send
+# Another kit loses the datagrams that it sends itself.
+if sys.argv[2] == "real":
+    Participant.receive = lossy_receive
+sys.argv[1:] = sys.argv[3:]
+from course_lib.__main__ import main
+
+main()
+"""
+
+# The kit starts Python anew for a fixed hash seed, without what LOSSY has replaced.
+FIXED_SEED = os.environ | {"PYTHONHASHSEED": "0"}
+
+
+def in_kit(
+    program: Path, *options: str, seed: int | None = None, peer: Literal["kit", "real"] = "kit"
+) -> list[str]:
+    """Return the command that runs a program in a kit, linked to a peer on this computer.
+
+    With a seed, 30 % of the datagrams in each direction are lost.
+    """
+    kit = ["-m", "course_lib"] if seed is None else ["-c", LOSSY, str(seed), peer]
+    link = ["--robot", "dds/127.0.0.1", "--call", "/fib"]
+    return [sys.executable, *kit, "run", str(program), *link, *options]

@@ -1,0 +1,46 @@
+"""Kits that are linked by DDS, on loopback and in a domain of their own."""
+
+import itertools
+import os
+from collections.abc import Iterator
+
+import pytest
+
+from course_lib.ros.dds.link import DdsLink
+from course_lib.ros.robot.robot_graph import RobotGraph
+from course_lib.ros.robot.sending import Permissions
+from tests.ros.zenoh.conftest import Kits
+
+# Workers of pytest-xdist run at the same time, so each takes domains of its own.
+FIRST_DOMAIN, DOMAINS_PER_WORKER = 100, 20
+WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % 5
+domains = itertools.cycle(range(DOMAINS_PER_WORKER))
+
+
+class DdsKits(Kits):
+    """Linked graphs, driven together until something is the case."""
+
+    def __init__(self) -> None:
+        super().__init__("dds/127.0.0.1")
+        self.domain = FIRST_DOMAIN + DOMAINS_PER_WORKER * WORKER + next(domains)
+
+    def join(self, *, domain: int = 0, send: str = "", call: str = "", host: str = "127.0.0.1") -> RobotGraph:
+        """Link one more graph."""
+        allowed = Permissions.from_names(send.split(), call.split())
+        link = DdsLink(host, self.domain + domain)
+        self.graphs.append(RobotGraph(link, allowed, self.lines.append))
+        return self.graphs[-1]
+
+
+@pytest.fixture
+def kits() -> Iterator[DdsKits]:
+    joined = DdsKits()
+    yield joined
+    for graph in tuple(joined.graphs):
+        joined.leave(graph)
+
+
+def dds_link(graph: RobotGraph) -> DdsLink:
+    """Return the link of a graph."""
+    assert isinstance(graph.link, DdsLink)
+    return graph.link

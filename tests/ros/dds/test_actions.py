@@ -1,0 +1,31 @@
+"""Actions between two kits that are linked by DDS, each in a process of its own."""
+
+import random
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.patience import PATIENCE
+from tests.processes import Program
+from tests.ros.dds.actions import CLIENT, EXPECTED, FIXED_SEED, SERVER, in_kit
+
+
+# Without a seed no datagram is lost, with a seed 30 % in each direction.
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [None, 1])
+def test_goals_feedback_and_results_arrive_once_and_in_order(tmp_path: Path, seed: int | None) -> None:
+    (tmp_path / "server.py").write_text(SERVER)
+    (tmp_path / "client.py").write_text(CLIENT)
+    domain = "--domain", str(random.randint(1, 90))
+    server = in_kit(tmp_path / "server.py", *domain, seed=seed)
+    with Program(server, env=FIXED_SEED, stdout=subprocess.PIPE) as robot:
+        try:
+            client = in_kit(tmp_path / "client.py", *domain, seed=seed)
+            done = subprocess.run(
+                client, capture_output=True, text=True, timeout=2 * PATIENCE, env=FIXED_SEED
+            )
+        finally:
+            robot.terminate()
+            robot.communicate(timeout=PATIENCE)
+    assert done.stdout == EXPECTED, done.stderr

@@ -1,0 +1,383 @@
+"""Two kits that are linked by DDS. What holds over Zenoh as well is tested by the same functions."""
+
+import os
+import random
+from collections.abc import Callable, Iterable
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal
+
+import pytest
+from sensor_msgs.msg import Image
+from std_msgs.msg import String
+
+from course_lib.errors import CourseError
+from course_lib.ros.dds.endpoints import FRAGMENT_SIZE, Writer
+from course_lib.ros.dds.names import CDR_LE
+from course_lib.ros.dds.wire import Locator
+from course_lib.ros.graph.topics import Qos, Sample
+from course_lib.ros.messages import deserialize, serialize
+from course_lib.ros.robot.robot_graph import RobotGraph
+from course_lib.ros.time import wall
+from tests.patience import PATIENCE
+from tests.ros.dds.conftest import DdsKits, dds_link
+from tests.ros.zenoh.test_two_kits import (  # noqa: F401  # pytest collects the tests here with this folder's fixtures
+    BEST_EFFORT,
+    LATCHED,
+    STRING,
+    VOLATILE,
+    connect,
+    listener,
+    say,
+    talker,
+    test_latched_messages_reach_early_and_late_joining_subscriptions,
+    test_message_reaches_the_other_kit_once_and_is_not_returned,
+    test_messages_that_are_not_allowed_are_counted_and_reported_once_instead_of_forwarded,
+    test_remote_nodes_and_endpoints_are_listed_until_they_leave,
+    test_robot_stops_when_its_commands_stop,
+    test_robot_stops_when_the_link_is_closed_or_interrupted,
+    test_service_calls_that_are_not_allowed_are_not_forwarded,
+    test_service_is_called_over_the_link,
+    test_service_is_not_offered_unless_it_is_allowed,
+    test_simulated_time_of_the_robot_is_reported,
+    texts,
+    topics,
+)
+
+IMAGE, SET_BOOL = "sensor_msgs/msg/Image", "std_srvs/srv/SetBool"
+RELIABLE = Qos(history="keep_all", durability="transient_local")
+RELIABLE_VOLATILE = Qos(history="keep_all")
+
+
+def drop_datagrams(graph: RobotGraph, share: float, seed: int) -> None:
+    """Lose a share of the datagrams that a graph's link sends."""
+    participant, chance = dds_link(graph).participant, random.Random(seed)
+    send: Callable[..., None] = participant.send
+
+    def lossy_send(
+        submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+    ) -> None:
+        send(submessages, [one for one in locators if chance.random() > share], destination)
+
+    participant.send = lossy_send  # type: ignore[method-assign]  # the network loses them
+
+
+@pytest.mark.sample(2)
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("qos", [RELIABLE, RELIABLE_VOLATILE], ids=["latched", "volatile"])
+def test_reliable_messages_arrive_once_and_in_order_despite_lost_datagrams(
+    kits: DdsKits, qos: Qos, seed: int
+) -> None:
+    robot, student = kits.join(send="/chatter"), kits.join()
+    for number, graph in enumerate((robot, student)):
+        drop_datagrams(graph, 0.3, 2 * seed + number)
+    out = talker(robot, "/chatter", qos=qos)
+    received = listener(student, "/chatter", qos=qos)
+    # The publisher knows the subscription from here on, but the subscription not yet the publisher's state.
+    kits.until(lambda: writer_of(robot, "rt/chatter").readers, "the subscription")
+    expected = [f"message {number}" for number in range(100)]
+    for text in expected:
+        say(robot, out, text)
+    kits.until(lambda: len(received) >= len(expected), "all messages")
+    assert texts(received) == expected
+
+
+def writer_of(graph: RobotGraph, topic: str) -> Writer:
+    """Return the writer of a graph's link on a topic, as DDS names it."""
+    writers = dds_link(graph).participant._writers.values()
+    return next(one for one in writers if one.endpoint.topic == topic)
+
+
+class Service:
+    """A service in one kit and a client in another one, with what both receive."""
+
+    def __init__(self, robot: RobotGraph, student: RobotGraph) -> None:
+        self.requests: list[bytes] = []
+        self.replies: list[bytes | None] = []
+        server = robot.link.endpoint(robot.link.node("robot", "/"), "server", "/double", SET_BOOL, Qos())
+        self.server = robot.link.service(server, self._on_request)
+        caller = student.link.endpoint(student.link.node("caller", "/"), "client", "/double", SET_BOOL, Qos())
+        self.client = dds_link(student).client(caller)
+
+    def _on_request(self, cdr: bytes, send_reply: Callable[[bytes], None]) -> None:
+        self.requests.append(cdr)
+        send_reply(cdr)
+
+
+REQUESTS = [CDR_LE + bytes([number, 0, 0, 0]) for number in range(40)]
+
+
+@pytest.mark.parametrize("lost", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
+def test_service_calls_before_the_match_are_answered_once_despite_lost_datagrams(
+    kits: DdsKits, lost: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.ros.dds.link.MATCH_SECONDS", PATIENCE)
+    robot, student = kits.join(), kits.join()
+    for seed, graph in enumerate((robot, student)):
+        drop_datagrams(graph, lost, seed)
+    service = Service(robot, student)
+    for number, request in enumerate(REQUESTS, start=1):
+        service.client.call(request, service.replies.append)
+        kits.until(partial(has_items, service.replies, number), f"reply {number}")
+    assert (service.requests, service.replies) == (REQUESTS, REQUESTS)
+
+
+def test_reply_is_delayed_until_the_client_reader_is_discovered(kits: DdsKits) -> None:
+    robot, student = kits.join(), kits.join()
+    participant = dds_link(student).participant
+    send: Callable[..., None] = participant.send
+    is_open = False
+
+    def send_late(
+        submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+    ) -> None:
+        # The network loses the description of the client's reader.
+        whole = b"".join(submessages)
+        if is_open or b"rr/doubleReply" not in whole:
+            send([whole], locators, destination)
+
+    participant.send = send_late  # type: ignore[method-assign]  # the network loses them
+    service = Service(robot, student)
+    service.client.call(REQUESTS[1], service.replies.append)
+    kits.until(lambda: service.requests, "the request")
+    assert service.replies == []
+    is_open = True
+    kits.until(lambda: service.replies, "the reply")
+    assert service.replies == [REQUESTS[1]]
+
+
+def test_call_expires_if_no_server_is_matched_in_time(kits: DdsKits, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("course_lib.ros.dds.link.MATCH_SECONDS", 0.0)
+    robot, student = kits.join(), kits.join()
+    service = Service(robot, student)
+    assert not service.client.is_matched()
+    service.client.call(REQUESTS[1], service.replies.append)
+    kits.until(service.client.is_matched, "the server")
+    monkeypatch.undo()
+    service.client.call(REQUESTS[2], service.replies.append)
+    kits.until(lambda: service.replies, "the reply")
+    assert service.requests == [REQUESTS[2]]
+
+
+def has_items(items: list[bytes | None], count: int) -> bool:
+    return len(items) >= count
+
+
+def test_large_message_arrives_complete_despite_lost_fragments(kits: DdsKits) -> None:
+    robot, student = kits.join(send="/image"), kits.join()
+    drop_datagrams(robot, 0.2, 3)
+    out = talker(robot, "/image", IMAGE, LATCHED)
+    received = listener(student, "/image", IMAGE, LATCHED)
+    pixels = random.Random(4).randbytes(1_000_000)
+    robot.publish(out, serialize(Image(height=1000, width=1000, step=1000, encoding="mono8", data=pixels)))
+    kits.until(lambda: received, "the image")
+    image: Any = deserialize(received[0], Image)
+    assert bytes(image.data) == pixels
+
+
+def test_topic_with_mostly_incomplete_messages_is_reported(kits: DdsKits) -> None:
+    robot, student = kits.join(send="/image"), kits.join()
+    participant = dds_link(robot).participant
+    send: Callable[..., None] = participant.send
+
+    def lose_last_fragments(
+        submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+    ) -> None:
+        # Fragments are full but for the last one, which the network loses.
+        whole = b"".join(submessages)
+        if len(whole) < 2000 or len(whole) > FRAGMENT_SIZE:
+            send([whole], locators, destination)
+
+    participant.send = lose_last_fragments  # type: ignore[method-assign]  # the network loses them
+    out = talker(robot, "/image", IMAGE, BEST_EFFORT)
+    received = listener(student, "/image", IMAGE, BEST_EFFORT)
+    kits.until(lambda: writer_of(robot, "rt/image").readers, "the subscription")
+    image = serialize(Image(height=100, width=1000, step=1000, encoding="mono8", data=bytes(100_000)))
+
+    def is_reported() -> bool:
+        robot.publish(out, image)
+        return any("messages of 0.1 MB have arrived only in part" in line for line in kits.lines)
+
+    kits.until(is_reported, "a line about the image")
+    assert received == []
+
+
+def test_subscriptions_with_different_qos_receive_each_message_once(kits: DdsKits) -> None:
+    robot, student = kits.join(send="/name"), kits.join()
+    out = talker(robot, "/name", qos=LATCHED)
+    received = {qos: listener(student, "/name", qos=qos) for qos in (BEST_EFFORT, VOLATILE)}
+    connect(kits, robot, out, received[VOLATILE], String())
+    say(robot, out, "Ada")
+    kits.until(lambda: all("Ada" in texts(each) for each in received.values()), "the name")
+    late = listener(student, "/name", qos=LATCHED)
+    kits.until(lambda: late, "the latched message")
+    say(robot, out, "end")
+    kits.until(lambda: all("end" in texts(each) for each in (*received.values(), late)), "the end")
+    assert texts(late) == ["Ada", "end"]
+    assert [texts(each).count("Ada") for each in received.values()] == [1, 1]
+
+
+def test_incompatible_qos_is_reported_and_nothing_is_delivered(kits: DdsKits) -> None:
+    robot, student = kits.join(send="/scan"), kits.join()
+    out, received = talker(robot, "/scan", qos=BEST_EFFORT), listener(student, "/scan")
+    matched = listener(student, "/scan", qos=BEST_EFFORT)
+    connect(kits, robot, out, matched, String())
+    line = "/scan: publisher and subscription have incompatible QoS (RELIABILITY). DDS does not connect them"
+    kits.until(lambda: any(each.startswith(line) for each in kits.lines), line)
+    assert received == []
+
+
+def test_nodes_in_another_domain_are_not_discovered(kits: DdsKits) -> None:
+    other, student, robot = kits.join(domain=1), kits.join(), kits.join(send="/here")
+    talker(other, "/there")
+    talker(robot, "/here")
+    kits.until(lambda: "/here" in topics(student, "pub"), "the robot of this domain")
+    assert "/there" not in topics(student, "pub")
+
+
+def ends_with(received: list[bytes], text: str) -> bool:
+    return texts(received)[-1:] == [text]
+
+
+def test_restarted_robot_is_discovered_again(kits: DdsKits) -> None:
+    student = kits.join()
+    received = listener(student, "/name", qos=LATCHED)
+    for name in ("first", "second", "third"):
+        robot = kits.join(send="/name")
+        out = talker(robot, "/name", qos=LATCHED)
+        say(robot, out, name)
+        kits.until(partial(ends_with, received, name), name)
+        kits.leave(robot)
+        kits.until(lambda: "/name" not in topics(student, "pub"), "the end of the robot")
+
+
+@pytest.mark.slow
+def test_display_receives_its_topic_again_after_each_of_twenty_publisher_restarts(kits: DdsKits) -> None:
+    student = kits.join()
+    received: list[str] = []
+
+    def show(sample: Sample) -> None:
+        received.append(deserialize(sample.cdr, String).data)
+
+    # As a display does: it subscribes while somebody publishes its topic.
+    student.tap(show, lambda: {"/name"})
+    for number in range(20):
+        robot = kits.join(send="/name")
+        out = talker(robot, "/name", qos=LATCHED)
+        say(robot, out, f"robot {number}")
+        kits.until(partial(ends_with_text, received, f"robot {number}"), f"robot {number}")
+        kits.leave(robot)
+        kits.until(lambda: "/name" not in topics(student, "pub"), "the end of the robot")
+    assert received == [f"robot {number}" for number in range(20)]
+
+
+def ends_with_text(received: list[str], text: str) -> bool:
+    return received[-1:] == [text]
+
+
+def resident_bytes() -> int:
+    """Return the memory of this process, [B]."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from Linux's /proc")
+def test_memory_use_stays_constant_during_an_image_flood_to_a_busy_kit(kits: DdsKits) -> None:
+    robot, student = kits.join(send="/image"), kits.join()
+    out = talker(robot, "/image", IMAGE, BEST_EFFORT)
+    received = 0
+
+    def count(cdr: bytes, source_ns: int, received_ns: int) -> None:
+        nonlocal received
+        received += 1
+        # Slower than the images come.
+        wall.sleep(0.05)
+
+    node = student.add_node("listener", "/")
+    student.add_subscription(node, 0, "/image", IMAGE, BEST_EFFORT, count)
+    image = serialize(Image(height=480, width=640, step=640, encoding="mono8", data=bytes(307_200)))
+    memory: list[int] = []
+    end = wall.monotonic() + float(os.environ.get("COURSE_FLOOD_SECONDS", "30"))
+    while wall.monotonic() < end:
+        for _ in range(5):
+            robot.publish(out, image)
+        for graph in kits.graphs:
+            graph.advance()
+        memory.append(resident_bytes())
+    assert received > 100
+    # Inboxes, which hold 64 MiB, are full after the first part.
+    filled = max(memory[: len(memory) // 3])
+    assert max(memory) < filled + 32 * 2**20, (filled, max(memory))
+
+
+@pytest.mark.parametrize("attempts", [100])
+def test_messages_and_calls_that_are_not_allowed_are_not_sent(kits: DdsKits, attempts: int) -> None:
+    robot, student = kits.join(), kits.join()
+    received = [listener(robot, topic) for topic in ("/cmd_vel", "/chatter")]
+    outs = [talker(student, topic) for topic in ("/cmd_vel", "/chatter")]
+    kits.until(lambda: "/chatter" in topics(student, "sub"), "the robot's subscriptions")
+    for number in range(attempts):
+        for out in outs:
+            say(student, out, str(number))
+    student_writers = dds_link(student).participant
+    assert not [topic for topic in written_topics(student_writers) if topic.startswith(("rt/", "rq/", "rr/"))]
+    assert received == [[], []]
+    assert set(student.blocked.counts.values()) == {attempts}
+
+
+def written_topics(participant: Any) -> list[str]:
+    return [writer.endpoint.topic for writer in participant._writers.values()]
+
+
+def test_closed_port_is_reported_once_as_a_computer_without_a_program(
+    kits: DdsKits, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.ros.dds.link.SILENT_SECONDS", 0.2)
+    # No program uses this address of the loopback device.
+    student = kits.join(host="127.77.0.9")
+    kits.until(lambda: kits.lines, "a line about the silence")
+    end = wall.monotonic() + 0.5
+    kits.until(lambda: wall.monotonic() > end, "half a second")
+    (line,) = kits.lines
+    domain = student.link.domain
+    assert line.startswith(
+        f"Nothing comes from dds/127.77.0.9 in domain {domain}. The computer is there, but no "
+    )
+
+
+def test_domain_without_a_free_port_is_an_error(kits: DdsKits, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("course_lib.ros.dds.participant.PORT_ATTEMPTS", 1)
+    kits.join()
+    with pytest.raises(CourseError, match=r"No UDP port from \d+ to \d+ is free on 127.0.0.1: end other ROS"):
+        kits.join()
+
+
+@pytest.mark.parametrize(("kind", "heard"), [("publisher", True), ("subscription", False)])
+def test_topic_with_another_definition_of_its_type_is_reported(
+    kits: DdsKits, kind: Literal["publisher", "subscription"], heard: bool
+) -> None:
+    robot, student = kits.join(), kits.join()
+    link = dds_link(robot)
+    node = link.node("robot", "/")
+    link.announce(node)
+    entity = link.endpoint(node, kind, "/pose", STRING, Qos(), f"RIHS01_{'0' * 64}")
+    if heard:
+        link.add_writer(entity, "rt/pose", "std_msgs::msg::dds_::String_", Qos())
+    else:
+        link.add_reader(entity, "rt/pose", "std_msgs::msg::dds_::String_", Qos(), lambda sample: None)
+    kits.until(lambda: kits.lines, "a line about the type")
+    (line,) = kits.lines
+    assert line.startswith(f"The robot has another definition of {STRING} than this kit, so /pose ")
+    assert student.link.is_open
+
+
+def test_address_without_a_ros_program_is_explained(kits: DdsKits) -> None:
+    student = kits.join()
+    link = dds_link(student)
+    # Its own announcement arrives at this address, which is no answer of a robot.
+    end = wall.monotonic() + 0.5
+    kits.until(lambda: wall.monotonic() > end, "half a second")
+    assert student.link_report()[0] == ("robot", "dds/127.0.0.1, no answer yet")
+    assert "Nothing comes from dds/127.0.0.1 in domain" in link.no_nodes_message()
+    assert STRING not in kits.lines

@@ -1,0 +1,204 @@
+"""Bytes on the wire: what is written is read back, and malformed datagrams are dropped and counted."""
+
+import contextlib
+import struct
+from collections.abc import Iterable, Iterator
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from course_lib.ros.dds import names, wire
+from course_lib.ros.dds.endpoints import Reader, ReceivedSample, Writer
+from course_lib.ros.dds.names import NodeEndpoints
+from course_lib.ros.dds.participant import Participant
+from course_lib.ros.dds.wire import Endpoint, Locator, ParameterList, Pid, RequestId
+from course_lib.ros.graph.topics import Qos
+
+PREFIX, OTHER = b"\x7f\x7f" + bytes(10), b"\x01\x0f" + bytes(10)
+GUID = OTHER + b"\0\0\1\x03"
+MALFORMED = (ValueError, IndexError, struct.error)
+QOS = st.builds(
+    Qos,
+    reliability=st.sampled_from(["reliable", "best_effort"]),
+    durability=st.sampled_from(["volatile", "transient_local"]),
+    deadline_ns=st.none() | st.integers(1, 10**12),
+    lifespan_ns=st.none() | st.integers(1, 10**12),
+    liveliness=st.sampled_from(["automatic", "manual_by_topic"]),
+    lease_ns=st.none() | st.integers(1, 10**12),
+)
+
+
+class Wire:
+    """Keeps the datagrams that endpoints send."""
+
+    def __init__(self) -> None:
+        self.sent: list[bytes] = []
+
+    def send(self, submessages: Iterable[bytes], locators: object, destination: bytes = b"") -> None:
+        head = wire.PROTOCOL + wire.VENDOR_ID + OTHER
+        self.sent.append(head + b"".join(submessages))
+
+
+@given(st.integers(0, 2**62), st.sets(st.integers(0, 255)))
+def test_sequence_number_sets_survive_a_round_trip(base: int, offsets: set[int]) -> None:
+    numbers = sorted(base + offset for offset in offsets)
+    data = wire.sequence_number(base) + wire.number_bitmap(base, numbers)
+    assert wire.read_sequence_number(data, 0, "<") == base
+    assert wire.read_bitmap(data, 8, base, "<") == numbers
+
+
+@given(QOS, st.text(min_size=1, max_size=50).filter(lambda text: "\0" not in text))
+def test_endpoint_descriptions_survive_a_round_trip(qos: Qos, topic: str) -> None:
+    endpoint = Endpoint(GUID, topic, "std_msgs::msg::dds_::String_", qos, b"typehash=x;")
+    listed = ParameterList(wire.describe(endpoint, OTHER + wire.PARTICIPANT_ENTITY, ("127.0.0.1", 7410)))
+    found = listed.qos("writer")
+    # It is not transmitted, so no depth may be shown.
+    assert found.history == "unknown"
+    assert (listed.string(Pid.TOPIC), listed.octets(Pid.USER_DATA)) == (topic, b"typehash=x;")
+    assert listed.locators(Pid.UNICAST) == (("127.0.0.1", 7410),)
+    assert (found.reliability, found.durability, found.liveliness) == (
+        qos.reliability,
+        qos.durability,
+        qos.liveliness,
+    )
+    # A duration is a binary fraction of a second on the wire.
+    for given_ns, read_ns in (
+        (qos.deadline_ns, found.deadline_ns),
+        (qos.lifespan_ns, found.lifespan_ns),
+        (qos.lease_ns, found.lease_ns),
+    ):
+        assert (given_ns is None) == (read_ns is None)
+        assert given_ns is None or read_ns is None or abs(given_ns - read_ns) <= 1
+
+
+@pytest.mark.parametrize(("kind", "reliability"), [("writer", "reliable"), ("reader", "best_effort")])
+def test_missing_reliability_uses_the_dds_default(kind: wire.Kind, reliability: str) -> None:
+    empty = ParameterList(wire.PL_CDR_LE + wire.parameter(Pid.SENTINEL, b""))
+    assert empty.qos(kind).reliability == reliability
+
+
+@given(
+    st.lists(
+        st.builds(
+            NodeEndpoints,
+            st.just("/ns"),
+            st.text("abc_", min_size=1, max_size=9),
+            st.lists(st.binary(min_size=16, max_size=16), max_size=3),
+            st.lists(st.binary(min_size=16, max_size=16), max_size=3),
+        ),
+        max_size=4,
+    )
+)
+def test_participant_nodes_survive_a_round_trip(nodes: list[NodeEndpoints]) -> None:
+    participant = OTHER + wire.PARTICIPANT_ENTITY
+    assert names.read_discovery(names.write_discovery(participant, nodes)) == (participant, nodes)
+
+
+def datagrams() -> list[bytes]:
+    """Return datagrams of every kind that endpoints send."""
+    sink = Wire()
+    writer = Writer(sink, Endpoint(GUID, "rt/a", "t", Qos(durability="transient_local")))
+    here: tuple[Locator, ...] = (("127.0.0.1", 1),)
+    remote = Endpoint(PREFIX + b"\0\0\1\x04", "rt/a", "t", Qos(durability="transient_local"), locators=here)
+    writer.match(remote)
+    writer.write(b"\0\1\0\0hello", wire.related_request(RequestId(GUID, 3)), 5)
+    writer.write(bytes(100_000), b"", 5)
+    writer.on_acknack(remote.guid, 1, [1, 2], is_final=False)
+    writer.on_acknack(remote.guid, 0, [], is_final=False)
+    reader = Reader(sink, Endpoint(GUID[:15] + b"\x04", "rt/a", "t", Qos()), lambda sample: None)
+    source = Endpoint(PREFIX + b"\0\0\1\x03", "rt/a", "t", Qos(), locators=here)
+    reader.match(source)
+    reader.on_heartbeat(source.guid, 1, 5, 1, is_final=False)
+    return sink.sent
+
+
+@pytest.fixture(scope="module")
+def participant() -> Iterator[Participant]:
+    """A participant that knows the endpoints which `datagrams` are from and for."""
+    made = Participant(99, "127.0.0.1", lambda endpoint, has_joined: None)
+    qos = Qos(durability="transient_local")
+    reader = made.add_reader("rt/a", "t", qos, lambda sample: None)
+    reader.match(Endpoint(GUID, "rt/a", "t", qos))
+    writer = made.add_writer("rt/a", "t", qos)
+    writer.match(Endpoint(GUID[:15] + b"\x04", "rt/a", "t", qos))
+    yield made
+    made.close()
+
+
+@pytest.mark.slow
+@settings(max_examples=300)
+@given(st.sampled_from(datagrams()), st.data())
+def test_mutated_datagram_raises_no_exception(
+    participant: Participant, datagram: bytes, data: st.DataObject
+) -> None:
+    mutated = bytearray(datagram)
+    for _ in range(data.draw(st.integers(1, 8))):
+        mutated[data.draw(st.integers(0, len(mutated) - 1))] = data.draw(st.integers(0, 255))
+    del mutated[data.draw(st.integers(0, len(mutated))) :]
+    received = participant.datagrams
+    participant.receive(bytes(mutated))
+    assert participant.datagrams > received
+
+
+def test_repeated_heartbeats_are_acknowledged_once_for_all_messages_until_then() -> None:
+    sink, received = Wire(), list[int]()
+    local = Endpoint(PREFIX + b"\0\0\1\x04", "rt/a", "t", Qos())
+    reader = Reader(sink, local, lambda sample: received.append(sample.sequence))
+    reader.match(Endpoint(GUID, "rt/a", "t", Qos()))
+    reader.on_heartbeat(GUID, 1, 0, 1, is_final=False)
+    reader.tick()
+    sink.sent.clear()
+    for number in (1, 2, 3):
+        reader.on_data(ReceivedSample(b"", GUID, number, 0))
+        # A robot sends a heartbeat over each of its network devices.
+        for _ in range(2):
+            reader.on_heartbeat(GUID, 1, number, 1 + number, is_final=False)
+    reader.tick()
+    reader.tick()
+    assert (received, sink.sent) == ([1, 2, 3], [acknowledgement(4, [], sink.sent)])
+    # A missing message is requested without a delay, and once for a repeated heartbeat.
+    for _ in range(2):
+        reader.on_heartbeat(GUID, 1, 4, 5, is_final=False)
+    assert sink.sent[1:] == [acknowledgement(4, [4], sink.sent[1:])]
+
+
+def acknowledgement(base: int, missing: list[int], sent: list[bytes]) -> bytes:
+    """Return the datagram of an acknowledgement, with the count of the sent one."""
+    body = b"\0\0\1\x04" + GUID[12:] + wire.sequence_number(base) + wire.number_bitmap(base, missing)
+    head = wire.PROTOCOL + wire.VENDOR_ID + OTHER
+    return head + wire.submessage(wire.ACKNACK, 0x02, body + sent[0][-4:])
+
+
+@given(st.binary(max_size=200))
+def test_arbitrary_discovery_message_raises_only_malformed_errors(cdr: bytes) -> None:
+    with contextlib.suppress(*MALFORMED):
+        names.read_discovery(cdr)
+
+
+def fragment(reader: Reader, size: int, fragment_size: int, first: int = 1, number: int = 1) -> None:
+    sample = ReceivedSample(b"", GUID, number, 0)
+    reader.on_fragment(sample, first, fragment_size, size, memoryview(bytes(min(size, fragment_size, 100))))
+
+
+@pytest.fixture
+def reader() -> Reader:
+    made = Reader(Wire(), Endpoint(PREFIX + b"\0\0\1\x04", "rt/a", "t", Qos()), lambda sample: None)
+    made.match(Endpoint(GUID, "rt/a", "t", Qos()))
+    return made
+
+
+@pytest.mark.parametrize(
+    ("size", "fragment_size", "first"),
+    [(2**31, 60_000, 1), (2**26, 1, 1), (0, 10, 1), (100, 0, 1), (1000, 100, 50), (1000, 100, 0), (2, 2, 2)],
+)
+def test_impossible_fragments_are_rejected(reader: Reader, size: int, fragment_size: int, first: int) -> None:
+    with pytest.raises(ValueError, match="fragment"):
+        fragment(reader, size, fragment_size, first)
+
+
+def test_incomplete_messages_use_a_bounded_amount_of_memory(reader: Reader) -> None:
+    for number in range(1, 200):
+        fragment(reader, wire.MAX_MESSAGE, 60_000, number=number)
+    partial = [one for writer in reader.writers.values() for one in writer.partial.values()]
+    assert sum(len(one.data) for one in partial) <= 2 * wire.MAX_MESSAGE

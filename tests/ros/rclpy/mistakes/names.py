@@ -1,0 +1,127 @@
+"""Misspelt names: variables, classes, functions, attributes and `self.`."""
+
+ROBOT = """class Robot(Node):
+    def __init__(self):
+        super().__init__('a')
+        self.publisher = self.create_publisher(String, 'chatter', 10)
+        self.angle = 0.0
+        self.create_timer(0.1, self.tick)
+    def tick(self):
+        {line}
+rclpy.spin(Robot())"""
+
+
+def undefined(name: str) -> str:
+    return f"NameError: name '{name}' is not defined"
+
+
+# (program, the last line of what it says, the hint below it)
+NAMES = [
+    ("CUBE", undefined("CUBE"), "did you mean `Marker.CUBE`?"),
+    ("Markers()", undefined("Markers"), "did you mean `Marker`?"),
+    ("time.time()", undefined("time"), "import it: `import time`; in a notebook run the first cells again."),
+    (
+        "Marker.cylinder",
+        "AttributeError: type object 'Marker' has no attribute 'cylinder'",
+        "did you mean `CYLINDER`? `%ros2 interface show visualization_msgs/msg/Marker` lists its fields.",
+    ),
+    (
+        "Marker.TEXT",
+        "AttributeError: type object 'Marker' has no attribute 'TEXT'",
+        "did you mean `TEXT_VIEW_FACING`? `%ros2 interface show visualization_msgs/msg/Marker` lists its "
+        "fields.",
+    ),
+    (
+        "Marker().size.x = 1.0",
+        "AttributeError: 'Marker' object has no attribute 'size'",
+        "did you mean `scale`? `%ros2 interface show visualization_msgs/msg/Marker` lists its fields.",
+    ),
+    (
+        "Marker().alpha = 1.0",
+        "AttributeError: 'Marker' object has no attribute 'alpha'",
+        "did you mean `color.a`? `%ros2 interface show visualization_msgs/msg/Marker` lists its fields.",
+    ),
+    (
+        "Marker().pose.orientation.yaw = 1.0",
+        "AttributeError: 'Quaternion' object has no attribute 'yaw'",
+        "a quaternion holds no angle: a turn by yaw about z is `Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`.",
+    ),
+    (
+        ROBOT.format(line="self.publish(String())"),
+        "AttributeError: 'Robot' object has no attribute 'publish'",
+        "did you mean `self.publisher.publish`?",
+    ),
+    (
+        ROBOT.replace("self.tick)", "self.callback)").format(line="pass"),
+        "AttributeError: 'Robot' object has no attribute 'callback'",
+        "Robot has publisher, angle and tick. Which of them do you mean, or is one missing?",
+    ),
+    ("Markr()", undefined("Markr"), "did you mean `Marker`?"),
+    ("marker = Marker()\nmarkr.id = 1", undefined("markr"), "did you mean `marker`?"),
+    ("def draw():\n    green = 1.0\n    return gren\ndraw()", undefined("gren"), "did you mean `green`?"),
+    ("class First(Nod): ...", undefined("Nod"), "did you mean `Node`?"),
+    ("pint(1)", undefined("pint"), "did you mean `print`?"),
+    ("true", undefined("true"), "did you mean `True`?"),
+    ("u = 1.0\nU", undefined("U"), "did you mean `u`?"),
+    (
+        "run_live(node)",
+        undefined("run_live"),
+        "import it: `from course_lib import run_live`; in a notebook run the first cells again.",
+    ),
+    (
+        "run_liv(node)",
+        undefined("run_liv"),
+        "did you mean run_live? Then import it: `from course_lib import run_live`.",
+    ),
+    (
+        "math.pi",
+        undefined("math"),
+        "import it: `import math`; in a notebook run the first cells again.",
+    ),
+    (
+        "def generate_launch_description():\n    return LaunchDescription([])\ngenerate_launch_description()",
+        undefined("LaunchDescription"),
+        "import it: `from launch import LaunchDescription`; in a notebook run the first cells again.",
+    ),
+    (
+        ROBOT.format(line="publisher.publish(String())"),
+        undefined("publisher"),
+        "did you mean `self.publisher`?",
+    ),
+    (
+        ROBOT.format(line="publsher.publish(String())"),
+        undefined("publsher"),
+        "did you mean `self.publisher`?",
+    ),
+    (
+        ROBOT.format(line="self.publsher.publish(String())"),
+        "AttributeError: 'Robot' object has no attribute 'publsher'",
+        "did you mean `publisher`?",
+    ),
+    (
+        ROBOT.format(line="self.get_loger().info('x')"),
+        "AttributeError: 'Robot' object has no attribute 'get_loger'",
+        "did you mean `get_logger`?",
+    ),
+    (
+        ROBOT.format(line="angle += 0.1"),
+        "UnboundLocalError: cannot access local variable 'angle' where it is not associated with a value",
+        "did you mean `self.angle`?",
+    ),
+    (
+        "count = 0\ndef heard():\n    count += 1\nheard()",
+        "UnboundLocalError: cannot access local variable 'count' where it is not associated with a value",
+        "a function that assigns count has a count of its own. Keep the value in the node, as `self.count`, "
+        "or write `global count` first.",
+    ),
+    (
+        "def level(x):\n    if x > 1:\n        y = 2\n    return y\nlevel(0)",
+        "UnboundLocalError: cannot access local variable 'y' where it is not associated with a value",
+        "give y a value before this line, on every way that leads here.",
+    ),
+    (
+        "rclpy.spn(node)",
+        "AttributeError: module 'rclpy' has no attribute 'spn'",
+        "did you mean `spin`?",
+    ),
+]

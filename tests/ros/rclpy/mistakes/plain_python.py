@@ -1,0 +1,331 @@
+"""Mistakes with Python's own types: numbers, lists, dictionaries and arrays."""
+
+# (program, the last line of what it says, the hint below it)
+PLAIN_PYTHON = [
+    (
+        "speed = 2.0\nspeed ^ 2.0",
+        "TypeError: unsupported operand type(s) for ^: 'float' and 'float'",
+        "a power has two stars, like `u**2`: ^ compares bits.",
+    ),
+    (
+        "import numpy as np\nnp.zeros(3, 4)",
+        "TypeError: Cannot interpret '4' as a data type",
+        "the shape is one value, in ( ) of its own: `np.zeros((3, 4))`.",
+    ),
+    (
+        "import math\nmath.atan2(1.0)",
+        "TypeError: atan2 expected 2 arguments, got 1",
+        "atan2 takes 2 values, with a comma between them: `math.atan2(1.0, 2.0)` takes y, then x.",
+    ),
+    (
+        "int('Person')",
+        "ValueError: invalid literal for int() with base 10: 'Person'",
+        "int(…) takes digits only, and this string is 'Person'. Is it another field?",
+    ),
+    (
+        "items = [1.0]\nitems = items.append(2.0)\nitems.append(3.0)",
+        "AttributeError: 'NoneType' object has no attribute 'append'",
+        "append changes its object and returns None: write `items.append(item)` alone on the line, without = "
+        "before it.",
+    ),
+    (
+        "from nav_msgs.msg import Path\nfor point in Path(): ...",
+        "TypeError: 'Path' object is not iterable",
+        "a Path is not a list, but has one: loop over its field poses.",
+    ),
+    (
+        "markers = []\nmarkers += Marker()",
+        "TypeError: 'Marker' object is not iterable",
+        "+= adds all items of a list. `items.append(item)` adds a single item.",
+    ),
+    (
+        "Duration(second=1.0)",
+        "TypeError: Duration.__init__() got an unexpected keyword argument 'second'",
+        "did you mean `seconds`?",
+    ),
+    (
+        "class Painter(Node):\n    def paint(self): ...\nPainter('a').paint(1)",
+        "TypeError: Painter.paint() takes 1 positional argument but 2 were given",
+        "paint takes nothing besides self, and the call passes 1 value: write self.paint().",
+    ),
+    (
+        "for key in {}.items: ...",
+        "TypeError: 'builtin_function_or_method' object is not iterable",
+        "this is a function that is not called: are its ( ) missing?",
+    ),
+    (
+        "import numpy as np\nnp.zeros(3).x",
+        "AttributeError: 'numpy.ndarray' object has no attribute 'x'",
+        "an array has indices: [0] is x, [1] is y, [2] is z.",
+    ),
+    (
+        "import math\nmath.radians([30.0, 60.0])",
+        "TypeError: must be real number, not list",
+        "functions of math take one number. Each of a list: `[math.radians(angle) for angle in (30.0, "
+        "60.0)]`.",
+    ),
+    (
+        "import math\nmath.sin('1.0')",
+        "TypeError: must be real number, not str",
+        "functions of math take a number, and this is of type str: print it.",
+    ),
+    (
+        "joints = [['z', 1.0]]\nangles = [0.5]\nfor joint in joints:\n    angles[joint]",
+        "TypeError: list indices must be integers or slices, not list",
+        "an index counts items: `for i in range(len(items))` gives indices, `for item in items` the items.",
+    ),
+    (
+        "from sensor_msgs.msg import JointState\nJointState().position['elbow_joint'] = 1.0",
+        "TypeError: array indices must be integers",
+        "an array has numbers as indices. Set the whole field at once: `state.position = [0.1, 0.2]`.",
+    ),
+    (
+        "from sensor_msgs.msg import JointState\nJointState().position[0] = 1.0",
+        "IndexError: array assignment index out of range",
+        "the array is shorter, and empty in a new message. Set the whole field at once: "
+        "`state.position = [0.1, 0.2]`.",
+    ),
+    (
+        "place = (1.0, 2.0)\nplace[0] = 2.0",
+        "TypeError: 'tuple' object does not support item assignment",
+        "a tuple cannot be changed: make a list, or a new one.",
+    ),
+    (
+        "[1.0, 2.0] * 0.5",
+        "TypeError: can't multiply sequence by non-int of type 'float'",
+        "a list times a number repeats the list. An array multiplies each number: `np.array([1.0, 2.0]) * "
+        "0.5`.",
+    ),
+    (
+        "[1.0] + 1.0",
+        'TypeError: can only concatenate list (not "float") to list',
+        "+ joins two lists: a single item in [ ] can be added to a list. To add numbers, use "
+        "`np.array([1.0, 2.0]) + 1.0`.",
+    ),
+    (
+        "{'amplitude': 0.5} * 2.0",
+        "TypeError: unsupported operand type(s) for *: 'dict' and 'float'",
+        "one side is a dictionary: take one of its values, by its name in [ ].",
+    ),
+    (
+        "[1.0] - [0.5]",
+        "TypeError: unsupported operand type(s) for -: 'list' and 'list'",
+        "one side is a list: take an item of it, like [0], or use `np.array([1.0, 2.0])`.",
+    ),
+    (
+        "'0.5' * 2.0",
+        "TypeError: can't multiply sequence by non-int of type 'float'",
+        "a list times a number repeats the list. An array multiplies each number: `np.array([1.0, 2.0]) * "
+        "0.5`.",
+    ),
+    (
+        "Point() - Point()",
+        "TypeError: unsupported operand type(s) for -: 'Point' and 'Point'",
+        "a Point is not an array: compute with its fields x, y and z.",
+    ),
+    (
+        "0.25 * Node('a').get_clock().now()",
+        "TypeError: unsupported operand type(s) for *: 'float' and 'Time'",
+        "a Time is not a number: `self.get_clock().now().nanoseconds / 1e9` is one, in seconds.",
+    ),
+    (
+        "None < 1.0",
+        "TypeError: '<' not supported between instances of 'NoneType' and 'float'",
+        "one side is None: was it set before this line?",
+    ),
+    (
+        "'0.5' < 1.0",
+        "TypeError: '<' not supported between instances of 'str' and 'float'",
+        "one side is a string: remove the quotes, or convert it with float(…).",
+    ),
+    (
+        "range(10 / 2)",
+        "TypeError: 'float' object cannot be interpreted as an integer",
+        "a count is a whole number: int(…), or // instead of /.",
+    ),
+    (
+        "len(1.0)",
+        "TypeError: object of type 'float' has no len()",
+        "len() takes a list, and this is of type float: print it.",
+    ),
+    (
+        "{'x': 1}[[0.0]]",
+        "TypeError: unhashable type: 'list'",
+        "a list cannot be a key: are two arguments the wrong way round?",
+    ),
+    (
+        "def two_link(lift, elbow): ...\ntwo_link(1.0, 1.0, 0.0, 0.0)",
+        "TypeError: two_link() takes 2 positional arguments but 4 were given",
+        "def two_link(…) has 2 names in ( ), and the call passes 4 values. If check(…) makes the call, the "
+        "function needs the names of the task.",
+    ),
+    (
+        "def two_link(a, b, c): ...\ntwo_link(1.0, 1.0)",
+        "TypeError: two_link() missing 1 required positional argument: 'c'",
+        "the call passes no value for 'c'. If check(…) makes the call, the function needs the names of the "
+        "task.",
+    ),
+    (
+        "Node('a').create_publisher(String, 'b', 10)(String())",
+        "TypeError: 'Publisher' object is not callable",
+        "write `self.publisher.publish(message)`.",
+    ),
+    (
+        "joints = []\njoints(1.0)",
+        "TypeError: 'list' object is not callable",
+        "a list takes [ ] instead of ( ).",
+    ),
+    (
+        "import numpy as np\nnp.eye(4) @ [1.0, 2.0, 3.0]",
+        "ValueError: matmul: Input operand 1 has a mismatch in its core dimension 0, with gufunc signature "
+        "(n?,k),(k,m?)->(n?,m?) (size 3 is different from 4)",
+        "a matrix of 4 by 4 takes points of four numbers: x, y, z and a 1.",
+    ),
+    (
+        "import numpy as np\nnp.eye(3) @ np.eye(4)",
+        "ValueError: matmul: Input operand 1 has a mismatch in its core dimension 0, with gufunc signature "
+        "(n?,k),(k,m?)->(n?,m?) (size 4 is different from 3)",
+        "the sizes 4 and 3 do not fit: print .shape of both sides of @.",
+    ),
+    (
+        "import numpy as np\n1 @ np.eye(4)",
+        "ValueError: matmul: Input operand 0 does not have enough dimensions (has 0, gufunc core with "
+        "signature "
+        "(n?,k),(k,m?)->(n?,m?) requires 1)",
+        "one side of @ is a number: @ multiplies matrices, and begins with `np.eye(4)`.",
+    ),
+    (
+        "import numpy as np\nnp.array([[1.0, 2.0], 1.0])",
+        "ValueError: setting an array element with a sequence. The requested array has an inhomogeneous "
+        "shape "
+        "after 1 dimensions. The detected shape was (2,) + inhomogeneous part.",
+        "one item is a list, and another is a number. A * unpacks a list into another one: [*tip, 1.0].",
+    ),
+    (
+        "[1.0, 2.0].index(3.0)",
+        "ValueError: 3.0 is not in list",
+        "the value is not among the items: print both. nan is equal to nothing, not even to itself.",
+    ),
+    (
+        "min([])",
+        "ValueError: min() arg is an empty sequence",
+        "the list is empty: handle this case first, with if not values: return.",
+    ),
+    (
+        "import numpy as np\nif np.zeros(3) < 1.0: ...",
+        "ValueError: The truth value of an array with more than one element is ambiguous. Use a.any() or "
+        "a.all()",
+        "an array has many values: compare one of them, or use .any() or .all().",
+    ),
+    (
+        "int(float('inf'))",
+        "OverflowError: cannot convert float infinity to integer",
+        "the number is infinite: leave it out before, with math.isfinite(…).",
+    ),
+    ("mine = {'amplitude': 0.5}\nmine['amplitud']", "KeyError: 'amplitud'", "did you mean 'amplitude'?"),
+    (
+        "{'z': 1.0}[0.5]",
+        "KeyError: 0.5",
+        "the dictionary has no such key: print its keys with list(…).",
+    ),
+    (
+        "class Robot(Node):\n    def answer(self, request): ...\nRobot('a').answer()",
+        "TypeError: Robot.answer() missing 1 required positional argument: 'request'",
+        "the call passes no value for request: put it in ( ). To pass the method itself, for ROS to call "
+        "it, write `self.answer` without ().",
+    ),
+    (
+        "TransformBroadcaster()",
+        "TypeError: TransformBroadcaster.__init__() missing 1 required positional argument: 'node'",
+        "pass the node, too: TransformBroadcaster(…, self), or TransformBroadcaster(self) where nothing "
+        "else is "
+        "passed.",
+    ),
+    (
+        "TransformBroadcaster(Node('a')).publish(1)",
+        "AttributeError: 'TransformBroadcaster' object has no attribute 'publish'",
+        "write `broadcaster.sendTransform(transform)`.",
+    ),
+    (
+        "TransformBroadcaster(Node('a')).sendTransform()",
+        "TypeError: TransformBroadcaster.sendTransform() missing 1 required positional argument: 'transform'",
+        "pass the transform: `broadcaster.sendTransform(transform)`.",
+    ),
+    (
+        "from tf2_ros import TransformListener\nTransformListener(Node('a'), Buffer())",
+        "AttributeError: 'Buffer' object has no attribute 'create_subscription'",
+        "the buffer comes first, then the node: `TransformListener(self.buffer, self)`.",
+    ),
+    (
+        "def two_link(a, b, first):\n    return lift\ntwo_link(1.0, 1.0, 0.0)",
+        "NameError: name 'lift' is not defined",
+        "two_link gets a, b and first, and knows what the cells above define. Where is lift from?",
+    ),
+    (
+        "import tf2_geometry_msgs\nBuffer().transform('map', Point())",
+        "tf2_ros.buffer_interface.TypeException: Type <class 'str'> is not loaded or supported",
+        "the message comes first, then the frame: `self.buffer.transform(point, 'map')`.",
+    ),
+    (
+        "import tf2_geometry_msgs\nBuffer().transform(Point(), 'map')",
+        "tf2_ros.buffer_interface.TypeException: Type <class 'geometry_msgs.msg._point.Point'> is not "
+        "loaded or "
+        "supported",
+        "a Point has no header, so no frame and no time: transform a PointStamped.",
+    ),
+    (
+        "class Robot(Node):\n    def tick(self):\n        time = 1.0\n        return "
+        "self.time\nRobot('a').tick()",
+        "AttributeError: 'Robot' object has no attribute 'time'",
+        "time is a variable of this method: write `time` without self.",
+    ),
+    (
+        "from vision_msgs.msg import Detection3D\nDetection3D().score",
+        "AttributeError: 'Detection3D' object has no attribute 'score'",
+        "did you mean `results[0].hypothesis.score`? `%ros2 interface show vision_msgs/msg/Detection3D` "
+        "lists its "
+        "fields.",
+    ),
+    (
+        "node = Node('a')\nnode.declare_parameter('max_detections', 5)\nnode.get_parameter('max_detection')",
+        "rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared parameter(s): "
+        "max_detection",
+        "did you mean 'max_detections'? It is declared.",
+    ),
+    (
+        "sorted([Point(), Point()])",
+        "TypeError: '<' not supported between instances of 'Point' and 'Point'",
+        "two objects of type Point have no order: compare a number of each, as by sorted(items, "
+        "key=score_of).",
+    ),
+    (
+        "[1.0].sort()[:2]",
+        "TypeError: 'NoneType' object is not subscriptable",
+        "this is None: does the function or method before [ ] return something? list.sort() does not.",
+    ),
+    (
+        "-'20'",
+        "TypeError: bad operand type for unary -: 'str'",
+        "a sign needs a number, and this is of type str: print it.",
+    ),
+    *(
+        (
+            f"from sensor_msgs.msg import JointState\nimport numpy as np\nJointState().name = {value}",
+            "AssertionError: The 'name' field must be a set or sequence and each value of type 'str'",
+            hint,
+        )
+        for value, hint in (
+            ("1", "this is one value, 1, and the field takes many: put them into a list, in [ ]."),
+            ("'arm'", "this is one value, 'arm', and the field takes many: put them into a list, in [ ]."),
+            (
+                "{'arm': 1.0}",
+                "this is a dictionary, and the field takes a list: of its values, in the right order.",
+            ),
+            ("[['a']]", "item 0 is a list in the list: does it have [ ] of its own, or is a * missing?"),
+            (
+                "np.eye(2)",
+                "this is an array of 2 dimensions, and the field takes one: `matrix.ravel()` is flat.",
+            ),
+        )
+    ),
+]

@@ -1,0 +1,191 @@
+"""Malformed files of a workspace: an error names the file and its line, without frames of the kit."""
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from course_lib import load_robot
+from course_lib.errors import CourseError
+from tests.patience import PATIENCE
+
+XACRO = '<robot name="r" xmlns:xacro="http://wiki.ros.org/xacro">'
+JOINT = '<joint name="j" type="{}"><parent link="a"/><child link="b"/></joint>'
+SETUP = "from setuptools import setup\nsetup(entry_points={'console_scripts': [\n    %s\n]})\n"
+Write = Callable[[str, str], Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
+    """Work in an empty workspace; the function writes a file of it."""
+    for variable in ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH"):
+        monkeypatch.setenv(variable, "")
+    monkeypatch.chdir(tmp_path)
+
+    def write(path: str, text: str) -> Path:
+        file = tmp_path / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+        return file
+
+    return write
+
+
+def errors_of(*words: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", "course_lib", *words], capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert done.returncode
+    return done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (f'{XACRO}\n<link name="${{b}}"/></robot>', r"\(r\.xacro, line 2\): error: name 'b' is not defined"),
+        (f"{XACRO}\n\n<xacro:nope/></robot>", r"\(r\.xacro, line 3\): error: unknown macro name: xacro:nope"),
+        (
+            f'{XACRO}\n<xacro:include filename="no.xacro"/></robot>',
+            r"\(r\.xacro, line 2\): error: No such file",
+        ),
+        (
+            f'{XACRO}\n<xacro:include filename="$(find nope)/a"/></robot>',
+            r"\(r\.xacro, line 2\).*'nope' not f",
+        ),
+        (f'{XACRO}\n<xacro:if value="maybe"/></robot>', r"\(r\.xacro, line 2\): error: Xacro conditional"),
+        (f'{XACRO}\n<link name="$(arg n)"/></robot>', r"\(r\.xacro, line 2\): error: Undefined substitution"),
+        (
+            f'{XACRO}\n<xacro:macro name="m" params="a"><link name="${{a}}"/></xacro:macro>'
+            "\n<xacro:m/></robot>",
+            r"\(r\.xacro, line 3\): error: Undefined parameters \[a\]",
+        ),
+        (f"{XACRO}\n<link>", r"XML parsing error: no element found: line 2"),
+    ],
+)
+def test_xacro_error_includes_the_line(write: Write, text: str, expected: str) -> None:
+    with pytest.raises(CourseError, match=rf"^xacro cannot expand .*r\.xacro.*{expected}"):
+        load_robot(write("r.xacro", text))
+
+
+def test_endless_macro_is_a_short_error(write: Write) -> None:
+    macro = '<xacro:macro name="m" params="a"><xacro:m a="1"/></xacro:macro>'
+    with pytest.raises(CourseError, match=r"\(r\.xacro, line 2\): error: maximum recursion") as error:
+        load_robot(write("r.xacro", f'{XACRO}\n{macro}\n<xacro:m a="1"/></robot>'))
+    assert len(str(error.value).splitlines()) < 8
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ('<link name="a"/>\n<link name="a"/>', r", line 2: The URDF is not valid: link 'a' is not unique"),
+        (
+            f'<link name="a"/><link name="b"/>\n{JOINT.format("x")}',
+            r", line 3: .*Joint \[j\] has no known type",
+        ),
+        ('<link name="a"/>\n<link name="b"/>', r", line 2: .*Two root links found: \[a\] and \[b\]"),
+        ("<link", r": The URDF is not XML: .*line 2"),
+        (
+            '<link name="a"><visual><geometry>\n<mesh filename="package://no/a.stl"/></geometry></visual></link>',
+            r", line 3: The file package://no/a\.stl does not exist",
+        ),
+    ],
+)
+def test_urdf_file_error_includes_the_line(write: Write, body: str, expected: str) -> None:
+    with pytest.raises(CourseError, match=rf"^.*/r\.urdf{expected}"):
+        load_robot(write("r.urdf", f'<robot name="r">\n{body}</robot>'))
+
+
+@pytest.mark.parametrize(
+    ("message", "expected"),
+    [
+        ("int32 x\nint32 y z", "line 2: 'z' is not a value of the type int32."),
+        ("int8 MOST=300", "line 1: '300' is not a value of the type int8."),
+        ("uint8 x -1", "line 1: '-1' is not a value of the type uint8."),
+        ("bool x maybe", "line 1: 'maybe' is not a value of the type bool."),
+        ("float64 x 1,5", "line 1: '1,5' is not a value of the type float64."),
+        ("# a\nint32 x\nint32 x", "line 3: there is a field 'x' above already."),
+        ("int32 class", "line 1: 'class' is a keyword of Python"),
+        ("\nint3 x", "line 2, field x: No message type"),
+    ],
+)
+def test_interface_file_error_includes_the_line(write: Write, message: str, expected: str) -> None:
+    write("wrong_msgs/msg/A.msg", f"{message}\n")
+    write("p.py", "from wrong_msgs.msg import A\n")
+    shown = errors_of("run", "p.py")
+    assert f"wrong_msgs/msg/A.msg, {expected}" in shown
+    assert "importlib" not in shown
+    assert "course_lib/" not in shown
+
+
+def test_valid_constants_and_defaults_of_interface_files_are_accepted(write: Write) -> None:
+    constants = "int8 LOWEST=-128\nuint64 MOST=18446744073709551615\nfloat32 HALF=5e-1\nbool YES=True\n"
+    fields = 'string WORD=class\nbool flag true\nint32 x 08\nfloat64[] many [1, 2]\nstring s "a"\n'
+    write("right_values_msgs/msg/A.msg", constants + fields)
+    write("p.py", "from right_values_msgs.msg import A\nprint(A.LOWEST, A().flag, list(A().many))\n")
+    done = subprocess.run(
+        [sys.executable, "-m", "course_lib", "run", "p.py"], capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert (done.stdout, done.stderr) == ("-128 True [1.0, 2.0]\n", "")
+
+
+@pytest.mark.parametrize(
+    ("manifest", "setup", "expected"),
+    [
+        ("<package><name>arm<", "", "arm/package.xml: not XML: "),
+        ("", "", "arm/package.xml: not XML: no element found: line 1"),
+        (
+            "<package>\n<name>my arm</name></package>",
+            "",
+            "arm/package.xml, line 2: expected the element <name>arm<",
+        ),
+        ("", "'go = arm.go'", "setup.py, line 3: 'go = arm.go' is not of the form 'NAME = MODULE:FUNCTION'."),
+        ("", "'go = arm.go:a'\n    'no = arm.go:b'", "Is a comma missing between two entries?"),
+        ("", "'go = arm.gone:main'", "setup.py line 3: there is no module arm.gone in "),
+        (
+            "",
+            "'go = arm.go:mian'",
+            "setup.py line 3: the module arm.go has no function 'mian'. Did you mean main?",
+        ),
+        ("", "'go = arm.wrong:main'", 'wrong.py", line 1'),
+    ],
+)
+def test_package_error_includes_its_file(write: Write, manifest: str, setup: str, expected: str) -> None:
+    manifest = "<package><name>arm</name></package>" if setup else manifest
+    write("src/arm/package.xml", manifest)
+    write("src/arm/setup.py", SETUP % setup)
+    write("src/arm/arm/__init__.py", "")
+    write("src/arm/arm/go.py", "def main():\n    pass\n")
+    write("src/arm/arm/wrong.py", "def main(:\n")
+    shown = errors_of("ros2", "run", "arm", "go")
+    assert expected in shown
+    assert not re.search(r"course_lib/|importlib|Traceback", shown)
+
+
+@pytest.mark.parametrize(
+    ("action", "expected"),
+    [
+        ("'talker'", r"expected an action such as Node\(…\), not 'talker' \(l\.launch\.py, line 5: "),
+        (
+            "DeclareLaunchArgument('a', choices=['x'], default_value='z')",
+            r'"z" is not in .*l\.launch\.py, line 6: ',
+        ),
+        (
+            "SetEnvironmentVariable('a', 3)",
+            r"expected a string or a substitution, not 3 \(l\.launch\.py, line 6",
+        ),
+        ("Node(package='a', executable='b', remappings=['ab'])", r"remappings=\['ab'\], expected pairs: "),
+        ("Node('a', 'b')", r"hint: pass each value with its name"),
+    ],
+)
+def test_launch_file_error_includes_the_line(write: Write, action: str, expected: str) -> None:
+    imports = "from launch import *\nfrom launch.actions import *\nfrom launch_ros.actions import Node\n"
+    describe = (
+        f"def generate_launch_description():\n    return LaunchDescription([\n        {action}\n    ])\n"
+    )
+    write("l.launch.py", imports + describe)
+    shown = errors_of("run", "l.launch.py", "--seconds", "1")
+    assert re.search(expected, shown)
+    assert "course_lib/" not in shown
