@@ -24,9 +24,10 @@ from tests.processes import LIMIT_OF_A_SERVER, Program
 
 ANSWER = 3 * PATIENCE  # [s]; cells may run for long on a busy machine
 KERNEL = "courseNotebook()?.context?.sessionContext?.session?.kernel"
-# The notebook that is visible. It is not JupyterLab's current widget after a click into the view beside it.
+# The notebook of the front tab. It is not JupyterLab's current widget after a click into the view beside it.
+# Nor is it always visible: JupyterLab hides its whole window for a frame after a change of theme, but no tab.
 FIND_NOTEBOOK = """globalThis.courseNotebook = () => [...jupyterapp.shell.widgets('main')]
-    .find((one) => one.context?.sessionContext && one.isVisible);"""
+    .find((one) => one.context?.sessionContext && !one.isHidden);"""
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder
 VIEWPORT: ViewportSize = {"width": 1280, "height": 900 if PICTURES else 720}  # [px]
 # Software draws the views here: a screen of three frames a second, and edges that are not smooth, are enough.

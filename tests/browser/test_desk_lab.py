@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.jupyterlab import Lab, Notebook, opened, place_of_view, view_of
 from tests.browser.waiting import wait_until
@@ -70,16 +70,31 @@ def test_clicks_reach_python_while_another_cell_waits_for_one(lesson: Notebook) 
     wait_until(lambda: lesson.kernel("print(len(clicks))").strip() == "1", lesson.page)
 
 
+def open_displays(place: Locator) -> None:
+    """Open the Displays panel, unless an earlier test has opened it."""
+    button = place.get_by_role("button", name="Displays panel")
+    if button.get_attribute("aria-expanded") != "true":
+        button.click()
+    expect(button).to_have_attribute("aria-expanded", "true")
+
+
+def change_theme(page: Page, theme: str) -> None:
+    """Change JupyterLab's theme, and wait until its window is shown again."""
+    page.evaluate("theme => jupyterapp.commands.execute('apputils:change-theme', {theme})", theme)
+    page.wait_for_function(
+        "theme => document.body.dataset.jpThemeName == theme && jupyterapp.shell.isVisible", arg=theme
+    )
+
+
 def test_displays_can_be_edited_in_both_themes(lesson: Notebook) -> None:
     place = place_of_view(lesson.cell(SHOW))
-    place.get_by_role("button", name="Displays panel").click()
+    open_displays(place)
     place.get_by_role("row").filter(has_text="Grid").first.press("ArrowRight")
     place.get_by_role("spinbutton", name="Cell Size").fill("0.5")
     lesson.page.keyboard.press("Enter")
     place.get_by_role("button", name="Views panel").click()
     for theme in ("JupyterLab Light", "JupyterLab Dark"):
-        lesson.page.evaluate("theme => jupyterapp.commands.execute('apputils:change-theme', {theme})", theme)
-        lesson.page.wait_for_function("theme => document.body.dataset.jpThemeName == theme", arg=theme)
+        change_theme(lesson.page, theme)
         if PICTURES:
             lesson.page.screenshot(path=Path(PICTURES) / f"desk_lab_{theme[11:].lower()}.png")
     wait_until(lambda: lesson.kernel("print(viewer['Grid']['Cell Size'])").strip() == "0.5", lesson.page)
@@ -89,6 +104,7 @@ def test_keys_pressed_in_panels_do_not_reach_the_notebook(lesson: Notebook) -> N
     cells = "() => courseNotebook().content.widgets.length"
     before = lesson.page.evaluate(cells)
     place = place_of_view(lesson.cell(SHOW))
+    open_displays(place)
     add = place.get_by_role("button", name="Add a display")
     for control in (place.locator("canvas").first, add, place.get_by_role("combobox", name="Type of view")):
         for key in ("a", "b", "d", "d", "x", "m", "s", "c", "g", "Escape"):
