@@ -4,6 +4,7 @@ import _thread
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -20,6 +21,7 @@ REAL_KIND = "driving"
 THIS_COMPUTER = f"{DDS}127.0.0.1"
 # Polling period [s].
 POLL = 0.05
+START_SECONDS = 120.0  # [s] in which a robot's process is ready, also on a busy computer
 END_SECONDS = 30.0  # [s] in which a robot's process ends after its input
 # The program logs this when the robot is ready.
 READY = "The robot is ready"
@@ -185,13 +187,27 @@ def start_robot(link: Literal["zenoh", "dds"] = "zenoh") -> RobotProcess:
     command = [sys.executable, "-m", "course_lib", "robot", *options, "--with-parent"]
     pipe = subprocess.PIPE
     process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT, text=True)
+    is_late = threading.Event()
+
+    def end() -> None:
+        # The end of the process also ends the lines that are read below.
+        is_late.set()
+        process.kill()
+
+    limit = threading.Timer(START_SECONDS, end)
+    limit.start()
     output = list[str]()
     lines = iter(process.stdout or ())
-    for line in lines:
-        output.append(line)
-        if READY in line:
-            # The pipe must be read, or it would become full and block the robot.
-            _thread.start_new_thread(_drop, (lines,))
-            return RobotProcess(process, place, software)
-    process.wait()
-    raise CourseError(f"The robot did not start: {' '.join(''.join(output).split())}")
+    try:
+        for line in lines:
+            output.append(line)
+            if READY in line:
+                # The pipe must be read, or it would become full and block the robot.
+                _thread.start_new_thread(_drop, (lines,))
+                return RobotProcess(process, place, software)
+        process.wait()
+    finally:
+        limit.cancel()
+    within = f" within {START_SECONDS:g} s" if is_late.is_set() else ""
+    printed = " ".join("".join(output).split()) or "it printed nothing"
+    raise CourseError(f"The robot did not start{within}: {printed}")

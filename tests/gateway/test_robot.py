@@ -105,6 +105,12 @@ def test_robot_process_that_does_not_end_is_killed(monkeypatch: pytest.MonkeyPat
         assert process.returncode == -signal.SIGKILL
 
 
+def test_robot_that_is_not_ready_in_time_is_ended_and_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("course_lib.gateway.robot.START_SECONDS", 0.01)
+    with pytest.raises(CourseError, match=r"The robot did not start within 0\.01 s: it printed nothing"):
+        start_robot()
+
+
 @pytest.mark.slow
 def test_robot_ends_when_its_parent_process_is_killed(tmp_path: Path) -> None:
     script = "from course_lib import start_robot\nprint(start_robot().router, flush=True)\ninput()\n"
