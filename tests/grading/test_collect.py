@@ -13,6 +13,7 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.grading.submissions import archives
 from course_lib.grading.submissions.collect import Collection, collect
+from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.submissions.submission import find_submissions
 
 AMMAN = ZoneInfo("Asia/Amman")
@@ -281,3 +282,43 @@ def test_invalid_source_or_destination_is_an_error(tmp_path: Path, make: str, me
         source.mkdir()
     with pytest.raises(CourseError, match=message):
         collect(source, source / "out" if make == "inside" else out, AMMAN)
+
+
+@pytest.mark.parametrize("kind", ["UTF-8 that is not declared", "backslashes"])
+def test_names_in_a_student_archive_are_those_of_its_author(tmp_path: Path, kind: str) -> None:
+    inner = {"sub/week01_exercise.ipynb": notebook(), "sub/Größe.yaml": b"a: 1"}
+    data = zipped(inner)
+    if kind == "backslashes":
+        data = data.replace(b"sub/", b"sub\\")
+    else:
+        undeclared = zipped({name.replace("öß", "####"): one for name, one in inner.items()})
+        data = undeclared.replace(b"####", "öß".encode())
+    (tmp_path / "in/ada").mkdir(parents=True)
+    (tmp_path / "in/ada/work.zip").write_bytes(data)
+    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    names = sorted(path.name for path in (tmp_path / "out/ada/sub").iterdir())
+    assert (names, done.refused) == (["Größe.yaml", "week01_exercise.ipynb"], [])
+
+
+@pytest.mark.parametrize(
+    "name", ["..\\..\\bob\\week01_exercise.ipynb", "C:\\week01_exercise.ipynb", "\\x.ipynb"]
+)
+def test_backslashes_in_a_student_archive_do_not_lead_elsewhere(tmp_path: Path, name: str) -> None:
+    (tmp_path / "in/ada").mkdir(parents=True)
+    (tmp_path / "in/ada/work.zip").write_bytes(zipped({name: notebook()}))
+    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    assert (done.count, [line.split(": ")[-1] for line in done.refused]) == (0, ["its path leads elsewhere"])
+
+
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n", "a pointer of Git LFS"),
+        (b'{"cells": [\n<<<<<<< HEAD\n]}', "markers of a merge conflict"),
+        (b"Rar!\x1a\x07", "a RAR archive"),
+        (b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
+    ],
+)
+def test_file_that_is_not_a_notebook_is_rejected_by_what_it_is(data: bytes, reason: str) -> None:
+    with pytest.raises(CourseError, match=reason):
+        parse_notebook(data, "week01_exercise.ipynb")

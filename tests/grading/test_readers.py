@@ -1,6 +1,7 @@
 """Whose file it is: real file names of each platform, and names that students choose."""
 
 import re
+import unicodedata
 from datetime import UTC, datetime
 from pathlib import Path
 from zoneinfo import ZoneInfo
@@ -41,6 +42,8 @@ NAMES: dict[str, list[tuple[str, str, str, datetime | None]]] = {
         ("doejane_LATE_4100004_text.html", "4100004", "4100004", None),
         ("doejane_4100005_link.html", "4100005", "4100005", None),
         ("poecleo_LATE_4100006_media.html", "4100006", "4100006", None),
+        (f"sparksal_4100007_question_12_90007_{NAME}", "4100007", "4100007", None),
+        (f"raymay_4100008_90008_question_12_90007_{NAME}", "4100008", "4100008", None),
     ],
     "anonymous": [
         (f"anon_aB3xy_90001_{NAME}", "aB3xy", "anon_ab3xy", None),
@@ -414,3 +417,46 @@ def test_name_matching_two_platforms_is_rejected_with_the_option_to_pass(tmp_pat
     with pytest.raises(CourseError, match="Add --layout canvas or --layout blackboard"):
         collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
     assert collect(tmp_path / "in.zip", tmp_path / "out", PARIS, layout="canvas").students == {"4100002"}
+
+
+def decomposed(text: str) -> str:
+    """Return a name as macOS stores it."""
+    return unicodedata.normalize("NFD", text)
+
+
+ROSTERED = {
+    "Teams": ("Submitted files/{}/Week 1/Version 1/", "Zoë Ågren", "Jürgen Öz"),
+    "folders of full names": ("{}/", "Zoë Ågren", "D\u2019Arcy, Jürgen"),
+    "OpenOlat": ("{}/1_submissions/", "Ågren_Zoë_zagren", "Öz_Jürgen_j_oez"),
+    "ILIAS": ("Week 1/Abgaben/{}/", "Ågren_Zoë_zagren_7001", "Öz_Jürgen_j_oez_7002"),
+}
+
+
+@pytest.mark.parametrize("platform", ROSTERED)
+@pytest.mark.parametrize("is_decomposed", [False, True])
+def test_names_and_logins_of_folders_are_found_in_the_roster(
+    tmp_path: Path, platform: str, is_decomposed: bool
+) -> None:
+    pattern, *folders = ROSTERED[platform]
+    names = [pattern.format(decomposed(one) if is_decomposed else one) for one in folders]
+    (tmp_path / "in.zip").write_bytes(zipped({f"{one}{NAME}": exercise(one) for one in names}))
+    rows = 'Zoë Ågren,zagren,s001\nJürgen Öz,j_oez,s002\n"D\'Arcy, Jürgen",x,s003\nMia Oez,oez,s004\n'
+    (tmp_path / "roster.csv").write_text(f"name,login,id\n{rows}", encoding="utf-8")
+    done = collect(tmp_path / "in.zip", tmp_path / "out", PARIS, tmp_path / "roster.csv", "id")
+    assert done.students == {"s001", "s003" if "D\u2019Arcy" in folders[1] else "s002"}
+
+
+def test_folders_named_by_ids_are_not_changed_by_a_roster(tmp_path: Path) -> None:
+    files = {f"{who}/{NAME}": exercise(who) for who in ("s_001", "s_002", "s_009")}
+    (tmp_path / "in.zip").write_bytes(zipped(files))
+    (tmp_path / "roster.csv").write_text("id,name,login\ns_001,Ada,002\ns_002,Bob,001\n")
+    done = collect(tmp_path / "in.zip", tmp_path / "out", PARIS, tmp_path / "roster.csv")
+    assert done.students == {"s_001", "s_002", "s_009"}
+    assert "note: s_009 is not in the roster, and gets the ID s_009" in done.notes
+
+
+def test_folders_of_two_persons_with_one_id_are_rejected(tmp_path: Path) -> None:
+    files = {f"{who}/{NAME}": exercise(who) for who in ("Anna Lee", "Annalee", "Bob Roe")}
+    (tmp_path / "in.zip").write_bytes(zipped(files))
+    with pytest.raises(CourseError, match="'Anna Lee' and of 'Annalee' would both belong to annalee"):
+        collect(tmp_path / "in.zip", tmp_path / "out", PARIS)

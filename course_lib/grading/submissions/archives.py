@@ -26,6 +26,7 @@ MAX_ENTRIES = 20 * MAX_MEMBERS  # archives stored in an archive have directories
 ENTRY = b"PK\x01\x02"  # signature of each entry in an archive's directory
 # zipfile decompresses other methods without a size limit.
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+UTF_8 = 0x800  # flag of a name in UTF-8
 MAX_DEPTH = 3  # nesting depth of archives
 MAX_NAME = 200  # [B] per path component
 MAX_PATH = 1000  # [B] per path
@@ -178,14 +179,18 @@ class Arrivals:
     def _members(self, archive: zipfile.ZipFile, above: tuple[str, ...]) -> Iterator[Arrival]:
         known: set[str] = set()
         for info in archive.infolist():
-            inner = tuple(info.orig_filename.split("/"))
-            if info.filename.endswith("/") or any(map(_is_junk, inner)):
+            name = _member_name(info)
+            if above and "/" not in name:
+                # Written by old Windows programs.
+                name = name.replace("\\", "/")
+            inner = tuple(name.split("/"))
+            if name.endswith("/") or any(map(_is_junk, inner)):
                 continue
             parts = (*above, *inner)
             if not above and not self.is_wanted(parts):
                 continue
-            again = "the archive contains this name twice" if info.filename in known else ""
-            known.add(info.filename)
+            again = "the archive contains this name twice" if name in known else ""
+            known.add(name)
             if problem := again or path_problem(inner) or _type_problem(info.external_attr >> 16):
                 self.refuse("/".join(parts), problem)
                 continue
@@ -242,7 +247,7 @@ def list_paths(top: Path) -> list[tuple[str, ...]]:
         paths = [(folder / name).relative_to(top).parts for folder, names in walked for name in names]
     else:
         with _platform_zip(top) as archive:
-            names = [info.orig_filename for info in archive.infolist() if not info.filename.endswith("/")]
+            names = [name for name in map(_member_name, archive.infolist()) if not name.endswith("/")]
         paths = [tuple(name.split("/")) for name in names]
     return sorted(path for path in paths if not any(map(_is_junk, path)) and not path_problem(path))
 
@@ -267,6 +272,17 @@ def _platform_zip(top: Path) -> zipfile.ZipFile:
         raise CourseError(
             f"{top} is neither a folder nor a zip file: {error.__cause__}. Pass the platform's download."
         ) from error
+
+
+def _member_name(info: zipfile.ZipInfo) -> str:
+    """Return the name of a file in an archive. macOS writes UTF-8 without declaring it."""
+    name = info.orig_filename
+    if info.flag_bits & UTF_8:
+        return name
+    try:
+        return name.encode("cp437").decode()
+    except UnicodeError:
+        return name
 
 
 def _time(info: zipfile.ZipInfo) -> datetime:
@@ -337,8 +353,8 @@ def _read_folder(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, byte
 def _read_packed(path: Path) -> Iterator[tuple[str, bytes]]:
     with open_zip(path.read_bytes()) as archive:
         for info in archive.infolist()[: 2 * MAX_WORKING_FILES]:
-            name = info.filename.removeprefix(WORKING_FOLDER)
-            if name != info.filename and _is_fine(name):
+            name = _member_name(info).removeprefix(WORKING_FOLDER)
+            if name != _member_name(info) and _is_fine(name):
                 yield name, read_member(archive, info, MAX_WORKING_BYTES)
 
 

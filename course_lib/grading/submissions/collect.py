@@ -51,7 +51,7 @@ from course_lib.grading.submissions.readers import (
     sakai_time,
 )
 from course_lib.grading.submissions.received import COLUMNS, ID_FROM, LIST
-from course_lib.grading.submissions.roster import PLATFORM, ROSTER, Times, read_ids, read_times
+from course_lib.grading.submissions.roster import PLATFORM, ROSTER, Times, has_key, read_ids, read_times
 from course_lib.grading.submissions.submission import lesson_of, read_packed_zip, released_digest
 
 ANY = "*"  # pseudo exercise: all exercises that a student has worked on are collected
@@ -600,6 +600,10 @@ def _read_exports(
     if not keys:
         done.notes.add("note: the download's names have no platform numbers, so the exports are ignored")
         return Exports()
+    tables = [path for path in (roster, *times) if path and path.suffix.lower() != ".json"]
+    if download.layout.name == FOLDERS and tables and not any(has_key(path, keys) for path in tables):
+        done.notes.add("note: no table has the names of the folders, so the exports are ignored")
+        return Exports()
     read = [found for path in times if (found := read_times(path, zone, keys))]
     ids = {
         hidden: user for found in read for hidden, user in found.users.items() if hidden.casefold() in keys
@@ -736,10 +740,11 @@ def _reject(choice: Choice, out: Path, zone: ZoneInfo, done: Collection, exports
 def _platform_notes(handed: DownloadName, exports: Exports, layout: Layout) -> Iterator[str]:
     """Yield notes for the instructor about a file's name and time."""
     reader = layout.reader
-    if reader is None or handed.layout != reader.layout or handed.layout == NBGRADER:
-        return
-    if exports.ids and not exports.id_of(handed):
+    is_by_platform = reader is not None and handed.layout == reader.layout != NBGRADER
+    if (is_by_platform or layout.name == FOLDERS) and exports.ids and not exports.id_of(handed):
         yield printable(f"note: {handed.name} is not in the roster, and gets the ID {handed.student}")
+    if reader is None or not is_by_platform:
+        return
     if handed.layout == "anonymous" and not exports.id_of(handed):
         yield f"note: {reader.no_times}"
     elif exports.time(handed)[0] is not None:

@@ -23,7 +23,15 @@ NOTEBOOK_NAME = re.compile(r"\.ipynb(\.txt|\.json)?$|\.json$", re.IGNORECASE)
 TOKEN = re.compile(rb'"[^"\\]*(?:\\.[^"\\]*)*"|[\[\]{}]', re.DOTALL)
 OUTPUTS = re.compile(rb'"(?:outputs|attachments|widgets)"')
 OPENS = re.compile(rb"\s*:\s*([\[{])")
-LOOKS_LIKE = {b"<": "it looks like a web page", b"%pdf": "it is a PDF", b"pk": "it is a zip archive"}
+LOOKS_LIKE = {
+    b"<": "it looks like a web page",
+    b"%pdf": "it is a PDF",
+    b"pk": "it is a zip archive",
+    b"rar!": "it is a RAR archive",
+    b"7z\xbc\xaf": "it is a 7z archive",
+    b"vers": "it is a pointer of Git LFS to a file that is missing here",
+}
+CONFLICT = re.compile(rb"^(<{7} |>{7} )", re.MULTILINE)  # git's markers
 MAX_HEAD = 40  # characters of a cell's first line
 
 
@@ -58,6 +66,8 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     except ValueError as error:
         start = data.lstrip()[:4].lower()
         kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
+        if CONFLICT.search(data):
+            kinds.append("git's markers of a merge conflict are in it")
         what = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
         raise CourseError(f"{name} is not a notebook: {what}. Save it again in JupyterLab.") from error
     content = _dict(content)

@@ -31,6 +31,7 @@ STAMP = "timestamp.txt"  # file name in nbgrader's and Sakai's folders
 METADATA = "submission_metadata.yml"  # file name in Gradescope's export
 FOLDERS, GOOGLE, NBGRADER, GRADESCOPE, SAKAI = "folders", "google", "nbgrader", "gradescope", "sakai"
 PERSON = re.compile(r"[\w .,'\u2019()-]+")
+WORDS = re.compile(r"[^\W\d][.,]?\s+[^\W\d]")  # within a name of several words, which is not an ID
 WEEK = re.compile(r"week[ _-]?0*(\d{1,2})(?!\d)", re.IGNORECASE)
 GOOGLE_ZIP = re.compile(r"(?:.*-)?\d{8}T\d{6}Z(?:-\d+)*(?:\.zip)?", re.IGNORECASE)
 
@@ -145,7 +146,7 @@ class Reader:
             name,
             self._student(groups),
             below,
-            _keys(groups["login"], groups["number"], name),
+            _keys(*_logins(groups), groups["number"], name),
             find_exercise_title(groups["title"]) if self.layout in (NBGRADER, "teams") else "",
             _platform_time(groups["time"], UTC if self.utc else zone),
             bool(groups.get("late")) if "late" in match.groupdict() else None,
@@ -187,7 +188,11 @@ READERS: tuple[Reader, ...] = (
         "canvas",
         "Canvas",
         (
-            r"(?!LATE_anon_|anon_)(?P<name>[^/]+?)_(?P<late>LATE_)?(?P<number>\d+)_(?P<attachment>\d+)_(?P<below>.+)",
+            r"(?!LATE_anon_|anon_)(?P<name>(?:(?!_\d+_question_\d)[^/])+?)_(?P<late>LATE_)?(?P<number>\d+)_"
+            r"(?P<attachment>\d+)_(?P<below>.+)",
+            # A file handed in as the answer to a question of a quiz.
+            r"(?!LATE_anon_|anon_)(?P<name>[^/]+?)_(?P<late>LATE_)?(?P<number>\d+)_question_\d+_"
+            r"(?P<attachment>\d+)_(?P<below>.+)",
             # Text entries, links and recordings have no attachment number.
             r"(?!LATE_anon_|anon_)(?P<name>[^/]+?)_(?P<late>LATE_)?(?P<number>\d+)_(?P<below>[a-z]+\.html)",
         ),
@@ -328,10 +333,14 @@ class Layout:
         if is_zip(top[0]) or self.name == GOOGLE:
             # Files of one archive stay together; the IDs in them count without verification.
             return DownloadName(self.name, top[0], top[0], id_of(top[0].rsplit(".", 1)[0]), top[1:])
-        if not PERSON.fullmatch(top[0]) or _own_id(top[0]):
-            return DownloadName(self.name, top[0], top[0], normalise(top[0]), top[1:], is_named=True)
+        # macOS decomposes umlauts.
+        name = unicodedata.normalize("NFC", top[0])
+        if not PERSON.fullmatch(name) or (_own_id(name) and not WORDS.search(name)):
+            # Like "Lovelace_Ada_alovelace" of OpenOlat: a roster may know the login only.
+            keys = _keys(*_endings(name))
+            return DownloadName(self.name, name, name, normalise(name), top[1:], keys, is_named=True)
         # A person's name, like "Bob O'Neil": characters that are invalid in IDs are removed.
-        return DownloadName(self.name, top[0], top[0], id_of(top[0]), top[1:], _keys(top[0]))
+        return DownloadName(self.name, name, name, id_of(name), top[1:], _keys(name))
 
     def _complete(self, handed: DownloadName, head: str) -> DownloadName:
         """Complete the owner's data from the other names and the platform's own files.
@@ -523,10 +532,27 @@ def _platform_time(text: str, zone: tzinfo) -> datetime | None:
     return time.replace(tzinfo=zone).astimezone(UTC) if time else None
 
 
+def fold_key(text: str) -> str:
+    """Return a name or login for comparison, regardless of case, spaces and Unicode normalization."""
+    plain = unicodedata.normalize("NFKC", text).replace("\u2019", "'")
+    return " ".join(unicodedata.normalize("NFKC", plain.casefold()).split())
+
+
 def _keys(*texts: str) -> tuple[str, ...]:
     """Return possible roster keys of a student, including "Ada Lovelace" for "Lovelace, Ada"."""
     flipped = (re.sub(r"([^,]+), ([^,]+)", r"\2 \1", text) for text in texts)
-    return tuple(dict.fromkeys(" ".join(one.casefold().split()) for one in (*texts, *flipped) if one))
+    return tuple(dict.fromkeys(fold_key(one) for one in (*texts, *flipped) if one))
+
+
+def _endings(text: str) -> tuple[str, ...]:
+    """Return a text and what follows each "_" in it, the longest first: a login may contain "_", too."""
+    parts = text.split("_")
+    return tuple("_".join(parts[first:]) for first in range(len(parts)))
+
+
+def _logins(groups: Mapping[str, str]) -> tuple[str, ...]:
+    """Return possible logins of a student: in "Poe_Cleo_c_poe_7003", the login is "poe" or "c_poe"."""
+    return _endings(f"{groups['name']}_{groups['login']}") if groups["login"] else ()
 
 
 def _own_id(text: str) -> str:

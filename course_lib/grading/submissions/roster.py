@@ -20,6 +20,7 @@ from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.records import Submission
 from course_lib.grading.submissions.platform_files import LmsFile, looks_like_time, parse_times, plain_digits
+from course_lib.grading.submissions.readers import fold_key
 from course_lib.grading.submissions.received import ID_FROM, LIST
 from course_lib.third_party import read_json
 
@@ -241,7 +242,8 @@ def _find_duplicates(members: Sequence[Member]) -> Iterator[str]:
                 yield f"{name} {text!r} occurs {len(ids)} times ({', '.join(ids)})"
 
 
-ID_HEADINGS = ("ID number", "SIS User ID", "SIS Login ID")  # headings in Moodle and Canvas
+# headings in Moodle, Canvas, and the class list; Canvas's "ID" is its own number
+ID_HEADINGS = ("ID number", "SIS User ID", "SIS Login ID", "id")
 SUBMISSION = re.compile("submi", re.IGNORECASE)  # in the headings of times in Moodle and Canvas
 NUMBER = re.compile(r"(\D*)(\d+)")  # "Participant 4101000", "Teilnehmer/in4101000", or only the number
 EXPORTS = (
@@ -300,6 +302,13 @@ def read_ids(path: Path, id_column: str, numbers: Collection[str]) -> tuple[dict
                 f"select the ID column with --id-column; columns: {_list_headings(file)}"
             )
     return dict(rows), file.headings[id_place]
+
+
+def has_key(path: Path, keys: Collection[str]) -> bool:
+    """Return whether a cell of a CSV is a key of a student."""
+    file = LmsFile.read(path)
+    cells = (file.text(row, place) for row in range(1, len(file.rows)) for place in range(len(file.headings)))
+    return any(_key(cell, keys) in keys for cell in cells)
 
 
 def read_class(path: Path, id_column: str) -> list[str]:
@@ -393,7 +402,7 @@ def _number_column(file: LmsFile, numbers: Collection[str], path: Path) -> int:
 
 def _key(cell: str, keys: Collection[str]) -> str:
     """Return a student's key in a cell: a user name or name of the download, else the number in the cell."""
-    text = " ".join(cell.casefold().split())
+    text = fold_key(cell)
     match = NUMBER.fullmatch(plain_digits(cell))
     return text if text in keys or not match else match[2]
 
