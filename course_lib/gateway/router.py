@@ -1,11 +1,13 @@
 """`course router`: runs a gateway until Ctrl+C, or changes the driver of a running one."""
 
 import asyncio
+import re
 import secrets
 import signal
 import socket
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 
@@ -26,7 +28,7 @@ from course_lib.gateway.access import (
     load_users,
 )
 from course_lib.gateway.gateway import TURN, Gateway, Settings
-from course_lib.ros.robot.connect import is_over_dds
+from course_lib.ros.robot.connect import full_address, is_over_dds
 from course_lib.ros.zenoh.session import ROBOT, STUDENTS
 
 # Interval between updates of the page [s].
@@ -34,6 +36,8 @@ REFRESH = 2
 # Time limit for the last response [s].
 PATIENCE = 5.0
 HOST = "127.0.0.1"
+# The notation of Zenoh: protocol, host and port.
+LISTEN = re.compile(r"\w+/[^/]+:\d+", re.ASCII)
 PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta http-equiv="refresh" content="{refresh}">
 <title>{title}</title>
@@ -141,6 +145,11 @@ def router(
         return
     if (settings.certificate is None) != (settings.key is None):
         raise CourseError("TLS needs two files: --certificate cert.pem --key key.pem")
+    # Before the first file is written.
+    if settings.robot:
+        settings = replace(settings, robot=full_address(settings.robot))
+    if not LISTEN.fullmatch(settings.listen):
+        raise CourseError(f"--listen {settings.listen}: write it like tcp/0.0.0.0:7448")
     protocol, port = settings.listen.partition("/")[0], settings.listen.rpartition(":")[2]
     if (protocol == "tls") != (settings.certificate is not None):
         raise CourseError(f"--listen {settings.listen}: use a certificate with tls/…, and none with tcp/…")

@@ -16,7 +16,10 @@ from typing import Any
 import pytest
 import zenoh
 
+from course_lib.errors import CourseError
 from course_lib.gateway.access import Access, load_users
+from course_lib.gateway.gateway import Settings
+from course_lib.gateway.router import router
 from tests.gateway.conftest import ROSTER, Opened, free_port, hears, wait_for
 from tests.gateway.test_driving import AHEAD, KEY, STAND
 from tests.patience import PATIENCE
@@ -258,6 +261,24 @@ def test_invalid_options_are_reported_in_one_line(tmp_path: Path, words: tuple[s
     output = course(tmp_path, "router", "--robot-port", str(free_port()), *words)
     assert said in output
     assert output.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        (Settings("tcp/0.0.0.0:7448", "dds/127.0.0"), "an IPv4 address has four numbers"),
+        (Settings("tcp/0.0.0.0:7448", "tcp/"), "'tcp/' is not an address of a robot"),
+        (Settings("tcp/0.0.0.0:7448", "x y"), "'x y' is not an address of a robot"),
+        (Settings("0.0.0.0:7448", "dds/127.0.0.1"), "write it like tcp/0.0.0.0:7448"),
+        (Settings("tcp/", "dds/127.0.0.1"), "write it like tcp/0.0.0.0:7448"),
+    ],
+)
+def test_malformed_address_is_reported_before_a_file_is_written(
+    tmp_path: Path, settings: Settings, said: str
+) -> None:
+    with pytest.raises(CourseError, match=said):
+        router(settings, tmp_path / "course_router", None, "", "", print)
+    assert not any(tmp_path.iterdir())
 
 
 @pytest.mark.slow

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 DDS = "dds/"
 # An IPv4 address or a name.
 HOST = re.compile(r"\d+(?:\.\d+){3}|(?![\d.]+$)[\w.-]+", re.ASCII)
+# A Zenoh router: protocol, login, host and port, of which only the host is required.
+ROUTER = re.compile(r"(?:(\w+)/)?(\w+:[\w-]+@)?([\w.-]+|\[[0-9a-fA-F:]+\])(?::(\d+))?", re.ASCII)
 # The default port of rmw_zenohd.
 PORT = 7447
 MAX_DOMAIN = 232
@@ -103,24 +105,34 @@ def _open_link(address: str, domain: int) -> "Link":
     """Open a link over DDS for `dds/HOST`, else over Zenoh."""
     if is_over_dds(address):
         return open_dds_link(address, domain)
+    router = full_address(address)
     if find_spec("zenoh") is None or find_spec("xxhash") is None:
         raise CourseError(
             'A link over Zenoh needs two more packages: pip install "course-lib[robot]". A link over DDS, '
             f"like {DDS}192.168.1.5, needs none."
         )
-    found = re.fullmatch(
-        r"(?:(\w+)/)?(\w+:[\w-]+@)?([\w.-]+|\[[0-9a-fA-F:]+\])(?::(\d+))?", address, re.ASCII
-    )
+    from course_lib.ros.zenoh.link import ZenohLink
+
+    return ZenohLink(router, domain)
+
+
+def full_address(address: str) -> str:
+    """Return `dds/HOST` unchanged, and the address of a Zenoh router with its protocol and port.
+
+    Raises:
+        CourseError: The address is malformed.
+    """
+    if is_over_dds(address):
+        if not address.startswith(DDS) or not HOST.fullmatch(address.removeprefix(DDS)):
+            raise CourseError(f"{address!r} is not an address of a robot: {_dds_advice(address)}")
+        return address
+    found = ROUTER.fullmatch(address)
     if found is None:
         raise CourseError(
             f"{address!r} is not an address of a robot: write it like tcp/192.168.1.5:{PORT} or "
             f"{DDS}192.168.1.5."
         )
-    from course_lib.ros.zenoh.link import ZenohLink
-
-    # In Zenoh's notation.
-    router = f"{found[1] or 'tcp'}/{found[2] or ''}{found[3]}:{found[4] or PORT}"
-    return ZenohLink(router, domain)
+    return f"{found[1] or 'tcp'}/{found[2] or ''}{found[3]}:{found[4] or PORT}"
 
 
 def open_dds_link(address: str, domain: int) -> "DdsLink":
@@ -131,15 +143,12 @@ def open_dds_link(address: str, domain: int) -> "DdsLink":
     """
     from course_lib.ros.dds.link import DdsLink
 
-    host = address.removeprefix(DDS)
-    if not address.startswith(DDS) or not HOST.fullmatch(host):
-        raise CourseError(f"{address!r} is not an address of a robot: {_dds_advice(address)}")
-    return DdsLink(host, domain)
+    return DdsLink(full_address(address).removeprefix(DDS), domain)
 
 
 def _dds_advice(address: str) -> str:
     """Return how to write a malformed address of a link over DDS."""
-    host = re.sub(r"^dds[:/]*", "", address, flags=re.IGNORECASE)
+    host = re.sub(r"^dds(/+|:/*|$)", "", address, flags=re.IGNORECASE)
     if host.count(":") > 1:
         return f"a link over DDS needs the robot's IPv4 address, like {DDS}192.168.1.5."
     if re.fullmatch(r"[\d.]+", host) and not HOST.fullmatch(host):

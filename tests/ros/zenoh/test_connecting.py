@@ -170,6 +170,7 @@ def test_goals_of_two_runs_have_different_ids(
             "dds/fd00::5",
             "'dds/fd00::5' is not an address of a robot: a link over DDS needs the robot's IPv4 ",
         ),
+        ("dds/::1", "'dds/::1' is not an address of a robot: a link over DDS needs the robot's IPv4 address"),
         ("dds/[::1]", "'dds/[::1]' is not an address of a robot: a link over DDS needs the robot's IPv4 "),
         ("dds/10.88.0", "'dds/10.88.0' is not an address of a robot: an IPv4 address has four numbers"),
         ("dds/10.88.0.300", "There is no computer '10.88.0.300' in this network"),
