@@ -250,7 +250,7 @@ def _print_info(source: Source, arguments: Namespace, write: Write) -> None:
 
 def describe(endpoint: EndpointInfo, node: NodeInfo, kind: str) -> str:
     """Describe an endpoint in the format of rclpy's TopicEndpointInfo."""
-    gid = ".".join(f"{byte:02x}" for byte in endpoint.id.to_bytes(16, "big"))
+    gid = ".".join(f"{byte:02x}" for byte in endpoint.gid)
     return (
         f"Node name: {node.name}\nNode namespace: {node.namespace}\nTopic type: {endpoint.type_name}\n"
         f"Topic type hash: {type_hash(endpoint.type_name) if is_known(endpoint.type_name) else 'INVALID'}\n"

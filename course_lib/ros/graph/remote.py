@@ -406,7 +406,7 @@ class GraphServer:
 
 
 def _endpoint_row(info: EndpointInfo) -> tuple[Any, ...]:
-    return info.id, info.kind, info.node, info.topic, info.type_name, info.qos.row()
+    return info.id, info.kind, info.node, info.topic, info.type_name, info.qos.row(), info.remote_gid
 
 
 def _qos(values: list[Any]) -> Qos:
@@ -558,4 +558,7 @@ class RemoteGraph(Graph):
     def _request_endpoints(self, frame: list[Any]) -> list[EndpointInfo]:
         self._channel.send(frame)
         rows = self._channel.receive()[1]
-        return [EndpointInfo(i, kind, node, topic, of, Qos(*qos)) for i, kind, node, topic, of, qos in rows]
+        return [
+            EndpointInfo(number, kind, node, topic, type_name, Qos(*qos), gid)
+            for number, kind, node, topic, type_name, qos, gid in rows
+        ]

@@ -108,6 +108,13 @@ class EndpointInfo:
     topic: str
     type_name: str
     qos: Qos
+    # GID of an endpoint of a robot.
+    remote_gid: bytes = b""
+
+    @property
+    def gid(self) -> bytes:
+        """The GID, 16 bytes. An endpoint of the kit has its id."""
+        return self.remote_gid or self.id.to_bytes(16, "big")
 
     @property
     def service(self) -> tuple[str, str] | None:

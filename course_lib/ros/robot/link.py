@@ -61,7 +61,7 @@ class Entity(Protocol):
 
     @property
     def gid(self) -> bytes:
-        """The GID of a publisher, as in its packets."""
+        """The GID of an endpoint; a publisher's is in its packets."""
 
     @property
     def namespace(self) -> str:

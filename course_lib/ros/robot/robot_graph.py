@@ -7,6 +7,7 @@ import itertools
 from _queue import Empty
 from collections import Counter
 from collections.abc import Callable, Hashable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -142,7 +143,9 @@ class RemoteEntities:
         elif entity.kind == "node":
             self._node_of(entity)
         elif entity.key not in self._endpoints:
-            self._endpoints[entity.key] = self._add(entity, self._node_of(entity))
+            endpoint = self._endpoints[entity.key] = self._add(entity, self._node_of(entity))
+            own = self._topics.publishers.get(endpoint) or self._topics.subscriptions[endpoint]
+            own.info = replace(own.info, remote_gid=entity.gid)
             self._on_added(entity)
 
     def publisher(self, gid: bytes) -> Publisher | None:

@@ -102,9 +102,12 @@ class BlockedTraffic:
         if name in OWN_TOPICS:
             # Every node publishes these topics, and they are not needed on the robot.
             return
-        self.counts[name] += 1
         if option == "--call":
             self.calls = [*self.calls, name][-MAX_CALLS:]
+        if "/_action/" in name:
+            # An action is allowed as a whole, with its services and topics.
+            name, option = name.split("/_action/")[0], "--call"
+        self.counts[name] += 1
         if self.counts[name] == 1:
             what = "Messages on" if option == "--send" else "Calls of"
             python = f' or {option[2:]}=["{name}"]' if self._notebook else ""

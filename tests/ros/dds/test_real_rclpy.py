@@ -2,6 +2,7 @@
 
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -56,6 +57,14 @@ node.create_timer(0.1, on_timer)
 node.create_service(SetBool, "/reset", on_request)
 node.create_subscription(Twist, "/cmd_vel", lambda m: print("cmd_vel", m.linear.x, flush=True), 10)
 node.create_timer(0.5, lambda: print("nodes", sorted(node.get_node_names()), flush=True))
+
+
+def print_gid():
+    (info,) = node.get_publishers_info_by_topic("/lab/scan")
+    print("scan", ".".join(f"{byte:02x}" for byte in info.endpoint_gid), flush=True)
+
+
+node.create_timer(0.5, print_gid)
 print("up", flush=True)
 rclpy.spin(node)
 """
@@ -127,6 +136,8 @@ def test_nodes_and_topics_of_the_real_rclpy_are_listed(robot: RealRobot) -> None
     info = robot.ros2("topic", "info", "-v", "/lab/scan")
     assert "Reliability: BEST_EFFORT\n  History (Depth): UNKNOWN\n" in info
     assert "Node namespace: /lab" in info
+    (gid,) = re.findall(r"^GID: (.+)$", info, re.MULTILINE)
+    assert robot.line("scan") == f"scan {gid}"
 
 
 def test_messages_of_the_real_rclpy_arrive(robot: RealRobot) -> None:

@@ -326,6 +326,19 @@ def test_messages_and_calls_that_are_not_allowed_are_not_sent(kits: DdsKits, att
     assert set(student.blocked.counts.values()) == {attempts}
 
 
+def test_endpoints_of_a_robot_have_the_gids_that_its_discovery_transmits(kits: DdsKits) -> None:
+    robot, student = kits.join(send="/chatter"), kits.join()
+    talker(robot, "/chatter")
+    listener(robot, "/orders")
+    kits.until(lambda: {"/chatter", "/orders"} <= {e.topic for e in student.endpoints()}, "the robot")
+    gids = {info.topic: info.gid for info in student.endpoints()}
+    participant = dds_link(robot).participant
+    endpoints = [writer.endpoint for writer in participant._writers.values()]
+    endpoints += [reader.endpoint for reader in participant._readers.values()]
+    guids = {endpoint.topic: endpoint.guid for endpoint in endpoints}
+    assert (gids["/chatter"], gids["/orders"]) == (guids["rt/chatter"], guids["rt/orders"])
+
+
 def written_topics(participant: Any) -> list[str]:
     return [writer.endpoint.topic for writer in participant._writers.values()]
 

@@ -12,7 +12,7 @@ from std_srvs.srv import Trigger
 from course_lib.ros.graph.topics import SERVICE_HEADER, Qos
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.robot.robot_graph import RobotGraph
-from course_lib.ros.robot.sending import STALE
+from course_lib.ros.robot.sending import STALE, BlockedTraffic, Permissions
 from course_lib.ros.time import wall
 from course_lib.ros.zenoh.session import open_session
 from tests.ros.zenoh.conftest import Kits, zenoh_link
@@ -213,6 +213,21 @@ def test_service_is_called_over_the_link(kits: Kits) -> None:
     assert SERVICE_HEADER.unpack_from(heard[0]) == (ask, 7)
     assert deserialize(heard[0][SERVICE_HEADER.size :], Trigger.Response).message == "done"
     kits.until(lambda: "rq/resetRequest" in topics(robot, "pub"), "the client in the robot's list")
+
+
+def test_blocked_parts_of_an_action_name_the_option_that_allows_the_action() -> None:
+    lines: list[str] = []
+    blocked = BlockedTraffic(lines.append)
+    blocked.add("/arm/fib/_action/send_goal", "--call")
+    blocked.add("/arm/fib/_action/get_result", "--call")
+    blocked.add("/arm/fib/_action/status", "--send")
+    assert lines == [
+        "Calls of /arm/fib are held back: the link only listens. "
+        "To let them out, connect with --call /arm/fib"
+    ]
+    allowed = Permissions.from_names((), ["/arm/fib"])
+    assert allowed.is_service_allowed("/arm/fib/_action/send_goal")
+    assert allowed.is_topic_allowed("/arm/fib/_action/status")
 
 
 def test_service_calls_that_are_not_allowed_are_not_forwarded(kits: Kits) -> None:

@@ -129,7 +129,7 @@ def describe(info: EndpointInfo, nodes: Iterable[NodeInfo]) -> TopicEndpointInfo
         topic_type=info.type_name,
         topic_type_hash=_hash_of(info.type_name),
         endpoint_type=kind,
-        endpoint_gid=list(info.id.to_bytes(16, "big")),
+        endpoint_gid=list(info.gid),
         qos_profile=profile,
     )
 
