@@ -110,7 +110,7 @@ def router(
     """Run a gateway: all students receive a robot's messages, and one at a time drives the robot."""
     from course_lib.gateway.access import relative_names
     from course_lib.gateway.gateway import Settings
-    from course_lib.gateway.router import router as run
+    from course_lib.gateway.gateway import router as run
 
     sends, calls = relative_names(send or (), "--send"), relative_names(call or (), "--call")
     there = f"tcp/127.0.0.1:{robot_port}"
@@ -222,7 +222,7 @@ def feedback(
     roster: Roster = None,
 ) -> None:
     """Pack the reports for Moodle's or Canvas's bulk upload, a zip per exercise."""
-    from course_lib.grading.reports.feedback import feedback as write
+    from course_lib.grading.reports.report import feedback as write
     from course_lib.grading.submissions.roster import ids_of_section
 
     for line in write(out, lms, exercise=exercise, students=ids_of_section(roster, section)):
@@ -238,7 +238,7 @@ def report(
     ] = True,
 ) -> None:
     """Write the reports of an exercise again, with its hidden checks."""
-    from course_lib.grading.reports.feedback import show_hidden_checks
+    from course_lib.grading.reports.report import show_hidden_checks
 
     typer.echo(show_hidden_checks(out, exercise, is_final=final))
 
@@ -524,7 +524,7 @@ def _require_lms_options(lms: Path, given: Mapping[str, object]) -> None:
     Raises:
         CourseError: Options are missing. The message contains them and the headings of the CSV.
     """
-    from course_lib.grading.submissions.platform_files import LmsFile
+    from course_lib.grading.submissions.readers import LmsFile
 
     missing = [name for name in LMS_OPTIONS if not given[name]]
     if missing:
@@ -653,7 +653,7 @@ def run(
 ) -> None:
     """Run programs on robot time, or on a robot. What follows `--` is passed on to them."""
     if ros:
-        from course_lib.real.run import run_on_ros
+        from course_lib.real.process import run_on_ros
 
         if robot is not None or real_time or show_args or strict or seed or params_file:
             raise CourseError(

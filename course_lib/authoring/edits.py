@@ -21,8 +21,8 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
-from course_lib.authoring.fields import Flaw
 from course_lib.authoring.rehearsal import Rehearsal, RehearsalResult, cells_of
+from course_lib.authoring.rules import Flaw
 from course_lib.errors import CourseError, location_of
 from course_lib.grading.advice import Advice
 from course_lib.grading.records import TaskResult

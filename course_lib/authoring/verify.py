@@ -31,14 +31,6 @@ from course_lib.authoring.edits import (
     operators,
     read_answers,
 )
-from course_lib.authoring.fields import (
-    ASPECTS,
-    Flaw,
-    invalid_messages,
-    misspelled_names,
-    misspelled_topics,
-    names_in,
-)
 from course_lib.authoring.new import template_picture, unchanged_files
 from course_lib.authoring.rehearsal import (
     Rehearsal,
@@ -49,13 +41,19 @@ from course_lib.authoring.rehearsal import (
     with_option,
 )
 from course_lib.authoring.rules import (
+    ASPECTS,
     FOR_ALL,
     FOR_EXTRAS,
     FOR_LESSONS,
     FOR_REVIEWS,
     WITH_EXERCISE,
+    Flaw,
     NotebookPage,
     Rule,
+    invalid_messages,
+    misspelled_names,
+    misspelled_topics,
+    names_in,
     unknown_questions,
     untaught_names,
 )

@@ -28,13 +28,12 @@ from course_lib.displays.display import (
     node_name,
 )
 from course_lib.displays.frames import Frames, ViewTime, frame_name, nanoseconds
-from course_lib.displays.framing import Framing
 from course_lib.displays.layout import Layout, Options, text_at
 from course_lib.displays.panel.tools import advertise_tools, all_tools, load_tools
 from course_lib.displays.registry import make_display
 from course_lib.displays.statuses import Statuses, StatusRow, StatusTable, contained
 from course_lib.displays.tf import ReferenceDisplay
-from course_lib.displays.views import Orbit, ViewController, view_of
+from course_lib.displays.views import Framing, Orbit, ViewController, view_of
 from course_lib.ros.graph.graph import Graph, Sample
 from course_lib.ros.graph.topics import CLOCK, CLOCK_QOS, Qos
 from course_lib.viewer.drawables import Camera

@@ -18,7 +18,6 @@ from course_lib.grading.advice import (
     nan_hint,
     wrong_type_hint,
 )
-from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.judge import judge_task
@@ -27,7 +26,7 @@ from course_lib.grading.reports.table import Table
 from course_lib.grading.run.outcome import printed_lines
 from course_lib.grading.run.run import Run
 from course_lib.grading.run.student_side import run_in_this_process
-from course_lib.grading.task import Task
+from course_lib.grading.task import Catalog, Task, shipped_catalog
 from course_lib.host import in_notebook
 
 STRICT = "COURSE_STRICT"

@@ -7,7 +7,6 @@ from pathlib import Path
 from course_lib.course.exercise import current_identity, find_notebook
 from course_lib.errors import CourseError, format_count
 from course_lib.grading.advice import Advice
-from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.check import remember, table_of
 from course_lib.grading.judge import judge
 from course_lib.grading.records import TaskResult
@@ -16,6 +15,7 @@ from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.notebook import CodeCell, parse_notebook
 from course_lib.grading.submissions.submission import NO_EXERCISE, unpack
+from course_lib.grading.task import Catalog, shipped_catalog
 
 WEEK = re.compile(r"week\d\d")
 NOT_CHECKED = "{0.id} ({0.title}): not checked, because {0.name} cannot run; the reason is above."

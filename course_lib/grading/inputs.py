@@ -45,7 +45,7 @@ def my_values(task_id: str) -> Mapping[str, Any]:
             known, near = ", ".join(_values), did_you_mean(task_id, _values)
             raise CourseError(f"there is no task {task_id!r} in this exercise, only {known}{near}")
         return PersonalValues(task_id, _values[task_id])
-    from course_lib.grading.catalog import shipped_catalog
+    from course_lib.grading.task import shipped_catalog
 
     return PersonalValues(task_id, personal_values(shipped_catalog().task(task_id), current_identity()))
 

@@ -23,11 +23,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import Catalog
 from course_lib.grading.evidence import Check, Evidence, Verdict, all_checks
 from course_lib.grading.records import CheckResult, Judgement, TaskResult
 from course_lib.grading.run.run import Run
-from course_lib.grading.task import Task, time_limit
+from course_lib.grading.task import Catalog, Task, time_limit
 
 if TYPE_CHECKING:
     from course_lib.grading.run.run import ExerciseRun

@@ -15,8 +15,8 @@ from typing import Any
 import course_lib
 from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import Catalog, load_catalog
 from course_lib.grading.jail.filters import Need
+from course_lib.grading.task import Catalog, load_catalog
 
 LOCK, MARKS_LOCK = ".lock", ".marks.lock"
 # Marks are not included: they have their own lock.

@@ -15,7 +15,6 @@ from typing import Any
 from course_lib.course.exercise import current_identity, find_notebook
 from course_lib.errors import CourseError, format_count
 from course_lib.export.module import Statement, collect_needed, read_cells, statements
-from course_lib.grading.catalog import Catalog, shipped_catalog
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.inputs import build, personal_values
 from course_lib.grading.judge import judge_task
@@ -24,7 +23,7 @@ from course_lib.grading.run.run import Job, Run, plan_scenarios, run_scenarios
 from course_lib.grading.run.submission_run import INPUT_NODE, SET_PARAMETERS, rejection_reasons
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.submissions.submission import NO_EXERCISE, unpack
-from course_lib.grading.task import Message, Scenario, Task
+from course_lib.grading.task import Catalog, Message, Scenario, Task, shipped_catalog
 from course_lib.grading.vocabulary import motion, topics
 from course_lib.real.environment import RealEnvironment, find_environment
 from course_lib.real.process import RealProcesses, linked_graph, temporary_folder

@@ -198,7 +198,7 @@ def run_with_rclpy(work: Callable[[], None]) -> int:
 
 
 _DEMO, _TURTLE = "course_lib.tools.demo_nodes", "course_lib.robots.turtlesim"
-_FRAMES = "course_lib.robots.turtle_frames"
+_FRAMES = "course_lib.robots.turtlesim"
 # Each executable imports its modules when it runs: a program that uses one of them needs no other.
 _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("rviz2", "rviz2"): _rviz2,

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from course_lib.authoring.edits import make_edits, operators, read_answers
-from course_lib.authoring.fields import Flaw
 from course_lib.authoring.new import new_week, template_picture
 from course_lib.authoring.rehearsal import cells_of
+from course_lib.authoring.rules import Flaw
 from course_lib.authoring.verify import WeekReport, lines, refuse_broken, verify
 from course_lib.errors import CourseError
 from course_lib.grading.store import Course, catalog_of

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.authoring.fields import ASPECTS
 from course_lib.authoring.new import parse_notebook
+from course_lib.authoring.rules import ASPECTS
 from course_lib.course.exercise import notebook_text, read_notebook, source
 from tests.authoring.test_new_course import BUILT_HERE, ROOT, install, run
 from tests.test_contributing import edit

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.authoring.fields import Flaw
+from course_lib.authoring.rules import Flaw
 from course_lib.authoring.verify import WeekReport, run_lesson, verify
 from course_lib.course.state import lessons_dir
 from course_lib.grading.store import Course, this_course

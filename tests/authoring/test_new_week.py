@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from course_lib import cli
-from course_lib.authoring.fields import ASPECTS
 from course_lib.authoring.new import new_week
+from course_lib.authoring.rules import ASPECTS
 from course_lib.authoring.verify import lines, verify
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError

@@ -25,11 +25,10 @@ from course_lib.grading.advice import (
     large_message_hint,
     nan_hint,
 )
-from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import CheckResult, TaskResult
-from course_lib.grading.task import Scenario, Task
+from course_lib.grading.task import Scenario, Task, load_catalog
 from course_lib.grading.vocabulary.markers import PROPERTIES
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.ros.time.time_lock import time_lock

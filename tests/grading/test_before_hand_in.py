@@ -11,11 +11,11 @@ import pytest
 from course_lib.course import student_folder
 from course_lib.course.state import State
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import load_catalog
 from course_lib.grading.check import check
 from course_lib.grading.check_file import check_file
 from course_lib.grading.store import Course
 from course_lib.grading.submissions.submit import Receipt, submit
+from course_lib.grading.task import load_catalog
 
 NODE, HALF, ANSWER = range(3)  # the cells of the right answer
 DEFINED = "def half(length):"

@@ -2,9 +2,9 @@ import pytest
 
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import load_catalog
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.store import Course
+from course_lib.grading.task import load_catalog
 
 
 def test_catalog_contains_tasks_points_and_hidden_scenarios(course: Course) -> None:

@@ -12,11 +12,11 @@ from course_lib.course.state import exercises_dir, student_state
 from course_lib.errors import CourseError
 from course_lib.grading import inputs
 from course_lib.grading.advice import Advice
-from course_lib.grading.catalog import load_catalog, shipped_catalog
 from course_lib.grading.check import CheckFailedError, check, next_step
 from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.reports.table import Table
 from course_lib.grading.store import Course
+from course_lib.grading.task import load_catalog, shipped_catalog
 
 
 @pytest.fixture(autouse=True)

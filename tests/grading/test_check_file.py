@@ -5,10 +5,10 @@ import pytest
 
 from course_lib.course.state import student_state
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import load_catalog
 from course_lib.grading.check import check
 from course_lib.grading.check_file import check_file
 from course_lib.grading.store import Course
+from course_lib.grading.task import load_catalog
 
 WriteNotebook = Callable[..., Path]
 
@@ -83,7 +83,7 @@ def test_notebook_and_command_line_show_equal_tables(
     on_the_command_line = capsys.readouterr().out.split("\n\n")
     monkeypatch.chdir(tmp_path / "two")
     monkeypatch.setattr("course_lib.grading.check.shipped_catalog", lambda: load_catalog(course.exercises))
-    monkeypatch.setattr("course_lib.grading.catalog.shipped_catalog", lambda: load_catalog(course.exercises))
+    monkeypatch.setattr("course_lib.grading.task.shipped_catalog", lambda: load_catalog(course.exercises))
     names: dict[str, object] = {}
     code = wrong.replace("%load_ext course_lib", "").replace('check("week01.answer", answer)', "")
     exec(code, names)

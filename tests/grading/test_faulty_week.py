@@ -9,7 +9,6 @@ import course_lib.grading.check as check_module
 from course_lib.course import student_folder
 from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import load_catalog
 from course_lib.grading.check import check
 from course_lib.grading.grade import grade
 from course_lib.grading.marks import stored_result
@@ -17,6 +16,7 @@ from course_lib.grading.platforms.gradescope import one_week
 from course_lib.grading.reports.report import report
 from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.submission import find_submissions, plan_attempts
+from course_lib.grading.task import load_catalog
 from tests.grading.conftest import COURSE
 
 WriteNotebook = Callable[..., Path]

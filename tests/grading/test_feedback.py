@@ -14,7 +14,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
 from course_lib.grading.marking.marking_queue import mark_by_hand
 from course_lib.grading.reports import report
-from course_lib.grading.reports.feedback import feedback
+from course_lib.grading.reports.report import feedback
 from course_lib.grading.store import Course
 from course_lib.grading.submissions.archives import RECEIPT
 from course_lib.grading.submissions.collect import collect

@@ -9,7 +9,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
 from course_lib.grading.marking.marking_queue import mark_by_hand, mark_without_file
 from course_lib.grading.marks import results_in
-from course_lib.grading.reports.feedback import feedback, show_hidden_checks
+from course_lib.grading.reports.report import feedback, show_hidden_checks
 from course_lib.grading.store import Course
 from course_lib.grading.submissions.lms import fill_lms
 from course_lib.grading.submissions.roster import ids_of_section

@@ -3,11 +3,11 @@ from typing import Any
 
 import pytest
 
-from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.reports import scenes
 from course_lib.grading.reports.scenes import comparison_scene, expected_recording
 from course_lib.grading.store import Course
+from course_lib.grading.task import load_catalog
 
 TOPIC = "/visualization_marker"
 

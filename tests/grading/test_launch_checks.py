@@ -16,9 +16,9 @@ from course_lib.grading import (
     expect_launch_node,
     expect_transform,
 )
-from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.task import shipped_catalog
 
 HINTS = ("one", "two", "three")
 STATIC = ("tf2_ros", "static_transform_publisher")

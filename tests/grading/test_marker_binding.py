@@ -9,12 +9,11 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.grading import Check, Scenario, expect_circle, expect_marker, expect_marker_count, my
-from course_lib.grading.catalog import load_catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import judge_task
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.run import Run
-from course_lib.grading.task import Task
+from course_lib.grading.task import Task, load_catalog
 from course_lib.ros.graph.graph import START_NS, Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize, type_name

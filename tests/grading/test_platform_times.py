@@ -3,7 +3,7 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
-from course_lib.grading.submissions.platform_files import parse_times
+from course_lib.grading.submissions.readers import parse_times
 
 PARIS = ZoneInfo("Europe/Paris")
 TIME = datetime(2026, 3, 8, 23, 59, tzinfo=PARIS)

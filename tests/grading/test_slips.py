@@ -2,7 +2,7 @@
 
 import pytest
 
-from course_lib.grading.slips import find_slip
+from course_lib.grading.advice import find_slip
 from tests.notebooks.graded import WEEKS, cells_of, solution
 
 NODE = """class Lamp(Node):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.authoring.fields import ASPECTS
+from course_lib.authoring.rules import ASPECTS
 from course_lib.authoring.verify import EXTRAS, WeekReport, verify, weeks_of
 from course_lib.course.exercise import exercise_path
 from course_lib.course.state import solutions_dir

@@ -12,8 +12,8 @@ from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.export.module import Statement, collect_needed, node_classes, read_cells, statements
-from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.inputs import personal_values
+from course_lib.grading.task import shipped_catalog
 from course_lib.real.check import CALL, MY_VALUES
 from course_lib.real.environment import find_environment
 from course_lib.real.process import RealProcesses, temporary_folder

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from course_lib.real.check import compare
-from course_lib.real.run import run_on_ros
+from course_lib.real.process import run_on_ros
 from course_lib.recording import read_bag
 from tests import test_seed_programs as seeds
 from tests.real_ros import differences

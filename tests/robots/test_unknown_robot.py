@@ -12,7 +12,7 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import Image
 
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import shipped_catalog
+from course_lib.grading.task import shipped_catalog
 from course_lib.grading.vocabulary.topics import DIGESTS, TOOLS, digest, is_fact
 from course_lib.recording import record
 from course_lib.robots.unknown_robot import unknown_robot

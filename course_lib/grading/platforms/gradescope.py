@@ -21,7 +21,6 @@ from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import normalise
 from course_lib.course.state import DISTRIBUTION, checkout_root, course_package, write_atomically
 from course_lib.errors import CourseError, format_count
-from course_lib.grading.catalog import Catalog
 from course_lib.grading.evidence import Check
 from course_lib.grading.grade import grade
 from course_lib.grading.jail.filters import Need
@@ -34,7 +33,7 @@ from course_lib.grading.submissions.collect import ANY, PlatformTime, collect, w
 from course_lib.grading.submissions.readers import FOLDERS
 from course_lib.grading.submissions.roster import MISMATCH, read_class_list
 from course_lib.grading.submissions.submission import find_submissions
-from course_lib.grading.task import Task
+from course_lib.grading.task import Catalog, Task
 from course_lib.grading.vocabulary.markers import is_personal
 from course_lib.third_party import read_json
 

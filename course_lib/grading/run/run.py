@@ -19,7 +19,6 @@ import msgpack
 from course_lib.course.course_file import Limits
 from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError
-from course_lib.grading.catalog import Catalog
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.jail.filters import Isolation, Need
@@ -27,7 +26,7 @@ from course_lib.grading.jail.launch import KilledStartError, WorkerError, shared
 from course_lib.grading.run.outcome import Usage
 from course_lib.grading.run.submission_run import CellLog, SubmissionRun
 from course_lib.grading.store import evidence_path, usage_path, writing
-from course_lib.grading.task import Scenario, Task
+from course_lib.grading.task import Catalog, Scenario, Task
 from course_lib.ros.graph.graph import Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.third_party import read_json

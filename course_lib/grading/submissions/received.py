@@ -10,8 +10,7 @@ from zoneinfo import ZoneInfo
 
 from course_lib.errors import CourseError
 from course_lib.grading.records import RECEIPT_TIME, Received
-from course_lib.grading.submissions.platform_files import YEARS, LmsFile, parse_times
-from course_lib.grading.submissions.readers import STAMP, platform_name
+from course_lib.grading.submissions.readers import STAMP, YEARS, LmsFile, parse_times, platform_name
 
 LIST = "received.csv"
 ID_FROM = "id_from"  # whether the student's ID is from the roster

@@ -19,8 +19,13 @@ from zoneinfo import ZoneInfo
 from course_lib.course.exercise import normalise
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.grading.records import Submission
-from course_lib.grading.submissions.platform_files import LmsFile, looks_like_time, parse_times, plain_digits
-from course_lib.grading.submissions.readers import fold_key
+from course_lib.grading.submissions.readers import (
+    LmsFile,
+    fold_key,
+    looks_like_time,
+    parse_times,
+    plain_digits,
+)
 from course_lib.grading.submissions.received import ID_FROM, LIST
 from course_lib.third_party import read_json
 

@@ -26,11 +26,10 @@ from course_lib.course.state import (
 )
 from course_lib.course.student_folder import content_hash as digest_of_cells
 from course_lib.errors import CourseError, format_count
-from course_lib.grading.catalog import shipped_catalog
 from course_lib.grading.submissions.archives import RECEIPT, WORKING_FOLDER, working_files
 from course_lib.grading.submissions.notebook import CodeCell, Notebook, parse_notebook
 from course_lib.grading.submissions.submission import NO_EXERCISE, content_hash, unpack
-from course_lib.grading.task import Task
+from course_lib.grading.task import Task, shipped_catalog
 
 NO_ID = "It has no student ID: enter your ID (open {}) and submit again."
 

@@ -12,7 +12,6 @@ from typing import Any
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
-from course_lib.grading.catalog import Catalog
 from course_lib.grading.records import (
     Attempt,
     CheckResult,
@@ -26,6 +25,7 @@ from course_lib.grading.reports.report import report
 from course_lib.grading.reports.tables import write_tables
 from course_lib.grading.store import Course, catalog_of
 from course_lib.grading.submissions.submission import content_hash
+from course_lib.grading.task import Catalog
 from tests.processes import Program
 
 POINTS = """
