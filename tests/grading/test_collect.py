@@ -286,12 +286,12 @@ def test_invalid_source_or_destination_is_an_error(tmp_path: Path, make: str, me
 
 @pytest.mark.parametrize("kind", ["UTF-8 that is not declared", "backslashes"])
 def test_names_in_a_student_archive_are_those_of_its_author(tmp_path: Path, kind: str) -> None:
-    inner = {"sub/week01_exercise.ipynb": notebook(), "sub/Größe.yaml": b"a: 1"}
+    inner: Bytes = {"sub/week01_exercise.ipynb": notebook(), "sub/Größe.yaml": b"a: 1"}
     data = zipped(inner)
     if kind == "backslashes":
         data = data.replace(b"sub/", b"sub\\")
     else:
-        undeclared = zipped({name.replace("öß", "####"): one for name, one in inner.items()})
+        undeclared = zipped({str(name).replace("öß", "####"): one for name, one in inner.items()})
         data = undeclared.replace(b"####", "öß".encode())
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada/work.zip").write_bytes(data)
