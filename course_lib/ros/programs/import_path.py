@@ -24,7 +24,7 @@ from course_lib.errors import CourseError
 FOLDERS = (
     *("launch", "launch.actions", "launch.conditions", "launch.event_handlers", "launch.events"),
     *("launch.launch_description_sources", "launch.substitutions"),
-    *("launch_ros.actions", "launch_ros.descriptions", "launch_ros.event_handlers"),
+    *("launch_ros.utilities", "launch_ros.actions", "launch_ros.descriptions", "launch_ros.event_handlers"),
     *("launch_ros.events.lifecycle", "launch_xml.launch_description_sources"),
     "launch_yaml.launch_description_sources",
     "launch_ros.substitutions",
@@ -37,6 +37,8 @@ HOME_MODULES = {
     "launch.events.process": "launch.events",
     "launch.launch_description_entity": "launch.entities",
     "launch.substitutions.boolean_substitution": "launch.substitutions",
+    "launch_ros.parameters_type": "launch_ros.utilities",
+    "launch_ros.remap_rule_type": "launch_ros.utilities",
     "launch_ros.substitutions.find_package": "launch_ros.substitutions",
     "rclpy._rclpy_pybind11": "rclpy.exceptions",
     "rclpy.expand_topic_name": "rclpy.impl.names",

@@ -18,7 +18,15 @@ from launch.actions import IncludeLaunchDescription, declared
 from launch.conditions import InvalidConditionExpressionError
 from launch.entities import Action, Entities, Event, LaunchContext, listed, text_of
 from launch.event_handlers import OnProcessIO
-from launch.events import ProcessExited, ProcessIO, ProcessStarted, Shutdown, ShutdownProcess, SignalProcess
+from launch.events import (
+    ProcessExited,
+    ProcessStarted,
+    ProcessStderr,
+    ProcessStdout,
+    Shutdown,
+    ShutdownProcess,
+    SignalProcess,
+)
 from launch.launch_description_sources import LaunchDescriptionSource
 
 from course_lib.errors import CourseError
@@ -264,6 +272,7 @@ class LaunchProgram(Process):
         for_all = ["--", *self._node_arguments] if self._node_arguments else []
         process = _LaunchedProcess(name, function, [*words, *for_all], self._prefixes)
         self._started.append((action, process))
+        action.process_details = {"name": name, "pid": pid, "cmd": process.argv}
         self._processes.start(process)
         self.log("INFO", name, f"process started with pid [{pid}]")
         self.emit(ProcessStarted(action, name, pid, process.argv))
@@ -298,7 +307,7 @@ class LaunchProgram(Process):
             del self._context.locals.event
         if isinstance(event, Shutdown):
             self._shut_down()
-        elif isinstance(event, ShutdownProcess):
+        elif isinstance(event, ShutdownProcess | SignalProcess):
             # A SignalProcess may send a signal that does not end the process.
             number = event.signal_number if isinstance(event, SignalProcess) else signal.SIGINT
             if (number if isinstance(number, str) else signal.Signals(number).name) in _ENDS:
@@ -310,7 +319,8 @@ class LaunchProgram(Process):
         if any(isinstance(handler, OnProcessIO) for handler in self._context.handlers):
             pid = int(name.rpartition("-")[2])
             action, process = self._started[pid - 1]
-            self.emit(ProcessIO(action, name, pid, process.argv, text.encode(), number))
+            kind = ProcessStderr if number == 2 else ProcessStdout
+            self.emit(kind(action, name, pid, process.argv, text.encode(), number))
 
     def log(self, level: str, name: str, text: str) -> None:
         """Write a line to the log of the launch itself."""

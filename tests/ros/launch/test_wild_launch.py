@@ -15,8 +15,8 @@ INNER = '<launch><arg name="who" default="nobody"/><log message="hello $(var who
 TINY = '<robot name="$(arg name)" xmlns:xacro="http://wiki.ros.org/xacro"><link name="base_link"/></robot>'
 
 
-def logged(file: Path, capsys: pytest.CaptureFixture[str], *args: str) -> list[str]:
-    assert recorded(file, *args)[1] == 0
+def logged(file: Path, capsys: pytest.CaptureFixture[str], *args: str, seconds: float = 1.0) -> list[str]:
+    assert recorded(file, *args, seconds=seconds)[1] == 0
     lines = capsys.readouterr().out.splitlines()
     return [line.partition("]: ")[2] for line in lines if "launch.user" in line]
 
@@ -173,3 +173,107 @@ def test_messages_of_create_robots_and_of_goals_can_be_imported() -> None:
     assert DriveDistance.Goal().max_translation_speed == 0.3
     assert EStop.Request(e_stop_on=True).e_stop_on
     assert list(Goals().goals) == []
+
+
+def test_attributes_of_the_root_are_ignored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.launch.xml").write_text('<launch version="0.1.1"><log message="done"/></launch>')
+    assert logged(tmp_path / "a.launch.xml", capsys) == ["done"]
+
+
+MATCHERS = """
+from launch import LaunchDescription
+from launch.actions import EmitEvent, LogInfo, RegisterEventHandler, TimerAction
+from launch.event_handlers import OnProcessExit, OnProcessIO
+from launch.events.process import *
+from launch_ros.actions import Node
+
+def generate_launch_description():
+    nodes = [
+        Node(package="demo_nodes_py", executable="talker", name=name) for name in ("a", "b")
+    ]
+    exits = [
+        RegisterEventHandler(OnProcessExit(target_action=node, on_exit=[LogInfo(msg=name)]))
+        for node, name in zip(nodes, ("first", "second"))
+    ]
+    streams = set()
+
+    def on_line(event):
+        kind = type(event).__name__
+        assert isinstance(event, ProcessIO)
+        if kind not in streams:
+            streams.add(kind)
+            return LogInfo(msg=kind)
+
+    stop = ShutdownProcess(process_matcher=MATCHER)
+    return LaunchDescription([
+        *nodes, *exits,
+        RegisterEventHandler(OnProcessIO(target_action=nodes[0], on_stdout=on_line, on_stderr=on_line)),
+        TimerAction(period=1.2, actions=[EmitEvent(event=stop)]),
+        TimerAction(period=1.5, actions=[LogInfo(msg="later")]),
+    ])
+"""
+
+
+@pytest.mark.parametrize(
+    ("matcher", "before"),
+    [
+        ('matches_name("talker-1")', ["first"]),
+        ("matches_pid(2)", ["second"]),
+        ('matches_executable("talker-2")', ["second"]),
+        ('matches_name("talker")', []),
+    ],
+)
+def test_matcher_of_a_process_selects_it_by_its_details(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], matcher: str, before: list[str]
+) -> None:
+    (tmp_path / "a.launch.py").write_text(MATCHERS.replace("MATCHER)", f"{matcher})"))
+    lines = logged(tmp_path / "a.launch.py", capsys, seconds=2.0)
+    assert lines[0] == "ProcessStderr"
+    assert lines[1 : lines.index("later")] == before
+
+
+UTILITIES = """
+from launch import LaunchDescription, SomeEntitiesType
+from launch.actions import LogInfo, OpaqueFunction
+from launch.some_entities_type import SomeEntitiesType
+from launch.substitutions import LaunchConfiguration
+from launch.utilities import is_a, is_a_subclass, normalize_to_list_of_entities
+from launch_ros.parameters_type import SomeParameters
+from launch_ros.remap_rule_type import SomeRemapRules
+from launch_ros.utilities import (
+    evaluate_parameters, make_namespace_absolute, normalize_parameters, normalize_remap_rules,
+    prefix_namespace,
+)
+
+def setup(context):
+    rate = LaunchConfiguration("rate", default="2")
+    given = normalize_parameters([{"a": {"rate": rate, "list": [1.0, 2.0]}}, "p.yaml"])
+    values, file = evaluate_parameters(context, given)
+    spaces = [("/my", "own"), ("my", "/own"), (None, "own/"), ("/", "own"), ("my", None), ("my", "")]
+    spaces.append((None, None))
+    rules = list(normalize_remap_rules([("from", ["to_", rate])]))
+    return normalize_to_list_of_entities([
+        LogInfo(msg=str(values)),
+        [LogInfo(msg=str(file)), LogInfo(msg=str([prefix_namespace(*pair) for pair in spaces]))],
+        LogInfo(msg=str([len(names) for names in rules[0]])),
+        LogInfo(msg=make_namespace_absolute("x")),
+        LogInfo(msg=str([is_a(rate, LaunchConfiguration), is_a_subclass(bool, int), is_a_subclass("", int)])),
+    ])
+
+def generate_launch_description():
+    return LaunchDescription([OpaqueFunction(function=setup)])
+"""
+
+
+def test_functions_for_custom_launch_files_return_the_values_of_ros(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a.launch.py").write_text(UTILITIES)
+    assert logged(tmp_path / "a.launch.py", capsys) == [
+        "{'a.rate': 2, 'a.list': (1.0, 2.0)}",
+        "p.yaml",
+        "['/my/own', '/own', 'own', '/own', 'my', 'my', None]",
+        "[1, 2]",
+        "/x",
+        "[True, True, False]",
+    ]

@@ -12,6 +12,7 @@ from launch.entities import LaunchDescription as LaunchDescription
 from launch.entities import LaunchDescriptionEntity as LaunchDescriptionEntity
 from launch.entities import LaunchIntrospector as LaunchIntrospector
 from launch.entities import LaunchService as LaunchService
+from launch.entities import SomeEntitiesType as SomeEntitiesType
 from launch.entities import SomeSubstitutionsType as SomeSubstitutionsType
 from launch.entities import Substitution as Substitution
 from launch.event_handlers import EventHandler as EventHandler

@@ -12,7 +12,8 @@ from course_lib.errors import CourseError
 from course_lib.ros.tracebacks import KIT, is_own
 
 SomeSubstitutionsType: TypeAlias = Union[str, Path, "Substitution", Iterable["SomeSubstitutionsType"]]
-Entities: TypeAlias = Union["LaunchDescriptionEntity", Iterable["LaunchDescriptionEntity"]]
+SomeEntitiesType: TypeAlias = Union["LaunchDescriptionEntity", Iterable["LaunchDescriptionEntity"]]
+Entities = SomeEntitiesType
 SHIPPED = os.path.join(KIT, "ros", "share", "")
 Reaction: TypeAlias = Entities | Callable[[Any, "LaunchContext"], Entities | None] | None
 
@@ -166,6 +167,8 @@ class Action(LaunchDescriptionEntity):
 
     # Whether the action is still running after `execute`; otherwise it is complete then.
     goes_on = False
+    # The name, pid and cmd of its last process, or None.
+    process_details: dict[str, Any] | None = None
 
     def __init__(
         self,

@@ -65,15 +65,27 @@ class ProcessIO(RunningProcessEvent):
         return self.fd == 2
 
 
+class ProcessStdout(ProcessIO):
+    """A line of a process on standard output."""
+
+
+class ProcessStderr(ProcessIO):
+    """A line of a process on standard error."""
+
+
 @dataclass
-class ShutdownProcess(Event):
-    """Request to shut down the processes of the matching actions."""
+class ProcessTargetedEvent(Event):
+    """Base class of requests to the processes of the matching actions."""
 
     process_matcher: Callable[[Action], bool]
 
 
+class ShutdownProcess(ProcessTargetedEvent):
+    """Request to shut down the processes of the matching actions."""
+
+
 @dataclass(kw_only=True)
-class SignalProcess(ShutdownProcess):
+class SignalProcess(ProcessTargetedEvent):
     """Request to send a signal to the processes of the matching actions.
 
     SIGINT, SIGTERM and SIGKILL end them.
@@ -85,6 +97,25 @@ class SignalProcess(ShutdownProcess):
 def matches_action(target: Action) -> Callable[[Action], bool]:
     """Return a matcher for one action."""
     return lambda action: action is target
+
+
+def matches_pid(pid: int) -> Callable[[Action], bool]:
+    """Return a matcher for the action whose process has this number."""
+    return lambda action: action.process_details is not None and action.process_details["pid"] == pid
+
+
+def matches_name(name: str) -> Callable[[Action], bool]:
+    """Return a matcher for the action whose process has this name, like "talker-1"."""
+    return lambda action: action.process_details is not None and action.process_details["name"] == name
+
+
+def matches_executable(executable: str) -> Callable[[Action], bool]:
+    """Return a matcher for actions that run a program whose path ends with `executable`."""
+
+    def matches(action: Action) -> bool:
+        return action.process_details is not None and action.process_details["cmd"][0].endswith(executable)
+
+    return matches
 
 
 def __getattr__(name: str) -> ModuleType:

@@ -3,7 +3,15 @@
 from collections.abc import Iterable
 from typing import Any
 
-from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, text_of
+from launch.entities import (
+    LaunchContext,
+    LaunchDescriptionEntity,
+    SomeEntitiesType,
+    SomeSubstitutionsType,
+    Substitution,
+    listed,
+    text_of,
+)
 from launch.substitutions import TextSubstitution
 
 
@@ -14,6 +22,21 @@ def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Subs
     if isinstance(subs, Iterable) and not isinstance(subs, str):
         return [one for part in subs for one in normalize_to_list_of_substitutions(part)]
     return [TextSubstitution(text=str(subs))]
+
+
+def normalize_to_list_of_entities(entities: Iterable[SomeEntitiesType]) -> list[LaunchDescriptionEntity]:
+    """Return entities, and lists of them, as one list."""
+    return [one for part in entities for one in listed(part)]
+
+
+def is_a(obj: object, entity_type: type) -> bool:
+    """Return whether an object is an instance of a class."""
+    return isinstance(obj, entity_type)
+
+
+def is_a_subclass(obj: Any, entity_type: type) -> bool:
+    """Return whether an object is an instance or a subclass of a class."""
+    return isinstance(obj, entity_type) or (isinstance(obj, type) and issubclass(obj, entity_type))
 
 
 def perform_substitutions(context: LaunchContext, subs: Iterable[Any]) -> str:

@@ -3,7 +3,15 @@
 from importlib import import_module
 from types import ModuleType
 
-_MODULES = ("actions", "descriptions", "event_handlers", "events", "parameter_descriptions", "substitutions")
+_MODULES = (
+    "actions",
+    "descriptions",
+    "event_handlers",
+    "events",
+    "parameter_descriptions",
+    "substitutions",
+    "utilities",
+)
 
 
 def __getattr__(name: str) -> ModuleType:

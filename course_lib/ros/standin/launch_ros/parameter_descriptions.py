@@ -108,7 +108,7 @@ def words_for(context: LaunchContext, parameters: Any) -> Iterator[str]:
     if isinstance(parameters, Parameter):
         parameters = dict([parameters.evaluate(context)])
     if isinstance(parameters, Mapping):
-        for name, value in _flat(context, parameters, ""):
+        for name, value in flat_values(context, parameters):
             yield from ("-p", f"{name}:={json.dumps(value, ensure_ascii=False)}")
     else:
         is_file = isinstance(parameters, ParameterFile)
@@ -121,11 +121,14 @@ def words_for(context: LaunchContext, parameters: Any) -> Iterator[str]:
             context.runner.log("WARNING", "launch_ros.actions.node", text)
 
 
-def _flat(context: LaunchContext, values: Mapping[Any, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+def flat_values(
+    context: LaunchContext, values: Mapping[Any, Any], prefix: str = ""
+) -> Iterator[tuple[str, Any]]:
+    """Yield the full name and the value of each parameter of nested dictionaries."""
     for key, value in values.items():
         name = prefix + text_of(context, key)
         if isinstance(value, Mapping):
-            yield from _flat(context, value, f"{name}.")
+            yield from flat_values(context, value, f"{name}.")
         else:
             yield name, evaluated(context, value, name)
 
