@@ -900,7 +900,7 @@ def main() -> None:
 
 
 def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Split the command's arguments from those of its programs.
+    """Split the arguments into those of the command and of its programs.
 
     The latter follow `--` or begin at `--ros-args`.
     """

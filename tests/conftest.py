@@ -1,4 +1,4 @@
-"""Setup of every test: ROS names come from the stand-in, and kernels need no port.
+"""Setup of all tests: ROS's names are imported from the stand-in, and kernels need no port.
 
 Also a small disk, and commands in this process.
 """
@@ -37,7 +37,7 @@ hypothesis.settings.load_profile("untimed")
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Keep what is there to stay out of collections of garbage: 0.4 s each, in the whole suite."""
+    """Exclude permanent objects from garbage collection, which takes 0.4 s each time in the whole suite."""
     gc.disable()
     try:
         return (yield)
@@ -95,7 +95,7 @@ class Typed(NamedTuple):
 
 @pytest.fixture
 def in_process(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Callable[..., Typed]:
-    """Run `course WORDS` in this process: most of a second cheaper than in one of its own."""
+    """Run `course WORDS` in this process, which saves most of a second of start-up."""
 
     from course_lib import cli
     from course_lib.usual_commands import HASH_SEED

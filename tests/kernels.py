@@ -1,4 +1,4 @@
-"""Kernels of notebooks that tests run, nbmake's and nbclient's: they listen on files of their own.
+"""Kernels for nbmake and nbclient that communicate through IPC files instead of ports.
 
 Jupyter chooses a kernel's ports before the kernel listens on them. A test beside it may take one meanwhile.
 """

@@ -1,4 +1,4 @@
-"""How long tests wait for a state that must come: two servers take 60 s to start on two busy cores."""
+"""Timeouts of tests: two servers take up to 60 s to start on two busy cores."""
 
 import threading
 
@@ -6,6 +6,6 @@ PATIENCE = 120.0  # [s]
 
 
 def join(thread: threading.Thread) -> None:
-    """Wait for the end of a thread, which must come."""
+    """Wait for the end of a thread, and fail at the timeout."""
     thread.join(PATIENCE)
     assert not thread.is_alive(), f"the thread {thread.name} has not ended"

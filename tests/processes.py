@@ -1,4 +1,4 @@
-"""Programs that tests start: none makes a test wait for ever, and none is left when its test has ended."""
+"""Programs that tests start, with time limits; all are killed at the end of their test."""
 
 import _thread
 import atexit

@@ -1,4 +1,4 @@
-"""The public names as griffe sees them: `python -m tests.public_api` writes them down at a release."""
+"""The public names, collected by griffe: `python -m tests.public_api` stores them at a release."""
 
 import json
 import sys
@@ -14,7 +14,7 @@ RELEASED = ROOT / "tests/data/released_api.json"
 
 
 def public_api(top: Path = ROOT) -> griffe.Module:
-    """Return a module with a module for each public one, and in it the names that its stub offers."""
+    """Return a module with a submodule for each public module, containing the names of its stub."""
     package = griffe.load("course_lib", search_paths=[str(top)])
     api = griffe.Module("course_lib")
     for name in PUBLIC:
@@ -65,7 +65,7 @@ def version(top: Path = ROOT) -> str:
 
 
 def write(top: Path = ROOT) -> None:
-    """Write down the names of a release, and its version."""
+    """Store the names of a release and its version."""
     content = {"version": version(top), "api": public_api(top).as_dict()}
     RELEASED.write_text(json.dumps(content, cls=griffe.JSONEncoder) + "\n", encoding="utf-8")
 

@@ -78,7 +78,7 @@ def module_name(path: Path) -> str:
 
 
 def modules() -> dict[str, Path]:
-    """Return all modules of course_lib by name; a launch file is none."""
+    """Return all modules of course_lib by name, without launch files."""
     files = (path for path in sorted(COURSE_LIB.rglob("*.py")) if not path.name.endswith(".launch.py"))
     return {module_name(path): path for path in files if "_course" not in path.parts}
 
@@ -88,7 +88,7 @@ STANDIN_NAMES = {path.name for path in (COURSE_LIB / "ros" / "standin").iterdir(
 
 @cache
 def written_imports(path: Path) -> frozenset[str]:
-    """Return the names that a file imports, anywhere in it; the stand-in's by their place in course_lib."""
+    """Return all names that a file imports; the stand-in's names by their location in course_lib."""
     return frozenset(_imports_of(path))
 
 
@@ -122,7 +122,7 @@ def import_graph() -> dict[str, set[str]]:
 
 
 def circles(graph: Mapping[str, set[str]]) -> list[set[str]]:
-    """Return the circles of a graph, cut one after the other."""
+    """Return the cycles of a graph, each removed before the next is searched."""
     left = {name: set(others) for name, others in graph.items()}
     found: list[set[str]] = []
     while True:

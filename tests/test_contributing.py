@@ -49,7 +49,7 @@ def edit(text: str, change: str) -> str:
 
 
 def undone(change: str) -> str:
-    """Return the hunk that takes another one back."""
+    """Return the hunk that reverts another one."""
     signs = {"+": "-", "-": "+", " ": " "}
     return "".join(signs[line[0]] + line[1:] for line in change.splitlines(keepends=True))
 

@@ -86,7 +86,7 @@ def test_build_hook_imports_only_the_build_requirements(tmp_path: Path) -> None:
 
 
 def installed_with(names: Iterable[str]) -> set[str]:
-    """Return the distributions that come with these requirements."""
+    """Return the distributions that these requirements install."""
     found, waiting = set[str](), [Requirement(name) for name in names]
     while waiting:
         one = waiting.pop()

@@ -1,4 +1,4 @@
-"""JSON and Python of others: what is nested too deeply is refused like any other damaged text."""
+"""Third-party JSON and Python: too deeply nested text is rejected like other malformed text."""
 
 import asyncio
 from collections.abc import Callable

@@ -29,7 +29,7 @@ def opened(path: Path) -> RvizSession:
 
 
 def lasting(session: RvizSession) -> list[StatusRow]:
-    """Return the statuses, but for hints at what was wrong in the file and is saved right."""
+    """Return the statuses, except hints about errors in the file that saving corrects."""
     return [row for row in session.rows() if row.name not in ("Layout", "View", "Properties")]
 
 

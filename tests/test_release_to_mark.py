@@ -31,7 +31,7 @@ def instructors(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def student(instructors: Path) -> Path:
-    """A student's machine: the released project, installed in an environment of its own."""
+    """A student's machine: the released project, installed in a new environment."""
     home = instructors.parent / "student"
     # `course release` would verify all weeks before, which tests/notebooks/test_answers.py does.
     write = (

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(not DOCUMENTS, reason="COURSE_SEEDS names no fol
 
 
 def cut(beginning: str, ending: str) -> str:
-    """Cut a part out of the document that holds it, ending included."""
+    """Extract a section from a document, including its end."""
     text = next(t for document in DOCUMENTS if beginning in (t := document.read_text()))
     found = re.search(re.escape(beginning) + ".*?" + ending, text, re.DOTALL)
     assert found is not None

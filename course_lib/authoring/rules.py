@@ -509,7 +509,7 @@ def misspelled_topics(
 
 
 def _problem(message: Message, task: Task) -> str:
-    # For a service, the fields are those of the request.
+    # For a service, these are the fields of the request.
     is_request = "/srv/" in message.type_name
     type_name = f"{message.type_name}_Request" if is_request else message.type_name
     try:

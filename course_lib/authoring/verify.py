@@ -319,7 +319,7 @@ def missing_files(week: str, course: Course) -> Iterator[Flaw]:
 SECONDS = 300
 COLOR = re.compile(r"\x1b\[[0-9;]*m")
 ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception|Interrupt|Exit|Warning)\b.*|error: .*)$", re.MULTILINE)
-# IPython's mark of the line that raised an exception.
+# IPython's marker of the line that raised an exception.
 FAILED_LINE = re.compile(r"^-+> (\d+) (.*)$", re.MULTILINE)
 
 
@@ -540,7 +540,7 @@ def _idle_mutants(course: Course) -> Iterator[Flaw]:
 
 
 def _check_exercise(week: str, course: Course) -> Iterator[Flaw]:
-    """Yield a flaw if the exercise differs from the one that its solution generates."""
+    """Yield a flaw if the exercise differs from the generated one."""
     solution = course.solutions / f"{week}_solution.ipynb"
     exercise = course.exercises / f"{week}_exercise.ipynb"
     if not (solution.is_file() and exercise.is_file()):

@@ -245,7 +245,7 @@ class _Playing:
 
 @dataclass(frozen=True)
 class _Scripts:
-    """The script of a scene, and by name the large meshes that scenes share."""
+    """The script of a scene, and the large shared meshes by name."""
 
     scene: bytes
     shared: dict[str, bytes]

@@ -141,7 +141,7 @@ def exercise_from(solution: Notebook) -> Notebook:
 
 
 def exercise_path(solution: Path) -> Path:
-    """Return the path of the exercise of a solution, like exercises/week01_exercise.ipynb."""
+    """Return the path of a solution's exercise, like exercises/week01_exercise.ipynb."""
     return exercises_dir() / solution.name.replace("_solution", "_exercise")
 
 

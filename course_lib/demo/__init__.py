@@ -43,7 +43,7 @@ def demo(out: Path) -> None:
         console.print(report.splitlines()[0], markup=False)
 
     class TooLow(RedCubeNode):
-        # In [m]; part of the cube is below the ground.
+        # In [m]; part of the cube is below the ground plane.
         height = 0.2
 
     console.print("\n[bold]3. Check[/bold] it as an exercise does: first right, then with the cube too low:")

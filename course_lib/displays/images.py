@@ -35,7 +35,7 @@ class UnsupportedEncodingError(ValueError):
 
 
 class Encoding(NamedTuple):
-    """The layout of the numbers of a pixel."""
+    """The channel order and data type of a pixel."""
 
     dtype: str
     # Indices of red, green and blue.
@@ -222,7 +222,7 @@ class PictureDisplay(TopicDisplay):
         self.message, self._range = None, Range()
 
     def make_subscriptions(self) -> tuple[Subscription, ...]:
-        """Subscribe to the topic, whose last component may name the compression."""
+        """Subscribe to the topic, whose last component may be the compression."""
         packed = self["Topic"].rpartition("/")[2] == "compressed"
         return (self.subscription(self["Topic"], PACKED if packed else IMAGE, self.receive),)
 

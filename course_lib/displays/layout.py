@@ -135,7 +135,7 @@ Config: TypeAlias = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Layout:
-    """The parts of a layout that determine what is drawn, without entries that have an invalid structure.
+    """The parts of a layout that determine the picture, without entries of an invalid structure.
 
     Args:
         options: RViz's Global Options, by label.

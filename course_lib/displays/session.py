@@ -85,7 +85,7 @@ class RvizSession:
         self.saved_views: list[ViewController] = []
         self._view: ViewController = Orbit()
         self._view.on_change = self._on_view_set
-        # None once somebody has set the view.
+        # None after the user has set the view.
         self._framing: Framing | None = Framing(scene)
         # Whether it shows a recording, frame by frame.
         self.is_replay = False
@@ -363,9 +363,9 @@ class RvizSession:
                     node.transform_node_to_fixed = transform_node_to_fixed
 
     def _frame_drawings(self, camera: Camera, is_opened: bool) -> bool:
-        """Move a view that nobody has set to what is drawn; return whether it has changed."""
+        """Move a default view to the drawn objects. Return whether it has changed."""
         is_replaced = self._camera is not None and self.context.scene.camera is not self._camera
-        # The view does not depend on frames that nobody watches, because these may be postponed.
+        # The view does not depend on invisible frames, because these may be postponed.
         is_watched = is_opened or self.is_replay or bool(self.after_frame)
         if self._framing is None or not isinstance(self._view, Orbit) or is_replaced or not is_watched:
             return False

@@ -334,7 +334,7 @@ class RangeDisplay(DrawnDisplay):
 
 # Lengths and diameters of shaft and head.
 _UNIT_ARROW = (1.0, 0.1, 0.3, 0.2)
-# Angles of the points of a circle with a gap for its tip.
+# Angles of the circle's points, with a gap for the tip.
 _ARC = np.arange(4, 33) * 2 * np.pi / 32
 # The rotation from x to y.
 _ALONG_Y = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -455,7 +455,7 @@ def _circle_around(
 
 # Minimum radius [m], and minimum fraction of the limit.
 _MIN_EFFORT = 0.05
-# Angles of the points of the circle; the tip fills the gap.
+# Angles of the circle's points; the tip fills the gap.
 _EFFORT_ARC = np.arange(30) * 2 * np.pi / 32
 _NO_LIMIT = (
     "Joint '{}' has no <limit> tag in URDF. Effort plugin needs to know the effort limit to determine the "

@@ -217,7 +217,7 @@ class Viewer(KnownAttributes):
         frame: str | None = None,
         at: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> None:
-        """Draw a robot's links in a frame, without any messages but those of tf2.
+        """Draw a robot's links in a frame, without any messages except tf2's.
 
         Args:
             robot: A robot from `load_robot`.

@@ -352,7 +352,7 @@ class FrameAligned(FPS):
         super().on_changed(label)
 
     def set_from_camera(self, camera: Camera) -> None:
-        """Set the properties from a camera that the user turned by hand."""
+        """Set the properties from a camera that the user has moved."""
         super().set_from_camera(camera)
         self._name_axis()
 
@@ -408,7 +408,7 @@ _SLOPE = tan(pi / 8)
 # Width of the picture divided by its height that things have to fit in: views in cells are wider,
 # and views beside the notebook may be a little narrower.
 _ASPECT = 1.0
-# The fraction of the picture that things may fill.
+# The maximum fraction of the picture that the drawn objects fill.
 _FILLED = 0.85
 # Half the side of the cube around the origin that is always in the picture, [m].
 _AROUND_ORIGIN = 0.5
@@ -437,7 +437,7 @@ class Framing:
         self._drawn: set[str] = set()
 
     def choose(self, view: Orbit, camera: Camera, references: set[str], *, is_opened: bool) -> bool:
-        """Move a view if the rule says so.
+        """Move a view if the rule requires it.
 
         Args:
             view: The view to move.
@@ -464,7 +464,7 @@ class Framing:
             shown = [node.path for node in drawn if node.object and self._scene.visible(node.path)]
             bounds = bounds_of(self._scene, shown)
         if bounds is None:
-            # Only pictures in a corner were drawn: what follows is the first thing with a place.
+            # Only overlays were drawn before, so the next drawable is the first one with a position.
             self._drawn.difference_update(new)
             return False
         corners = _corners(_with_origin(bounds))

@@ -183,7 +183,7 @@ def apply_marks(result: TaskResult, marks: Iterable[HandMark], sha256: str) -> T
 
 
 def task_mark(marks: Iterable[HandMark]) -> HandMark | None:
-    """Return the last mark for a whole exercise, given by a grader without a gradable file, or None."""
+    """Return the last mark that a grader entered for a whole exercise without a file, or None."""
     standing = reversed(standing_marks(marks))
     return next((one for one in standing if not one.task and one.points is not None), None)
 
@@ -355,7 +355,7 @@ class MarkedResult:
         if submission.id_flag == MISMATCH:
             reason = ", ".join(filter(None, (reason, MISMATCH)))
             message = f"{submission.id_note}; {message}"
-            # Whoever gave points for this file has seen the note.
+            # The grader who entered points for this file has seen the note.
             is_waiting |= not any(one.is_of(submission.sha256) for one in standing_marks(self.marks))
         total = Mark.of(self.tasks, result.days_late, result.late)
         status: Status = "needs_marking" if is_waiting else row.status

@@ -1,4 +1,4 @@
-"""The records of a submission: what was submitted, how it was judged, and its points.
+"""The records of a submission: its files, its results, and its points.
 
 The stages of `grade` pass these objects on, and store them as they are, so the program has no
 second form of them. They are frozen dataclasses. msgspec builds them from JSON and checks each

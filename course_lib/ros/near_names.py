@@ -319,7 +319,7 @@ def attribute_hint(error: AttributeError) -> str:
         names = _attributes(error.obj)
     near = nearest(error.name, names)
     if own_classes:
-        # The name `self.publish` is closer to the name `publisher` than to what it means.
+        # The name `self.publish` resembles `publisher` more than its intended meaning.
         values = getattr(error.obj, "__dict__", {}).items()
         holders = [
             key
@@ -355,7 +355,7 @@ def keyword_hint(error: BaseException) -> str:
     frame = frame_of(error)
     if found is None or frame is None:
         return ""
-    # The base class in the kit that rejects the argument is not the one that the student called.
+    # The kit's base class that rejects the argument is not the class that the student called.
     own = frame.f_locals.get("self")
     is_in_kit = own is not None and frame.f_code.co_filename.startswith(_KIT_FOLDER)
     function = type(own) if is_in_kit and ".__init__()" in str(error) else _reachable_object(frame, found[1])
@@ -445,7 +445,7 @@ def is_angle(name: str) -> bool:
 
 
 def is_native(kind: type) -> bool:
-    """Return whether a class is defined in C, as those of Python itself are."""
+    """Return whether a class is defined in C, like Python's built-in classes."""
     return not kind.__flags__ & _HEAP_TYPE
 
 

@@ -30,7 +30,7 @@ class _AbbreviatedStack(StackSummary):
     """A stack whose middle is omitted if it is very long, as after infinite recursion."""
 
     def format(self, **kwargs: Any) -> list[str]:
-        """Format the lines of a traceback. The arguments are those of later Python versions."""
+        """Format the lines of a traceback. The arguments are the same as in later Python versions."""
         hidden = len(self) - 2 * SHOWN
         if hidden <= SHOWN:
             return super().format(**kwargs)

@@ -64,7 +64,7 @@ class LaunchedRun(LiveRun):
 
 
 def launch_verbs(executables: Executables) -> tuple[Verb, Verb]:
-    """Return `ros2 launch` and `ros2 run`, which find these executables in addition to those of packages."""
+    """Return `ros2 launch` and `ros2 run`, which also find these executables."""
     launch, run = partial(_launch, executables), partial(_run, executables)
     return (
         Verb("launch", "", "Run a launch file", _LAUNCH, launch, from_start=True),

@@ -28,7 +28,7 @@ _MAIN = "def main():\n    print('Hi from {package}.')\n\n\nif __name__ == '__mai
 
 
 def pkg_verbs(executables: "Executables") -> tuple[Verb, ...]:
-    """Return the verbs of `ros2 pkg`, which list these executables in addition to those of packages."""
+    """Return the verbs of `ros2 pkg`, which also list these executables."""
     verb = partial(Verb, "pkg", looks=False)
     return (
         verb("create", "Create a new ROS 2 package", _CREATE, _create),

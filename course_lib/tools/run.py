@@ -144,7 +144,7 @@ def ros2_over(
         tool = partial(ros2, words, write=sys.stdout.write)
         graph = _graph(robot)
         source = GraphSource(graph, discovery=DISCOVERY)
-        # What the programs print goes to stderr, so that the output of the verb can be piped.
+        # The output of the programs goes to stderr, so that the output of the verb can be piped.
         with redirect_stdout(sys.stderr) if files else nullcontext():
             return run_with_tool(files, lambda _: tool(source), seconds=seconds, graph=graph)
     from course_lib.recording import Recording, read_bag
@@ -187,7 +187,7 @@ def run_with_tool(
             graph.end_ns = graph.now_ns
 
     with use_graph(graph):
-        # At the limit the tool returns, so that a verb can report what it did not receive.
+        # At the limit the tool returns, so that a verb can report missing messages.
         tools = Function("ros2", beside, (), at_end=AtEnd.RETURN)
         code = run_files(files, seed=0, extra_processes=[tools], own=_OwnExecutables())
     graph.close()

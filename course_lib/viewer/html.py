@@ -95,7 +95,7 @@ _PAGE = """\
 </html>
 """
 
-# Only scripts of the kit can run, identified by their hashes, whatever a student's text contains,
+# Only scripts of the kit can run, identified by their hashes, regardless of students' text,
 # and nothing is loaded. In a page with scenes, the viewer needs eval to unpack itself.
 _POLICY = (
     "default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; img-src data: blob:; "

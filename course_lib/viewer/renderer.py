@@ -163,7 +163,7 @@ def _revolve(profile: Matrix, angles: Matrix) -> Float32s:
 
 
 def _quads(low: Float32s, high: Float32s) -> Float32s:
-    """Connect the lower and upper ends of revolved segments to triangles, shape (T, 3, 3)."""
+    """Connect the lower and upper ends of revolved segments by triangles, shape (T, 3, 3)."""
     corners = [low[:-1], low[1:], high[1:], low[:-1], high[1:], high[:-1]]
     return np.stack(corners, axis=2).reshape(-1, 3, 3)
 

@@ -139,7 +139,10 @@ class Scene:
 
     @property
     def look(self) -> Look:
-        """How pages draw the scene: as in RViz, or as in a studio, with a light ground and shadows."""
+        """The look of the scene in pages.
+
+        As in RViz, or as in a studio, with a light background and shadows.
+        """
         return self._look
 
     @look.setter
@@ -150,7 +153,7 @@ class Scene:
 
     @property
     def camera(self) -> Camera:
-        """The camera of views that were not turned by hand."""
+        """The camera of views that the user has not moved."""
         return self._camera
 
     @camera.setter
@@ -250,7 +253,7 @@ def summary(scene: Scene) -> list[str]:
 
 
 def describe_scene(scene: Scene, label: str) -> str:
-    """Describe a view and its contents in one line, for screen readers."""
+    """Describe a view and its contents on a single line, for screen readers."""
     lines = summary(scene)
     return f"{label.rstrip('.')}. {'; '.join(lines)}" if lines else label
 

@@ -94,9 +94,7 @@ BLUE_CYLINDER = Task(
             ),
         ),
     ),
-    personal={
-        "height": (0.6, 0.8, 1.2, 1.4, 1.6, 1.8)
-    },  # [m]; 1.0 is left out: it is what copying the lesson gives
+    personal={"height": (0.6, 0.8, 1.2, 1.4, 1.6, 1.8)},  # [m]; without 1.0, the value in the lesson
     ghost=(inputs.ghost(3, (1.0, 0.0, my("height", times=0.5)), (0.4, 0.4, my("height")), BLUE),),
 )
 

@@ -80,7 +80,7 @@ def from_messages(namespace: str, *content: Check, at: float | None = None) -> t
 
 
 def for_each_message(namespace: str, count: Check, *details: Check) -> tuple[Check, ...]:
-    """The checks of what one array per message shows; the count comes first."""
+    """Return the checks of one array per message; the count is checked first."""
     again = expect_topic(MARKERS, ARRAY, at_least=COUNT).titled("a MarkerArray for each message").worth(0)
     no_more = expect_topic(MARKERS, ARRAY, at_most=COUNT).titled("one MarkerArray for each message")
     first = count.requiring(again)
@@ -184,7 +184,7 @@ LABELS = Task(
             ),
         ),
     ),
-    personal={"letters": (0.2, 0.25, 0.35, 0.4, 0.45)},  # [m]; 0.3 is left out: it is the lesson's
+    personal={"letters": (0.2, 0.25, 0.35, 0.4, 0.45)},  # [m]; without 0.3, the value in the lesson
 )
 
 JUST_SURE = inputs.Found(9, "Sign", (1.0, -3.0, 1.0), (0.6, 0.1, 0.6), my("threshold"))
@@ -242,7 +242,7 @@ SURE = Task(
 )
 
 STAMPS = (0.1, 0.6, 1.0, 1.6)  # [s]
-# Not each message takes equally long, so that velocities must be computed from the stamps.
+# The intervals differ, so that velocities must be computed from the stamps.
 DELAYS = (DELAY, DELAY, DELAY + 0.04, DELAY)  # [s]
 SEEN = (
     (PERSON,),

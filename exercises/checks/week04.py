@@ -118,7 +118,7 @@ ROBOT_FRAMES = Task(
             ),
         ),
     ),
-    personal={"radius": (1.2, 1.5, 1.8, 2.2, 2.5, 3.0)},  # [m]; 2.0 is left out: it is the lesson's
+    personal={"radius": (1.2, 1.5, 1.8, 2.2, 2.5, 3.0)},  # [m]; without 2.0, the value in the lesson
 )
 
 DRIVEN = tuple(driving(n / 20) for n in range(1, 60))

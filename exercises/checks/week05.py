@@ -20,7 +20,7 @@ from course_lib.grading import (
 )
 
 GREEN, RED = [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]  # RGBA
-SEEN_FROM = (0.5, 50.0)  # [m] from which a person can be seen
+SEEN_FROM = (0.5, 50.0)  # minimum distance at which a person is visible [m]
 PLAIN = """
 Visualization Manager:
   Displays:
@@ -64,7 +64,7 @@ def detections(at: float) -> Message:
 
 
 def robot(at: float) -> Iterator[Message]:
-    """The robot as it stands there: its frames, a half circle of 3 m, one person whom the laser sees."""
+    """Return the robot's messages: its frames, a half circle of 3 m, and one person in the laser's range."""
     base = inputs.pose("world", "base_link", (1.0, 0.0, 0.0))
     yield inputs.transforms((base, inputs.pose("base_link", "laser", (0.2, 0.0, 0.0))), at)
     yield inputs.scan([3.0] * 14 + [1.55] * 3 + [3.0] * 14, at, first=-1.5, step=0.1)  # [m], [rad]

@@ -44,7 +44,7 @@ def robot(at: float, base: tuple[float, float, float], height: float) -> Message
 
 
 def motion() -> Iterable[Message]:
-    """The wrist rises, the base drives 0.4 m to the left, the wrist comes down; each step takes 0.1 s."""
+    """The wrist rises, the base moves 0.4 m to the left, the wrist descends; each step takes 0.1 s."""
     heights = [0.25] * 5 + RISING + [RISING[-1]] * 9 + RISING[-2::-1] + [0.25] * 5
     lefts = [0.0] * 18 + [0.05 * step for step in range(1, 9)] + [0.4] * 30
     for step, (height, left) in enumerate(zip(heights, lefts, strict=False)):
@@ -52,7 +52,7 @@ def motion() -> Iterable[Message]:
 
 
 def folded(lift: float, elbow: float) -> tuple[float, float]:
-    """Return the place of the wrist, seen from the side: ahead of the shoulder and above it, [m]."""
+    """Return the position of the wrist in the arm's plane: ahead of and above the shoulder [m]."""
     ahead = UPPER_ARM * math.cos(lift) + FOREARM * math.cos(lift + elbow)
     return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
 

@@ -23,7 +23,7 @@ SQUARE = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0)
 
 
 def longer(*content: Check, hz: float, seconds: float, seed: int) -> tuple[Scenario, ...]:
-    """A longer run with another seed: what the public scenario asks for must hold to its end."""
+    """Return a longer run with another seed. The requirements must hold to its end."""
     always = expect_throughout(TOPIC, hz=hz).worth(0)
     formal = (expect_frame(TOPIC, "map"), expect_rate(TOPIC, hz), expect_stamps(TOPIC))
     checks = with_formal([check.requiring(always) for check in content], *formal)

@@ -48,7 +48,7 @@ SPHERE = expect_marker(
 
 
 def wrist() -> list[float]:
-    """Return the place of the UR10's wrist: the reach in the arm's plane, turned by pan."""
+    """Return the position of the UR10's wrist: the reach in the arm's plane, rotated by pan."""
     reach = 0.612 * math.sin(LIFT) + 0.5723 * math.sin(LIFT + ELBOW)  # [m]
     height = 0.1273 + 0.612 * math.cos(LIFT) + 0.5723 * math.cos(LIFT + ELBOW)
     side = 0.220941 - 0.1719

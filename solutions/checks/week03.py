@@ -57,7 +57,7 @@ def from_messages(namespace: str, *content: Check, at: float | None = None) -> t
 
 
 def for_each_message(namespace: str, count: Check, *details: Check) -> tuple[Check, ...]:
-    """The checks of what one array per message shows; the count comes first."""
+    """Return the checks of one array per message; the count is checked first."""
     again = expect_topic(MARKERS, ARRAY, at_least=COUNT)
     first = count.requiring(again)
     no_more = expect_topic(MARKERS, ARRAY, at_most=COUNT).requiring(first).worth(0.25)

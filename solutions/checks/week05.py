@@ -18,7 +18,7 @@ from course_lib.grading import (
 )
 
 GREEN, RED = [0.0, 1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]  # RGBA
-SEEN_FROM = (0.5, 50.0)  # [m] from which a person can be seen
+SEEN_FROM = (0.5, 50.0)  # minimum distance at which a person is visible [m]
 DEEP_LAYOUT = """
 Visualization Manager:
   Displays:
@@ -63,7 +63,7 @@ def detections(at: float) -> Message:
 
 
 def robot(at: float) -> Iterator[Message]:
-    """The robot at another place: a quarter circle of 1 m, somebody else in front of it."""
+    """Return the robot's messages at another position: a quarter circle of 1 m, and another person."""
     base = inputs.pose("world", "base_link", (-2.0, 3.0, 0.0), 1.0)
     yield inputs.transforms((base, inputs.pose("base_link", "laser", (0.2, 0.0, 0.5))), at)
     yield inputs.scan([0.57] * 9 + [1.0] * 22, at, first=0.0, step=0.05)  # [m], [rad]

@@ -26,7 +26,7 @@ MEASURED = ("image_rate", "image_width", "threshold", "trigger_service")
 
 
 def robot_messages(at: float) -> Iterator[Message]:
-    """A robot at another place, that looks elsewhere."""
+    """Return the messages of a robot with another pose."""
     place = (-3.0, 2.0, 0.0)  # [m]
     links = (inputs.pose("base_link", name, (0.1, 0.0, 0.4)) for name in ("laser_link", "camera_link"))
     yield inputs.transforms((inputs.pose("odom", "base_link", place, 1.5), *links), at)

@@ -36,7 +36,7 @@ STEPS: list[Step] = [
     *((-0.14, 0.15, z) for z in FALL),
     (-0.14, 0.15, 0.40),
 ]
-LATE = 0.75  # [s] when TF begins
+LATE = 0.75  # start of the TF broadcasts [s]
 
 
 ONE_SWEEP: list[Step] = [(0.1, 0.0, 0.38 + 0.05 * step) for step in range(9)]
@@ -69,7 +69,7 @@ def standing(lift: Any) -> dict[str, Any]:
 
 
 def folded(lift: float, elbow: float) -> tuple[float, float]:
-    """Return the place of the wrist, seen from the side: ahead of the shoulder and above it, [m]."""
+    """Return the position of the wrist in the arm's plane: ahead of and above the shoulder [m]."""
     ahead = UPPER_ARM * math.cos(lift) + FOREARM * math.cos(lift + elbow)
     return ahead, -UPPER_ARM * math.sin(lift) - FOREARM * math.sin(lift + elbow)
 

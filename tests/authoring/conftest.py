@@ -22,7 +22,7 @@ def empty_course(top: Path) -> Course:
 
 
 def write(course: Course, name: str, old: str, new: str) -> None:
-    """Replace a text in a file of the course."""
+    """Replace a string in a file of the course."""
     path = course.exercises.parent / name
     text = path.read_text("utf-8")
     assert old in text, f"{name} has no {old!r}"
@@ -39,5 +39,5 @@ def course(tmp_path: Path) -> Course:
 
 @pytest.fixture
 def change(course: Course) -> Break:
-    """Replaces a text in a file of the course."""
+    """Replaces a string in a file of the course."""
     return partial(write, course)

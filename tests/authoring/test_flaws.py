@@ -1,4 +1,4 @@
-"""Every aspect of `course verify` notices what it is for, and names the place."""
+"""Every rule of `course verify` finds its flaws and reports their location."""
 
 import re
 from collections.abc import Iterator, Sequence

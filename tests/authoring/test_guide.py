@@ -1,4 +1,4 @@
-"""docs/author.md: its example is carried out, and its list of words is that of the code."""
+"""docs/author.md: the example runs, and the list of check functions agrees with the code."""
 
 import csv
 import json

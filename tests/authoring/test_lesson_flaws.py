@@ -1,4 +1,4 @@
-"""The rules for lessons, and for what notebooks ask: each is broken once, and named."""
+"""The rules for lessons and for tasks in notebooks: one violation of each is reported."""
 
 import pytest
 

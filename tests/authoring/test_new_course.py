@@ -1,4 +1,4 @@
-"""`course new course "Robotics 101"`: an installable project of its own, from new to a mark."""
+"""`course new course "Robotics 101"` creates an installable project, tested from creation to a mark."""
 
 import csv
 import json
@@ -23,7 +23,7 @@ BUILT_HERE = ("--no-build-isolation", "--check-build-dependencies")
 
 
 def install(home: Path, project: Path, *options: str) -> Path:
-    """Return the Python of a new environment in which a project is installed beside the kit."""
+    """Return the Python of a new environment in which a project and the kit are installed."""
     venv.create(home, with_pip=False)
     packages = next(home.glob("lib/python*/site-packages"))
     # The kit and its dependencies come from this environment; the course itself does not.

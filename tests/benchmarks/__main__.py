@@ -1,4 +1,4 @@
-"""The kit beside its peers in one table: `python -m tests.benchmarks`, with the extra `bench`.
+"""Compare the kit with similar libraries in one table: `python -m tests.benchmarks`, with the extra `bench`.
 
 meshcat, Pinocchio's viewer, viser, pytransform3d and rosbags run in this Python. nbgrader and Otter need
 packages that fight with the kit's: they get an environment of their own, or `--peers` names a Python that

@@ -56,7 +56,7 @@ def dashboard() -> list[str]:
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the table: what a number of kernels cost."""
+    """A row of the table: the resources that a number of kernels use."""
 
     name: str
     count: int
@@ -91,7 +91,7 @@ def cpu(student: Student) -> float:
 
 @dataclass(frozen=True)
 class Case:
-    """One thing that kernels run, as a name and cells."""
+    """A workload of the kernels: its name and cells."""
 
     name: str
     cells: list[str]
@@ -100,7 +100,7 @@ class Case:
 
 
 def measured(case: Case, count: int, seconds: float) -> Row:
-    """Run a case in so many kernels, then look for some time, [s], what that costs."""
+    """Run a case in `count` kernels, then measure its resource use for some time [s]."""
     lessons = case.kit / "notebooks" if case.kit else lessons_dir()
     with TemporaryDirectory() as holder:
         folder = Path(shutil.copytree(lessons, Path(holder, "lessons")))
@@ -121,12 +121,12 @@ def measured(case: Case, count: int, seconds: float) -> Row:
 
 
 def readings(pupils: list[Student]) -> Matrix:
-    """Return processor time [s], frames and bytes that came, of each student so far, shape (N, 3)."""
+    """Return each student's CPU time [s], frames and received bytes so far, shape (N, 3)."""
     return np.array([(cpu(student), student.frames, student.received) for student in pupils])
 
 
 def machine() -> str:
-    """Return on which machine, when, and beside what this runs."""
+    """Return the machine, the time and the load under which this runs."""
     lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
     model = next((line.partition(": ")[2] for line in lines if "model name" in line), platform.machine())
     memory = psutil.virtual_memory()
@@ -136,7 +136,7 @@ def machine() -> str:
 
 
 def cases(peer: bool, before: Path | None) -> Iterator[Case]:
-    """Iterate over what is asked for."""
+    """Yield the requested cases."""
     cells = dashboard()
     yield Case("week 7's dashboard", cells)
     yield Case("the same, pages hidden", cells, hidden=True)
@@ -149,13 +149,13 @@ def cases(peer: bool, before: Path | None) -> Iterator[Case]:
 
 
 def thousand(row: Row) -> str:
-    """Return what a thousand students need who work at the same time."""
+    """Return the resources that a thousand simultaneous students need."""
     gigabytes, cores = CLASS * row.memory / 1024, CLASS * row.cpu / 100
     return f"{CLASS} students: {gigabytes:.0f} GB and {cores:.0f} cores, beside their Jupyter servers"
 
 
 def main() -> None:
-    """Print a row per case and number of kernels, and what a thousand students need."""
+    """Print a row per case and number of kernels, and the resources for a thousand students."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--kernels", type=int, nargs="+", default=[1, 10, 50])
     parser.add_argument("--seconds", type=float, default=60.0)

@@ -1,4 +1,4 @@
-"""The link over DDS with the real rclpy, beside rclpy with itself: `python tests/benchmarks/bench_dds.py`.
+"""Compare the DDS link to rclpy with rclpy itself: `python tests/benchmarks/bench_dds.py`.
 
 Words choose parts: `round_trip`, which needs REAL_ROS_PYTHON or `course ros --install`, `mutated` (100,000
 malformed datagrams) and `refused` (1,000 attempts to send what is not allowed). `round_trip` measures its
@@ -215,7 +215,7 @@ def router() -> Iterator[str]:
 
 
 def mutated() -> None:
-    """Send malformed datagrams to a participant, made of those that two participants exchange."""
+    """Send mutations of the datagrams that two participants exchange to a participant."""
     sent: list[bytes] = []
     receiver = Participant(230, "127.0.0.1", lambda endpoint, has_joined: None)
     original = receiver.receive
@@ -254,7 +254,7 @@ def serialize_text(text: str) -> bytes:
 
 
 def refused() -> None:
-    """Publish and call what is not allowed, and count what leaves."""
+    """Publish and call without permission, and count the packets that are sent."""
     robot = RobotGraph(DdsLink("127.0.0.1", 231), Permissions(allows_everything=True), lambda line: None)
     student = RobotGraph(DdsLink("127.0.0.1", 231), Permissions(), lambda line: None)
     heard: list[bytes] = []
@@ -279,7 +279,7 @@ PARTS: dict[str, Callable[[], None]] = {"mutated": mutated, "refused": refused, 
 
 
 def main() -> None:
-    """Run the parts that the command line names."""
+    """Run the benchmarks selected on the command line."""
     for name in sys.argv[1:] or PARTS:
         PARTS[name]()
 

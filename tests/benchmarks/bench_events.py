@@ -15,7 +15,7 @@ PERIOD = 0.6  # [s] of each timer: 100 messages a minute
 
 
 def run(timers: int) -> tuple[float, int]:
-    """Run so many timers, each publishing to one listener; returns CPU time [s] and messages heard."""
+    """Run timers that each publish to one listener. Return the CPU time [s] and the received messages."""
     import rclpy
     from rclpy.node import Node
     from std_msgs.msg import Int32

@@ -1,4 +1,4 @@
-"""A flood of images through a router into a viewer, with the memory that robot, router and kit take.
+"""Memory of robot, router and kit during a flood of images through a router into a viewer.
 
 `python tests/benchmarks/bench_flood.py [SECONDS WIDTH HEIGHT HZ]` prints a row every 30 s; the kit is busy
 for three of them. It fails where the memory of a process is larger by a tenth in the second half than in the

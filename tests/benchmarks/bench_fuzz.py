@@ -45,7 +45,7 @@ def until(count: int, judge: Callable[[int], int]) -> int:
 
 
 def memory() -> float:
-    """Return what this process holds, [MB]."""
+    """Return the memory of this process [MB]."""
     return int(Path("/proc/self/status").read_text().split("VmRSS:")[1].split()[0]) / 1024
 
 
@@ -59,7 +59,7 @@ def swallow_all(batch: list[bytes]) -> float:
 
 
 def swallow_streams(count: int) -> list[float]:
-    """Swallow streams in a process of its own; returns the memory that it holds, [MB]."""
+    """Read streams in a separate process. Return its memory [MB]."""
     batch: list[bytes] = []
     held: list[float] = []
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
@@ -78,7 +78,7 @@ def swallow_streams(count: int) -> list[float]:
 
 
 def hand_ins(count: int) -> str:
-    """Read and collect so many hand-ins with names that students chose; a fifth of them as archives."""
+    """Read and collect submissions with file names that students chose; a fifth of them are archives."""
     start, chance, names, archives = time.perf_counter(), random.Random(1), 0, 0
     while names < count * 4 // 5:
         names += read_class(chance)

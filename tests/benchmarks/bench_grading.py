@@ -1,4 +1,4 @@
-"""Grading a class: marks per second beside nbgrader and Otter, memory, kills, and Dask.
+"""Grade a class: speed compared with nbgrader and Otter, memory, killed processes, and Dask.
 
 The peers need packages that fight with the kit's, so they live in an environment of their own:
 
@@ -191,7 +191,7 @@ def peer_rows(top: Path, python: str | None, count: int = 20) -> Iterator[Row]:
 
 
 def class_size(top: Path, course: Course, count: int, jobs: int, *, dask: str | None = None) -> Path:
-    """Grade the class and print rate and the memory that the grader came to hold."""
+    """Grade the class and print the rate and the peak memory of the grader."""
     out, me = top / f"out{jobs}{'dask' * bool(dask)}", psutil.Process()
     before = me.memory_info().rss
     took = seconds(lambda: grade(top / "in", out, jobs=jobs, dask=dask, course=course))

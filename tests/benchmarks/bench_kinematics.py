@@ -1,4 +1,4 @@
-"""Kinematics beside Pinocchio, each from positions by name: `python tests/benchmarks/bench_kinematics.py`.
+"""Compare kinematics with Pinocchio, from positions by name: `python tests/benchmarks/bench_kinematics.py`.
 
 Processor time of each, the best of some rounds, and the kit's share of Pinocchio's time.
 """
@@ -49,7 +49,7 @@ def pinocchios_joint_poses(model: Any, parents: Mapping[str, str], positions: Ma
 
 
 def pinocchios_joints_for(model: Any, goal: Any, positions: Any) -> Any:
-    """Return the same steps as `joints_for` takes."""
+    """Take the same steps as `joints_for`."""
     data, frame = model.createData(), model.getFrameId(WRIST)
     while True:
         pin.framesForwardKinematics(model, data, positions)

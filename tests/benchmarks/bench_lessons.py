@@ -44,7 +44,7 @@ TURN = """canvas => {
 
 @dataclass(frozen=True, slots=True)
 class Frames:
-    """What was counted for one live view.
+    """Counters of one live view.
 
     Args:
         lesson: The lesson's name.
@@ -164,7 +164,7 @@ def frames(notebook: Notebook, view: Locator, lesson: str, cell: int, profile: P
 
 
 def rate(page: Page, seconds: float) -> float:
-    """Count the frames in a second in which something was drawn, by the page's own clock."""
+    """Count the drawn frames per second of the page's clock."""
     script = """async seconds => {
         const [before, start] = [pictures, performance.now()];
         await new Promise(done => setTimeout(done, 1000 * seconds));

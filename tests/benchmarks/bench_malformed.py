@@ -33,7 +33,7 @@ def main() -> int:
 
 
 def in_batches(count: int) -> Iterator[str]:
-    """Show so many URDFs, each batch with its own seed."""
+    """Display `count` URDFs in batches, each with its own seed."""
     for seed, start in enumerate(range(0, count, BATCH), start=1):
         yield from show_urdfs(seed, min(BATCH, count - start))
 

@@ -27,7 +27,7 @@ Killed = tuple[View, Routers | Gateways]
 
 @contextmanager
 def chain(direct: bool, kills_gateway: bool) -> Iterator[Killed]:
-    """Run a robot, its router and a student's kit; the value has what is killed."""
+    """Run a robot, its router and a student's kit. Yield the processes to kill."""
     routers = Routers()
     place = f"tcp/127.0.0.1:{routers.port}"
     with TemporaryDirectory() as folder:

@@ -19,7 +19,7 @@ OPTICAL = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1], [0, 0, 0, 1]], f
 
 
 def room() -> World:
-    """Return a floor and 20 things around the sensor, four of which move."""
+    """Return a world of a floor and 20 objects around the sensor, four of which move."""
     chance, solids = np.random.default_rng(1), (box(1, 0.6, 1.8), cylinder(0.4, 1.5), sphere(0.5))
     things = [Thing(plane(), placed(0, 0, 0))]
     for number in range(20):

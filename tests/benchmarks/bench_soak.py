@@ -69,7 +69,7 @@ def main() -> None:
 
 
 def changes(scene: Scene, seconds: float) -> Iterator[float]:
-    """Change everything that can change; gives the time now and then, [s]."""
+    """Change everything that can change. Yield the time [s] regularly."""
     start, due = time.perf_counter(), 0.0
     for turn in range(int(seconds * RATE)):
         for number in range(OBJECTS):
@@ -90,7 +90,7 @@ def changes(scene: Scene, seconds: float) -> Iterator[float]:
 
 
 def at(angle: float) -> np.ndarray:
-    """Return a place on a circle, shape (4, 4)."""
+    """Return a pose on a circle, shape (4, 4)."""
     transform_node_to_parent = np.eye(4)
     transform_node_to_parent[:2, 3] = 3 * np.cos(angle), 3 * np.sin(angle)  # [m]
     return transform_node_to_parent

@@ -1,4 +1,4 @@
-"""Time of the kit's start: `python -m tests.benchmarks.bench_start`, beside numpy's import.
+"""Compare the kit's start-up time with the import of numpy: `python -m tests.benchmarks.bench_start`.
 
 On a busy machine the processor's time is steadier than the wall clock's; both are measured.
 """
@@ -52,7 +52,7 @@ def seconds(command: list[str]) -> tuple[float, float]:
 
 
 def rows() -> Iterator[Row]:
-    """Yield the median of each program and command, beside numpy's import alone."""
+    """Yield the median time of each program and command, and of the import of numpy."""
     with TemporaryDirectory() as folder:
         program = Path(folder, "node.py")
         program.write_text(NODE, encoding="utf-8")

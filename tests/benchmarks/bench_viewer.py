@@ -1,4 +1,4 @@
-"""The viewer beside meshcat, viser and Rerun, with real pages: `python -m tests.benchmarks.bench_viewer`.
+"""Compare the viewer with meshcat, viser and Rerun in real pages: `python -m tests.benchmarks.bench_viewer`.
 
 Needs the extra `bench`. Absolute numbers depend on the machine; the ratios in one run are what counts.
 """
@@ -278,7 +278,7 @@ def first_picture(browser: Browser, kind: Any) -> float:
 
 
 def twenty(browser: Browser, kind: Any) -> float:
-    """Return what 20 viewers of a box send, [kB]: states of widgets, or frames of the peers' pages."""
+    """Return the data that 20 viewers of a box send [kB]: widget states, or WebSocket frames of the peers."""
     if kind is Ours:
         return widgets(20) / 1000
     peer = kind()

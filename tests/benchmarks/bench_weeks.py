@@ -127,7 +127,7 @@ def week_of(simulated: SimulatedClass, week: str, commands: Commands, jobs: int)
 
 
 def compared(simulated: SimulatedClass) -> list[str]:
-    """Return where marks differ from what was declared of the hand-ins."""
+    """Return the differences between the marks and the expected results of the submissions."""
     paths = (simulated.top / f"{week}.declared.json" for week in simulated.weeks)
     declared = [one for path in paths for one in json.loads(path.read_text())]
     return recompute.disagreements(simulated.top / "graded", declared, 10)
@@ -157,7 +157,7 @@ def graded_weeks(simulated: SimulatedClass, jobs: int) -> list[str]:
 
 
 def records_alone(simulated: SimulatedClass) -> None:
-    """Print the seconds that the tables of made-up records take."""
+    """Print the time [s] for writing the tables of generated records."""
     simulated.write()
     course, out = read_course_file(simulated.course_toml), simulated.top / "graded"
     write_results(out, list(simulated.students), course)

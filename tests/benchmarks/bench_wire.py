@@ -1,4 +1,4 @@
-"""Cost of the kit's own wire beside rosbags': `python -m tests.benchmarks.bench_wire`."""
+"""Compare the kit's CDR serialization with rosbags: `python -m tests.benchmarks.bench_wire`."""
 
 import gc
 import time

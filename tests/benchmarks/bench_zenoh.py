@@ -1,4 +1,4 @@
-"""A link to a robot beside bare TCP, a gateway and zenoh-ros2-sdk: `python tests/benchmarks/bench_zenoh.py`.
+"""Compare a link with TCP, a gateway and zenoh-ros2-sdk: `python tests/benchmarks/bench_zenoh.py`.
 
 Each sender is a process of its own. Latency is from publishing to the callback, at a rate that all keep up
 with; throughput is of a flood. The link and the SDK decode, bare TCP does not.
@@ -44,7 +44,7 @@ class Received:
         self.over = False
 
     def take(self, text: str) -> None:
-        """Note a message."""
+        """Record a message."""
         if text.isdigit():
             self.delays.append((time.time_ns() - int(text)) * 1e-9)
         elif text == "flood":

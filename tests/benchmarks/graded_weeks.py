@@ -1,4 +1,4 @@
-"""CPU of a real submission of each week: its solution and the solution's mutants, beside nbgrader."""
+"""CPU time of submissions of each week, solution and mutants, compared with nbgrader."""
 
 import json
 import os
@@ -34,7 +34,7 @@ def submissions(week: str, most: int) -> list[list[str]]:
 
 
 def cost(cells: list[str], week: str) -> tuple[float, float]:
-    """[s] of CPU in the jail, of all its processes, and in the grader beside it."""
+    """Return the CPU time [s] of all processes in the jail, and of the grader."""
     steps = plan_scenarios(catalog().of_week(week), catalog(), hidden=True)
     begun = time.process_time()
     made = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
@@ -42,7 +42,7 @@ def cost(cells: list[str], week: str) -> tuple[float, float]:
 
 
 def kernel(top: Path) -> Path:
-    """Write the kernel in which nbgrader runs the notebooks: they need the kit, and it is not in its own."""
+    """Write the spec of a kernel with the kit for nbgrader, whose environment does not contain it."""
     folder = top / "jupyter/kernels/python3"
     folder.mkdir(parents=True)
     start = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]

@@ -1,4 +1,4 @@
-"""Kernels as a class has them: each runs a notebook's cells, and a page of its own follows its view.
+"""Kernels of a class: each runs the cells of a notebook, and a page displays its view.
 
 The page is a client that reads the stream as `js/link.js` does, and answers in a subshell as JupyterLab does;
 it draws nothing.
@@ -37,12 +37,12 @@ class Student:
     errors: list[str] = field(default_factory=list)
 
     def processes(self) -> list[psutil.Process]:
-        """Return the kernel's process with those that it started."""
+        """Return the kernel's process and its child processes."""
         kernel = psutil.Process(self.manager.provisioner.pid)  # type: ignore[union-attr]  # a local one
         return [kernel, *kernel.children(recursive=True)]
 
     def say(self, comm: str, content: Mapping[str, Any]) -> None:
-        """Send what a page sends to its widget."""
+        """Send a message of the page to its widget."""
         content = {"page": "page", "number": self.views[comm], **content}
         data = {"comm_id": comm, "data": {"method": "custom", "content": content}}
         message = self.client.session.msg("comm_msg", data)
@@ -50,7 +50,7 @@ class Student:
         self.client.shell_channel.send(message)
 
     def hear(self) -> None:
-        """Read all that the kernel has sent."""
+        """Read all messages from the kernel."""
         socket = self.client.iopub_channel.socket
         while socket.poll(0):
             parts = socket.recv_multipart()

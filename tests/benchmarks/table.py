@@ -1,4 +1,4 @@
-"""One measurement beside those of peers, and the Markdown page of many."""
+"""A measurement of the kit and its peers, and a Markdown page of all measurements."""
 
 import os
 import platform

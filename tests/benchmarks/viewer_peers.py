@@ -1,4 +1,4 @@
-"""Viewers behind one small interface, each with its own server and a real page."""
+"""Adapters with a common interface for several viewers, each with its server and a real page."""
 
 import logging
 import socket
@@ -38,13 +38,13 @@ class Ours:
         add_boxes(self, count)
 
     def move(self, matrices: Floats) -> None:
-        """Place all boxes, by ordinary calls."""
+        """Move all boxes through the public API."""
         for part, matrix in zip(self.parts, matrices, strict=True):
             part.set_transform(matrix)
         self.count += len(self.parts)
 
     def move_each(self, matrices: Floats) -> None:
-        """Place all boxes, and send that before anything else; only what is sent counts."""
+        """Move all boxes and flush the messages; only the sent bytes are measured."""
         self.move(matrices)
         number = self._number()
         self.server.link.flush()
@@ -147,7 +147,7 @@ class Meshcat:
 
 
 class Viser:
-    """viser; what it sends is counted where it is written, which is to its credit."""
+    """viser. Sent bytes are counted when they are written, which favours viser."""
 
     name = "viser"
     pinocchio_class = "ViserVisualizer"
@@ -229,7 +229,7 @@ def add_boxes(peer: Any, count: int) -> None:
 
 
 class Rerun:
-    """Rerun's viewer of pages and notebooks; what it sends is counted where it is logged, to its credit."""
+    """Rerun's web viewer. Sent bytes are counted when they are logged, which favours Rerun."""
 
     name = "rerun"
     pinocchio_class = ""
@@ -264,7 +264,7 @@ class Rerun:
     move_each = move
 
     def watch(self, page: Page) -> None:
-        """Do nothing: what is logged is counted."""
+        """Do nothing, because logged bytes are counted."""
 
     def arrived(self, _: Page) -> int:
         """Count the transforms that were logged for the page."""

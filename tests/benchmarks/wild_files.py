@@ -40,7 +40,7 @@ Judged = tuple[str, str]  # the result and its reason
 
 
 class Placed(Protocol):
-    """A row of a table, as far as it names a file in its clone."""
+    """A row of a table: the location of a file in its clone."""
 
     @property
     def path(self) -> str:
@@ -59,7 +59,7 @@ def files_of(clone: Path, what: str) -> Iterator[Path]:
 
 
 def judgement(clone: Path, row: Placed, what: str) -> Judged:
-    """Judge a file in a process of its own, which has what is imported here already."""
+    """Judge a file in a forked process, which reuses the modules imported here."""
     if not (clone / row.path).is_file():
         return "missing", "no such clone"
     _preload()
@@ -149,7 +149,7 @@ def _died_at_the_end(output: str) -> bool:
 
 
 def judged_error(error: BaseException, clone: Path) -> Judged:
-    """Return the result and the reason for what a file raised, without paths of this machine."""
+    """Return the result and the reason for an exception of a file, without paths of this machine."""
     text = f"{type(error).__name__}: {error}".replace(f"{clone}/", "").strip()
     missing = _MISSING.search(text)
     if missing is not None:
@@ -158,7 +158,7 @@ def judged_error(error: BaseException, clone: Path) -> Judged:
 
 
 def described(file: Path) -> Judged:
-    """Visit all that a launch file describes; arguments that it needs get a text."""
+    """Visit all entities of a launch file. Required arguments are set to a string."""
     from launch.entities import LaunchContext
     from launch.launch_description_sources import AnyLaunchDescriptionSource
 
@@ -184,21 +184,21 @@ def described(file: Path) -> Judged:
 
 
 class _Dry:
-    """A runner that starts nothing; `timers` are what they will visit."""
+    """A runner that starts no processes; `timers` holds the entities of timers."""
 
     def __init__(self, context: Any) -> None:
         self._context = context
         self.timers: list[Any] = []
 
     def visit(self, entities: Any) -> None:
-        """Visit entities, and those that they return."""
+        """Visit entities and the entities that they return."""
         from launch.entities import listed
 
         for entity in listed(entities):
             self.visit(entity.visit(self._context))
 
     def start(self, action: Any, package: str, executable: str, words: Iterable[str]) -> None:
-        """Evaluate the words."""
+        """Evaluate the command line."""
         list(words)
 
     start_component = start
@@ -208,15 +208,15 @@ class _Dry:
         return (package, executable) in EXECUTABLES
 
     def start_file(self, action: Any, file: Path, words: Iterable[str]) -> None:
-        """Evaluate the words."""
+        """Evaluate the command line."""
         list(words)
 
     def start_function(self, action: Any, name: str, function: Any, words: Iterable[str]) -> None:
-        """Evaluate the words."""
+        """Evaluate the command line."""
         list(words)
 
     def later(self, seconds: float, entities: Any) -> None:
-        """Note what is to be visited when all else was."""
+        """Schedule entities to be visited last."""
         self.timers.append(entities)
 
     def emit(self, event: Any) -> None:
@@ -227,7 +227,7 @@ class _Dry:
 
 
 def kept(file: Path, folder: Path) -> Judged:
-    """Load a layout, save it and load it again; every value of the file must still have its place."""
+    """Load a layout, save it and load it again. Every value of the file must be kept."""
     from course_lib.displays.layout import read_layout
     from course_lib.displays.session import RvizSession
     from course_lib.displays.writer import save_rviz

@@ -46,7 +46,7 @@ _NEEDS = (
 
 @dataclass(frozen=True)
 class Row:
-    """One program, launch file or layout: its place, what it is given, what became of it and why.
+    """A program, launch file or layout: location, arguments, result and reason.
 
     `beside` are other programs of its folder that run with it, a server for a client. `result` is `runs`
     (of a launch file `described`, of a layout `kept`), `needs` (a module or package that is not there,
@@ -147,7 +147,7 @@ def outcome(file: Path, row: Row) -> tuple[str, str]:
 
 
 def judged(code: int, err: str) -> tuple[str, str]:
-    """Return the result and the reason for what a program left behind."""
+    """Return the result and the reason for the output of a program."""
     lacking = LACKS.findall(err)
     lines = [line for line in err.splitlines() if line.strip() and not line.startswith("hint:")]
     last = lines[-1].strip()[:160] if lines else ""

@@ -1,4 +1,4 @@
-"""A viewer on the bench: in a page without Jupyter, with a graph to talk to it."""
+"""A viewer in a page without Jupyter, with a graph that publishes to it."""
 
 from typing import Any
 
@@ -41,13 +41,13 @@ class Bench:
             self.row(label).press("ArrowRight")
 
     def choose(self, label: str) -> None:
-        """Choose in the window that is open."""
+        """Select an option in the open window."""
         self.page.get_by_role("dialog").get_by_role("listbox").select_option(label=label)
         self.page.get_by_role("dialog").locator("button[type=submit]").click()
         self.host.carry()
 
     def drag(self, *points: tuple[int, int]) -> None:
-        """Drag in the view, from its middle, by pixels."""
+        """Drag from the middle of the view by `right`, `up` pixels."""
         box = self.page.locator("canvas").bounding_box()
         assert box is not None
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2

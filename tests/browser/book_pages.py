@@ -1,4 +1,4 @@
-"""`python -m tests.browser.book_pages BOOK [PICTURES]`: what is wrong with a book, page by page."""
+"""List the faults of a book by page: `python -m tests.browser.book_pages BOOK [PICTURES]`."""
 
 import base64
 import gzip
@@ -36,7 +36,7 @@ class Links(HTMLParser):
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Note what a tag names."""
+        """Record the links and ids of a tag."""
         for name, value in attrs:
             if name == "id" and value:
                 self.anchors.add(value)
@@ -48,7 +48,7 @@ class Links(HTMLParser):
 
 @dataclass(frozen=True)
 class Looked:
-    """A page at one width: the number of its scenes, of those that play, and what is wrong."""
+    """A page at one width: the numbers of all and of playing scenes, and the faults."""
 
     scenes: int
     films: int
@@ -61,7 +61,7 @@ def pages_of(book: Path) -> list[Path]:
 
 
 def dead_links(book: Path) -> Iterator[str]:
-    """Yield each link to a file or an anchor that is not in the book, and each part that is missing."""
+    """Yield each link to a missing file or anchor, and each missing resource."""
     pages = {path: Links(path.read_text("utf-8")) for path in pages_of(book)}
     for path, page in pages.items():
         for link in (*page.links, *page.parts):
@@ -91,7 +91,7 @@ def meshes_of(scene: Path) -> set[str]:
 
 
 def drawn(host: Locator) -> float:
-    """Return the part of a scene's pixels that differs from the most frequent colour."""
+    """Return the fraction of a scene's pixels that differ from the most frequent color."""
     pixels = np.asarray(Image.open(BytesIO(host.locator("canvas").screenshot())).convert("RGB")).astype(int)
     flat = pixels.reshape(-1, 3)
     kinds, counts = np.unique(flat, axis=0, return_counts=True)
@@ -99,7 +99,7 @@ def drawn(host: Locator) -> float:
 
 
 def look_at(page: Page, path: Path, width: int) -> Looked:
-    """Open a page at a width, bring each scene near, look at its pixels, and ask axe-core."""
+    """Open a page at a width, scroll to each scene, check its pixels, and run axe-core."""
     problems: list[str] = []
     page.set_viewport_size({"width": width, "height": HEIGHT})
     page.goto(path.as_uri())

@@ -1,4 +1,4 @@
-"""Real widgets in a real Chromium without Jupyter: messages are carried by hand between the two."""
+"""Real widgets in Chromium without Jupyter; messages are passed between Python and the page."""
 
 import base64
 from collections.abc import Callable, Iterator
@@ -68,7 +68,7 @@ globalThis.clear = async () => {
 
 
 class FakeComm(BaseComm):
-    """A connection that only remembers what a widget sends."""
+    """A comm that stores the messages of a widget."""
 
     sent: list[tuple[str, str, dict[str, Any], list[bytes]]]
 
@@ -122,7 +122,7 @@ class Host:
         self.sent.clear()
 
     def open(self, widget: SceneWidget) -> None:
-        """Do what JupyterLab does on a page that has no models yet: ask for the state of all."""
+        """Request the state of all models, as JupyterLab does on a new page."""
         from ipywidgets.widgets.widget import _instances, _remove_buffers
 
         for model in (_instances[widget.code], widget):
@@ -165,7 +165,7 @@ class Host:
         wait_until(is_ready, self.page)
 
     def pixels(self) -> Pixels:
-        """Return what the page shows, RGB, shape (rows, columns, 3)."""
+        """Return a screenshot of the page, RGB, shape (rows, columns, 3)."""
         return np.asarray(Image.open(BytesIO(self.page.screenshot())).convert("RGB")).astype(np.int64)
 
     def _call(self, function: str, *arguments: Any) -> None:

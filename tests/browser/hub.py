@@ -1,4 +1,4 @@
-"""A JupyterHub of its own: the real hub, its real proxy, and a user server for each name that logs in."""
+"""A JupyterHub for the tests: the real hub and proxy, and a server for each user."""
 
 import json
 import os
@@ -51,7 +51,7 @@ c.JupyterHub.load_roles = [{{"name": "tests", "services": ["tests"], "scopes": [
 
 
 def missing() -> list[str]:
-    """List what a hub needs and this machine lacks."""
+    """List the requirements of a hub that this machine lacks."""
     found = {name: find_spec(name) for name in NEEDED} | {x: shutil.which(x) for x in (PROXY, "git")}
     return [name for name, place in found.items() if place is None]
 
@@ -71,7 +71,7 @@ class Hub:
     address: str
 
     def logged_in(self, user: str) -> Page:
-        """Log a user in, in a browser of their own; return an empty page of it."""
+        """Log a user in with a new browser. Return an empty page of it."""
         context = self.browser.new_context(viewport=VIEWPORT)
         context.set_default_timeout(PATIENCE * 1000)
         slow_down(context)
@@ -85,7 +85,7 @@ class Hub:
         return context.new_page()
 
     def ask(self, user: str, path: str, method: str = "GET") -> Any:
-        """Ask a user's server through the proxy, as a service of the hub."""
+        """Send a request to a user's server through the proxy, as a service of the hub."""
         headers = {"Authorization": f"token {TOKEN}"}
         request = urllib.request.Request(
             f"{self.address}/user/{user}/api/{path}", None, headers, method=method

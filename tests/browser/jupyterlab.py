@@ -51,7 +51,7 @@ def slow_down(pages: Page | BrowserContext) -> None:
 
 @contextmanager
 def course_lab(folder: Path, home: Path) -> Iterator[str]:
-    """Run `course lab` on a folder, its settings kept apart in `home`; gives the address that it prints."""
+    """Run `course lab` on a folder with the settings in `home`. Yield the printed address."""
     dirs = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "IPYTHONDIR")
     settings = ("JUPYTERLAB_SETTINGS_DIR", "JUPYTERLAB_WORKSPACES_DIR")
     environment = os.environ | {name: str(home / name.lower()) for name in (*dirs, *settings)}
@@ -100,7 +100,7 @@ class Notebook:
             self.leave_for(name)
 
     def ask(self, script: str, argument: object = None) -> Any:
-        """Return what a function of the page returns. Playwright itself would wait for it for ever."""
+        """Return the result of a function of the page. Playwright has no timeout for this."""
         late = f"reject(new Error('The page did not answer within {ANSWER:g} s'))"
         limit = f"new Promise((_, reject) => setTimeout(() => {late}, {1000 * ANSWER:g}))"
         return self.page.evaluate(f"argument => Promise.race([({script})(argument), {limit}])", argument)
@@ -112,7 +112,7 @@ class Notebook:
         self.wait_idle()
 
     def leave_for(self, name: str) -> None:
-        """End the kernels, and open another notebook in the place of what is open."""
+        """Shut down the kernels and open another notebook in the same tab."""
         self.end()
         script = """async path => {
             const opened = await jupyterapp.commands.execute('docmanager:open', { path });
@@ -144,7 +144,7 @@ class Notebook:
         self.page.wait_for_function(all_ran)
 
     def run_to_each(self, *endings: str) -> Iterator[Locator]:
-        """Run the code cells one by one, each after the one before has ended; yields those that end so.
+        """Run the code cells one after the other, and yield each finished cell.
 
         Only these are brought into view: all editors of a notebook measure themselves whenever it scrolls.
         """
@@ -161,7 +161,7 @@ class Notebook:
             yield self.cell(index - 1)
 
     def run_to(self, text: str) -> Locator:
-        """Run all cells up to and including the first one whose source has `text` in it."""
+        """Run all cells up to and including the first one whose source contains `text`."""
         cell = self.cell(text)
         for command in ("notebook:run-all-above", "notebook:run-cell"):
             self.ask("command => jupyterapp.commands.execute(command)", command)
@@ -180,7 +180,7 @@ class Notebook:
         return self.page.locator(".jp-Notebook .jp-Cell.jp-mod-active")
 
     def kernel(self, code: str) -> str:
-        """Run code in the notebook's kernel, beside its cells; returns what it prints."""
+        """Run code in the notebook's kernel, outside its cells. Return its output."""
         script = f"""async code => {{
             const future = {KERNEL}.requestExecute({{code, store_history: false}});
             let text = '';
@@ -201,7 +201,7 @@ class Notebook:
         return [f"{o['ename']}: {o['evalue']}" for o in self.outputs() if o["output_type"] == "error"]
 
     def cell(self, wanted: str | int) -> Locator:
-        """Bring a cell into view: the first code cell whose source has a text in it, or that at an index."""
+        """Scroll to a cell: the first code cell whose source contains a string, or the cell at an index."""
         script = """wanted => { const panel = courseNotebook().content;
             jupyterapp.shell.activateById(courseNotebook().id);
             panel.activeCellIndex = Number.isInteger(wanted) ? wanted : panel.widgets.findIndex(
@@ -213,7 +213,7 @@ class Notebook:
 
 @dataclass(frozen=True)
 class Lab:
-    """A JupyterLab and a browser for all files of tests; each has its own folder.
+    """A JupyterLab and a browser, shared by all test files; each test file has its own folder.
 
     Args:
         folder: The root of the server.
@@ -255,7 +255,7 @@ def opened(lab: Lab, name: str, cells: Sequence[str] = ()) -> Iterator[Notebook]
 
 
 def place_of_view(cell: Locator) -> Locator:
-    """Return the element that holds the view of a cell: the cell, or the panel beside the notebook."""
+    """Return the element that contains the view of a cell: the cell, or the panel next to the notebook."""
     shown = cell.locator("canvas:visible, .course-elsewhere:visible").first
     expect(shown).to_be_visible()
     is_here = shown.evaluate("shown => shown.tagName == 'CANVAS'")
@@ -268,7 +268,7 @@ def view_of(cell: Locator) -> Locator:
 
 
 def pixels_of(view: Locator) -> NDArray[np.int64]:
-    """Return what a view has drawn; shape (height, width, 3), values 0..255.
+    """Return the pixels of a view; shape (height, width, 3), values 0..255.
 
     A screenshot would cost seconds while nodes run live.
     """

@@ -1,4 +1,4 @@
-"""The panel beside the notebook, in real JupyterLab."""
+"""The panel next to the notebook, in real JupyterLab."""
 
 import os
 from collections.abc import Iterator

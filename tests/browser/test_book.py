@@ -34,7 +34,7 @@ LESSON = "week01_first_steps.ipynb"
 
 
 def build(course: Path, out: Path) -> subprocess.CompletedProcess[str]:
-    """Build a course's book as its author does, who has installed it."""
+    """Build the book of an installed course, as its author does."""
     environment = os.environ | {"PYTHONPATH": str(course)}
     command = [sys.executable, "-m", "course_lib", "book", str(out)]
     return subprocess.run(

@@ -1,4 +1,4 @@
-"""RViz's panels in a real page: what is clicked and typed there reaches the session."""
+"""RViz's panels in a real page: clicks and keys reach the session."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""RViz's tools in a real page: what is clicked and dragged there is published."""
+"""RViz's tools in a real page: clicks and drags are published."""
 
 import pytest
 from geometry_msgs.msg import PointStamped, PoseStamped, PoseWithCovarianceStamped

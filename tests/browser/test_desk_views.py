@@ -1,4 +1,4 @@
-"""Views in a real page: what hands turn there reaches the session."""
+"""Views in a real page: camera motions of the user reach the session."""
 
 import math
 
@@ -15,7 +15,7 @@ TURNED_AFTER = 150  # [ms] after which a page tells that its view rests
 
 
 def rests_at(bench: Bench, label: str, value: float) -> None:
-    """Wait until the page has told where the view was turned to."""
+    """Wait until the page has reported the final camera."""
     bench.host.wait_until(lambda: bench.viewer.view[label] == pytest.approx(value, abs=1e-3))
 
 

@@ -33,7 +33,7 @@ def hub(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
 
 @pytest.fixture(scope="module")
 def repository(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder that an instructor publishes for nbgitpuller, as docs/hub.md says."""
+    """The folder that an instructor publishes for nbgitpuller, as described in docs/hub.md."""
     folder = tmp_path_factory.mktemp("git") / "robotics"
     prepare(folder)
     who = {f"GIT_{role}_{key}": "me@uni.org" for role in ("AUTHOR", "COMMITTER") for key in ("NAME", "EMAIL")}
@@ -54,7 +54,7 @@ def ada(hub: Hub) -> Notebook:
 
 @pytest.fixture(scope="module")
 def grace(hub: Hub, repository: Path) -> Notebook:
-    """A student who has clicked on a link of nbgitpuller, and whose idle kernels are soon ended."""
+    """A student who has opened a link of nbgitpuller, and whose idle kernels are culled early."""
     link = {"repo": repository.as_uri(), "branch": "main", "urlpath": f"lab/tree/robotics/{LESSON}"}
     page = hub.logged_in(HURRIED)
     pulling = page.context.new_page()

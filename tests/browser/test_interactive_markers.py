@@ -1,4 +1,4 @@
-"""Interactive markers in a real page: what is dragged, clicked and chosen there is heard by the server."""
+"""Interactive markers in a real page: the server receives drags, clicks and menu selections."""
 
 from collections.abc import Iterator
 
@@ -52,7 +52,7 @@ class Server:
         wait_until(self.can_grab, bench.page)
 
     def can_grab(self) -> bool:
-        """Move the pointer to the middle, and return whether the page knows that a marker is there."""
+        """Move the pointer to the middle, and return whether the page detects a marker there."""
         self.spin()
         canvas = self.bench.page.locator("canvas")
         canvas.hover()

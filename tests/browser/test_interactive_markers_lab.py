@@ -60,7 +60,7 @@ def notebook(lab: Lab) -> Iterator[Notebook]:
 
 
 def over(canvas: Locator, right: float, up: float) -> tuple[float, float]:
-    """Return a place on the page, in pixels from the middle of the canvas."""
+    """Return the page position of an offset from the middle of the canvas [pixels]."""
     box = canvas.bounding_box()
     assert box is not None
     return box["x"] + box["width"] / 2 + right, box["y"] + box["height"] / 2 - up

@@ -39,7 +39,7 @@ def running(lesson: Notebook) -> Notebook:
 
 
 def wait_for_red(cell: Locator) -> None:
-    """The first cube comes one second after the start."""
+    """Wait for the red cube, which appears one second after the start."""
     view = view_of(cell)
     wait_until(lambda: red_pixels(view) > ENOUGH, cell.page, A_FRAME)
 

@@ -25,7 +25,7 @@ A_LOOK = 1.5  # [s], longer than the slowest node is silent
 
 @dataclass(frozen=True)
 class Lesson:
-    """A lesson that a student went through, and what its views showed."""
+    """A lesson that was run completely, with the pictures of its views."""
 
     notebook: Notebook
     week: str
@@ -56,7 +56,7 @@ def views(notebook: Notebook) -> Iterator[NDArray[np.int64]]:
 
 
 def look(view: Locator) -> NDArray[np.int64]:
-    """Look at a view until it is drawn in colours, or for a while; gives the most coloured picture."""
+    """Watch a view until it shows colors, with a timeout. Return the most colorful picture."""
     wait_until(lambda: np.ptp(pixels_of(view)) > 60, view.page, A_FRAME)
     until = time.monotonic() + A_LOOK
     best = pixels_of(view)

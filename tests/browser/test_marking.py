@@ -1,4 +1,4 @@
-"""The page on which persons mark, in Chromium, with two graders at once."""
+"""The marking page in Chromium, with two simultaneous graders."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -78,7 +78,7 @@ def press(page: Page, *keys: str) -> None:
 
 
 def mark_all(page: Page) -> None:
-    """Press the keys of full points for the rows that have none, and go on."""
+    """Press the keys for full points of all rows without points, and open the next task."""
     rest(page)
     before = page.locator("#title").text_content()
     points = page.locator("#fields input").evaluate_all(POINTS)
@@ -87,7 +87,7 @@ def mark_all(page: Page) -> None:
 
 
 def finished(pages: Sequence[Page]) -> bool:
-    """Mark one task on each page; return whether all pages know that none waits."""
+    """Mark one task on each page. Return whether all pages show an empty queue."""
     for page in pages:
         mark_all(page)
     return all(page.get_by_text("of 50 tasks, 0 wait").is_visible() for page in pages)

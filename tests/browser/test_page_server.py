@@ -175,7 +175,7 @@ def test_click_and_page_close_are_reported_to_the_program(page: Page) -> None:
 
 @pytest.fixture
 def bag(tmp_path: Path) -> Path:
-    """A red cube goes from left to right in 4 s."""
+    """A recording in which a red cube moves from left to right in 4 s."""
     samples = []
     for number in range(81):
         marker = Marker(type=Marker.CUBE)

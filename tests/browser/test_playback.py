@@ -36,7 +36,7 @@ def at_x(x: float) -> np.ndarray:
 
 
 def filmed(background: tuple[int, int, int] = (0, 0, 0)) -> SceneRecording:
-    """A red box goes from left to right in 4 s; a blue one is there from second 1 to 2, in its place."""
+    """A red box moves from left to right in 4 s; a blue one is visible from 1 to 2 s."""
     scene, clock = colored(RED), Clock()
     scene.background = background
     scene.set_transform("box", at_x(-2))

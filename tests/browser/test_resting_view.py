@@ -1,4 +1,4 @@
-"""A view at rest in a page: nothing changes it, and it plays what was seen."""
+"""A view after its kernel has ended: it plays its recording, and nothing changes it."""
 
 import pytest
 from playwright.sync_api import expect

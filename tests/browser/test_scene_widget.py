@@ -1,4 +1,4 @@
-"""A scene's widget in a real page: what Python changes is seen there, what hands do is told."""
+"""The scene widget in a real page: it draws changes from Python and reports actions of the user."""
 
 import base64
 

@@ -1,4 +1,4 @@
-"""The look "Studio" in a page: a light ground and a shadow, and RViz's look again without a trace of it."""
+"""The look "Studio" in a page: light background and shadow, and the complete return to RViz's look."""
 
 import numpy as np
 import pytest
@@ -14,13 +14,13 @@ GROUND, RVIZ_GREY = (245, 246, 248), (48, 48, 48)
 
 
 def look(host: Host) -> Pixels:
-    """Return what the view shows, which draws finely as soon as nothing moves."""
+    """Return the pixels of the view, which is drawn in full detail when nothing moves."""
     host.carry()
     return host.pixels()[:400, :400]
 
 
 def at_rest(host: Host) -> Pixels:
-    """Return what the view shows when it has drawn the same picture twice, a second apart."""
+    """Return the pixels of the view when two pictures, a second apart, are equal."""
     pictures = [look(host)]
 
     def is_same() -> bool:
@@ -33,7 +33,7 @@ def at_rest(host: Host) -> Pixels:
 
 
 def grey(pixels: Pixels) -> int:
-    """Count the pixels of a shadow on the ground: grey, clearly darker than the ground."""
+    """Count the pixels of a shadow on the ground: gray, and clearly darker than the ground."""
     return int(((np.ptp(pixels, axis=2) < 25) & (np.abs(pixels.mean(axis=2) - 170) < 40)).sum())
 
 
@@ -102,7 +102,7 @@ def place_label(scene: Scene, name: str, text: str, *position: float, height: fl
 
 
 def middle(pixels: Pixels) -> Pixels:
-    """Return the part of a view where the origin is, without the buttons in the corners."""
+    """Return the pixels around the origin of a view, without the buttons in the corners."""
     return pixels[120:280, 80:320]
 
 

@@ -1,4 +1,4 @@
-"""Week 0 by clicks: the ID, a prediction, the quiz; and what they leave in the student's folder."""
+"""Week 0 in a browser: the ID, a prediction and the quiz, and the files that they write."""
 
 import json
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Waiting for what is meant: as short as it takes, and long enough for a machine that has much to do."""
+"""Waits for conditions, with timeouts that are long enough for a busy machine."""
 
 import time
 from collections.abc import Callable
@@ -16,7 +16,7 @@ A_FRAME = 0.35  # [s], longer than a frame of `jupyterlab.SLOW_SCREEN`: to look 
 
 
 def wait_until(ready: Callable[[], object], page: Page | None = None, every: float = A_MOMENT) -> None:
-    """Wait until something is so, asking at an interval in [s]; a page that is given goes on meanwhile."""
+    """Wait until a condition holds, polling every `interval` [s]; `page` continues to run."""
     end = time.monotonic() + PATIENCE
     while not ready():
         assert time.monotonic() < end, "it did not become so"

@@ -30,7 +30,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def answers() -> list[str]:
-    """The longer lines of all answers, but those that are handed out as faulty starts."""
+    """The longer lines of all answers, except faulty starts, which are released."""
     lines = []
     for path in solutions_dir().glob("week*_solution.ipynb"):
         inside, outside = list[str](), set[str]()

@@ -1,4 +1,4 @@
-"""A session on the bench: publish to it, let time pass, look at what it shows."""
+"""A session for tests: publish messages, advance time, and inspect the scene."""
 
 from typing import Any
 
@@ -37,7 +37,7 @@ class Bench:
         self.session.receive(sample)
 
     def show(self, *markers: Marker, at: float = 0.0) -> None:
-        """Publish markers in one array, and look."""
+        """Publish markers in one array, and update the scene."""
         self.hear(ARRAY, MarkerArray(markers=list(markers)), at)
         self.look(at)
 
@@ -55,7 +55,7 @@ class Bench:
         at: float = 0.0,
         static: bool = True,
     ) -> None:
-        """Publish a transform, stamped with the time it is published at."""
+        """Publish a transform, stamped with the time of publishing."""
         message = TransformStamped(child_frame_id=child)
         message.header.frame_id = parent
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns(at), 10**9)
@@ -70,7 +70,7 @@ class Bench:
         return (rows[name].level, rows[name].text) if name in rows else None
 
     def hints(self, display: Display) -> list[str]:
-        """Return our hints."""
+        """Return the hints of the kit."""
         return [
             row.text for row in self.session.rows() if row.display == display.name and row.level == "hint"
         ]

@@ -48,7 +48,7 @@ LONGEST = 40  # elements of a sequence that a mutation has made
 
 
 def mutate(chance: random.Random, message: Any, changes: int) -> None:
-    """Change values of a message in place, each to one that a publisher can send."""
+    """Change values of a message in place, each to a value that a publisher can send."""
     for _ in range(changes):
         _mutate_once(chance, message)
 

@@ -1,4 +1,4 @@
-"""Messages for every class of display: two at a time, in frames that are known."""
+"""Two messages for every display class, in known frames."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -167,7 +167,7 @@ SAMPLES: dict[str, dict[str, Callable[[float], Any]]] = {
 
 
 def messages(class_name: str, number: int) -> Iterator[tuple[str, Any]]:
-    """Yield what is published at once for a class of display, with its topic."""
+    """Yield the simultaneous messages for a display class, with their topics."""
     for topic, made in SAMPLES.get(class_name.rpartition("/")[2], {}).items():
         message = made(2.0 * number)
         header = getattr(message, "header", None)

@@ -26,7 +26,7 @@ DRAW = "([key, scene, width, height]) => globalThis[key].picture(scene, width, h
 
 @pytest.fixture(scope="module")
 def page() -> Iterator[Page]:
-    """Open a page that draws all scenes: a browser for each takes 3 s."""
+    """Open a page that draws all scenes, because a browser for each would take 3 s."""
     if find_browser() is None:
         pytest.skip("no Chromium or Chrome here")
     with chromium() as browser:

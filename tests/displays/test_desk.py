@@ -22,7 +22,7 @@ from tests.displays.test_layout import LAYOUT
 
 
 class Page:
-    """The page's side, without a page: what it was told, put together."""
+    """The state of a page, assembled from the messages to it."""
 
     def __init__(self, session: RvizSession, graph: Graph | None = None) -> None:
         self.told: dict[str, Any] = {}

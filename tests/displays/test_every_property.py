@@ -1,4 +1,4 @@
-"""Every property of every class of display changes what is seen, or is listed with the reason why not."""
+"""Every property of every display class changes the picture, or is listed with the reason why not."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -105,7 +105,7 @@ VALUES: Mapping[str, Any] = {
 
 
 def look(class_name: str, early: tuple[tuple[str, Any], ...], late: str = "", value: Any = None) -> Any:
-    """Show a class two messages, one second apart, and tell what is seen and heard then.
+    """Display two messages, one second apart. Return the resulting scene and subscriptions.
 
     Args:
         class_name: Of the display.

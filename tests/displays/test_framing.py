@@ -1,4 +1,4 @@
-"""The view that nobody has set shows what is drawn."""
+"""The default view shows all drawn objects."""
 
 from collections.abc import Callable
 from pathlib import Path

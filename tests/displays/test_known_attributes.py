@@ -1,4 +1,4 @@
-"""Misspelt attributes of viewers, displays, views and options: refused, with what to write."""
+"""Misspelled attributes of viewers, displays, views and options are rejected with a suggestion."""
 
 from collections.abc import Iterator
 from typing import Any

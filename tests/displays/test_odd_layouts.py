@@ -1,4 +1,4 @@
-"""No YAML, whatever is in it, gives a traceback, and what was read once is saved alike twice."""
+"""No YAML file causes a traceback, and saving a loaded layout twice gives equal files."""
 
 from pathlib import Path
 from typing import Any
@@ -52,7 +52,7 @@ edited = st.tuples(st.sampled_from(range(len(LINES))), st.sampled_from(HOW), st.
 
 
 def check(text: str, folder: Path) -> None:
-    """Open a layout, save it, and open what was saved; any error but `CourseError` fails."""
+    """Open a layout, save it, and open the saved file. Any error except `CourseError` fails."""
     first, second, third = (folder / name for name in ("first.rviz", "second.rviz", "third.rviz"))
     first.write_text(text, encoding="utf-8")
     try:

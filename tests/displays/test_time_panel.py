@@ -23,7 +23,7 @@ def test_page_requests_change_the_speed_of_robot_time() -> None:
 
 
 class Page:
-    """A page with a time bar: what it was told."""
+    """A page with a time bar, which stores the messages to it."""
 
     def __init__(self, session: RvizSession, source: LiveTime | Playback) -> None:
         self.told: list[dict[str, Any]] = []

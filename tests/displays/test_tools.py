@@ -1,4 +1,4 @@
-"""RViz's tools in the graph: they advertise their topics as the layout says."""
+"""RViz's tools in the graph: they advertise the topics of the layout."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What a viewer says about nodes: those that nobody spins, and those that an error has stopped."""
+"""Hints of a viewer about nodes that are not spun or were stopped by an error."""
 
 from collections.abc import Iterator
 

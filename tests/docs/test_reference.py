@@ -1,4 +1,4 @@
-"""The reference in docs/: every public name is in it, with what each argument is, its shape and its unit."""
+"""The reference in docs/ contains every public name, with the meaning, shape and unit of each argument."""
 
 import importlib
 import inspect
@@ -23,7 +23,7 @@ def page_of(module: str) -> str:
 
 
 def public(module: str) -> list[tuple[str, Any]]:
-    """Return a module's public names, and what they are."""
+    """Return the public names and objects of a module."""
     found = importlib.import_module(module)
     return [(name, getattr(found, name)) for name in found.__all__]
 
@@ -35,7 +35,7 @@ def own_docstring(found: Any) -> str:
 
 
 def arguments(module: str) -> Iterator[tuple[str, str, inspect.Parameter]]:
-    """Yield the names and docstrings of what can be called, with each argument."""
+    """Yield the name and docstring of each callable, with each argument."""
     for name, found in public(module):
         made_elsewhere = inspect.isclass(found) and issubclass(found, Exception)
         if callable(found) and not made_elsewhere and f"{module}.{name}" not in MADE_BY_THE_KIT:

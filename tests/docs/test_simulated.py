@@ -80,7 +80,7 @@ def test_examples_of_the_page_print_the_documented_output() -> None:
 
 
 def missing_words() -> dict[str, set[str]]:
-    """Return what the page lists as missing: options by command, none for a whole command."""
+    """Return the options that the page lists as missing by command; an empty set means the whole command."""
     [(_, rows)] = tables("Instead")
     return {
         command.removeprefix("ros2 "): set(code(missing))
@@ -120,7 +120,7 @@ def test_name_documented_as_missing_does_not_exist(name: str) -> None:
 
 
 def found(name: str) -> object:
-    """Return the module, class or function of a dotted name; all but its last part must be there."""
+    """Return the module, class or function of a dotted name. All components except the last must exist."""
     module, _, rest = name.partition(".")
     thing: object = importlib.import_module(module)
     parts = rest.split(".")

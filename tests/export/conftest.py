@@ -36,7 +36,7 @@ def package(notebook: Path) -> Path:
 
 @pytest.fixture
 def exported(tmp_path: Path) -> Callable[..., str]:
-    """Export cells with one node, Talker; gives its module."""
+    """Export cells with one node, Talker. Return its module."""
 
     def make(*cells: str) -> str:
         file = write_notebook(tmp_path / "cells.ipynb", cells)

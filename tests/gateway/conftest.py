@@ -104,11 +104,11 @@ def classroom(tmp_path: Path, opened: Opened) -> Iterator[Classroom]:
 
 
 def _nothing() -> None:
-    """Do nothing: Zenoh 1.5 wants to tell that a callback will not come any more."""
+    """Do nothing. Zenoh 1.5 requires a function that it calls when the callback is dropped."""
 
 
 def hears(session: zenoh.Session, *keys: str) -> list[tuple[str, bytes]]:
-    """Return a list that fills with the samples on these keys."""
+    """Return a list to which samples on these keys are appended."""
     heard: list[tuple[str, bytes]] = []
 
     def put(sample: zenoh.Sample) -> None:

@@ -77,7 +77,7 @@ FRAMES = {"/scan": "base_scan", "/plan": "map", "/camera/image_raw": "camera"}
 
 
 class Nav2(Node):
-    """The topics that the Nav2 layout shows, and those that its tools publish."""
+    """The topics that the Nav2 layout displays and its tools publish."""
 
     def __init__(self) -> None:
         super().__init__("nav2")

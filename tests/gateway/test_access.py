@@ -1,4 +1,4 @@
-"""Raw Zenoh code of a student tries to reach the robot: only what is allowed arrives."""
+"""Raw Zenoh code of a student: only permitted messages reach the robot."""
 
 import random
 

@@ -1,4 +1,4 @@
-"""A class at a gateway whose robot is reached over DDS, with the kit's own participant as the robot."""
+"""A class whose gateway reaches the robot over DDS; the robot is a DDS participant of the kit."""
 
 import itertools
 import os
@@ -43,7 +43,7 @@ def text(content: str) -> bytes:
 
 
 class Robot:
-    """A robot over DDS: a latched topic, a fast one, a service and a base that takes velocities."""
+    """A robot over DDS: a latched topic, a fast topic, a service, and a base with velocity commands."""
 
     def __init__(self, domain: int, base: str = TWIST, node: str = "robot") -> None:
         self.link = DdsLink("127.0.0.1", domain)
@@ -78,7 +78,7 @@ class Robot:
         send_reply(b"\0\1\0\0\1\0\0\0\5\0\0\0done\0\0\0\0")
 
     def turn(self) -> None:
-        """Run what the link has queued, and publish a scan."""
+        """Run the queued tasks of the link, and publish a scan."""
         while not self.link.actions.empty():
             self.link.actions.get_nowait()()
         self.scan.put(text("scan"))

@@ -1,4 +1,4 @@
-"""Whole layouts on one kit, of what a robot publishes behind `course router`."""
+"""Complete layouts of topics that a robot publishes through `course router`."""
 
 from collections.abc import Callable, Iterator
 from functools import partial

@@ -1,4 +1,4 @@
-"""Routers that die and come back between a robot's kit and a student's, whose view recovers by itself."""
+"""A student's view recovers after the routers between robot and kit are killed and restarted."""
 
 import signal
 import subprocess
@@ -80,7 +80,7 @@ class View:
                 graph.advance()
 
     def comes_back(self) -> None:
-        """Wait until the viewer draws a new marker, and a new subscription hears the old map."""
+        """Wait until the viewer draws a new marker and a new subscription receives the latched map."""
         self._number += 1
         marker = Marker(type=Marker.CUBE, ns="new", id=self._number)
         marker.header.frame_id, marker.color.a = "map", 1.0
@@ -107,7 +107,7 @@ class View:
 
 
 def restarted(view: View, routers: "Routers | Gateways", times: int) -> Iterator[float]:
-    """Kill a router and start it again so often; yield how long the view took to come back, [s]."""
+    """Kill and restart a router `times` times. Yield the time until the view recovers [s]."""
     for _ in range(times):
         routers.kill()
         view.until(view.is_alone, "the end of the robot's nodes")

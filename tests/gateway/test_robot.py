@@ -1,4 +1,4 @@
-"""The kit's own robot, and a kit that drives it through `course router`."""
+"""The robot of the kit, and a kit that drives it through `course router`."""
 
 import os
 import re

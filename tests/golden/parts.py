@@ -1,4 +1,4 @@
-"""What a change of the code's structure must not change, as one text per part.
+"""Outputs that refactoring must not change, one text per part.
 
 The parts are what users, marks and files depend on. `python -m tests.golden` prints where the code
 now differs from the kept files in `data/`, and `python -m tests.golden --write` renews them.
@@ -115,7 +115,7 @@ def ros2_lines() -> Iterator[str]:
 
 
 def ros2_output(graph: Graph, command: str) -> str:
-    """Return what a command prints; an error follows its output."""
+    """Return the output of a command, followed by its error."""
     words, brace, rest = command.partition("{")
     written: list[str] = []
     try:
@@ -170,7 +170,7 @@ def seed_lines() -> Iterator[str]:
 
 
 def answer_lines() -> Iterator[str]:
-    """Yield the evidence of each week's solution and stub, and the points of all kept answers."""
+    """Yield the evidence of each week's solution and stub, and the points of all stored answers."""
     for week in WEEKS:
         answers = {"solution": solution(week), "stub": exercise_path(solution(week))}
         answers |= {path.stem: path for path in sorted((solutions_dir() / "answers").glob(f"{week}_*.py"))}
@@ -219,7 +219,7 @@ def text_lines() -> Iterator[str]:
 
 
 def python_texts(path: Path) -> Iterator[str]:
-    """Yield the texts that a module gives to exceptions that it raises, and to `help`."""
+    """Yield the texts of a module's exceptions and of its `help` arguments."""
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and node.exc.args:
             yield from literal(node.exc.args[0])
@@ -230,7 +230,7 @@ def python_texts(path: Path) -> Iterator[str]:
 
 
 def literal(node: ast.expr) -> Iterator[str]:
-    """Yield the text of a string or an f-string; what it inserts is `{…}`."""
+    """Yield the text of a string or an f-string, with `{…}` for each replacement field."""
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         yield node.value
     elif isinstance(node, ast.JoinedStr):
@@ -258,10 +258,10 @@ PARTS = {
 
 
 def text_of(name: str) -> str:
-    """Return the text of a part as the code makes it now."""
+    """Return the text of a part that the current code generates."""
     return "\n".join(PARTS[name].make()) + "\n"
 
 
 def kept_file(name: str) -> Path:
-    """Return the file that keeps a part."""
+    """Return the file in which a part is stored."""
     return HERE / "data" / f"{name}.txt"

@@ -1,4 +1,4 @@
-"""Evidence made by hand, and a small course with submissions."""
+"""Constructed evidence, and a small course with submissions."""
 
 import json
 from collections.abc import Callable
@@ -32,7 +32,7 @@ def evidence() -> MakeEvidence:
 
 @pytest.fixture
 def cube() -> Callable[..., Any]:
-    """A red cube as lesson 1 asks for it, with some fields changed."""
+    """Return the red cube that lesson 1 requires, with some fields changed."""
 
     def make(**changes: Any) -> Any:
         from visualization_msgs.msg import Marker
@@ -155,7 +155,7 @@ def course(tmp_path: Path) -> Course:
 
 @pytest.fixture
 def right() -> str:
-    """The right answer; a line `# next cell` parts the cells."""
+    """The correct answer; a line `# next cell` separates the cells."""
     return RIGHT
 
 

@@ -1,4 +1,4 @@
-"""A class of small submissions, and graders in processes of their own that tests disturb."""
+"""A class of small submissions, and graders in separate processes that tests interrupt."""
 
 import hashlib
 import json
@@ -54,7 +54,7 @@ def write_class(top: Path, count: int) -> Path:
 
 
 def start_grader(course: Course, out: Path, jobs: int, *flags: str) -> Program:
-    """A grader of the class beside the course, in a process of its own.
+    """Start a grader of the class in a separate process.
 
     It pauses after row 3 as long as there is a file `pause_3` beside `out`, and says so in the file.
     """
@@ -66,6 +66,6 @@ def start_grader(course: Course, out: Path, jobs: int, *flags: str) -> Program:
 
 
 def fingerprint(out: Path) -> dict[str, str]:
-    """All that must not depend on what happened meanwhile: marks, results and evidence, by their hashes."""
+    """Return hashes of marks, results and evidence, which must not depend on interruptions."""
     files = [out / "gradebook.csv", *out.glob("results/*/*.json"), *out.glob("evidence/*.gz")]
     return {str(file.relative_to(out)): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}

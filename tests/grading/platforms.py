@@ -43,7 +43,7 @@ def zipped(files: Mapping[str, bytes], time: tuple[int, ...] = DOWNLOAD) -> byte
 
 
 def moodle_zip(path: Path, students: Iterable[Handed]) -> None:
-    """Write what "Download all submissions" gives."""
+    """Write the zip of Moodle's "Download all submissions"."""
     files = {
         f"{one.name}_{one.number}_assignsubmission_file_/{name}": data
         for one in students
@@ -53,7 +53,7 @@ def moodle_zip(path: Path, students: Iterable[Handed]) -> None:
 
 
 def canvas_zip(path: Path, students: Iterable[Handed]) -> None:
-    """Write what "Download submissions" gives."""
+    """Write the zip of Canvas's "Download submissions"."""
     files = {}
     for one in students:
         for place, (name, data) in enumerate((one.files or {NAME: notebook(f"x = {one.number}")}).items()):
@@ -70,7 +70,7 @@ def table(path: Path, headings: Sequence[str], rows: Iterable[Sequence[Any]], de
 
 
 def canvas_json(path: Path, students: Iterable[Handed]) -> None:
-    """Write the list of an assignment's submissions as Canvas's API gives it."""
+    """Write the list of an assignment's submissions in the format of Canvas's API."""
     entries = [
         {
             "user_id": one.number,

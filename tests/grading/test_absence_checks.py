@@ -1,4 +1,4 @@
-"""Expectations on what is not there, and on images."""
+"""Checks of absent messages and entities, and of images."""
 
 from collections.abc import Callable
 from typing import Any

@@ -49,7 +49,7 @@ def result(*checks: CheckResult) -> TaskResult:
 
 
 def texts(node: ast.AST) -> set[str]:
-    """All texts in a piece of code; a value inside an f-string stands as *."""
+    """Return all strings in a piece of code, with * for each replacement field."""
     found: set[str] = set()
     for part in ast.walk(node):
         match part:
@@ -64,7 +64,7 @@ TREES = [ast.parse(path.read_text(encoding="utf-8")) for path in sorted(WORDS.gl
 
 
 def named_by_words() -> set[str]:
-    """The texts that stand where a Problem is made, and those of the table of a marker's properties."""
+    """Return the texts with which a Problem is created, and the texts in the table of marker properties."""
     found = {row[0] for row in PROPERTIES.values()}
     for node in (node for tree in TREES for node in ast.walk(tree)):
         match node:

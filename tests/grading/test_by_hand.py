@@ -1,4 +1,4 @@
-"""Marks by hand count, survive every regrading, and are asked for until they are there."""
+"""Manual marks count, survive every regrading, and are requested until they exist."""
 
 import json
 import shutil
@@ -264,7 +264,7 @@ def test_concurrent_marks_are_serialized(
 
 
 def move_class(top: Path, *, place: str, rename: bool = True) -> tuple[Path, Path]:
-    """Copy submissions and records to another place, where ada's folder gets another name."""
+    """Copy submissions and records to another folder, and rename ada's folder."""
     submissions, out = top / "elsewhere" / place, top / "elsewhere/records"
     shutil.copytree(top / "in", submissions)
     shutil.copytree(top / "out", out)

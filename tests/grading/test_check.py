@@ -21,7 +21,7 @@ from course_lib.grading.task import load_catalog, shipped_catalog
 
 @pytest.fixture(autouse=True)
 def student_folder(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A student in a folder of their own, with the small course installed."""
+    """A student's folder with the small course installed."""
     (tmp_path / "mine/.course").mkdir(parents=True)
     monkeypatch.chdir(tmp_path / "mine")
     monkeypatch.setattr(check_module, "shipped_catalog", lambda: load_catalog(course.exercises))

@@ -1,4 +1,4 @@
-"""Which files of a download count: one exercise, and no student's files change what counts for others."""
+"""Selection of the counted files of a download: one exercise, independently for each student."""
 
 import csv
 import io

@@ -33,7 +33,7 @@ def marks(out: Path) -> dict[str, Any]:
 
 
 def count_runs(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The keys of what is run from now on."""
+    """Record the keys of all following runs."""
     runs: list[str] = []
 
     run_scenarios = run.run_scenarios

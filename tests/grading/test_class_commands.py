@@ -52,7 +52,7 @@ def test_collect_grade_and_export_commands_convert_a_zip_to_a_csv(
 
 
 def return_with_comments(in_process: Callable[..., Typed], tmp_path: Path) -> None:
-    """Give points for a rejected file and an oral exam; return marks, comments and reports of a section."""
+    """Enter points for a rejected file and an oral exam. Return marks, comments and reports of a section."""
 
     def course(*words: str) -> str:
         done = in_process(*words, cwd=tmp_path)

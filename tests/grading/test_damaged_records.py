@@ -1,4 +1,4 @@
-"""Records and settings that something has damaged: each is refused by name, none ends in a traceback."""
+"""Damaged records and settings are rejected with their file name and without a traceback."""
 
 import json
 from collections.abc import Callable

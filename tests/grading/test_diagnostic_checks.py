@@ -64,7 +64,7 @@ def test_two_statuses_in_one_message_are_reported(evidence: MakeEvidence) -> Non
 
 @pytest.fixture
 def table(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Facts about a robot that nobody has."""
+    """Facts about a fictitious robot."""
     right: tuple[Any, ...] = (20, 48, "RELIABLE", 0.7, "/robot/start")
     row = tuple(digest(1, name, value) for name, value in zip(TOOLS, right, strict=True))
     monkeypatch.setitem(DIGESTS, 1, row)

@@ -1,4 +1,4 @@
-"""A submission that hands in every answer at once does not get what one right answer gets."""
+"""A submission of all possible answers gets fewer points than the right answer."""
 
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -29,7 +29,7 @@ SECONDS = 300  # [s] a grader may take on a busy machine
 
 @pytest.fixture(scope="module")
 def top(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a course, a class in `in`, and what it gets if nothing happens."""
+    """A folder with a course, a class in `in`, and its results without faults."""
     made = tmp_path_factory.mktemp("faults")
     write_class(made, STUDENTS)
     grade(made / "in", made / "undisturbed", jobs=1, course=write_course(made / "course"))
@@ -152,7 +152,7 @@ def test_partial_files_of_a_killed_grader_are_removed(tmp_path: Path) -> None:
 
 
 def _below(pid: int, kind: str, enough: int) -> list[psutil.Process]:
-    """List the processes below one whose command has a word in it; none if they are not enough."""
+    """List the descendants of a process whose command contains a word; [] if there are too few."""
     found = []
     for process in psutil.Process(pid).children(recursive=True):
         with suppress(psutil.NoSuchProcess):

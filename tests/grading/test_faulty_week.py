@@ -1,4 +1,4 @@
-"""A fault in the part of course.toml on one week stops what needs that week, and nothing else."""
+"""A fault in the table of one week in course.toml stops only commands that need this week."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The zips of reports, read back by the rules of Moodle's and Canvas's own importers."""
+"""The zips of reports, read by the rules of Moodle's and Canvas's importers."""
 
 import io
 import json

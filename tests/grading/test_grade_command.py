@@ -1,4 +1,4 @@
-"""`course grade` where the sandbox is less than full: what is refused, with which exit code, what is said."""
+"""`course grade` with an incomplete sandbox: refusals, exit codes and messages."""
 
 import json
 import os

@@ -44,7 +44,7 @@ Run = Callable[..., dict[str, Any]]
 
 @pytest.fixture
 def run(root: Path, course: Course) -> Run:
-    """Grades what lies in the root, and checks the result against Gradescope's published format."""
+    """Grades the upload, and checks the result against Gradescope's documented format."""
 
     def do(roster: str = ROSTER, hidden: str = "after_published") -> dict[str, Any]:
         if roster:
@@ -111,7 +111,7 @@ def test_late_upload_is_reported_as_late_without_a_total(
 
 
 def visible(results: dict[str, Any]) -> dict[str, Any]:
-    """Return what Gradescope shows at upload; it withholds the total while a test is not visible."""
+    """Return the results that Gradescope shows at upload, without the total while a test is hidden."""
     assert any(test["visibility"] != "visible" for test in results["tests"])
     shown = [test for test in results["tests"] if test["visibility"] == "visible"]
     return {"output": results["output"], "tests": [{**test, "number": ""} for test in shown]}

@@ -1,4 +1,4 @@
-"""Personal values are those of the student who handed in; a file that names another is found."""
+"""Personal values are determined by the submitting student; files with another ID are detected."""
 
 import csv
 import re

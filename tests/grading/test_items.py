@@ -59,7 +59,7 @@ def check(title: str, score: float, hidden: bool = False) -> CheckResult:
 
 
 def class_of(tmp_path: Path, settings: CourseFile, count: int) -> Analysis:
-    """Students of rising skill: "steep" needs it, "upside down" the lack of it, the others tell nothing."""
+    """Results of students of rising skill: "steep" rewards it, "upside down" the opposite, others neither."""
     write_results(tmp_path, [f"s{n:03}" for n in range(3 * count)], settings, seed=3)
     whole = [one for one in results_in(tmp_path) if one.tasks][:count]
     chance, made = random.Random(1), []

@@ -44,7 +44,7 @@ ROBOT = (
 
 
 def said(check: Check, layout: Any = LAYOUT) -> str:
-    """Return the message of a check of a layout; "" if it passes."""
+    """Return the message of a layout check, or "" if it passes."""
     verdict = check.judge(Evidence("week05.x", "public", 0.0, returns=(layout,)))
     return "" if verdict.score == 1 else verdict.message
 

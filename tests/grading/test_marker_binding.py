@@ -65,7 +65,7 @@ def evidence_of(publish: Publish, seconds: float, hz: float, **more: Any) -> Evi
 
 
 def judged(task_id: str, publish: Publish, hz: float = 1.0, **personal: Any) -> TaskResult:
-    """Judge what a node publishes by the public and the hidden scenarios of a task of the course."""
+    """Judge the messages of a node by the public and hidden scenarios of a task of the course."""
     catalog = load_catalog(exercises_dir(), solutions_dir())
     task = catalog.task(task_id)
     public, hidden = task.scenarios, catalog.hidden[task_id]
@@ -79,7 +79,7 @@ def judged(task_id: str, publish: Publish, hz: float = 1.0, **personal: Any) -> 
 
 
 def judged_by(checks: Sequence[Check], publish: Publish, **personal: Any) -> TaskResult:
-    """Judge what a node publishes by the checks of one scenario."""
+    """Judge the messages of a node by the checks of one scenario."""
     scenario = Scenario("public", seconds=6.0, checks=tuple(checks))
     task = Task("week01.demo", "A demo", "node", "Demo", HINTS, (scenario,))
     return judge_task(task, 20.0, False, [Run(scenario, evidence_of(publish, 6.0, 1.0, personal=personal))])

@@ -1,4 +1,4 @@
-"""Before a class is graded, solution and stub get full marks and none; otherwise nothing is graded."""
+"""A class is graded only if the solution gets full marks and the stub gets none."""
 
 import shutil
 import subprocess

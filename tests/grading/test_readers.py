@@ -1,4 +1,4 @@
-"""Whose file it is: real file names of each platform, and names that students choose."""
+"""Assignment of files to students: real names of each platform, and names chosen by students."""
 
 import re
 import unicodedata

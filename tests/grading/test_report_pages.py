@@ -50,7 +50,7 @@ def page(browser: Browser) -> Iterator[Page]:
 
 @pytest.fixture(scope="module")
 def graded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Course, Path]:
-    """Return the course, and what `grade` writes: no test changes either.
+    """Return the course and the output of `grade`, which no test modifies.
 
     Ada's cube rises, Bob's frame and output are HTML, the third file is no notebook.
     """

@@ -1,4 +1,4 @@
-"""Similar solutions: copies in any disguise, and none that were written independently."""
+"""Similar solutions: disguised copies are found, independent solutions are not."""
 
 import random
 import re
@@ -55,7 +55,7 @@ def independent(week: str) -> dict[str, Sequence[str]]:
 
 
 def renamed(cells: list[str]) -> list[str]:
-    """Other names for what the student named: variables, methods, classes and attributes."""
+    """Rename the student's variables, methods, classes and attributes."""
     code = "\n".join(cells)
     assigned = re.findall(
         r"^\s+(?:self\.)?([a-z_]\w+) = |def ([a-z]\w+)\(|for (\w+) in|^class (\w+)", code, re.M

@@ -24,7 +24,7 @@ def transform(parent: str, child: str, at: float, x: float, y: float, yaw: float
 
 
 def circling(ahead: float = math.pi / 2, turn: float = 1.0) -> list[tuple[float, str, Any]]:
-    """Half a turn on a circle of 2 m in 3 s."""
+    """Return the transforms of half a turn on a circle of 2 m in 3 s."""
     steps = [(0.1 * n, turn * math.pi * n / 30) for n in range(1, 31)]
     return [
         (

@@ -1,4 +1,4 @@
-"""Limits of time on a machine that is too busy: what a submission waits for a processor does not count."""
+"""Time limits on a busy machine exclude the time that a submission waits for a processor."""
 
 import os
 import sys

@@ -20,7 +20,7 @@ others = ["../secret.yaml", "/etc/a.yaml", "link.yaml", "none.yaml", "photo.png"
 
 @pytest.fixture
 def exercise(tmp_path: Path, write_notebook: WriteNotebook) -> Path:
-    """A notebook that names files: two that lie in its folder, others that must not be touched."""
+    """A notebook that refers to two files in its folder, and to others that must not be packed."""
     path = write_notebook(tmp_path / "work/week01_exercise.ipynb", CODE, student="ada")
     (tmp_path / "work/layouts").mkdir()
     (tmp_path / "work/layouts/mine.rviz").write_text("Panels: é")

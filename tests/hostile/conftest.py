@@ -104,7 +104,7 @@ def orphans_become_ours() -> Iterator[None]:
 
 
 def descendants() -> set[int]:
-    """All processes below this one that run; Python's own helper for spawned processes may."""
+    """Return all running descendants of this process, except Python's resource tracker."""
     parents: dict[int, int] = {}
     for folder in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # it has just ended
@@ -119,7 +119,7 @@ def descendants() -> set[int]:
 
 
 def _hand_in_all(top: Path, prelude: str) -> None:
-    """Hand in what the whole class wrote; `prelude` tells the attacks where things are."""
+    """Write the submissions of the class; `prelude` defines the paths for the attacks."""
     right = RIGHT.split("# next cell\n")
     for student in HONEST:
         _hand_in(top, student, notebook(*right, student=student))

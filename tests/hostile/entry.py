@@ -22,7 +22,7 @@ def in_callback(code: str) -> Callable[[str], str]:
 
 
 def replaced(before: str, after: str) -> Callable[[str], str]:
-    """Another text in the right answer."""
+    """Return the right answer with a replaced string."""
     return lambda cell: cell.replace(before, after)
 
 

@@ -1,5 +1,5 @@
 # ruff: noqa: E501  attacks are lines of their own kind
-"""Submissions that reach for what is not theirs."""
+"""Submissions that try to leave the jail."""
 
 from tests.hostile.entry import Entry, tries
 

@@ -1,4 +1,4 @@
-"""Files that are broken or odd: as students send them, and as somebody sends them who means harm."""
+"""Broken and unusual files from honest students and from attackers."""
 
 import io
 import json

@@ -74,7 +74,7 @@ def _cube(z: float) -> bytes:
 
 
 def _spoilt(stream: bytes, garbage: bytes, place: int) -> bytes:
-    """Now and then some bytes in the middle are others."""
+    """Occasionally replace some bytes in the middle."""
     at = place % (4 * (len(stream) + 1))
     return stream if at > len(stream) else stream[:at] + garbage + stream[at + len(garbage) :]
 

@@ -1,4 +1,4 @@
-"""Downloads of made-up classes, in which every student chooses names that look like those of platforms."""
+"""Downloads of generated classes whose students choose names that resemble those of the platforms."""
 
 import json
 import random
@@ -28,7 +28,7 @@ TRICKS = (
 
 @dataclass(frozen=True)
 class Naming:
-    """How a platform names a student's files, and the folder in which these are collected."""
+    """A platform's naming scheme for a student's files, and the folder of the collected files."""
 
     prefix: Callable[[int], str]
     student: Callable[[int], str]
@@ -59,7 +59,7 @@ def _name(chance: random.Random) -> str:
 
 
 def _hand_in(chance: random.Random, number: int) -> dict[str, bytes]:
-    """Return one student's files by their paths behind the platform's part."""
+    """Return one student's files by their paths after the platform's prefix."""
     mine = notebook(f"owner = {number}", exercise="week01_exercise")
     folders = "".join(f"{chance.choice(TRICKS)}/" for _ in range(chance.choice((0, 0, 1, 2))))
     files = {folders + _name(chance): mine}
@@ -78,7 +78,7 @@ def _hand_in(chance: random.Random, number: int) -> dict[str, bytes]:
 
 
 def read_class(chance: random.Random, students: int = 20) -> int:
-    """Read the names of one class without collecting it; returns how many hand-ins it had.
+    """Read the names of one class without collecting it. Return the number of submissions.
 
     Raises:
         AssertionError: A name selects another student or time than the platform's part of it.

@@ -1,4 +1,4 @@
-"""Every word of the vocabulary, and every check of the course, over made-up and spoilt evidence."""
+"""Every check function, and every check of the course, on generated and corrupted evidence."""
 
 import random
 from collections.abc import Iterator, Sequence
@@ -85,7 +85,7 @@ FIXED = (
 
 
 def judge(check: Check, evidence: Evidence) -> None:
-    """Judge once; the check must give a score from 0 to 1, and in its time.
+    """Run a check, which must return a score from 0 to 1 within its time limit.
 
     Raises:
         AssertionError: The check raised something; names the check, the exception and the evidence.
@@ -101,7 +101,7 @@ def judge(check: Check, evidence: Evidence) -> None:
 
 
 def words_over(chance: random.Random, rounds: int) -> int:
-    """Judge made-up evidence by every word; returns the number of judgements.
+    """Judge generated evidence by every check function. Return the number of judgements.
 
     In half of the rounds the words are the checks of one scenario, so that they are bound to one marker.
     """
@@ -115,7 +115,7 @@ def words_over(chance: random.Random, rounds: int) -> int:
 
 
 def right_runs(weeks: Sequence[str] = ()) -> list[Run]:
-    """Return what comes out of the solutions, with the checks that judge it."""
+    """Return the evidence of the solutions, with the checks that judge it."""
     catalog = load_catalog(exercises_dir(), solutions_dir())
     runs: list[Run] = []
     for week in weeks or catalog.course.weeks:
@@ -129,7 +129,7 @@ def right_runs(weeks: Sequence[str] = ()) -> list[Run]:
 
 
 def checks_of(run: Run) -> Iterator[Check]:
-    """Yield the checks of a scenario and what they require."""
+    """Yield the checks of a scenario and the checks that they require."""
     waiting: list[Any] = list(run.scenario.checks)
     while waiting:
         check = waiting.pop()
@@ -138,7 +138,7 @@ def checks_of(run: Run) -> Iterator[Check]:
 
 
 def course_over(chance: random.Random, runs: Sequence[Run], rounds: int) -> int:
-    """Judge spoilt evidence by the checks of its scenario; returns the number of judgements."""
+    """Judge corrupted evidence by the checks of its scenario. Return the number of judgements."""
     judged = 0
     for _ in range(rounds):
         run = chance.choice(runs)

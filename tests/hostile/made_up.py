@@ -1,4 +1,4 @@
-"""Messages, returned values and texts as nobody should hand them in: made by chance, or right ones spoilt."""
+"""Malformed messages, returned values and strings: random ones, and corrupted valid ones."""
 
 import random
 from collections.abc import Sequence
@@ -83,13 +83,13 @@ def all_types() -> tuple[str, ...]:
 
 
 def made_bytes(chance: random.Random, kind: str) -> bytes:
-    """Return a message's bytes, now and then spoilt."""
+    """Return a message's bytes, occasionally corrupted."""
     cdr = serialize(made_message(chance, kind))
     return spoilt(chance, cdr) if chance.random() < 0.1 else cdr
 
 
 def spoilt(chance: random.Random, data: bytes) -> bytes:
-    """Return the bytes with some of them cut, changed or repeated."""
+    """Return the bytes with some of them removed, changed or repeated."""
     at, to = sorted((chance.randint(0, len(data)), chance.randint(0, len(data))))
     match chance.randrange(4):
         case 0:
@@ -103,7 +103,7 @@ def spoilt(chance: random.Random, data: bytes) -> bytes:
 
 
 def made_text(chance: random.Random) -> str:
-    """Return a layout or a parameters file with some pieces exchanged, or a few pieces."""
+    """Return a layout or a parameter file with some fragments swapped, or a few random fragments."""
     text = chance.choice((LAYOUT, PARAMETERS, ""))
     for _ in range(chance.randint(0, 6)):
         at = chance.randint(0, len(text))
@@ -182,7 +182,7 @@ def spoilt_evidence(chance: random.Random, right: Evidence) -> Evidence:
 
 
 def _spoilt_value(chance: random.Random, value: Any) -> Any:
-    """Return plain data with one thing in it changed."""
+    """Return plain data with one value changed."""
     if isinstance(value, list) and value and chance.random() < 0.8:
         at = chance.randrange(len(value))
         return [*value[:at], _spoilt_value(chance, value[at]), *value[at + 1 :]]

@@ -1,5 +1,5 @@
 # ruff: noqa: E501  attacks are lines of their own kind
-"""Submissions of students who mean well."""
+"""Submissions with honest mistakes."""
 
 from tests.hostile.entry import Entry, replaced
 

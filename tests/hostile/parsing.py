@@ -1,4 +1,4 @@
-"""Parsers of students' files and texts: each accepts any input, or raises a clear error."""
+"""Parsers of students' files and strings: each accepts any input, or raises a CourseError."""
 
 import json
 import random
@@ -72,7 +72,7 @@ STAFFS: Parsers = tuple((parse, CourseError) for parse in STAFF)
 
 
 def parse_any(chance: random.Random, parsers: Parsers = STUDENTS) -> float:
-    """Parse one made-up input; returns the processor time that it took, [s].
+    """Parse one generated input. Return the CPU time [s].
 
     Raises:
         Exception: The parser raised what it does not announce, or took too long.

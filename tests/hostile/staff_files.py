@@ -66,7 +66,7 @@ VALUES: tuple[object, ...] = (
 
 
 def mangled(chance: random.Random, text: str) -> bytes:
-    """Return a text with pieces put into it, in an encoding of some program, now and then spoilt."""
+    """Return a text with random insertions, in a common encoding, occasionally corrupted."""
     for _ in range(chance.randint(0, 5)):
         at = chance.randint(0, len(text))
         text = text[:at] + chance.choice(PIECES) + text[at + chance.choice((0, 0, 1, 5, 30)) :]
@@ -93,7 +93,7 @@ def _changed(chance: random.Random, content: object) -> object:
 
 
 def mangled_zip(chance: random.Random) -> bytes:
-    """Return a platform's download with strange names, spoilt members, or spoilt itself."""
+    """Return a platform's download with unusual names, corrupted members, or a corrupted archive."""
     files = {}
     for _ in range(chance.randint(0, 5)):
         name = chance.choice(PATHS)
@@ -162,7 +162,7 @@ def written(path: Path, data: bytes) -> Path:
 
 
 def in_a_folder(read: Callable[[random.Random, Path], None]) -> Callable[[random.Random], None]:
-    """Return a parser that writes its files into a folder of its own."""
+    """Return a parser that writes its files into a separate folder."""
 
     def parse(chance: random.Random) -> None:
         with tempfile.TemporaryDirectory() as folder:

@@ -57,7 +57,7 @@ def test_no_process_of_a_submission_survives_grading(graded: Graded) -> None:
 
 
 def test_hostile_submission_does_not_change_the_next_results(graded: Graded) -> None:
-    """Honest submissions with equal personal values bring out the same, whoever came before."""
+    """Honest submissions with equal personal values get equal results, in any order."""
     digests = [
         graded.result(student)["judgement"]["digests"] for student in (*HONEST, "poisons_the_next", "chance")
     ]

@@ -1,4 +1,4 @@
-"""Names of files to hand in: a file is read in the jail, as text."""
+"""File names in file tasks: the file is read as text in the jail."""
 
 from contextlib import closing
 

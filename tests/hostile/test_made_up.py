@@ -1,4 +1,4 @@
-"""No check raises over what students publish and return, and none takes beyond its time."""
+"""No check raises an exception or exceeds its time limit, for any published or returned data."""
 
 import random
 from typing import Any

@@ -76,7 +76,7 @@ CELLS = [
 
 
 def seen_in_cell(code: str) -> list[str]:
-    """Return the last lines that a cell shows: of its error, or of what it prints."""
+    """Return the last lines of a cell's error or output."""
     written = io.StringIO()
     with use_graph(Graph(notebook=True)), redirect_stdout(written), redirect_stderr(written):
         names: dict[str, object] = {"__name__": "__main__"}
@@ -90,7 +90,7 @@ def seen_in_cell(code: str) -> list[str]:
 
 
 def _lines(written: str) -> list[str]:
-    """Return what a cell wrote, without tracebacks and what differs from run to run."""
+    """Return the output of a cell, without tracebacks and text that differs between runs."""
     # Places on this machine and in its memory differ.
     text = re.sub(r"0x[0-9a-f]+", "0x…", re.sub(r"\(/[^)]*\)", "(…)", written))
     lines = [line for line in text.splitlines() if line.strip()]
@@ -117,7 +117,7 @@ class LessonTable:
 
 
 def lesson_mistakes(lesson: str) -> list[tuple[str, str, list[str]]]:
-    """Return each mistake of a lesson: what the student does, the changed code, and the lines shown."""
+    """Return each mistake of a lesson: description, changed code, and displayed lines."""
     table = tomllib.loads(LESSONS[lesson].read_text(encoding="utf-8"))
     found = LessonTable(table["rows"], table.get("instead", {}))
     return [(what, *_seen_in_lesson(lesson, found, changes)) for what, *changes in found.rows]
@@ -148,7 +148,7 @@ def _seen_in_lesson(lesson: str, table: LessonTable, changes: list[Any]) -> tupl
 
 
 def _run(table: LessonTable, cells: list[str], first: int, changed: int = -1) -> list[str]:
-    """Run cells until one fails, and return what those from the first one on write."""
+    """Run cells until one fails, and return the output from cell `first` on."""
     written, before = io.StringIO(), io.StringIO()
     with use_graph(Graph(notebook=True)), time_lock.hold():
         names: dict[str, object] = {"__name__": "__main__"}

@@ -46,7 +46,7 @@ KINDS = ("node", "function", "launch")
 
 @dataclass(frozen=True)
 class Mistake:
-    """A mistake: where, what the student does, and the code with it."""
+    """A mistake: location, description and code."""
 
     where: str
     what: str

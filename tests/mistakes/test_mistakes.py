@@ -1,4 +1,4 @@
-"""The tables of typical mistakes say what students see now; `python -m tests.mistakes` renews them."""
+"""The tables of typical mistakes are up to date; `python -m tests.mistakes` regenerates them."""
 
 import pytest
 from _pytest.mark import ParameterSet

@@ -50,7 +50,7 @@ def _of_markdown(text: str) -> Iterator[str]:
 
 
 def _lines(block: str) -> Iterator[str]:
-    """Yield the lines of a shell's input, without comments; an open quotation mark goes on."""
+    """Yield the lines of a shell's input, without comments; an open quotation mark continues the line."""
     pending = ""
     for line in re.sub(r"\\\n", "", block).splitlines():
         pending += line

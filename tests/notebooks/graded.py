@@ -62,7 +62,7 @@ def run_of(path: Path) -> Marked:
 
 
 def defined(cells: Sequence[str], week: str) -> dict[str, Any]:
-    """The names that a notebook's definitions define, in this process: views and runs are left out."""
+    """Return the names that a notebook defines, executed in this process without views and runs."""
     set_values({task.id: personal_values(task, STUDENT) for task in catalog().of_week(week)})
     namespace: dict[str, Any] = {}
     for cell in (re.sub(r"^%.*\n", "", cell) for cell in cells):
@@ -80,5 +80,5 @@ def evidence_here(
 
 
 def judged(week: str) -> list[Task]:
-    """The tasks that checks decide; a person reads the others."""
+    """Return the tasks that are judged by checks, without manually marked ones."""
     return [task for task in catalog().of_week(week) if not task.rubric]

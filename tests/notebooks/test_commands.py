@@ -114,7 +114,7 @@ LAYOUT = "Panels: []\nVisualization Manager:\n  Displays: []\n  Global Options:\
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A student's folder, with the files that the commands take, and an instructor's downloads.
+    """A student's folder with the input files of the commands, and an instructor's downloads.
 
     No command writes into the course of this checkout.
     """
@@ -200,7 +200,7 @@ def _run_rqt(text: str) -> None:
 
 
 def ready(shown: Shown) -> str | None:
-    """Return what to type for a command, or None where it is not run."""
+    """Return the command line for a command, or None if it is not run."""
     words = shown.text.split()
     # The real rclpy is installed in few places: tests/real runs these commands there.
     if shown.text in NOT_RUN or "--ros" in words or words[:2] == ["course", "ros"]:

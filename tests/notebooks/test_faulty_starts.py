@@ -1,4 +1,4 @@
-"""The faulty start of a task that asks for its faults earns next to nothing."""
+"""The faulty starting code of a debugging task gets almost no points."""
 
 import re
 from collections.abc import Iterator
@@ -40,7 +40,7 @@ def faulty_starts() -> Iterator[Any]:
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run in an empty folder: what is handed out may write files."""
+    """Run in an empty folder, because released code may write files."""
     monkeypatch.chdir(tmp_path)
 
 

@@ -1,4 +1,4 @@
-"""An answer that is made of what the public scenarios show earns next to nothing."""
+"""An answer that hard-codes the values of the public scenarios gets almost no points."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -21,7 +21,7 @@ def asked(scenario: Scenario, personal: Mapping[str, Any]) -> list[str]:
 
 
 def has_inputs(task: Task) -> bool:
-    """Return whether there is more to a public scenario than the task itself says."""
+    """Return whether a public scenario has inputs beyond the task description."""
     return any(s.inputs or any(c.args or c.kwargs for c in s.calls) for s in task.scenarios)
 
 

@@ -1,4 +1,4 @@
-"""Stated minutes beside an estimate, and the README's beside the notebooks'.
+"""The stated minutes agree with an estimate, and the README with the notebooks.
 
 How times are estimated, for a student who reads English as a second language: 80 words of prose a
 minute; a line of code read in 15 s; a cell run and looked at in 45 s; 4 minutes for each "Try it"; a
@@ -29,7 +29,7 @@ OPTIONAL = re.compile(r"^## If you have time \(\+(\d+) min\)$", re.MULTILINE)
 
 
 class Content(NamedTuple):
-    """The parts of a lesson that take time."""
+    """The amounts of text, code and exercises in a lesson."""
 
     words: int
     lines: int  # of code
@@ -63,7 +63,7 @@ def words_of(cells: list[str]) -> int:
 
 
 def parts(path: Path) -> tuple[Content, Content]:
-    """The content of a lesson, and that of its section for those who have time."""
+    """Return the content of a lesson, and of its optional section."""
     cells = read_notebook(path)["cells"]
     begins = [i for i, cell in enumerate(cells) if OPTIONAL.search(source(cell))]
     end = len(cells) - 1 if begins else len(cells)  # the last cell is the further reading
@@ -72,7 +72,7 @@ def parts(path: Path) -> tuple[Content, Content]:
 
 
 def is_skimmed(cell: dict[str, Any]) -> bool:
-    """Return whether the lesson says that a cell is run, and not read yet."""
+    """Return whether the lesson states that a cell need not be read yet."""
     return "skim" in cell["metadata"].get("tags", [])
 
 

@@ -1,4 +1,4 @@
-"""Promises of this course beyond the rules for notebooks that `course verify` knows."""
+"""Rules for the notebooks of this course, in addition to those of `course verify`."""
 
 import re
 import tomllib

@@ -1,4 +1,4 @@
-"""The arm that week 2's checks know by numbers is the UR10 of the lesson."""
+"""The arm whose dimensions week 2's checks contain is the UR10 of the lesson."""
 
 import runpy
 from math import pi

@@ -1,4 +1,4 @@
-"""Week 7's notebooks as packages: what they publish is what the notebook's nodes publish."""
+"""Week 7's notebooks as packages publish the same messages as the notebook's nodes."""
 
 import shutil
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Asks a service from several threads, changes a parameter by its service, and publishes what comes back."""
+"""Calls a service from several threads, sets a parameter by its service, and publishes the responses."""
 
 from __future__ import annotations
 

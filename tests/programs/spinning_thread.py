@@ -1,4 +1,4 @@
-"""A thread that spins while the main thread publishes what it got."""
+"""A thread that spins while the main thread publishes the received messages."""
 
 import threading
 import time

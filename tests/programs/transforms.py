@@ -35,7 +35,7 @@ class Sender(Node):
 
 
 def look(buffer: Buffer, node: Node) -> None:
-    """Look up what will be there soon, again and again."""
+    """Look up a transform repeatedly until it is available."""
     while rclpy.ok():
         when = node.get_clock().now()
         try:
@@ -55,7 +55,7 @@ threading.Thread(target=look, args=(tf_buffer, looker), daemon=True).start()
 
 
 async def wait() -> None:
-    """Await a transform that comes with the first one from now on."""
+    """Await a transform that becomes available with the next broadcast."""
     found = await tf_buffer.lookup_transform_async("world", "camera", Time())
     looker.get_logger().info(f"{found.header.stamp.nanosec} ns")
 

@@ -1,4 +1,4 @@
-"""Two nodes whose timers are due at equal times, and that hear each other."""
+"""Two nodes with simultaneous timers, which receive each other's messages."""
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor

@@ -1,4 +1,4 @@
-"""Programs under the real rclpy, in a process of their own and on loopback."""
+"""Programs under the real rclpy, in a separate process and on loopback."""
 
 import os
 import re

@@ -39,7 +39,7 @@ def run(imported: dict[str, object], program: str) -> None:
 
 
 def outcome(imported: dict[str, object], program: str) -> str:
-    """Return what a program writes to standard error, and how it ends."""
+    """Return the standard error and the exit code of a program."""
     with tempfile.TemporaryFile() as file:
         child = os.fork()
         if child == 0:

@@ -238,7 +238,7 @@ def plain_lines(text: str) -> list[str]:
 
 
 def outcome(program: str, kits: Outcome) -> Outcome:
-    """Return what a node does, with the lines that it prints."""
+    """Return the outcome of a node: published messages and printed lines."""
     with tempfile.TemporaryFile("w+") as file:
         kept = [os.dup(number) for number in (1, 2)]
         sys.stdout.flush()
@@ -257,7 +257,7 @@ def outcome(program: str, kits: Outcome) -> Outcome:
 
 
 def start(program: str, kits: Outcome, file: Path, domain: int) -> int:
-    """Run a node in a process and a domain of its own, which writes its outcome; return its process ID."""
+    """Run a node in a separate process and domain, which writes its outcome. Return the process ID."""
     child = os.fork()
     if child == 0:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
@@ -271,7 +271,7 @@ def start(program: str, kits: Outcome, file: Path, domain: int) -> int:
 
 
 def outcomes_in_processes(programs: dict[str, str], kits: dict[str, Outcome]) -> dict[str, Outcome]:
-    """Return the outcomes of nodes that run in processes of their own, several at the same time."""
+    """Return the outcomes of nodes that run in separate processes, several at the same time."""
     # Programs that fail in the kit are first: one of them hangs in ROS, until its time limit.
     waiting = sorted(programs, key=lambda name: bool(kits[name]["error"]))
     domain = int(os.environ["ROS_DOMAIN_ID"])

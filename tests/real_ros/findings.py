@@ -1,4 +1,4 @@
-"""What a comparison with the real rclpy 7.1.6 found in version 0.3, and what shows the outcome today.
+"""Differences from the real rclpy 7.1.6 found in version 0.3, and the tests or rows that cover them.
 
 A finding is shown by probes (`probe FILE NAME`), by programs (`program NAME`) or by tests (`test NAME`). A
 difference that stays has a row of docs/simulated.md (`row SUBJECT`).

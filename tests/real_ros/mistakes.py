@@ -15,7 +15,7 @@ PROGRAMS = [program for program, _, _ in MISTAKES if "course_lib" not in program
 
 
 def outcomes_of_mistakes() -> dict[str, str]:
-    """Return what each program writes to standard error under the real rclpy, by its text.
+    """Return the standard error of each program under the real rclpy, by its source.
 
     Programs that import the kit are left out: it is not there on a robot.
     """

@@ -91,7 +91,7 @@ def _has_literals_only(call: ast.Call) -> bool:
 
 
 def outcomes_in_kit() -> Outcomes:
-    """Return what each node does in the kit."""
+    """Return the outcome of each node in the kit."""
     with temporary_folder() as folder:
         nodes, outcomes = folder / "nodes.json", folder / "outcomes.json"
         nodes.write_text(json.dumps(programs()), encoding="utf-8")
@@ -116,7 +116,7 @@ def outcomes_in_kit() -> Outcomes:
 
 
 def outcomes_on_ros(expected: Outcomes) -> Outcomes:
-    """Return what each node does under the real rclpy, which runs it until it has published as expected."""
+    """Return the outcome of each node under the real rclpy, run until it has published as expected."""
     lines: list[str] = []
     with temporary_folder() as folder:
         nodes, kits, outcomes = (folder / f"{name}.json" for name in ("nodes", "expected", "outcomes"))

@@ -41,7 +41,7 @@ def outcome_of_program(out: str, err: str, code: int) -> dict[str, object]:
 
 
 def outcomes_of_probes(python: str, file: Path) -> dict[str, str]:
-    """Return what the probes of a file find under the real rclpy."""
+    """Return the outcomes of the probes of a file under the real rclpy."""
     out, err, code = run([python, str(file)])
     if code:
         sys.exit(f"{file.name} ended with {code}:\n{err}")
@@ -50,14 +50,14 @@ def outcomes_of_probes(python: str, file: Path) -> dict[str, str]:
 
 
 def outcome_after_interrupt(python: str, file: Path) -> dict[str, object]:
-    """Return what a program does under the real rclpy when it gets Ctrl+C."""
+    """Return the outcome of a program under the real rclpy that receives Ctrl+C."""
     out, err, code = run([python, str(file)], interrupt_after=INTERRUPT_AFTER)
     # A shell reports a process that SIGINT has killed as 130.
     return outcome_of_program(out, err, 130 if code == -signal.SIGINT else code)
 
 
 def main() -> None:
-    """Run all files under the real rclpy and write what they say."""
+    """Run all files under the real rclpy and store the outcomes."""
     python = os.environ.get("REAL_ROS_PYTHON")
     if not python:
         sys.exit("Set REAL_ROS_PYTHON to the Python of an environment with requirements.txt.")

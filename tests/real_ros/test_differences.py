@@ -1,4 +1,4 @@
-"""docs/simulated.md is the only list of differences from the real rclpy: no test knows another one."""
+"""docs/simulated.md is the only list of differences from the real rclpy; tests contain no others."""
 
 import re
 from itertools import chain

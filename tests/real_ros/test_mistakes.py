@@ -1,4 +1,4 @@
-"""Students' mistakes: the error that the kit gives is that of the real rclpy, which is frozen."""
+"""Students' mistakes: the kit's errors equal the frozen errors of the real rclpy."""
 
 import json
 from pathlib import Path

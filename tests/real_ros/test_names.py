@@ -1,4 +1,4 @@
-"""The stand-in against the names of the real rclpy, which are frozen with its version."""
+"""The stand-in has the names of the real rclpy, which are frozen with its version."""
 
 import ast
 import importlib

@@ -1,4 +1,4 @@
-"""A run, begun, and what is published in it."""
+"""A started run, and the messages that are published in it."""
 
 from collections.abc import Callable, Iterator
 from typing import Any

@@ -36,7 +36,7 @@ class Operator(Node):
 
 
 class Arm:
-    """The controller, somebody who sends trajectories, and what came of them."""
+    """The controller, a client that sends trajectories, and the results."""
 
     def __init__(self, run: Run, on: On) -> None:
         self.controller = JointTrajectoryController(mobile_manipulator().urdf, start=START, rate=50.0)

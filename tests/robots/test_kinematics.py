@@ -41,7 +41,7 @@ def test_joints_without_a_position_are_at_0() -> None:
 
 
 def every_description() -> list[str]:
-    """Return the different descriptions of the robots that come with the kit."""
+    """Return the different descriptions of the kit's robots."""
     return list(dict.fromkeys(load_robot(name).urdf for name in MODELS))
 
 

@@ -1,4 +1,4 @@
-"""Links as they are read beside those of Pinocchio."""
+"""Links of the kit's URDF reader compared with Pinocchio."""
 
 from pathlib import Path
 

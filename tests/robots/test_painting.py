@@ -21,7 +21,7 @@ Heard = list[tuple[float, str, Any]]  # [s], topic, message
 
 @pytest.fixture(scope="module")
 def painted() -> tuple[PaintNode, Heard]:
-    """The node after both sweeps, and what was published."""
+    """The node after both sweeps, and its published messages."""
     heard: Heard = []
     virtual_time.install()
     with use_graph(Graph(notebook=True)) as graph, time_lock.hold():

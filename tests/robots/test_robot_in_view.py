@@ -1,4 +1,4 @@
-"""From joint states to the picture: a joint that is nowhere spoils its own links only."""
+"""From joint states to the scene: a joint at NaN affects only its own links."""
 
 from math import nan
 

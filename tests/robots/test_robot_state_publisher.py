@@ -23,7 +23,7 @@ Rows = list[tuple[str, str]]
 
 
 class Joints(Node):
-    """Publishes joint states as told."""
+    """Publishes given joint states."""
 
     def __init__(self) -> None:
         super().__init__("joints")

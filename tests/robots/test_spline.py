@@ -10,7 +10,7 @@ RANDOM = np.random.default_rng(0)
 
 
 def of(polynomial: Polynomial, seconds: float, given: int) -> Floats:
-    """A polynomial's value and first derivatives at a time, `given` of them, for one joint."""
+    """Return the first `given` of a polynomial's value and derivatives at a time, for one joint."""
     return np.array(
         [[polynomial.deriv(order)(seconds) if order else polynomial(seconds)] for order in range(given)]
     )

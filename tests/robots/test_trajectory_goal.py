@@ -1,4 +1,4 @@
-"""The action of the controller: ends, tolerances, preemption, in the words of ros2_controllers 4.42.1."""
+"""The controller's action: results, tolerances and preemption, with the texts of ros2_controllers 4.42.1."""
 
 from collections.abc import Callable
 from typing import Any
@@ -41,7 +41,7 @@ class Client:
         self._run(seconds, self.controller, self.node)
 
     def send(self, positions: list[float], seconds: int, **tolerances: Any) -> Any:
-        """Send a goal and let its answer come; returns the goal handle."""
+        """Send a goal and wait for the response. Return the goal handle."""
         point = JointTrajectoryPoint(positions=positions, velocities=[0.0] * 6)
         point.time_from_start.sec = seconds
         goal = FollowJointTrajectory.Goal(trajectory=JointTrajectory(joint_names=NAMES, points=[point]))
@@ -52,7 +52,7 @@ class Client:
         return answer.result()
 
     def ends(self, handle: Any, seconds: float) -> tuple[int, int, str]:
-        """Status, code and text of a goal's end, which comes within some seconds."""
+        """Return status, error code and error string of a goal, waiting some seconds for its result."""
         result = handle.get_result_async()
         self.run(seconds)
         assert result.done()

@@ -1,4 +1,4 @@
-"""The robot does what its make says, and number 0 has the three faults that lesson 6 finds."""
+"""The robot behaves according to its configuration; number 0 has the three faults of lesson 6."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -50,7 +50,7 @@ def unheard(graph: Graph) -> set[str]:
 
 
 class Inspector(Node):
-    """Finds out the facts that week 6 asks for, as the tools do."""
+    """Determines the facts that week 6 asks for with the command-line tools."""
 
     def __init__(self) -> None:
         super().__init__("inspector")
@@ -64,7 +64,7 @@ class Inspector(Node):
 
 
 def looked_at(serial: int) -> dict[str, Any]:
-    """Return the facts that week 6 asks for, as a robot that runs shows them."""
+    """Return the facts that week 6 asks for, measured on a running robot."""
     inspector, nodes = Inspector(), unknown_robot(serial)
     spin_for(2.0, inspector, *nodes)  # [s]
     asked: Any = inspector.parameters.get_parameters(["threshold"])

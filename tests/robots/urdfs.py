@@ -1,4 +1,4 @@
-"""Small robots, written by hand."""
+"""Small URDF robots."""
 
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
 

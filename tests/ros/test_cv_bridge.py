@@ -1,4 +1,4 @@
-"""Values of colors are OpenCV's own: its cvtColor gave them for the same pixels."""
+"""The expected colors are results of OpenCV's cvtColor for the same pixels."""
 
 from io import BytesIO
 from typing import Any

@@ -1,4 +1,4 @@
-"""Malformed files of a workspace: an error names the file and its line, without frames of the kit."""
+"""Malformed files of a workspace: errors contain the file and line, without frames of the kit."""
 
 import re
 import subprocess

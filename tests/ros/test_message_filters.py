@@ -30,7 +30,7 @@ def send(source: SimpleFilter, seconds: float) -> None:
 
 
 def heard(last: SimpleFilter) -> list[tuple[str, ...]]:
-    """Return a list that fills with the frames of what a filter passes on."""
+    """Return a list to which the frames of a filter's messages are appended."""
     sets: list[tuple[str, ...]] = []
     last.registerCallback(lambda *images: sets.append(tuple(image.header.frame_id for image in images)))
     return sets

@@ -41,7 +41,7 @@ def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
 
 
 def python(code: str) -> str:
-    """Return what a program prints that works in the working folder, as a notebook does."""
+    """Return the output of a program in the working folder, run as a notebook would."""
     done = subprocess.run(
         [sys.executable, "-c", f"import course_lib\n{code}"],
         capture_output=True,

@@ -1,4 +1,4 @@
-"""Programs in threads of their own."""
+"""Programs in separate threads."""
 
 import contextvars
 

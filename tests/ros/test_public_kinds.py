@@ -51,7 +51,7 @@ def blue_png() -> bytes:
 
 @dataclass(frozen=True)
 class Kind:
-    """Files, the commands that use them, and texts that the output has, in this order."""
+    """Files, the commands that use them, and the expected output strings in order."""
 
     commands: tuple[str, ...]
     shows: tuple[str, ...]
@@ -343,7 +343,7 @@ def test_public_pattern_has_the_outcome_of_ros(name: str, tmp_path: Path) -> Non
 
 
 def output_of(command: str, folder: Path) -> str:
-    """Return what a command prints; `course` and `python` are those of this environment."""
+    """Return the output of a command, with `course` and `python` of this environment."""
     program, _, words = command.partition(" ")
     start = [sys.executable, *(["-m", "course_lib"] if program == "course" else [])]
     line = " ".join(f'"{word}"' for word in start)

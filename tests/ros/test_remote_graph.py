@@ -27,7 +27,7 @@ END_NS = START_NS + 5 * SECOND
 
 
 def talk(graph: Graph) -> None:
-    """A node that counts at 1 Hz, and a second one that answers what it hears."""
+    """A node that counts at 1 Hz, and a second one that replies to its messages."""
     talker, echoer = graph.add_node("talker", "/"), graph.add_node("echoer", "/")
     count = graph.add_publisher(talker, "/count", "std_msgs/msg/String", Qos())
     echo = graph.add_publisher(echoer, "/echo", "std_msgs/msg/String", Qos())

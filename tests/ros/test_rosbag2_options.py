@@ -1,4 +1,4 @@
-"""rosbag2_py: the options of writers, and what the kit does not have."""
+"""rosbag2_py: the options of writers, and the errors for unsupported ones."""
 
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from tests.ros.test_rosbag2_py import NO_CONVERSION, reader_of, rest, topic
 
 
 def filled(folder: Path, *, writer: rosbag2_py.SequentialWriter | None = None, **options: Any) -> str:
-    """Write messages 0 to 9 at 100 to 109 ns with a writer of these options; return what the bag holds."""
+    """Write messages 0 to 9 at 100 to 109 ns with these options. Return the contents of the bag."""
     writer = writer or rosbag2_py.SequentialWriter()
     writer.open(rosbag2_py.StorageOptions(uri=str(folder), **options), NO_CONVERSION)
     writer.create_topic(topic("/a"))

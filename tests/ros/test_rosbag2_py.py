@@ -106,7 +106,7 @@ def reader_of(uri: Path) -> rosbag2_py.SequentialReader:
 
 
 def rest(reader: rosbag2_py.SequentialReader) -> str:
-    """Read what is left, a digit for each message."""
+    """Read the remaining messages, a digit for each."""
     digits = ""
     while reader.has_next():
         _, cdr, _ = reader.read_next()

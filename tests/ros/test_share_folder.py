@@ -1,4 +1,4 @@
-"""The share folder of sources whose setup.py installs files in other places."""
+"""The share folder of sources whose setup.py installs files in other folders."""
 
 from collections.abc import Callable
 from pathlib import Path

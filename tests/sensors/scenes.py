@@ -19,7 +19,7 @@ AT_ORIGIN = placed(0, 0, 0)
 
 
 def published(make: Callable[[], Node], message: type, seconds: float = 0.1) -> list[Any]:
-    """Run a node for some robot time; give its messages of a type."""
+    """Run a node for some robot time. Return its messages of a type."""
     samples = list[Sample]()
     with use_graph(Graph(end_ns=START_NS + round(seconds * 1e9))) as graph:
         graph.tap(samples.append)

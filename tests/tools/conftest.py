@@ -47,7 +47,7 @@ def talker(graph: Graph) -> Node:
 
 @pytest.fixture
 def other(talker: Node) -> Node:
-    """A node with a context of its own: within one context a topic has one type, as in Fast DDS."""
+    """A node with its own context: within one context a topic has one type, as in Fast DDS."""
     context = Context()
     context.init(args=[])
     return Node("other", context=context)
@@ -55,7 +55,7 @@ def other(talker: Node) -> Node:
 
 @pytest.fixture
 def run(graph: Graph) -> Run:
-    """Return the output of a command; words are split at blanks, a last one in braces stays whole."""
+    """Return the output of a command, split at spaces except for a last argument in braces."""
 
     def run(line: str) -> str:
         words, brace, rest = line.partition("{")

@@ -19,7 +19,7 @@ class Camera(LifecycleNode):
 
 @pytest.fixture
 def camera(graph: Graph, talker: Node) -> Camera:
-    """A lifecycle node beside one that is none."""
+    """A lifecycle node, in addition to an ordinary one."""
     node = Camera("camera", namespace="front")
     running_nodes().append(node)
     return node

@@ -23,7 +23,7 @@ def test_magic_is_imported_before_the_standin_is_installed() -> None:
 
 
 def run(shell: InteractiveShell, line: str) -> bool:
-    """Run a cell; says whether it went well."""
+    """Run a cell. Return whether it succeeded."""
     return bool(shell.run_cell(line).success)  # type: ignore[no-untyped-call]  # IPython does not annotate it
 
 

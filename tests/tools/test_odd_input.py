@@ -1,4 +1,4 @@
-"""Input that nobody means: it is answered in one line, and never with a traceback."""
+"""Invalid input gets a one-line error, never a traceback."""
 
 import pytest
 from rclpy.node import Node

@@ -37,7 +37,7 @@ class Kernel:
         self._client = client
 
     def run(self, index: int, source: str | None = None, *, tells_id: bool = True) -> tuple[str, str]:
-        """Run a cell; returns what it prints and the name of its error."""
+        """Run a cell. Return its output and the name of its exception."""
         cell = self.cells[index]
         code = "".join(cell["source"]) if source is None else source
         content = {"code": code, "silent": False, "store_history": True, "stop_on_error": False}

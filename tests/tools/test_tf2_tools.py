@@ -39,7 +39,7 @@ def sample(stamp_ns: int, *transforms: TransformStamped, topic: str = "/tf") -> 
 
 
 def moving(seconds: int = 11) -> RecordingSource:
-    """A recording: world -> base at 10 Hz, heard 2 ms after its stamp; base -> tool static, 1 s late."""
+    """A recording: world -> base at 10 Hz, received 2 ms after its stamp; base -> tool static, 1 s late."""
     samples = [sample(START + 10**9, sent("base", "tool", START, x=0.5, yaw=pi / 4), topic="/tf_static")]
     for tenth in range(seconds * 10 + 1):
         stamp_ns = START + tenth * 10**8

@@ -29,7 +29,7 @@ spin_for(2.0, Stub())
 
 @pytest.fixture
 def run(tmp_path: Path, in_process: Callable[..., Typed]) -> Run:
-    """Return what `course run` shows of cells that fail."""
+    """Return the output of `course run` for failing cells."""
 
     def run(cells: str) -> str:
         notebook = tmp_path / "cells.ipynb"

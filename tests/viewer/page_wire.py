@@ -1,4 +1,4 @@
-"""A link to pages that are played by hand."""
+"""A link to simulated pages."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from course_lib.viewer.scene import Scene
 
 
 class Wire:
-    """Carries what a link sends, to nobody."""
+    """Stores the messages that a link sends."""
 
     def __init__(self) -> None:
         self.scene = Scene()

@@ -1,4 +1,4 @@
-"""Pages that nobody sees: behind other tabs, or with their views scrolled out of sight."""
+"""Invisible pages: in background tabs, or with their views scrolled out of sight."""
 
 import time
 

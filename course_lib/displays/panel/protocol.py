@@ -30,7 +30,7 @@ class ContextMenu(Message, frozen=True):
 
 
 class Order(Message, frozen=True, tag_field="act", tag=True):
-    """Base class of the orders of a page. The field `act` holds the name of the class."""
+    """Base class of page orders. The field `act` contains the class name."""
 
 
 class UseControl(Order, frozen=True):
@@ -134,7 +134,7 @@ class ViewChoice(Message, frozen=True):
 
 
 class StatusLine(Message, frozen=True):
-    """The worst status, in one line."""
+    """The worst status as a single line."""
 
     mark: LevelMark
     text: str
@@ -163,7 +163,7 @@ class AddableTopic(Message, frozen=True, order=True):
 
 
 class Layouts(Message, frozen=True):
-    """The .rviz files in the notebook's folder, and the one that was used last."""
+    """The .rviz files in the notebook's folder, and the last used file."""
 
     last: str
     files: tuple[str, ...]
@@ -291,7 +291,7 @@ class RemoveView(Order, frozen=True):
 
 
 class TurnView(Order, frozen=True):
-    """The view was turned by hand; points are in the fixed frame [m]."""
+    """The user has moved the view; points are in the fixed frame [m]."""
 
     eye: Vector
     target: Vector

@@ -559,7 +559,7 @@ def _start(
         "LANG": "C.UTF-8",
         "MPLBACKEND": "Agg",
         "PYTHONHASHSEED": "0",
-        "PYTHONPATH": os.path.dirname(KIT),  # this checkout of the kit, not an installed one
+        "PYTHONPATH": os.path.dirname(KIT),  # the kit's checkout, not an installed copy
         # The kit may be installed there, and HOME is not the user's home in the jail.
         "PYTHONUSERBASE": site.getuserbase(),
     }

@@ -168,7 +168,7 @@ def read_save(body: bytes) -> Save:
     """Decode a request to save marks.
 
     Raises:
-        CourseError: It is invalid; the message says what was expected.
+        CourseError: It is invalid; the message states the expected value.
     """
     try:
         content = read_json(body)
@@ -269,7 +269,7 @@ class _MarkingHandler(Guarded):
         self.desk, self.port, self.token = desk, desk.port, desk.token
 
     def set_default_headers(self) -> None:
-        """Restrict what each response may do in a browser."""
+        """Restrict the permissions of each response in a browser."""
         self.set_header("Content-Security-Policy", PAGE_POLICY)
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Cross-Origin-Resource-Policy", "same-origin")

@@ -442,7 +442,7 @@ def _add_file(archive: ZipFile, name: str, content: bytes, mode: int) -> None:
 
 
 def _course_files(root: Path, week: str) -> Iterator[tuple[str, bytes]]:
-    """Yield name and content of the files of a course with a single week."""
+    """Yield the name and content of each file of a course with a single week."""
     yield "course/exercises/course.toml", one_week(root / "exercises" / "course.toml", week)
     solution = root / "solutions" / f"{week}_solution.ipynb"
     paths = [solution, root / "solutions" / "checks" / f"{week}.py"]

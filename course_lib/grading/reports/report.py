@@ -390,7 +390,7 @@ def _suffix(named: PlatformName) -> str:
 
 
 def _platform_page(result: Result, named: PlatformName, out: Path, course: Course, lms: str) -> bytes:
-    """Return the report, inside a zip if Canvas will name it .zip."""
+    """Return the report, inside a zip if Canvas gives it the suffix .zip."""
     page = standalone(result, out, catalog_of(course))
     in_zip = lms == "canvas" and _suffix(named) == ".zip"
     return _zip({f"{result.submission.exercise}.html": page}) if in_zip else page

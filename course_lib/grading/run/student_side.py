@@ -30,7 +30,7 @@ from course_lib.ros.time import virtual_time
 from course_lib.ros.time.time_lock import AtEnd, ShutDown, StoppedThread, time_lock
 from course_lib.ros.tracebacks import line_of_thread, line_of_traceback
 
-# the calls of a launch task without calls
+# a single call without arguments, the default of launch tasks
 ONE_CALL: Sequence[tuple[Sequence[Any], dict[str, Any]]] = (((), {}),)
 WALL_LIMIT = 20.0  # [s] wall time of a run in this process
 

@@ -331,7 +331,7 @@ class ScenarioGraph:
         self.graph.add_subscription(self._input_node, 0, topic, f"{SET_PARAMETERS}_Response", Qos(), hear)
 
     def _record(self, sample: Sample) -> None:
-        # /rosout contains file names, and those of cells differ from process to process.
+        # /rosout contains file names, which differ from process to process for cells.
         if sample.node != self._input_node and sample.topic not in OWN_TOPICS:
             limit_size = self._images.limit_size(sample)
             self.keep(len(limit_size.cdr) + SAMPLE_BYTES)

@@ -288,7 +288,7 @@ def _join(students: Sequence[str]) -> list[Pair]:
 
 
 def _shared_weights(solutions: Sequence[frozenset[int]]) -> Floats:
-    """Return the weight of common runs of each pair; the diagonal contains that of all own runs."""
+    """Return the weight of the common runs of each pair; the diagonal contains the weight of all runs."""
     number = Counter(run for own in solutions for run in own)
     full = max(FEW, COMMON * len(solutions))
     weights = {run: min(1.0, full / count) for run, count in number.items()}

@@ -657,7 +657,7 @@ EXAMPLES: Mapping[str, str] = {
 def add_blackboard_title(layout: Layout, paths: Collection[Components]) -> Layout:
     """Return Blackboard's layout with the common prefix of all names, because user names may contain "_"."""
     heads = sorted({path[0].split(ATTEMPT)[0] for path in paths if ATTEMPT in path[0]})
-    # The common prefix of sorted strings is that of the first and the last one.
+    # The common prefix of sorted strings is the common prefix of the first and the last one.
     pairs = zip(heads[0], heads[-1], strict=False) if heads else ()
     common = "".join(first for first, _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
     return replace(layout, title=common[: common.rfind("_") + 1] if len(heads) > 1 else "")

@@ -145,7 +145,7 @@ TOO_MANY = "a layout has more displays than the task asks for"
 MOST_OTHERS = 5  # enabled displays of classes that no check names
 MAX_TEXT = 200_000  # characters of a layout
 MOST_COLORS = 20  # colors that are compared pairwise
-USUAL_COLOR = "25; 255; 0"  # color of a display whose color was not changed
+USUAL_COLOR = "25; 255; 0"  # default color of a display
 
 
 @check_function("the layout has {class_name}")

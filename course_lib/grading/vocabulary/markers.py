@@ -655,7 +655,7 @@ def _format_color(color: Sequence[float]) -> str:
 def _compare_text(marker: Any, expected: str, _: float) -> Iterator[str]:
     text = marker.text.strip()
     if text != expected:
-        # What is left of both texts if only one kind of difference is ignored.
+        # Normalizations that each ignore one kind of difference.
         views: dict[str, Callable[[str], str]] = {
             "the spaces differ": lambda one: "".join(one.split()),
             "upper and lower case differ": str.casefold,

@@ -536,7 +536,7 @@ def _action_class(name: str, module: str, found: Mapping[str, type], type_hash: 
 
 
 def create_classes(types: Types) -> dict[str, type]:
-    """Return the classes of all types of a package by name."""
+    """Return all type classes of a package by name."""
     found = {name: _message_class(name, about) for name, about in types.items() if "fields" in about}
     for name, about in types.items():
         if about.get("kind") == "service":

@@ -89,7 +89,7 @@ SEDP = (
     (SUBSCRIPTIONS_WRITER, SUBSCRIPTIONS_READER),
 )
 
-# The flag is False if the endpoint has left.
+# The flag is False if the endpoint was removed.
 OnEndpoint = Callable[[Endpoint, bool], None]
 
 

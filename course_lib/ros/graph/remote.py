@@ -252,7 +252,7 @@ class GraphServer:
         self.graph = graph
         # The first frame that is not a request of the graph, which ends the service.
         self.last_frame: list[Any] | None = None
-        # Ids of the nodes of the process.
+        # Ids of the process's nodes.
         self.nodes: set[int] = set()
         self._channel = channel
         # The type that each endpoint publishes; "" if it cannot publish.

@@ -128,7 +128,7 @@ class CdrLayout:
         return name
 
     def add_fields(self, type_name: str, name: str) -> None:
-        """Add all fields of a message, including those of nested messages."""
+        """Add all fields of a message and of its nested messages."""
         for field in definition(type_name).fields:
             kind = message_class(type_name)._KINDS.get(field.name)
             if field.is_message and field.container == "scalar":

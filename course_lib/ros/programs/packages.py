@@ -534,7 +534,7 @@ def _glob(folder: Path, pattern: str) -> list[Path]:
 
 
 def _argument_after(keyword: str, words: list[str]) -> list[str]:
-    """Return a list of the argument after a keyword, or []."""
+    """Return a list with the argument after a keyword, or [] without the keyword."""
     return words[words.index(keyword) + 1 :][:1] if keyword in words else []
 
 

@@ -17,7 +17,7 @@ Actions = SimpleQueue[Callable[[], None]]
 # Prints a line for the user.
 Report = Callable[[str], None]
 OnPacket = Callable[["Packet"], None]
-# The flag is False if the entity has left.
+# The flag is False if the entity was removed.
 OnEntity = Callable[["Entity", bool], None]
 # Called with None if the call received no reply.
 OnReply = Callable[[bytes | None], None]

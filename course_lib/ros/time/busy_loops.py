@@ -48,7 +48,7 @@ class BusyWaitTransformer(ast.NodeTransformer):
 
     def visit(self, node: ast.AST) -> Any:
         """Insert the call into each loop of the tree that only waits."""
-        # ast.walk does not recurse, so expressions with thousands of terms are no problem.
+        # ast.walk does not recurse, so expressions may have thousands of terms.
         for loop in ast.walk(node):
             if not isinstance(loop, ast.While) or not _is_idle(loop.body):
                 continue

@@ -114,7 +114,7 @@ def running_nodes() -> list["HandledNode"]:
 # Robot time for which live nodes run without a viewer page; the following cells drive them further
 # [s].
 WITHOUT_A_PAGE = 2.0
-# Length of a step of the live loop, in wall time [s].
+# Wall time per step of the live loop [s].
 STEP = 0.02
 # Limit on the robot time that is caught up after a cell kept the kernel busy [s].
 CATCH_UP = 0.25

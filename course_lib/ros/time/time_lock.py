@@ -202,8 +202,7 @@ class TimeLock:
     def __init__(self) -> None:
         # By thread identifier.
         self._threads: dict[int, ProgramThread] = {}
-        # Count of polling calls that survives between calls, because a cell may call the kit in a
-        # loop.
+        # Number of polling calls. It survives between calls, because a cell may call the kit in a loop.
         self._polls_in_cells = 0
         self._waiting: list[ProgramThread] = []
         self._holder: ProgramThread | None = None
@@ -382,7 +381,7 @@ class TimeLock:
             me.polls = polls
 
     def set_unmet(self, describe_unmet: Callable[[], str] | None) -> None:
-        """Set what the calling thread waits for, without counting a poll."""
+        """Set the unmet condition of the calling thread, without counting a poll."""
         me = self._threads.get(_thread.get_ident())
         if me is not None:
             me.describe_unmet = describe_unmet

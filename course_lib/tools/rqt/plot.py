@@ -29,7 +29,7 @@ class FieldPath:
     steps: tuple[tuple[str, int | None], ...]
 
     def read(self, message: RosMessage) -> float:
-        """Return the number, or NaN if the list is too short."""
+        """Return the value of the field, or NaN if an index is out of range."""
         value: object = message
         for name, index in self.steps:
             value = getattr(value, name)

@@ -45,7 +45,7 @@ def plain(positions: npt.ArrayLike, order: Order = "<", **channels: Any) -> npt.
 
 
 def shown_by(bench: Bench, display: Display) -> list[Points]:
-    """Return what a display draws, the oldest cloud first."""
+    """Return the drawables of a display, the oldest cloud first."""
     objects = bench.scene.objects()
     found = [thing for path, thing in objects.items() if path.startswith(display.path + "/")]
     assert all(isinstance(thing, Points) for thing in found)

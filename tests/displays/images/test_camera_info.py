@@ -15,7 +15,7 @@ def add(bench: Bench, **properties: Any) -> Display:
 
 
 def info(fx: float = 100.0, **fields: Any) -> CameraInfo:
-    """A camera of 400 x 200 pixels whose axis goes through the middle."""
+    """Return the info of a camera of 400 x 200 pixels, whose axis passes through the middle."""
     message = CameraInfo(width=400, height=200, **fields)
     message.header.frame_id = "map"
     message.p = np.array([fx, 0, 200.0, 0, 0, 100.0, 100.0, 0, 0, 0, 1.0, 0])

@@ -1,4 +1,4 @@
-"""A server of interactive markers, a viewer that shows them, and what the server hears."""
+"""A server of interactive markers, a viewer that shows them, and the feedback to the server."""
 
 from typing import Any
 
@@ -32,7 +32,7 @@ def box(*modes: int, frame: str = "map", name: str = "box", **fields: Any) -> In
 
 
 class Stage:
-    """A server in a notebook, a viewer that shows its markers, and the feedback that the server heard."""
+    """A server in a notebook, a viewer that shows its markers, and the received feedback."""
 
     def __init__(self, graph: Graph) -> None:
         rclpy.init(args=[])
@@ -56,7 +56,7 @@ class Stage:
         return display
 
     def use(self, name: str, *events: tuple[str, tuple[float, float, float]], **keys: Any) -> Any:
-        """Drag a control, and let the server hear of it; returns the menu that opened."""
+        """Drag a control and deliver the feedback to the server. Return the opened menu."""
         path = f"displays/InteractiveMarkers/handles/box/controls/{name}/0/mesh"
         menu: Any = ()
         for event, at in events:
@@ -66,7 +66,7 @@ class Stage:
         return menu
 
     def place(self) -> list[float]:
-        """Return where the picture of the box is."""
+        """Return the displayed position of the box."""
         self.viewer.look()
         path = "displays/InteractiveMarkers/handles/box/controls/button"
         at: list[float] = self.viewer.scene.world_transform(path)[:3, 3].round(6).tolist()

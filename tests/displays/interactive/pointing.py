@@ -1,4 +1,4 @@
-"""Pointers of a camera on the bench, and orders as a page sends them."""
+"""Pointers of a test camera, and orders in the form in which pages send them."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ PIXEL = 0.0015  # [m] at a distance of 1 m
 
 
 def pointer_at(place: Floats, camera: Camera) -> Pointer:
-    """Return the pointer that is on a place of the scene."""
+    """Return the pointer at a point of the scene."""
     right, up, behind = camera.view_matrix()[:3, :3]
     axes = np.array([right, up, -behind])
     eye = np.array(camera.eye)
@@ -34,7 +34,7 @@ def order(
     on: bool = True,
     **keys: Any,
 ) -> UseControl:
-    """Return what a page sends when its pointer is on a place; `on` something or on the background."""
+    """Return the order that a page sends for a pointer at a point, `on` an object or the background."""
     camera = camera or Camera(eye=(10.0, 0.0, 5.0))
     pointer = pointer_at(np.array(at), camera)
     return UseControl(

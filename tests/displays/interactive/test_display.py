@@ -1,4 +1,4 @@
-"""The InteractiveMarkers display: what it shows of a server, and what it sends to it."""
+"""The InteractiveMarkers display: drawing of a server's markers, and feedback to the server."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The motion of interactive markers keeps the rules of their controls, whatever the pointer does."""
+"""The motion of interactive markers obeys their controls for every motion of the pointer."""
 
 from dataclasses import replace
 

@@ -29,7 +29,7 @@ def turned_frame() -> np.ndarray:
 def drawn(
     covariance: np.ndarray, frame: np.ndarray | None = None, turned: bool = False, values: Any = ()
 ) -> dict[str, np.ndarray]:
-    """Return the placements of what is drawn with some values of properties."""
+    """Return the poses of the drawables for some property values."""
     holder = Holder()
     for label, value in dict(values).items():
         holder[label] = value

@@ -35,7 +35,7 @@ def add(bench: Bench, name: str, **properties: Any) -> Display:
 
 
 def drawn(bench: Bench) -> dict[str, Any]:
-    """Return what is drawn, by name."""
+    """Return the drawables by name."""
     objects = bench.scene.objects().items()
     return {path.rpartition("/")[2]: thing for path, thing in objects if path.startswith("displays/Shown/")}
 

@@ -1,4 +1,4 @@
-"""A small robot on the bench."""
+"""A small robot for tests of the RobotModel display."""
 
 from typing import Any
 
@@ -39,14 +39,14 @@ def robot(bench: Bench, arm: str = CYLINDER, **properties: Any) -> Display:
 
 
 def standing(bench: Bench, **properties: Any) -> Display:
-    """Return a robot whose links are known."""
+    """Return a robot whose link transforms are known."""
     for child in ("base", "arm", "tool"):
         bench.transform("map", child, (1.0, 0.0, 0.0))
     return robot(bench, **properties)
 
 
 def drawn(bench: Bench) -> dict[str, Drawable]:
-    """Return what is to be seen of the robot, by link/kind/number."""
+    """Return the visible drawables of the robot, by link/kind/number."""
     start = "displays/Robot/links/"
     objects = bench.scene.objects().items()
     return {path.removeprefix(start): thing for path, thing in objects if bench.scene.visible(path)}

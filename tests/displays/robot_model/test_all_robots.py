@@ -1,4 +1,4 @@
-"""Every robot that comes with the kit."""
+"""All robots that the kit contains."""
 
 from collections.abc import Iterable, Iterator
 

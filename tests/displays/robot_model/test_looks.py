@@ -1,4 +1,4 @@
-"""Looks of links; what Pinocchio says of their shapes is in tests/robots/test_links.py."""
+"""Appearance of links. Their shapes are compared with Pinocchio in tests/robots/test_links.py."""
 
 from pathlib import Path
 

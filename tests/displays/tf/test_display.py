@@ -14,7 +14,7 @@ TF = "rviz_default_plugins/TF"
 
 
 def shown(bench: Bench) -> set[str]:
-    """Return what is to be seen, by part/frame."""
+    """Return the visible drawables, by part/frame."""
     paths = (path for path in bench.scene.objects() if bench.scene.visible(path))
     return {path.removeprefix("displays/TF/") for path in paths if path.startswith("displays/TF/")}
 

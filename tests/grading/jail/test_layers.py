@@ -1,4 +1,4 @@
-"""The jail with all of its layers, and with each level of what is left where some do not work."""
+"""The jail with all of its layers, and with the remaining layers where some do not work."""
 
 import os
 import signal
@@ -114,7 +114,7 @@ def test_disabled_isolation_layers_permit_only_the_expected_attacks(
 
 @pytest.fixture
 def start_killed_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The next template is killed before it can say which layers work."""
+    """Kill the next template before it can report its layers."""
     start, killed = launch._start, list[int]()
 
     def start_and_kill(*settings: Any) -> "subprocess.Popen[bytes]":

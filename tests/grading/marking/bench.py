@@ -1,4 +1,4 @@
-"""A class whose results are written without running anything, and servers of its page."""
+"""A class with constructed results, and servers of its marking page."""
 
 import json
 import os
@@ -63,7 +63,7 @@ ADDRESS = r"http://127\.0\.0\.1:\d+/[\w-]+/"
 
 
 def write_kinds(top: Path, tasks: str = TASKS) -> Course:
-    """Write a course of a task that persons mark, and one of a check."""
+    """Write a course with one manually marked task and one checked task."""
     for name, text in {
         "exercises/course.toml": POINTS,
         "exercises/checks/week05.py": tasks,
@@ -77,7 +77,7 @@ def write_kinds(top: Path, tasks: str = TASKS) -> Course:
 def write_results(
     course: Course, out: Path, students: Sequence[str], code: str = "essay = 'Frames.'"
 ) -> None:
-    """Write results, reports and tables of students who handed in the same code."""
+    """Write results, reports and tables of students who submitted the same code."""
     catalog = catalog_of(course)
     cells = [{"cell_type": "code", "source": code}, {"cell_type": "code", "source": "motto = 'Be kind.'"}]
     data = json.dumps({"nbformat": 4, "metadata": {}, "cells": cells}).encode()
@@ -110,7 +110,7 @@ def _judgement(catalog: Catalog) -> Judgement:
 
 @dataclass
 class Answer:
-    """The answer of a server."""
+    """The response of a server."""
 
     code: int
     text: str
@@ -122,7 +122,7 @@ class Answer:
 
 
 class Served:
-    """The page's server in a process of its own."""
+    """The page's server in a separate process."""
 
     def __init__(self, course: Course, out: Path, port: int = 0) -> None:
         words = (str(course.exercises.parent), str(out), str(port))
@@ -142,7 +142,7 @@ class Served:
         return list(self.ask("api/queue?since=0").content["items"])
 
     def ask(self, path: str, body: object = None, **headers: str) -> Answer:
-        """Ask for a path below the address, as the page does; a body is saved."""
+        """Request a path below the address, as the page does; with a body, save it."""
         return self.ask_plainly(self.address + path, body, **headers)
 
     def ask_plainly(self, url: str, body: object = None, **headers: str) -> Answer:

@@ -9,7 +9,7 @@ from tests.grading.marking.bench import Served, served, write_kinds, write_resul
 
 @pytest.fixture
 def kinds(tmp_path: Path) -> Course:
-    """A course of an essay, which persons mark, and a motto; results of ada and bob."""
+    """A course of an essay, which is marked by hand, and a motto; results of ada and bob."""
     course = write_kinds(tmp_path / "course")
     write_results(course, tmp_path / "out", ("ada", "bob"))
     return course

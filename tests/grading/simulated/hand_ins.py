@@ -1,4 +1,4 @@
-"""Hand-ins of a class, with what must come of each by the course's own tables of right and wrong answers."""
+"""Submissions of a class, with expected results from the course's tables of right and wrong answers."""
 
 import json
 import random
@@ -68,7 +68,7 @@ def tasks_of(week: str) -> tuple[Task, ...]:
 
 
 def all_get(week: str, points: str) -> dict[str, str]:
-    """Return the same for all tasks but those that a person marks."""
+    """Return the same result for all tasks, except manually marked ones."""
     return {task.id: ANY if task.rubric else points for task in tasks_of(week)}
 
 
@@ -97,7 +97,7 @@ def _changes(week: str, kind: str, cells: Sequence[str]) -> Iterator[tuple[str, 
 
 
 def expected_of(week: str, task: str, new: Sequence[str], points: str) -> dict[str, str]:
-    """Return what a change of one task leaves to all: others that use what it changes may get anything."""
+    """Return the expected results after a change of one task; tasks that depend on it may get any result."""
     cells = cells_of(solution(week))
     touched = {
         name
@@ -123,14 +123,14 @@ def file_of(week: str, student: str, cells: Sequence[str]) -> bytes:
 
 
 def stamped(data: bytes, student: str) -> bytes:
-    """Return a notebook that names another student."""
+    """Return a notebook with another student's ID."""
     made = json.loads(data)
     made["metadata"]["course"]["student"] = student
     return json.dumps(made).encode()
 
 
 def handed_in(week: str, students: Sequence[str]) -> Iterator[HandIn]:
-    """Yield what students hand in, the same ones each time; some hand in nothing."""
+    """Yield the reproducible submissions of the students; some submit nothing."""
     before: HandIn | None = None
     for student in students:
         chance = random.Random(f"{week} {student}")

@@ -1,4 +1,4 @@
-"""Compare the records of a graded class with what was declared of each hand-in, without using the kit."""
+"""Compare the records of a graded class with the expected results, without using the kit."""
 
 import csv
 import json
@@ -25,7 +25,7 @@ def points(task: Mapping[str, Any], marks: list[dict[str, Any]]) -> Fraction:
 
 
 def disagreements(out: Path, declared: list[dict[str, Any]], percent_per_day: float) -> list[str]:
-    """Return a line for each hand-in whose records are not what its answers were declared to get.
+    """Return a line for each submission whose records differ from the expected results.
 
     A task that is declared "full" has all its points, "less" fewer, "nothing" none; "any" is not compared.
     """

@@ -1,4 +1,4 @@
-"""A simulated class on the disk: a course of its own, and the platform's download of each week.
+"""A simulated class on disk: a course, and the platform's download of each week.
 
 WEEK.declared.json has what must come of each hand-in; recompute.py compares it with the records.
 """
@@ -88,7 +88,7 @@ class SimulatedClass:
         return "\n".join(lines)
 
     def hand_in(self, week: str) -> list[HandIn]:
-        """Write the platform's zip and table of a week, and note what must come of it."""
+        """Write the platform's zip and table of a week, and record the expected results."""
         made = list(handed_in(week, self.students))
         numbers = {one: 1000 + number for number, one in enumerate(self.students)}
         days, times = self._times(week, [one.student for one in made])
@@ -107,7 +107,7 @@ class SimulatedClass:
         return made
 
     def _times(self, week: str, senders: Sequence[str]) -> tuple[Mapping[str, int], Mapping[str, str]]:
-        """Return started days and the platform's text of each time of receipt."""
+        """Return the started late days and the platform's time string of each submission."""
         days, times = {}, {}
         for one in senders:
             late, after = random.Random(f"time {week} {one}").choice(LATE)
@@ -116,7 +116,7 @@ class SimulatedClass:
         return days, times
 
     def by_hand(self, made: Sequence[HandIn], week: str, most: int) -> list[tuple[str, str, str]]:
-        """Return so many marks of persons: student, task and points."""
+        """Return `count` manual marks: student, task and points."""
         chance, rubric = random.Random(f"marks {week}"), [task.id for task in tasks_of(week) if task.rubric]
         read = [one.student for one in made if one.expected and one.kind != "copied"][:most]
         return [(one, task, f"{chance.randrange(20) / 2:g}") for one in read for task in rubric]

@@ -388,7 +388,7 @@ def sync_goal_in_a_thread() -> Any:
 
 
 class Managed(LifecycleNode):
-    """A lifecycle node whose callbacks return what they are told to."""
+    """A lifecycle node whose callbacks return configurable values."""
 
     def __init__(self, returns: Any = TransitionCallbackReturn.SUCCESS, **more: Any) -> None:
         super().__init__("managed", **more)

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Odd input that the real rclpy accepts or refuses, and what it prints of messages.
+"""Unusual input that the real rclpy accepts or rejects, and the string form of messages.
 
 Many of the calls are wrong on purpose.
 """
@@ -32,7 +32,7 @@ def _until(ready: Any, node: Any, limit: Any = 5.0) -> Any:
 
 
 def _sent(message: Any) -> Any:
-    """Return a message as it comes out at the other end."""
+    """Return a message after serialization and deserialization."""
     return outcome(lambda: deserialize_message(serialize_message(message), type(message)))
 
 

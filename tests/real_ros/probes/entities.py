@@ -43,7 +43,7 @@ def _spin(seconds: Any, *nodes: Any) -> None:
 
 
 def _destroy(*steps: Any) -> Any:
-    """Do steps with a node that has one of each; return what each has raised or returned."""
+    """Run steps on a node with one entity of each kind. Return the results or exceptions."""
     node = Node("n")
     parts = {
         "node": node,

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Publishers, subscriptions, names, QoS profiles, events and what the graph says of them.
+"""Publishers, subscriptions, names, QoS profiles, events, and their graph queries.
 
 Many of the calls are wrong on purpose.
 """
@@ -350,7 +350,7 @@ def _info() -> list[Any]:
 
 
 def _late(publisher: Any, subscription: Any, count: int = 3) -> list[Any]:
-    """Publish before the subscription is there; list what it gets."""
+    """Publish before the subscription exists. Return the messages that it receives."""
     node, seen = Node("n"), []
     sender = node.create_publisher(Int32, "t", publisher)
     for number in range(count):
@@ -582,7 +582,7 @@ def _two_partners() -> list[Any]:
 
 
 def _burst(depth: int, in_callback: bool, count: int = 5) -> list[int]:
-    """Publish several messages at one time; list those that a subscription with this depth gets."""
+    """Publish several messages at the same time. Return those received with this depth."""
     node, seen = Node("n"), []
     publisher = node.create_publisher(Int32, "t", 10)
     node.create_subscription(Int32, "t", lambda m: seen.append(m.data), depth)

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""What loggers take, return and write: odd messages, filters, levels, names, and logging near the end."""
+"""Arguments, results and output of loggers: unusual messages, filters, levels, names, and shutdown."""
 
 import os
 import re
@@ -20,7 +20,7 @@ from rclpy.node import Node
 
 
 def _logged(log: Any) -> Any:
-    """Return what a call returns or raises, and what it writes to stderr, without times."""
+    """Return the result or exception of a call and its stderr, without times."""
     sys.stderr.flush()
     kept = os.dup(2)
     with tempfile.TemporaryFile() as file:

@@ -20,7 +20,7 @@ from std_srvs.srv import SetBool
 
 
 def _names(thing: object) -> list[str]:
-    """List the names of an object and of its classes, without those that every object has."""
+    """List the names of an object and of its classes, except the names of every object."""
     classes = [kind for kind in type(thing).__mro__ if kind.__module__.startswith("rclpy")]
     found = {name for kind in classes for name in vars(kind)} | set(getattr(thing, "__dict__", ()))
     return sorted(name for name in found if not (name.startswith("__") and name.endswith("__")))

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Objects that programs make and compare: profiles, clocks, times, descriptors, messages, and their text.
+"""Objects that programs create and compare: profiles, clocks, times, descriptors, messages; their str().
 
 Many of the calls are wrong on purpose.
 """

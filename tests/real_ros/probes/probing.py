@@ -34,7 +34,7 @@ def lines(prefix: str, /, **calls: Probe) -> None:
 
 
 def outcome(call: Callable[..., object], *args: Any, **options: Any) -> str:
-    """Return what a call returns or raises, without addresses, places in C code and the kit's hints."""
+    """Return the result or exception of a call, without addresses, C locations and the kit's hints."""
     try:
         text = repr(call(*args, **options))
     except BaseException as error:

@@ -1,5 +1,5 @@
 # mypy: disable-error-code="import-not-found, untyped-decorator, var-annotated"
-"""What rclpy refuses: two types on one topic, callbacks without a result, values out of range."""
+"""Input that rclpy rejects: two types on one topic, callbacks without a result, values out of range."""
 
 import warnings
 from itertools import pairwise

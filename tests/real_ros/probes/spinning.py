@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Who spins an executor, with which time limits: several threads, several nodes, coroutines that wait."""
+"""Spinning of executors: several threads, several nodes, time limits, awaiting coroutines."""
 
 import threading
 import time

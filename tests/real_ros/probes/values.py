@@ -1,5 +1,5 @@
 # mypy: disable-error-code="import-not-found, untyped-decorator"
-"""Values that arrays of numbers take, and what comes out at the other end."""
+"""Values that numeric arrays accept, and the values after deserialization."""
 
 from array import array
 from collections import deque

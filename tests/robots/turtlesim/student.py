@@ -14,7 +14,7 @@ MIDDLE = float(np.float32(SIZE / 2))
 
 
 class Student(Node):
-    """Hears the first turtle, drives it, and calls services."""
+    """Subscribes to the first turtle's pose, drives it, and calls services."""
 
     def __init__(self, simulator: TurtlesimNode) -> None:
         super().__init__("student")

@@ -1,4 +1,4 @@
-"""turtlesim as its source describes it: what it publishes, says and answers."""
+"""The topics, log output and services of turtlesim, compared with its source code."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""A program that tries to send and to call what its link does not allow, and a robot that would notice."""
+"""A program that publishes and calls without permission, and a robot that detects it."""
 
 SPEED = 6.5  # [m/s] of the commands that are tried
 ATTEMPTS = 1000

@@ -1,4 +1,4 @@
-"""Kits that are linked by DDS, on loopback and in a domain of their own."""
+"""Kits that are linked by DDS, on loopback and in a separate domain."""
 
 import itertools
 import os

@@ -1,4 +1,4 @@
-"""Actions between two kits that are linked by DDS, each in a process of its own."""
+"""Actions between two kits that are linked by DDS, each in a separate process."""
 
 import random
 import subprocess

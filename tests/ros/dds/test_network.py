@@ -58,7 +58,7 @@ rclpy.spin(node)
 
 @dataclass
 class RemoteRobot(RealRobot):
-    """A robot in a namespace of its own, and the namespace of the kit."""
+    """A robot in its own network namespace, and the namespace of the kit."""
 
     robots_namespace: str
     kits_namespace: str
@@ -150,7 +150,7 @@ def other_robot(robot: RemoteRobot, program: Path, variables: dict[str, str]) ->
 
 
 def nodes_and_errors(robot: RemoteRobot) -> tuple[str, str]:
-    """Return what `ros2 node list` prints over the link."""
+    """Return the output of `ros2 node list` over the link."""
     listed = robot.kit("ros2", "node", "list")
     out, err = listed.communicate(timeout=PATIENCE)
     return out, err

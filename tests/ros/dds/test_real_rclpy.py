@@ -1,4 +1,4 @@
-"""The link over DDS with the real rclpy on the other side, in a process of its own and on loopback."""
+"""The DDS link to the real rclpy, in a separate process and on loopback."""
 
 import os
 import random
@@ -114,7 +114,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RealRobot]:
 
 @contextmanager
 def real_robot(text: str, folder: Path) -> Iterator[RealRobot]:
-    """Run a program on the real rclpy in a domain of its own, until the end of a `with` block."""
+    """Run a program on the real rclpy in a separate domain, until the end of a `with` block."""
     program = folder / "robot.py"
     program.write_text(text)
     domain = random.randint(1, 90)

@@ -1,4 +1,4 @@
-"""Two kits that are linked by DDS. What holds over Zenoh as well is tested by the same functions."""
+"""Two kits that are linked by DDS. Behavior shared with Zenoh is tested by the same functions."""
 
 import os
 import random
@@ -83,13 +83,13 @@ def test_reliable_messages_arrive_once_and_in_order_despite_lost_datagrams(
 
 
 def writer_of(graph: RobotGraph, topic: str) -> Writer:
-    """Return the writer of a graph's link on a topic, as DDS names it."""
+    """Return the GUID of a link's writer on a topic."""
     writers = dds_link(graph).participant._writers.values()
     return next(one for one in writers if one.endpoint.topic == topic)
 
 
 class Service:
-    """A service in one kit and a client in another one, with what both receive."""
+    """A service in one kit and a client in another one, with the received messages."""
 
     def __init__(self, robot: RobotGraph, student: RobotGraph) -> None:
         self.requests: list[bytes] = []

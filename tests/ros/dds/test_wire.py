@@ -1,4 +1,4 @@
-"""Bytes on the wire: what is written is read back, and malformed datagrams are dropped and counted."""
+"""Wire format: written messages are read back, and malformed datagrams are dropped and counted."""
 
 import contextlib
 import struct
@@ -115,7 +115,7 @@ def datagrams() -> list[bytes]:
 
 @pytest.fixture(scope="module")
 def participant() -> Iterator[Participant]:
-    """A participant that knows the endpoints which `datagrams` are from and for."""
+    """Return a participant with the endpoints that `datagrams` refer to."""
     made = Participant(99, "127.0.0.1", lambda endpoint, has_joined: None)
     qos = Qos(durability="transient_local")
     reader = made.add_reader("rt/a", "t", qos, lambda sample: None)

@@ -1,4 +1,4 @@
-"""The tree that diagnostic_aggregator makes; rules and names are those of its C++ sources."""
+"""The tree of diagnostic_aggregator, with the rules and names of its C++ sources."""
 
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ analyzers:
 
 
 class Bench:
-    """An aggregator, and a node that speaks to it once a second and hears its tree."""
+    """An aggregator, and a node that publishes to it once a second and receives its tree."""
 
     def __init__(self, yaml: str, folder: Path) -> None:
         (folder / "analyzers.yaml").write_text(yaml)
@@ -48,7 +48,7 @@ class Bench:
             self.executor.add_node(node)
 
     def after(self, seconds: int, **levels: bytes) -> dict[str, Any]:
-        """Publish levels by name ("__" for a slash), then give the last tree, by name."""
+        """Publish levels by name ("__" for a slash). Return the last tree by name."""
         array = DiagnosticArray(header=self._header())
         for name, level in levels.items():
             name = name.replace("__", "/")

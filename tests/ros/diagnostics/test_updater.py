@@ -1,4 +1,4 @@
-"""The messages of diagnostic_updater; texts and rules are those of ros/diagnostics, branch ros2-jazzy."""
+"""The messages of diagnostic_updater, with the texts and rules of ros/diagnostics, branch ros2-jazzy."""
 
 from collections.abc import Callable
 from typing import Any
@@ -32,7 +32,7 @@ OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.E
 
 
 def heard(node: Node) -> list[Any]:
-    """The statuses that arrive from now on; spin to hear them."""
+    """Return a list to which arriving statuses are appended while a node spins."""
     statuses: list[Any] = []
     node.create_subscription(DiagnosticArray, "/diagnostics", lambda array: statuses.extend(array.status), 99)
     return statuses

@@ -21,7 +21,7 @@ POSE_UPDATE, MENU_SELECT = InteractiveMarkerFeedback.POSE_UPDATE, InteractiveMar
 
 
 class Client:
-    """Another node: what it hears of the server, and what it sends."""
+    """A client node of the server, with its received messages."""
 
     def __init__(self, server: InteractiveMarkerServer) -> None:
         self.server, self.node = server, Node("client")

@@ -11,7 +11,7 @@ from course_lib.tools.ros2 import EXECUTABLES
 def recorded(
     file: Path, *args: str, seconds: float | None = 1.0, is_strict: bool = False
 ) -> tuple[Recording, int]:
-    """Run a file for so much robot time [s], or to its end; gives what was published and its exit code."""
+    """Run a file for some robot time [s] or to its end. Return the recording and the exit code."""
     graph = Graph()
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     with use_graph(graph), record(graph) as recorder:

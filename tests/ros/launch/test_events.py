@@ -13,7 +13,7 @@ ONCE = "(once := Node(package='my_robot', executable='once'))"
 
 @pytest.fixture
 def said(launch_file: Write, capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
-    """Run a launch file of some actions to its end; return what its log says of them, in order."""
+    """Run a launch file of some actions to its end. Return its log lines in order."""
 
     def run(*actions: str, seconds: float | None = None, only: str = "launch.user") -> list[str]:
         recorded(launch_file(*actions), seconds=seconds)

@@ -28,7 +28,7 @@ def words(robot: Path) -> Write:
 
 
 def heard(file: Path, *args: str) -> Counter[str]:
-    """Count the texts that a launch of a second publishes, as topic and what it says."""
+    """Count the (topic, string) pairs that a launch publishes within a second."""
     recording, code = recorded(file, *args)
     assert code == 0
     cls = message_class("std_msgs/msg/String")

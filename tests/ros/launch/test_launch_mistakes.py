@@ -1,4 +1,4 @@
-"""Mistakes in launch files: the output names the line and what to change, without frames of the kit."""
+"""Mistakes in launch files: the output states the line and the correction, without frames of the kit."""
 
 from collections.abc import Callable
 from pathlib import Path

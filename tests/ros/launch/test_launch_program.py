@@ -20,7 +20,7 @@ Write = Callable[..., Path]
 
 
 def heard(recording: Recording) -> Counter[str]:
-    """Count the texts, as topic and what it says."""
+    """Count the published (topic, string) pairs."""
     cls = message_class("std_msgs/msg/String")
     samples = [s for s in recording.samples if s.type_name == "std_msgs/msg/String"]
     messages: list[Any] = [deserialize(s.cdr, cls) for s in samples]

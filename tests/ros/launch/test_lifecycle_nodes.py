@@ -68,7 +68,7 @@ def generate_launch_description():
 
 @pytest.fixture
 def demo(robot: Path) -> Any:
-    """Write the demo's launch file: what follows on `inactive`, and the node's namespace."""
+    """Write the demo's launch file with the actions after `inactive` and the node's namespace."""
     (robot / "my_robot" / "lc_talker.py").write_text(TALKER)
     (robot / "setup.py").write_text(SETUP)
 

@@ -1,4 +1,4 @@
-"""Actions as types, in the forms that rosidl gives them."""
+"""Action types have the structure that rosidl generates."""
 
 import pytest
 from action_msgs.msg import GoalStatusArray

@@ -1,4 +1,4 @@
-"""Each text is that of rosidl_generator_py for Humble; Jazzy aborts the process instead."""
+"""All texts equal those of rosidl_generator_py for Humble; Jazzy aborts the process instead."""
 
 from array import array
 from typing import Any

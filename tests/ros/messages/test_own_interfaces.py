@@ -1,4 +1,4 @@
-"""Interfaces of a student's own: a package's folder beside the program."""
+"""Custom interfaces of a student, in a package folder next to the program."""
 
 import importlib
 import subprocess
@@ -29,7 +29,7 @@ Range range
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> Iterator[Path]:
-    """Return a new package's folder on Python's path; the name is the test's own, as classes stay known."""
+    """Return a new package's folder on Python's path. Its name is unique, because classes stay registered."""
     monkeypatch.syspath_prepend(str(tmp_path))
     package = f"own_{abs(hash(request.node.name))}_msgs"
     yield tmp_path / package

@@ -1,4 +1,4 @@
-"""Services as types, in the forms that rosidl gives them."""
+"""Service types have the structure that rosidl generates."""
 
 import pickle
 

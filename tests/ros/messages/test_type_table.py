@@ -1,4 +1,4 @@
-"""The table of types that is written at installation, beside rosbags' own store and the files."""
+"""The table of types that is written at installation agrees with rosbags' store and the files."""
 
 import json
 import os

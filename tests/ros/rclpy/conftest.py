@@ -28,14 +28,14 @@ def graph() -> Iterator[Graph]:
 
 @pytest.fixture
 def begun(graph: Graph) -> Graph:
-    """A run that has been begun."""
+    """A run that has been started."""
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     return graph
 
 
 @pytest.fixture
 def node(begun: Graph) -> Node:
-    """A node in a run that has been begun."""
+    """A node in a started run."""
     return Node("talker")
 
 
@@ -47,7 +47,7 @@ def follower(begun: Graph) -> Node:
 
 @pytest.fixture
 def notebook() -> Iterator[Graph]:
-    """A kernel's own graph, with the forgiving rules of a notebook."""
+    """The graph of a kernel, with the relaxed rules of a notebook."""
     virtual_time.install()
     with use_graph(Graph(notebook=True)) as graph:
         yield graph

@@ -1,4 +1,4 @@
-"""A source of /clock that runs at a speed of its own, and what else tests of `use_sim_time` share."""
+"""A source of /clock with a configurable speed, and helpers for tests of `use_sim_time`."""
 
 from collections.abc import Callable
 

@@ -23,7 +23,7 @@ LIMITED = QoSProfile(depth=1, deadline=Duration(seconds=1))
 
 
 def spin(node: Node, seconds: float) -> None:
-    """Run the node for a while."""
+    """Spin the node for some robot time."""
     end_ns = node.get_clock().now().nanoseconds + round(seconds * 1e9)
     while (left := end_ns - node.get_clock().now().nanoseconds) > 0:
         rclpy.spin_once(node, timeout_sec=left / 1e9)

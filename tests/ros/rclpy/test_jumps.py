@@ -1,4 +1,4 @@
-"""Callbacks at the jumps of a clock, with rclpy's rules and words."""
+"""Callbacks at clock jumps, with rclpy's rules and texts."""
 
 from collections.abc import Callable
 

@@ -78,7 +78,7 @@ SUCCESS, FAILURE, ERROR = TransitionCallbackReturn
 
 
 class Talker(LifecycleNode):
-    """Returns what `results` says, or raises it."""
+    """Returns or raises the entries of `results`."""
 
     def __init__(self, **results: Any) -> None:
         super().__init__("lc_talker")

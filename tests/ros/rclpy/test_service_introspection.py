@@ -38,7 +38,7 @@ def ends(node: Node) -> Ends:
 
 
 def called(node: Node, ends: Ends, state: ServiceIntrospectionState) -> list[Any]:
-    """Call the service once; returns the events that were heard."""
+    """Call the service once. Return the received events."""
     kind: Any = AddTwoInts
     heard: list[Any] = []
     node.create_subscription(kind.Event, "add/_service_event", heard.append, 10)

@@ -1,4 +1,4 @@
-"""Ctrl+C and SIGTERM, in a process of its own: the handlers are the process's."""
+"""Ctrl+C and SIGTERM in a separate process, because signal handlers are global."""
 
 import signal
 import subprocess

@@ -1,4 +1,4 @@
-"""Nodes with `use_sim_time` and a source of /clock that runs at a speed of its own."""
+"""Nodes with `use_sim_time` and a source of /clock with a configurable speed."""
 
 import threading
 from typing import Any

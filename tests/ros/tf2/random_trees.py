@@ -38,7 +38,7 @@ def _history(chance: np.random.Generator, child: str, parents: list[str], common
 
 
 def _pose(chance: np.random.Generator) -> list[float]:
-    """Return x, y, z and a quaternion (x, y, z, w), now and then one that tf2 does not accept.
+    """Return x, y, z and a quaternion (x, y, z, w), occasionally one that tf2 rejects.
 
     A length that is only nearly 1 is left out: Jazzy scales the quaternion to 1, ROS 1 does not.
     """

@@ -1,4 +1,4 @@
-"""tf2's buffer here answers as tf2's own C++ does."""
+"""The kit's tf2 buffer agrees with the C++ implementation of tf2."""
 
 import json
 import re
@@ -36,7 +36,7 @@ def _ask(core: BufferCore, query: list[Any]) -> list[Any]:
 
 
 def _as_in_jazzy(text: str) -> str:
-    """Write a text of Debian's ROS 1 as Jazzy does: no span, six decimals, other words for bad names."""
+    """Convert an error text of Debian's ROS 1 to Jazzy's format: no span, six decimals, other name errors."""
     text = re.sub(r"extrapolation \S+s into", "extrapolation into", text)
     text = re.sub(r"(\d+\.\d{6})000", r"\1", text)
     bad_name = re.fullmatch(r"Invalid argument (?:(\".*\") )?passed to (.*?) in tf2 .*", text)

@@ -181,7 +181,7 @@ def test_buffer_with_a_node_offers_the_service_tf2_frames(begun: Graph, node: No
 
 
 class OnlyUp(tf2_ros.BufferInterface):
-    """A program's own buffer: every frame is 1 m above every other."""
+    """A custom buffer in which every frame is 1 m above every other."""
 
     def lookup_transform(
         self,

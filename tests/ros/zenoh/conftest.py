@@ -58,7 +58,7 @@ def zenoh_link(graph: RobotGraph) -> ZenohLink:
 
 
 class Routers:
-    """A router in its own process, which can be killed and started again."""
+    """Routers in separate processes, which can be killed and restarted."""
 
     def __init__(self) -> None:
         self.port = free_port()

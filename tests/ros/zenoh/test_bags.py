@@ -1,4 +1,4 @@
-"""Bags of a link: what was chosen, written as it goes."""
+"""Bags of a link: selected topics, written continuously."""
 
 import shutil
 from collections.abc import Callable
@@ -18,7 +18,7 @@ LARGE = "x" * 500_000
 
 
 def heard(kits: Kits, robot: RobotGraph, out: int, ready: Callable[[], bool]) -> None:
-    """Publish until the bag shows that."""
+    """Publish until the bag contains a message."""
 
     def published() -> bool:
         robot.publish(out, serialize(String(data=LARGE)))

@@ -225,7 +225,7 @@ def test_stop_due_while_disconnected_is_sent_after_reconnection(routers: Routers
 
 @pytest.fixture
 def driven(routers: Routers) -> Iterator[tuple[Kits, RobotGraph, int, list[bytes]]]:
-    """Drive a robot, then kill the router; return the driver, its publisher, what the robot heard."""
+    """Drive a robot, then kill the router. Return the driver, its publisher and the received commands."""
     kits = Kits(f"tcp/127.0.0.1:{routers.port}")
     robot, student = kits.join(), kits.join(send="/cmd_vel")
     heard = listener(robot, "/cmd_vel", type_name(Twist))

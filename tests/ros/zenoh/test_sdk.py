@@ -75,7 +75,7 @@ def messages(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 class Robot:
-    """The SDK's process, and what it prints."""
+    """The process of the SDK, and its output."""
 
     def __init__(self, port: str, messages: Path) -> None:
         command = [sys.executable, str(Path(__file__).with_name("sdk_robot.py")), port, str(messages)]

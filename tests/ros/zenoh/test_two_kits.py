@@ -55,7 +55,7 @@ def connect(
     message: Any,
     ready: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Publish until messages get through: Zenoh may lose those before its routes are made."""
+    """Publish until messages arrive, because Zenoh may lose messages before its routes exist."""
 
     def published() -> bool:
         graph.publish(endpoint, serialize(message))
@@ -191,7 +191,7 @@ def serve(graph: RobotGraph, name: str) -> list[bytes]:
 
 
 def client(graph: RobotGraph, name: str) -> tuple[int, list[bytes]]:
-    """Return a client's endpoint, and what it hears."""
+    """Return a client's endpoint and its received responses."""
     node, heard = graph.add_node("client", "/"), list[bytes]()
     request, response = type_name(Trigger.Request), type_name(Trigger.Response)
     ask = graph.add_publisher(node, f"rq{name}Request", request, VOLATILE)

@@ -22,7 +22,7 @@ Heard = list[tuple[float, str, str]]
 
 @pytest.fixture
 def heard(graph: Graph) -> Heard:
-    """Messages that reach a live node: seconds since its start, topic, text."""
+    """Return the messages that a live node receives: seconds since its start, topic, string."""
     heard: Heard = []
     node = Node("ear")
 

@@ -1,4 +1,4 @@
-"""The report agrees with `ros2 topic hz`, `bw` and `delay`, and says who keeps whom waiting."""
+"""The report agrees with `ros2 topic hz`, `bw` and `delay`, and lists blocking callbacks."""
 
 import re
 import time

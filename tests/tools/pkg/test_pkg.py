@@ -1,4 +1,4 @@
-"""`ros2 pkg`: texts are those of ros2cli's verbs."""
+"""`ros2 pkg` has the texts of ros2cli."""
 
 import getpass
 from collections.abc import Callable

@@ -13,7 +13,7 @@ from course_lib.tools.rqt.graph import ACTIVE, ALL, NODES, GraphView, matches_fi
 
 
 def drawn(view: GraphView) -> list[str]:
-    """Return the words in the picture."""
+    """Return the labels in the picture."""
     return re.findall("<text[^>]*>([^<]*)<", view.picture())
 
 

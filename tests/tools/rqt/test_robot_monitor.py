@@ -21,7 +21,7 @@ def view(graph: Graph) -> RobotMonitorView:
 
 @pytest.fixture
 def tell(planner: Node) -> Tell:
-    """Publishes statuses: their levels by name."""
+    """Publish diagnostic levels by status name."""
     publishers: dict[str, Any] = {}
 
     def tell(topic: str, **levels: int) -> None:

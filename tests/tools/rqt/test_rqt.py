@@ -17,7 +17,7 @@ Show = Callable[..., str]
 
 
 class Shell:
-    """Stands for IPython: calls what was registered when a cell ends."""
+    """A substitute for IPython that calls the registered callbacks at the end of a cell."""
 
     def __init__(self) -> None:
         self.events = self
@@ -43,7 +43,7 @@ def shell(monkeypatch: pytest.MonkeyPatch) -> Shell:
 
 @pytest.fixture
 def show(monkeypatch: pytest.MonkeyPatch, graph: Graph, shell: Shell) -> Show:
-    """Runs %rqt and then what follows in its cell; gives what stands below the cell."""
+    """Run %rqt and the rest of its cell. Return the output of the cell."""
     shown: list[Any] = []
 
     def display(html: Any, display_id: bool) -> Any:

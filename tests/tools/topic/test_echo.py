@@ -1,4 +1,4 @@
-"""`ros2 topic echo` on nodes: it drives those that run live."""
+"""`ros2 topic echo` drives live nodes."""
 
 from collections.abc import Callable
 from functools import partial

@@ -1,4 +1,4 @@
-"""■ ends every tool that goes on for ever, quietly."""
+"""■ ends every endless tool without an error."""
 
 from collections.abc import Callable
 

@@ -31,5 +31,5 @@ def get_resource(resource_type: str, resource_name: str) -> tuple[str, str]:
 
 
 def get_resources(resource_type: str) -> dict[str, str]:
-    """Return the prefixes of all resources of a type by name."""
+    """Return all resources of a type as a dictionary of name to prefix."""
     return dict(get_packages_with_prefixes()) if resource_type == _PACKAGES else {}

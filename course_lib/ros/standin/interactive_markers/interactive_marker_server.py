@@ -202,7 +202,7 @@ class InteractiveMarkerServer:
             if known is None:
                 return
             now = self.node.get_clock().now()
-            # Another client has exclusive control of the marker for a while after its feedback.
+            # After its feedback, another client has exclusive control of the marker for some time.
             if now - known.last_feedback < _OWNED and known.last_client_id != feedback.client_id:
                 return
             known.last_feedback, known.last_client_id = now, feedback.client_id

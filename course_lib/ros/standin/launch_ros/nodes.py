@@ -172,7 +172,7 @@ class Given:
     remappings: tuple[tuple[Some, Some], ...]
 
     def words(self, context: LaunchContext) -> Iterator[str]:
-        """Yield them as arguments after --ros-args, together with the settings for all nodes of the group."""
+        """Yield the arguments after --ros-args, including the settings for all nodes of the group."""
         if self.name is not None:
             yield from ("-r", f"__node:={text_of(context, self.name)}")
         settings, namespace = context.launch_configurations, self.full_namespace(context)

@@ -33,7 +33,7 @@ class ParameterValue:
         return self._type(value) if isinstance(self._type, type) else value
 
 
-# What the dictionaries of a node's `parameters` may contain.
+# Types that the dictionaries of a node's `parameters` may contain.
 _VALUES = (bool, int, float, str, bytes, Sequence, Substitution, ParameterValue)
 
 

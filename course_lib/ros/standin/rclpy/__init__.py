@@ -99,7 +99,7 @@ def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | N
 
 
 def create_node(node_name: str, **options: Unpack[NodeOptions]) -> Node:
-    """Create a node. The arguments are those of `Node`."""
+    """Create a node with the arguments of `Node`."""
     from rclpy.node import Node
 
     for name in options.keys() - Node.__init__.__annotations__.keys():

@@ -86,7 +86,7 @@ class Context(AbstractContextManager["Context"]):
         return self.is_valid and not (self.graph.ended and self.__program_handlers is None)
 
     def get_domain_id(self) -> int:
-        """Return the number of the domain: that of `init`, else of the variable ROS_DOMAIN_ID, else 0."""
+        """Return the domain ID: the argument of `init`, else the variable ROS_DOMAIN_ID, else 0."""
         if not self.__initialized:
             raise RuntimeError("Context must be initialized before it can have a domain id")
         if not self.is_valid:

@@ -49,7 +49,7 @@ class QoSRequestedIncompatibleQoSInfo(QoSRequestedDeadlineMissedInfo):
 
 @dataclass
 class QoSSubscriptionMatchedInfo(QoSRequestedDeadlineMissedInfo):
-    """The number of matched endpoints in total, and of those that exist now."""
+    """The number of matched endpoints in total, and of the ones that still exist."""
 
     current_count: int
     current_count_change: int

@@ -1,4 +1,4 @@
-"""Quality of service (QoS): what a publisher offers and a subscription requests."""
+"""Quality of service (QoS): policies that publishers offer and subscriptions request."""
 
 import warnings
 from collections.abc import Iterator

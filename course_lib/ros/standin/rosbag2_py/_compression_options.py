@@ -29,7 +29,7 @@ class CompressionOptions:
     compression_threads: int = 0
 
     def checked(self) -> str:
-        """Return what is compressed.
+        """Return the compressed units: files or messages.
 
         Raises:
             BagError: Nothing is compressed, or the format is unknown.

@@ -27,7 +27,7 @@ def client(node: Node) -> ActionClient:
 
 @pytest.fixture
 def until_done(node: Node, server_node: Node) -> Drive:
-    """Spin both nodes until a future is done; returns what it brought."""
+    """Spin both nodes until a future is done. Return its result."""
     executor = MultiThreadedExecutor(4)
     executor.add_node(node)
     executor.add_node(server_node)

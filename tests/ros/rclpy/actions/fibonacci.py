@@ -1,4 +1,4 @@
-"""The tutorial's server of an action, and what its clients do."""
+"""The tutorial's action server, and its clients."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SECOND = 10**9  # [ns]
 
 
 def count(goal: ServerGoalHandle) -> Fibonacci.Result:
-    """Do what the tutorial's server does: one number per second, until it is cancelled."""
+    """Execute the tutorial's goal: one number per second, until it is cancelled."""
     numbers = [0, 1]
     while len(numbers) <= goal.request.order:
         if goal.is_cancel_requested:

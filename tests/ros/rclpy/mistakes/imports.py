@@ -1,4 +1,4 @@
-"""Imports of what is elsewhere, or nowhere."""
+"""Imports of names that do not exist or are in another module."""
 
 # (program, the last line of what it says, the hint below it)
 IMPORTS = [

@@ -1,4 +1,4 @@
-"""Misspelt names: variables, classes, functions, attributes and `self.`."""
+"""Misspelled names: variables, classes, functions, attributes and `self.`."""
 
 ROBOT = """class Robot(Node):
     def __init__(self):

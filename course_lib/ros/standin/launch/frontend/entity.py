@@ -261,7 +261,7 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]
 
     def __init__(self, data: bytes) -> None:
         super().__init__(data)
-        # Lines by the identity of the mapping.
+        # Line numbers by the id() of the mapping.
         self.lines: dict[int, int] = {}
 
     def construct_object(self, node: Any, deep: bool = False) -> Any:

@@ -88,7 +88,7 @@ class Executor(AbstractContextManager["Executor"]):
         self.__under_way: dict[int, Task] = {}
         self._course_threads = 1
         self._is_shutdown = False
-        # What a wait is for, as a DeadlockError states it.
+        # Description of the awaited condition for a DeadlockError.
         self.__what = "a callback of no node"
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
