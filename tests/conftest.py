@@ -23,7 +23,7 @@ from tests.patience import PATIENCE
 if TYPE_CHECKING:
     from tests.once import Once
 
-# What tests and the processes they start import is compiled once, also where images forbid to keep it.
+# Modules imported by tests and their processes are compiled once, even if images disable caching.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun behind "&": children would, too

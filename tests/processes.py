@@ -33,7 +33,7 @@ class Program(subprocess.Popen[str]):
         self._ended.acquire()
         super().__init__(command, text=True, **options)
         atexit.register(self.kill_tree)
-        # A test may replace the threads and locks of `threading` by those of a run in virtual time.
+        # A test may replace the threads and locks of `threading` by ones in virtual time.
         _thread.start_new_thread(self._watch, ())
 
     def _watch(self) -> None:

@@ -31,7 +31,7 @@ def public_api(top: Path = ROOT) -> griffe.Module:
 
 def lean(found: griffe.Object) -> griffe.Object:
     """Remove what may change without breaking a program: docstrings, annotations, values, private members."""
-    found.docstring, found.lineno, found.endlineno = None, 1, 1  # griffe wants lines
+    found.docstring, found.lineno, found.endlineno = None, 1, 1  # griffe requires line numbers
     for name, member in list(found.members.items()):
         if (name.startswith("_") and name != "__init__") or isinstance(member, griffe.Alias):
             found.del_member(name)

@@ -39,7 +39,7 @@ ARROWS = {
     "displays": {"ros", "viewer", "recording", "robots"},
     "robots": {"ros", "viewer", "controls"},  # viewer: its reader of meshes
     "sensors": {"ros"},
-    "tools": {"ros", "recording", "displays", "robots", "controls"},  # robots: what launch files start
+    "tools": {"ros", "recording", "displays", "robots", "controls"},  # robots: nodes that launch files start
     "export": {"ros", "course"},
     "gateway": {"ros", "course", "grading", "tools", "robots", "real"},  # grading: platforms' rosters
     "grading": ROOMS,

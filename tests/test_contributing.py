@@ -18,7 +18,7 @@ RECIPES = re.findall(r"^### (Add .+)\n((?:(?!###).*\n)+)", PAGE, re.MULTILINE)
 BLOCK = re.compile(r"^```(\w+)(?: (file)=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 # Words of the rooms' pages that stand for any name.
 ANY_NAME = {"SomeClass", "transform_x_to_world", "week01_exercise_ID"}
-LEFT_OUT = shutil.ignore_patterns(".*", "*.pyc.*", "build", "dist")  # what is compiled goes along
+LEFT_OUT = shutil.ignore_patterns(".*", "*.pyc.*", "build", "dist")  # compiled files are copied, too
 
 
 @pytest.fixture(scope="module")

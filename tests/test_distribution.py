@@ -36,7 +36,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def build(out: Path, *which: str) -> None:
-    # A copy: hatchling takes what stands in the folder, and tests beside this one write there.
+    # A copy, because hatchling packs all files in the folder, and parallel tests write there.
     copy = out.parent / f"{out.name}_source"
     for path in tracked():
         (copy / path).parent.mkdir(parents=True, exist_ok=True)
@@ -108,7 +108,7 @@ def test_wheel_is_small_and_contains_no_answers(built: Path) -> None:
     with zipfile.ZipFile(wheel(built)) as archive:
         tops = {name.split("/")[0] for name in archive.namelist()}
         assert {top.split("-")[0] for top in tops} == {"course_lib"}
-        # What is installed outside the package: the extension that every JupyterLab of the environment finds.
+        # Files outside the package: the extension that every JupyterLab of the environment loads.
         data = {name.partition(".data/data/")[2] for name in archive.namelist() if ".data/data/" in name}
         folder = "share/jupyter/labextensions/course-lib"
         assert data == {f"{folder}/package.json", f"{folder}/static/remoteEntry.js"}

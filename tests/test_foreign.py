@@ -21,7 +21,7 @@ from course_lib.viewer.scene import Scene
 
 DEEP = "[" * 100_000
 
-# what reads a file, the file's place in a folder, what is said
+# reader, path of the file, reported message
 READERS: list[tuple[Callable[[Path], object], str, str]] = [
     (lambda top: State(top).section("hints"), ".course/hints.json", r"hints\.json is broken .* Delete it"),
     (lambda top: NotebookProgram(top / "a.ipynb"), "a.ipynb", r"a\.ipynb is not a notebook of format 4"),

@@ -54,7 +54,7 @@ def test_every_room_has_a_readme_with_existing_files(room: Path) -> None:
     assert [name for name in named if not (ROOT / name).exists() and not any(rooms.rglob(name))] == []
 
 
-# Benchmarks are run by hand; what the probes of the real rclpy wait for is bounded by `renew.py`.
+# Benchmarks are run manually; `renew.py` limits the waits of the probes of the real rclpy.
 RUN_BY_HAND = {"benchmarks", "probes", "renew.py", "processes.py"}
 # In a run, waits are in robot time: they end with the run or in a DeadlockError.
 IN_ROBOT_TIME = {

@@ -42,7 +42,7 @@ def student(instructors: Path) -> Path:
     # pip and the dependencies, which take a minute to download, come from this environment; not the kit.
     packages = next((home / "venv" / "lib").glob("python*/site-packages"))
     (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
-    # What builds it comes from here, too; tests/test_distribution.py knows that it names all of it.
+    # The build requirements also come from here; tests/test_distribution.py checks that all are declared.
     options = ("-q", "--no-deps", *BUILT_HERE)
     run(home / "venv" / "bin" / "python", "-m", "pip", "install", *options, "-e", "course", cwd=home)
     return home

@@ -22,7 +22,7 @@ DOCUMENTS = (
     sorted(Path(os.environ.get("COURSE_SEEDS", "")).glob("*.txt")) if "COURSE_SEEDS" in os.environ else []
 )
 
-# class -> topic, messages per second, those of one timer call
+# class -> topic, messages per second, messages per timer call
 PROGRAMS = {
     "SimpleMarkerNode": ("/visualization_marker", 1.0, 1),
     "RobotStatePublisher": ("/joint_states", 50.0, 1),

@@ -26,7 +26,7 @@ BLUE = "expect_marker(TOPIC, color=(0.0, 0.0, 1.0, 1.0))"
 INPUT = '            seed=1,\n            inputs=(Message("/a", "std_msgs/msg/Bool", {"dta": 1}),),\n'
 GRADING = "from course_lib.grading import ("
 
-# aspect; file, what stands there, what somebody writes instead; what is said of it, and where
+# aspect; file, original text, faulty text; reported message and location
 Row = tuple[str, list[tuple[str, str, str]], str, str]
 RUN: list[Row] = [
     ("solution", [(HIDDEN, "times=0.5", "times=0.6")], "hidden 'longer'", "checks/week09.py line 18"),
@@ -107,9 +107,9 @@ def _nothing_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.authoring.verify.WeekRehearsals.flaws", lambda _: iter(()))
 
 
-GENERAL = operators(Path())  # where no course has its own
+GENERAL = operators(Path())  # the default of courses without their own
 MUTANTS = tuple(operator for operator in GENERAL if operator.name == "frame")
-WEEKS = [f"week{number:02}" for number in range(9, 9 + len(RUN))]  # each fault of RUN has a week of its own
+WEEKS = [f"week{number:02}" for number in range(9, 9 + len(RUN))]  # each fault of RUN is in a separate week
 
 
 @pytest.fixture(scope="module")
@@ -189,7 +189,7 @@ def test_fault_visible_when_files_are_read_is_reported(
     assert [flaw for flaw in found if text in flaw.text and place in flaw.place], list(map(str, found))
 
 
-# what stands in the answers, what somebody writes instead, and what is said of it without a run
+# original text of the answers, faulty text, and the message that is reported without a run
 CHANGES = [
     ('"position.z = height / 2"', '"position.y = 1"', "'position.y = 1' is in 0 cells of the solution"),
     ('"scale.z = height"', '"height"', "times in the cell with PostNode, expected once: include more"),

@@ -8,7 +8,7 @@ from tests.authoring.conftest import Break
 
 SOLUTION, LESSON = "solutions/week09_solution.ipynb", "notebooks/week09_occupancy_maps.ipynb"
 
-# the notebook, what stands in it, what somebody writes instead, and what is said of it
+# the notebook, its original text, the faulty text, and the reported message
 ASKED = [
     (LESSON, 'quiz(\\"week09\\")', "quiz('week08')", "it asks quiz('week08'): there is no week08.toml"),
     (
@@ -36,7 +36,7 @@ def test_undefined_question_is_reported(
     assert [flaw for flaw in found if text in flaw.text and file in flaw.place], list(map(str, found))
 
 
-# what stands in the lesson, what somebody writes instead, and what is said of it
+# original text of the lesson, faulty text, and the reported message
 LESSONS = [
     ("attachment:picture.png", "picture.png", "the first cell has no picture"),
     ("(attachment:picture.png", "(attachment:pic.png", "'attachment:pic.png' is missing"),

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGE = "course_robotics_101"
 
 
-# What a project is built with comes from here, too, and is there: most of 5 s of CPU each time.
+# The build requirements also come from this environment, which saves most of 5 s of CPU time.
 BUILT_HERE = ("--no-build-isolation", "--check-build-dependencies")
 
 
@@ -59,7 +59,7 @@ def test_new_course_can_be_verified_released_installed_and_graded(project: Path,
     assert "week00: nothing to correct" in said
     assert "week01: nothing to correct" in said
     students = project.parent / "students"
-    # `course release`, which tests/authoring/test_guide.py runs, would verify the same files once more.
+    # `course release` would verify the same files again; tests/authoring/test_guide.py runs it.
     code = "from pathlib import Path; from course_lib.course.student_folder import release; "
     run(python, "-c", f"{code}release(Path({str(students)!r}))", cwd=project)
     names = {path.relative_to(students).as_posix() for path in students.rglob("*") if path.is_file()}

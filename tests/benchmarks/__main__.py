@@ -45,7 +45,7 @@ def main() -> None:
         versions = installed(HERE) | versions_of(peers)
     print("\n" + markdown(rows))
     if options.write:
-        # What follows the table is written by hand.
+        # The text below the table is written manually.
         _, heading, sections = DOCS.read_text(encoding="utf-8").partition("\n## ")
         DOCS.write_text(page(rows, versions, load) + heading + sections, encoding="utf-8")
         README.write_text(refreshed(README.read_text(encoding="utf-8"), rows), encoding="utf-8")

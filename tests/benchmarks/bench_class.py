@@ -24,7 +24,7 @@ from course_lib.course.state import lessons_dir
 from tests.benchmarks.students import Student, follow, hide, run_cells, students
 
 CLASS = 1000  # students that the last line is about
-SETUP = ("load", "more-imports")  # cells of the lesson that are run besides those that are exported
+SETUP = ("load", "more-imports")  # cells of the lesson that are run in addition to the exported ones
 SHOW = """
 rclpy.init()
 viewer = Viewer(fixed_frame="world")
@@ -96,7 +96,7 @@ class Case:
     name: str
     cells: list[str]
     hidden: bool = False  # the pages are behind other tabs
-    kit: Path | None = None  # a checkout; None is what is installed
+    kit: Path | None = None  # a checkout; None for the installed kit
 
 
 def measured(case: Case, count: int, seconds: float) -> Row:

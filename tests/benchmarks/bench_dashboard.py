@@ -23,7 +23,7 @@ from course_lib.sensors.camera import Pinhole  # noqa: E402  # as above
 RUNS = 5
 SECONDS = 5.0  # [s] of robot time
 LENS = "Pinhole(240, 180, 200.0)"  # the lesson's
-CELLS = ("more-imports",)  # besides those that are exported
+CELLS = ("more-imports",)  # in addition to the exported cells
 NODES = ("TfPublisher", "camera", "detector", "Overlay", "PerceptionNode", "PathPublisher")
 
 

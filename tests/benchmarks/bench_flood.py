@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 SECONDS, WIDTH, HEIGHT, HZ = 300.0, 640, 480, 30.0
 EVERY = 30.0  # [s] between two rows
-BUSY = 3.0  # [s] of them, in which the kit takes nothing
+BUSY = 3.0  # duration of the pauses in which the kit processes nothing [s]
 LOOK = 0.05  # [s] between two looks of the viewer
 GROWTH = 1.1  # of the most memory from the first half to the second
 TOPIC, IMAGE = "/image", "sensor_msgs/msg/Image"

@@ -25,7 +25,7 @@ from tests.benchmarks.bench_viewer import COUNT_PICTURES
 from tests.browser.fake_host import chromium
 from tests.browser.jupyterlab import Lab, Notebook, course_lab, view_of
 
-WARM = 1.5  # [s] of turning before anything is counted: the level of detail is chosen meanwhile
+WARM = 1.5  # rotation time before counting starts [s], in which the level of detail is selected
 SECONDS = 4.0  # [s] that frames are counted for
 RUNNING = """
 from course_lib.ros.graph.graph import current_graph

@@ -17,7 +17,7 @@ from tests.displays.fuzzing import show_mutations, show_urdfs
 from tests.ros.launch.fuzzing import run_mutations
 
 DEFAULTS = (100_000, 20_000, 5_000)
-BATCH = 1_000  # of one bench, whose robot time goes on
+BATCH = 1_000  # per session, whose robot time advances
 
 
 def main() -> int:

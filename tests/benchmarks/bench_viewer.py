@@ -290,7 +290,7 @@ def twenty(browser: Browser, kind: Any) -> float:
     session.on("Network.webSocketFrameReceived", lambda e: sizes.append(len(e["response"]["payloadData"])))
     session.send("Network.enable")
     page.goto(peer.url)  # so that the frames are of the same site
-    # Twenty of Rerun's viewers take more memory than most machines have: one is counted, to its credit.
+    # Twenty Rerun viewers need more memory than most machines have: one is measured, which favours Rerun.
     others = 0 if kind.name == "rerun" else 19
     page.evaluate(
         "([url, others]) => { for (let i = 0; i < others; i++) document.body.append(Object.assign("

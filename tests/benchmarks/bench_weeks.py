@@ -32,7 +32,7 @@ from tests.grading.simulated.hand_ins import HandIn
 from tests.grading.simulated.results import write_results
 from tests.grading.simulated.simulated_class import SimulatedClass
 
-MARKS = 5  # of persons, in each week with a task that a person reads
+MARKS = 5  # manual marks in each week with a manually marked task
 SAMPLE = 1.0  # [s] between two looks at the memory
 
 

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 COUNT, HZ = 200, 100.0  # of latencies
 FLOOD = 5000
-SECONDS = 20.0  # [s] until a receiver gives up
+SECONDS = 20.0  # timeout of a receiver [s]
 STAMP = struct.Struct("<q")
 STRING = "std_msgs/msg/String"
 
@@ -40,7 +40,7 @@ class Received:
 
     def __init__(self) -> None:
         self.delays: list[float] = []  # [s]
-        self.flood: list[float] = []  # when each came, [s]
+        self.flood: list[float] = []  # arrival times [s]
         self.over = False
 
     def take(self, text: str) -> None:

@@ -80,9 +80,9 @@ def _children_cost(command: list[str], options: dict[str, Any]) -> float:
 
 def rows(most: int) -> Iterator[tuple[str, float, str]]:
     """Yield (week, median of the jail's CPU [s], the row) for each week."""
-    cost(cells_of(solution(WEEKS[0])), WEEKS[0])  # the template's start
+    cost(cells_of(solution(WEEKS[0])), WEEKS[0])  # start of the template process
     for week in WEEKS:
-        cost(cells_of(solution(week)), week)  # what the template imports for a week's first submission
+        cost(cells_of(solution(week)), week)  # imports of the template for a week's first submission
         jail, grader = zip(*(cost(cells, week) for cells in submissions(week, most)), strict=True)
         middle = median(jail)
         yield (

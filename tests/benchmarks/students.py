@@ -29,7 +29,7 @@ class Student:
 
     manager: KernelManager
     client: BlockingKernelClient
-    subshell: str  # that handles what the page sends, beside the cells
+    subshell: str  # handles messages of the page, outside of cells
     views: dict[str, int] = field(default_factory=dict)  # by widget: the number of the page's last batch
     frames: int = 0  # that its page has seen
     received: int = 0  # [bytes] of these

@@ -49,7 +49,7 @@ class Ours:
         number = self._number()
         self.server.link.flush()
         self.count -= len(self.parts) * (self._number() == number)
-        time.sleep(0.0001)  # the server's thread wants to run too
+        time.sleep(0.0001)  # let the server's thread run, too
 
     def arrived(self, page: Page) -> int:
         """Count the transforms that were set, once the page has answered for the last one of each."""

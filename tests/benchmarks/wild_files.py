@@ -23,7 +23,7 @@ _PRELOADED = (
 )
 COMMON = {"TURTLEBOT3_MODEL": "burger", "USER": "student"}  # of the environment, in courses
 _NEEDED = re.compile(r'Required launch argument "(\w+)"')
-_MISSING = re.compile(  # the name of a package in a line that says that it is missing, or of a program
+_MISSING = re.compile(  # the name of a package or program in a message that it is missing
     r"package '([\w.-]+)' not found|No module named '([\w-]+)|"
     r"`([\w./-]+)[^`]*` (?:would run outside|cannot run)"
 )
@@ -95,7 +95,7 @@ def _child(sender: "Connection[Judged, Judged]", file: Path, clone: Path, what: 
         os.dup2(nowhere, 2)
         try:
             judged = described(file) if what == "launch" else kept(file, Path(folder))
-        except BaseException as error:  # whatever the file raises
+        except BaseException as error:  # the file may raise any exception
             judged = judged_error(error, clone)
         sender.send(judged)
 

@@ -33,7 +33,7 @@ SECONDS, LIMIT = "5", 90.0  # [s] of robot time, and of the wall clock
 IMPORTS = re.compile(r"^\s*(import|from) rclpy", re.MULTILINE)
 NO_PROGRAM = ("test", "tests", "setup.py", "conftest.py", "__init__.py", "build", "install")
 LACKS = re.compile(r"No module named '([^'.]+)")
-# What a program needs that is not given to it here, in ROS either: it cannot count.
+# Requirements of a program that are missing here and would be missing in ROS: not counted.
 _NEEDS = (
     (re.compile(r"EOFError: EOF when reading"), "keyboard input"),
     (re.compile(r"ParameterUninitializedException: The parameter '([\w.]+)'"), "parameter {}"),
@@ -152,7 +152,7 @@ def judged(code: int, err: str) -> tuple[str, str]:
     lines = [line for line in err.splitlines() if line.strip() and not line.startswith("hint:")]
     last = lines[-1].strip()[:160] if lines else ""
     if code and any(text in last for text in AT_THE_END):
-        # The run's end is Ctrl+C: a robot's rclpy ends such a program in the same way.
+        # The end of the run acts like Ctrl+C: rclpy on a robot ends such a program in the same way.
         return "runs", ""
     if code and lacking:
         return "needs", lacking[-1]

@@ -21,7 +21,7 @@ from tests.patience import PATIENCE
 
 WIDTHS = (1400, 390)  # [px] a desk's and a telephone's
 HEIGHT = 900  # [px]
-MOST = 1_000_000  # bytes of a page with its scenes and pictures, beside the viewer's script
+MOST = 1_000_000  # bytes of a page with its scenes and pictures, without the viewer's script
 DRAWN = 0.01  # the part of a scene's pixels that is not background, at least
 LATEST = 3200  # [px] of one picture
 SHARED = "viewer.js"

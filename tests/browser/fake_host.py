@@ -19,7 +19,7 @@ from tests.browser.waiting import wait_until
 
 Pixels = NDArray[np.int64]
 
-# What anywidget gives to a widget's module: a model for each comm, which holds state and carries messages.
+# The model that anywidget passes to a widget's module: one per comm, with state and messages.
 _HOST = """
 globalThis.models = {};
 globalThis.contexts = [];

@@ -90,7 +90,7 @@ class Notebook:
     def __init__(self, page: Page, address: str, folder: Path, name: str) -> None:
         self.page, self.folder, self.name = page, folder, name
         base, _, query = address.partition("?")
-        # A workspace of its own: what other tests have left open stays closed.
+        # A separate workspace, so that documents opened by other tests stay closed.
         workspace = f"{base.split('/lab')[0]}/lab/workspaces/{folder.name}"
         self._url = f"{workspace}/tree/{folder.name}/{name}?{query}"
         if page.url == "about:blank":

@@ -170,7 +170,7 @@ def test_every_control_is_reachable_with_tab_and_has_a_label(bench: Bench) -> No
 def test_view_with_a_closed_connection_is_recreated(bench: Bench) -> None:
     assert bench.widget.comm is not None
     bench.widget.comm.handle_close({})
-    bench.viewer.scene.set_visible("displays", False)  # nobody listens, and nothing fails
+    bench.viewer.scene.set_visible("displays", False)  # no page is connected, and nothing fails
     bench.viewer._repr_mimebundle_()
     anew = bench.viewer._cell._view
     assert anew is not bench.widget

@@ -11,7 +11,7 @@ from tests.browser.bench import Bench
 from tests.displays.stage import publish
 
 pytestmark = pytest.mark.browser
-TURNED_AFTER = 150  # [ms] after which a page tells that its view rests
+TURNED_AFTER = 150  # delay after which a page reports that its view is at rest [ms]
 
 
 def rests_at(bench: Bench, label: str, value: float) -> None:
@@ -82,7 +82,7 @@ def test_xy_orbit_view_keeps_its_focal_point_on_the_ground(bench: Bench) -> None
     rests_at(bench, "Distance", 5.0 * math.exp(-0.1))
     x, y, z = view["Focal Point"]
     assert (x, z) == pytest.approx((0.0, 0.0), abs=1e-3)
-    assert y < -0.05  # what is under the pointer goes to the right with it, where +y is
+    assert y < -0.05  # the point under the pointer moves to the right, which is +y
     assert view["Yaw"] == pytest.approx(0.08, abs=1e-3)
     assert view["Pitch"] == pytest.approx(0.8, abs=1e-3)
 

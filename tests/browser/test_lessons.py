@@ -76,7 +76,7 @@ def test_views_of_each_lesson_are_drawn(lesson: Lesson) -> None:
 
 
 def test_cells_of_each_lesson_run_without_errors_one_by_one(lesson: Lesson) -> None:
-    assert lesson.notebook.errors() == []  # all at once is nbmake's
+    assert lesson.notebook.errors() == []  # nbmake runs all cells without pauses
 
 
 def test_lesson_quiz_shows_an_explanation_after_a_click(lesson: Lesson) -> None:

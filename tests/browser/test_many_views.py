@@ -62,7 +62,7 @@ _COUNT = """(views, color) => views.map((view) => {
 
 
 def open_page(lab: Lab, folder: Path) -> Notebook:
-    # JupyterLab draws what is in sight only
+    # JupyterLab draws visible cells only
     page = lab.new_page(viewport={"width": 1000, "height": 3000})
     page.add_init_script(_CONTEXTS)
     return Notebook(page, lab.address, folder, "many.ipynb")

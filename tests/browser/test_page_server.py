@@ -167,7 +167,7 @@ def test_click_and_page_close_are_reported_to_the_program(page: Page) -> None:
     page.goto(server.url)
     wait_until(lambda: shows(page, RED))
     page.mouse.click(450, 300)
-    wait_until(lambda: clicks == ["box"], page)  # heard on the loop of this thread
+    wait_until(lambda: clicks == ["box"], page)  # received on the event loop of this thread
     page.goto("about:blank")
     wait_until(lambda: not server.link.ready)
     server.close()
@@ -214,7 +214,7 @@ def sides(page: Page) -> tuple[bool, bool]:
 
 
 def begins_at_the_left(page: Page) -> bool:
-    scrub(page, 0.0)  # it plays on meanwhile
+    scrub(page, 0.0)  # it continues playing
     return sides(page) == (True, False)
 
 
@@ -223,7 +223,7 @@ def test_course_view_plays_a_bag_with_seeking(page: Page, bag: Path) -> None:
     process, url = course_view(bag)
     try:
         page.goto(url)
-        page.get_by_role("button", name="Play (Space)").wait_for()  # it has come to the end
+        page.get_by_role("button", name="Play (Space)").wait_for()  # it has reached the end
         assert "Elapsed: 4.00 of 4.00" in page.locator(READING).inner_text()
         wait_until(lambda: sides(page) == (False, True))
         scrub(page, 0.0)

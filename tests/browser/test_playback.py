@@ -20,7 +20,7 @@ pytestmark = pytest.mark.browser
 
 TIME = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 READING = ".course-time output"
-# All that the reading says, as a film may be over before anybody looks.
+# The complete text, because the recording may end before the test reads it.
 WATCH = f"""() => {{
     const reading = document.querySelector("{READING}");
     globalThis.seen = [];

@@ -104,8 +104,8 @@ def test_rqt_plot_scrolls_until_paused_by_keyboard(notebook: Notebook) -> None:
     cell.get_by_label("Pause").focus()
     notebook.page.keyboard.press("Space")
     expect(cell.get_by_label("Pause")).to_be_checked()
-    notebook.kernel("pass")  # after it, all is here that came before the pause
-    # A busy page still draws what has arrived.
+    notebook.kernel("pass")  # after it, all messages before the pause have arrived
+    # A busy page still draws the received messages.
     before = at_rest(lambda: curve.get_attribute("aria-label"))
     notebook.page.wait_for_timeout(600)
     assert curve.get_attribute("aria-label") == before

@@ -212,7 +212,7 @@ def test_page_acknowledges_updates_so_that_later_changes_are_drawn(host: Host) -
         widget.flush()
         host.carry(frames=0)
     host.page.evaluate("() => new Promise(requestAnimationFrame)")
-    assert count(host.pixels()[:, :210], RED) == 0  # the box is at the last place, 0.78 m to the right
+    assert count(host.pixels()[:, :210], RED) == 0  # the box is at its last position, 0.78 m to the right
 
 
 KEPT = "() => Object.values(models).at(-1).get('snapshot') !== before"

@@ -30,7 +30,7 @@ def test_time_panel_shows_robot_time_and_controls_its_speed(bench: Bench) -> Non
     assert speed.rate == 0.5
     bench.press("Play (Space)")
     assert not speed.paused
-    assert bench.page.get_by_role("slider", name="Time").count() == 0  # nobody can scrub what is live
+    assert bench.page.get_by_role("slider", name="Time").count() == 0  # live data cannot be scrubbed
 
 
 @pytest.mark.slow

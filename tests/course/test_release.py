@@ -161,7 +161,7 @@ def test_outdated_exercise_prevents_the_release(monkeypatch: pytest.MonkeyPatch,
     with pytest.raises(CourseError, match=r"week01_exercise\.ipynb.*Review and commit"):
         release(tmp_path / "out")
     assert not (tmp_path / "out").exists()
-    # The command says so before it verifies the weeks, which takes minutes.
+    # The command reports this before it verifies the weeks, which takes minutes.
     monkeypatch.setattr("course_lib.authoring.verify.refuse_broken", lambda *_: pytest.fail("verified"))
     with pytest.raises(CourseError, match="Review and commit"):
         cli.release(tmp_path / "out")

@@ -67,7 +67,7 @@ def _mutate_once(chance: random.Random, message: RosMessage) -> None:
         else:
             setattr(message, name, _other_sequence(chance, value))
     except AssertionError:
-        # The value is out of the range of this field, so nobody can publish it.
+        # The value is out of range for this field, so it cannot be published.
         return
 
 
@@ -179,13 +179,13 @@ def _show_one(chance: random.Random, bench: Bench, display: Display, class_name:
     if chance.random() < 0.1:
         prop = chance.choice(display.properties)
         if not prop.is_read_only and prop.label not in ("Enabled", "Topic", "Description File"):
-            # The person who sets a wrong value reads the reason.
+            # The error message contains the reason for a wrong value.
             with suppress(CourseError):
                 display[prop.label] = value_for(chance, prop)
     bench.session.update(now_ns + 1)
 
 
-# What a mutation puts in place of an attribute's value.
+# Values with which a mutation replaces an attribute.
 VALUES = (
     "", " ", "x", "0", "1", "-1", "1 2", "1 2 3", "1 2 3 4", "1 2 3 4 5", "1,2,3", "0 0 0", "0.5 0.5 0.5 1",
     "red", "nan", "nan nan nan", "inf", "1e308", "1e308 1e308 1e308 1e308", "1e400", "1e-320", "base",

@@ -10,7 +10,7 @@ from PIL import Image, ImageFilter
 Pixels: TypeAlias = npt.NDArray[np.float64]  # (H, W, 3), 0..255
 Mask: TypeAlias = npt.NDArray[np.bool_]  # (H, W)
 
-SHAPE, COLOUR = 0.97, 0.90  # what RViz's pictures must be met with
+SHAPE, COLOUR = 0.97, 0.90  # required similarity to RViz's pictures
 
 _STANDS_OUT = 14  # from the background, in one channel
 _DARK = 40  # below this, a pixel has no hue to speak of

@@ -129,7 +129,7 @@ def handled(x: float) -> InteractiveMarkerUpdate:
     return InteractiveMarkerUpdate(type=InteractiveMarkerUpdate.UPDATE, markers=[made])
 
 
-# What a class is shown, by topic; each is called with a number that tells one message from the next, [m].
+# Message factories by topic for each class; their argument [m] distinguishes successive messages.
 SAMPLES: dict[str, dict[str, Callable[[float], Any]]] = {
     "AccelStamped": {"/t/image": lambda x: screw(AccelStamped(), "accel", x)},
     "Camera": {"/t/camera_info": lambda _: info(), "/t/image": lambda _: image(GREY, "rgb8")},

@@ -39,7 +39,7 @@ SILENT = {
     "Show Visual Aids": "shows during a drag only; see interactive/test_display",
     "Use Timestamp": "counts while the map's frame moves; see map/test_display",
 }
-# What a property needs to be seen by: the properties that it depends on, by label of those it is for.
+# Properties that must be set for others to be visible, by the label of the dependent property.
 _OF_AXES = ("Axes Length", "Axes Radius", "Shape/Axes Length", "Shape/Axes Radius")
 _OF_ARROWS = ("Shaft Length", "Shaft Radius", "Head Length", "Head Radius")
 _OF_PATHS = ("Pose Color", "Shaft Length", "Shaft Diameter", "Head Length", "Head Diameter")

@@ -41,7 +41,7 @@ def test_misspelled_attribute_is_rejected_with_the_correct_spelling(
     with pytest.raises(CourseError) as caught:
         exec(line, {"viewer": viewer})
     assert str(caught.value).endswith(f". Write: {instead}")
-    # What it says works.
+    # The suggestion works.
     exec(instead, {"viewer": viewer})
 
 

@@ -99,7 +99,7 @@ def test_any_text_is_parsed_as_yaml_or_is_an_error_with_its_position(
     check(text, tmp_path_factory.mktemp("odd"))
 
 
-# No example: hypothesis raises the limit of recursion, and the time goes with the square of the depth.
+# Not an example, because hypothesis raises the recursion limit, and the time grows quadratically.
 def test_excessive_nesting_is_an_error_with_its_position(tmp_path: Path) -> None:
     (tmp_path / "odd.rviz").write_text("[" * 5000)
     with pytest.raises(CourseError, match=r"line 1, column 1001: .*maximum nesting depth"):

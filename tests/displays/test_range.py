@@ -35,7 +35,7 @@ def test_cone_opens_along_x_from_the_sensor_with_the_field_of_view() -> None:
     bench.look()
     (cone,) = cones(bench)
     tip, base, rim = ((cone @ (*point, 1.0))[:3] for point in ((0, 0, 0.5), (0, 0, -0.5), (0.5, 0, -0.5)))
-    assert np.linalg.norm(tip) < 0.01 * 2.0  # RViz draws it a little nearer
+    assert np.linalg.norm(tip) < 0.01 * 2.0  # RViz draws it slightly nearer
     np.testing.assert_allclose(base - tip, [2.0, 0, 0], atol=1e-6)
     assert np.linalg.norm(rim - base) == pytest.approx(2.0 * tan(0.25))
     assert np.linalg.det(cone[:3, :3]) > 0

@@ -4,7 +4,7 @@ import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 from course_lib.displays.layout import parse_yaml, yaml_text
 from course_lib.errors import CourseError
 
-# What is read of a scalar, and how it is written again.
+# The value that a scalar is read as, and the scalar that is written for it.
 FORMS = {
     "1.0": ("1.0", "1.0"),
     "0x10": ("0x10", "0x10"),

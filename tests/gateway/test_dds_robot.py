@@ -29,7 +29,7 @@ STRING, SET_BOOL, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/SetBool", "std_
 LATCHED = Qos(depth=1, durability="transient_local")
 CALLED = ["/reset", "/private", "/lab/move", "/lab/secret"]
 SENSOR = Qos(depth=5, reliability="best_effort")
-# Workers of pytest-xdist run at the same time, so each takes domains of its own.
+# Workers of pytest-xdist run at the same time, so each uses separate domains.
 FIRST_DOMAIN, DOMAINS_PER_WORKER = 200, 6
 WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % 5
 domains = itertools.cycle(range(DOMAINS_PER_WORKER))

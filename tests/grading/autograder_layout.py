@@ -24,7 +24,7 @@ def graded_upload(archive: Path, handed_in: Path, root: Path) -> dict[str, Any]:
         [sys.executable, "-m", "zipfile", "-e", archive, root / "source"], check=True, timeout=5 * PATIENCE
     )
     (root / "run_autograder").write_bytes((root / "source/run_autograder").read_bytes())
-    here = sysconfig.get_path("purelib")  # what it depends on, and builds with: not downloaded again
+    here = sysconfig.get_path("purelib")  # its dependencies and build requirements are not downloaded again
     settings = {"PYTHONPATH": here, "PIP_NO_BUILD_ISOLATION": "0"}  # 0 is pip's word for "no isolation"
     # Most of the kit's modules are never imported here.
     settings |= {"PIP_NO_COMPILE": "0", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}

@@ -46,7 +46,7 @@ def test_file_numbering_of_the_platform_determines_the_newest_attempt(
     tmp_path: Path, older: str, newer: str
 ) -> None:
     put(tmp_path, {f"ada7/{older}": notebook("x = 1"), f"ada7/{newer}": notebook("x = 2")})
-    os.utime(tmp_path / "ada7" / newer, (1, 1))  # the time of a copy tells nothing
+    os.utime(tmp_path / "ada7" / newer, (1, 1))  # the time of a copy has no meaning
     (found,) = find_submissions(tmp_path)
     assert found.path == tmp_path / "ada7" / newer
     assert f"ada7/{newer} counts, not ada7/{older}" in found.notes

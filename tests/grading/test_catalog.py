@@ -41,7 +41,7 @@ def test_personal_values_depend_on_the_student_only(course: Course) -> None:
     assert {personal_values(task, str(number))["n"] for number in range(50)} == {10, 20, 30}
 
 
-# file: (what stands there, what somebody writes in its place, what is said of it)
+# file: (original text, faulty text, reported message)
 MALFORMED = {
     "exercises/course.toml": [
         ("= 60", "= 50", "course.toml line 7: weeks: week01: points: they sum to 90, expected 100"),

@@ -25,7 +25,7 @@ def notebook(code: str = "x = 1") -> bytes:
     return json.dumps({"nbformat": 4, "cells": [{"cell_type": "code", "source": code}]}).encode()
 
 
-def zipped(files: Bytes) -> bytes:
+def zipped(files: Bytes | Mapping[str, bytes]) -> bytes:
     data = BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():

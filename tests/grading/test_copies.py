@@ -121,7 +121,7 @@ def test_regrading_some_submissions_compares_all(
     grade(tmp_path / "in", out, jobs=1, only="ada/*", course=course)
     grade(tmp_path / "in", out, jobs=1, resume=True, course=course)
     write_notebook(tmp_path / "late/cleo" / NAME, right, student="cleo")
-    grade(tmp_path / "late", out, jobs=1, course=course)  # a folder of its own
+    grade(tmp_path / "late", out, jobs=1, course=course)  # a separate folder
     assert read_similar(out)["ada", "week01_exercise"].others == ("bob", "cleo")
 
 

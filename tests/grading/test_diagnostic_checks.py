@@ -34,7 +34,7 @@ def test_expected_level_applies_to_the_time_range_of_the_check(
 ) -> None:
     good, bad = (DiagnosticStatus.OK, "Normal: 30"), (DiagnosticStatus.ERROR, "low")
     came = evidence(status(1, *good), status(2, *good), status(3, *bad), status(4, *bad), seconds=9.0)
-    # What is reported at a part's begin is about the second before it.
+    # The status at the beginning of a part refers to the second before it.
     check = expect_level(level, says=says, begin=begin, end=begin + 2)
     assert check.judge(came).message == message
 

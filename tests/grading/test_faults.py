@@ -24,7 +24,7 @@ from tests.patience import PATIENCE
 
 T = TypeVar("T")
 STUDENTS = 12
-SECONDS = 300  # [s] a grader may take on a busy machine
+SECONDS = 300  # timeout of a grader on a busy machine [s]
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +88,7 @@ def test_killed_worker_processes_do_not_change_marks(
     for pause in pauses:
         pause.touch()
     grader = start_grader(course, out, 2)
-    # What grades, two of it, and what submissions are forks of: each process that has run one has its own.
+    # Two grading processes, and the template of each, from which submissions are forked.
     for pause, kind, enough in zip(pauses, ("spawn_main", "jail.template"), (2, 1), strict=True):
         _wait_until(pause.read_text)
         for process in _wait_until(partial(_below, grader.pid, kind, enough)):

@@ -32,7 +32,7 @@ ada = 2026-10-20T23:59:00
 FAULTY = TWO.replace("deadline", "deadlin")
 SAID = r"course\.toml line 17: weeks: week02: deadlin: unknown key 'deadlin', known: bonus, deadline, "
 
-# what stands in the week's part, what somebody writes instead, and what is said of it
+# original text of the week's table, faulty text, and the reported message
 FAULTS = [
     ("deadline", "deadlin", "line 17: weeks: week02: deadlin: unknown key 'deadlin'"),
     ("2026-10-18T23:59:00", '"soon"', "line 17: weeks: week02: deadline: 'soon', expected local time"),

@@ -81,7 +81,7 @@ def test_each_sample_submission_gets_its_expected_mark(
         "wrong_color": (95, "graded", ""),
         "crashes": (50, "graded", ""),
         "endless_cell": (110, "limit", "time"),
-        "endless_node": (80, "limit", "time"),  # a cube came before the loop, but no rate
+        "endless_node": (80, "limit", "time"),  # a cube was published before the loop, but not repeatedly
         "flood": (110, "graded", ""),
         "exits": (80, "graded", ""),
         "stub": (0, "graded", ""),
@@ -116,7 +116,7 @@ def test_regrading_a_submission_gives_identical_files(
     for out, jobs in {"one": 1, "two": 2}.items():
         grade(submissions, tmp_path / out, jobs=jobs, course=course)
     files = [path.relative_to(tmp_path / "one") for path in (tmp_path / "one").rglob("*.*") if path.is_file()]
-    differ = ("index.html", "items.html", ".lock")  # both pages tell CPU and memory
+    differ = ("index.html", "items.html", ".lock")  # both pages state CPU time and memory
     times = (".usage.json", ".checks.json")
     files = [path for path in files if not path.name.endswith((*times, *differ))]
     assert len(files) == 12

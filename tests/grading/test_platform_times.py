@@ -48,7 +48,7 @@ def test_time_in_the_persian_calendar_is_not_read() -> None:
 @pytest.mark.parametrize(
     ("column", "first"),
     [
-        (["03/08/2026 23:59", "04/08/2026 10:00"], None),  # nothing tells the order
+        (["03/08/2026 23:59", "04/08/2026 10:00"], None),  # the order of day and month is ambiguous
         (["03/08/2026 23:59", "03/28/2026 10:00"], "2026-03-08T23:59:00+01:00"),
         (["03/08/2026 23:59", "28/08/2026 10:00"], "2026-08-03T23:59:00+02:00"),
     ],

@@ -151,7 +151,7 @@ def test_every_layout_has_a_table_of_file_names() -> None:
     assert {*NAMES, "folders", "google"} - {"anonymous"} == {*LAYOUTS}
 
 
-# What a student may call a file: among all else, the names of every platform.
+# File names that a student may choose, including the names of every platform.
 PIECES = [piece for rows in NAMES.values() for name, *_ in rows for piece in name.split("/")]
 FILE_NAMES = st.lists(
     st.one_of(
@@ -163,7 +163,7 @@ FILE_NAMES = st.lists(
     max_size=5,
 ).map(lambda parts: re.sub(r"[/\\]", "", "".join(parts))[:120] + f"_{NAME}")  # fmt: skip
 FOLDER_NAMES = FILE_NAMES.map(lambda name: name.removesuffix(f"_{NAME}") or "x")
-# The platform's part of Eve's file, and what follows it; her ID is 4100002.
+# The platform's prefix and suffix of Eve's file; her ID is 4100002.
 EVES = {
     "moodle": ("Eve E_4100002_assignsubmission_file_", "4100002", None),
     "moodle folder": ("Eve E_4100002_assignsubmission_file_/", "4100002", None),
@@ -347,7 +347,7 @@ def test_unknown_layout_is_rejected_and_nothing_is_collected(tmp_path: Path, kin
     assert collect(tmp_path / "in.zip", tmp_path / "2", PARIS, layout="folders").count == len(files)
 
 
-WRAPPED = {  # a download in a folder of its own, with files that name nobody
+WRAPPED = {  # a download in a separate folder, with files that contain no names
     "canvas": lambda who: f"submissions/{who}_41{len(who)}_9000_{NAME}",
     "teams": lambda who: f"Arbeiten/Übermittelte Dateien/{who}/Week 1/Version 1/{NAME}",
     "ilias": lambda who: f"Semaine 1/Soumissions/{who}_X_{who}_71/{NAME}",

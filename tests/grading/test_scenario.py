@@ -18,7 +18,7 @@ from course_lib.grading.run.student_side import run_in_this_process
 from course_lib.grading.run.submission_run import rejection_reasons
 from course_lib.grading.task import Call, Kind, Message, Scenario, Task, my
 
-# How a runaway thread is ended; nothing else raises in threads here.
+# The exception that ends a runaway thread; no others are raised in threads here.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
 
 NUMBER = "std_msgs/msg/Float64"

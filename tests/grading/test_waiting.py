@@ -17,7 +17,7 @@ from course_lib.grading.task import Call, Scenario, Task
 from course_lib.ros.time import wall
 from tests.processes import Program
 
-HOGS = 4  # processes that take their share of the submission's processor
+HOGS = 4  # processes that compete for the submission's processor
 LIMIT = 0.6  # [s] of a cell and of a scenario
 WORK = """import os
 def work(seconds=0.3):

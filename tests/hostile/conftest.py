@@ -25,7 +25,7 @@ from tests.hostile.submissions import ALL
 
 SECRET = "canary-4711"
 HONEST = ("aaa_honest", "mmm_honest", "zzz_honest")
-# What hangs costs this long, of CPU mostly. What waits for a processor of a busy machine has longer.
+# Limit of CPU time for cells that hang. Waiting for a processor on a busy machine is not counted.
 LIMITS = "cell_seconds = 2\nscenario_seconds = 2\ntotal_seconds = 40"
 IN_TIME = "2026-10-11 12:00:00 UTC"
 

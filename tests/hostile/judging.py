@@ -25,7 +25,7 @@ ROBOT = (
 MARKER, ARRAY = "visualization_msgs/msg/Marker", "visualization_msgs/msg/MarkerArray"
 JOINTS, TF = "sensor_msgs/msg/JointState", "tf2_msgs/msg/TFMessage"
 SQUARE = ((0, 0, 0), (1, 0, 0), (1, 1, 0))
-# Each word with arguments that use all that it can look at; and the topics with what it expects there.
+# Each check function with arguments that use all of its inputs, and its topics with their types.
 WORDS: tuple[tuple[str, Check], ...] = (
     ("expect_circle", v.expect_circle(T, radius=2.0, height=0.0, period=5.0, counter_clockwise=True)),
     ("expect_circle", v.expect_circle(T, radius=1.0, ns="", id=1, type="CUBE")),

@@ -71,7 +71,7 @@ def made_message(chance: random.Random, kind: str, depth: int = 0) -> Any:
             count = field.size if field.container == "array" else min(chance.choice(COUNTS), most)
             count = count if depth < 2 or field.container == "array" else min(count, 2)
             value = [chosen_value(chance, field, depth) for _ in range(count)]
-        with suppress(AssertionError):  # as ROS says of a value that a field does not take
+        with suppress(AssertionError):  # the error of ROS for an invalid field value
             setattr(message, field.name, value)
     return message
 
@@ -154,7 +154,7 @@ def nudge(chance: random.Random, message: Any) -> None:
         new = items
     else:
         new = chance.choice(([], items[:-1], items * 2, [*items, chosen_value(chance, field, 0)]))
-    with suppress(AssertionError):  # as ROS says of a value that a field does not take
+    with suppress(AssertionError):  # the error of ROS for an invalid field value
         setattr(message, field.name, new)
 
 

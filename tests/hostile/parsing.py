@@ -61,7 +61,7 @@ def _stored(chance: random.Random) -> None:
     unpack(spoilt(chance, stored()), STEPS)
 
 
-Parsers = Sequence[tuple[Callable[[random.Random], None], type[Exception]]]  # with what each may raise
+Parsers = Sequence[tuple[Callable[[random.Random], None], type[Exception]]]  # with the permitted exceptions
 STUDENTS: Parsers = (
     (_notebook, CourseError),
     (_layout, CourseError),
@@ -83,5 +83,5 @@ def parse_any(chance: random.Random, parsers: Parsers = STUDENTS) -> float:
         with time_limit(SECONDS):
             parse(chance)
     except announced:
-        pass  # it says what is wrong, and the class goes on
+        pass  # the error is reported, and grading continues
     return time.process_time() - start

@@ -5,7 +5,7 @@ from tests.hostile.entry import FULL, Entry
 from tests.hostile.files import FILES, Sent
 from tests.hostile.submissions import ALL
 
-# What then holds: files can be found but not read; empty files are bounded by time, not by number.
+# Without namespaces, files can be listed but not read; empty files are limited by time, not number.
 WITHOUT_NAMESPACES = {"finds_files": "BROKEN", "million_files": "time"}
 
 

@@ -28,7 +28,7 @@ people = viewer.add("Marker", "/people", name="People")
 node = Node("dog")
 publisher = node.create_publisher(Marker, "/people", 10)
 """
-# (what the student does, the cell); ros2("...") stands for a cell's line %ros2 ...
+# (description, cell); ros2("...") stands for the line %ros2 ... of a cell
 CELLS = [
     ("misspells Viewer", "Viewr()"),
     ("misspells run_live", "run_liv(node)"),
@@ -91,7 +91,7 @@ def seen_in_cell(code: str) -> list[str]:
 
 def _lines(written: str) -> list[str]:
     """Return the output of a cell, without tracebacks and text that differs between runs."""
-    # Places on this machine and in its memory differ.
+    # Paths and memory addresses differ between machines.
     text = re.sub(r"0x[0-9a-f]+", "0x…", re.sub(r"\(/[^)]*\)", "(…)", written))
     lines = [line for line in text.splitlines() if line.strip()]
     return [line for line in lines if not line.startswith(("Traceback", "  "))]
@@ -99,7 +99,7 @@ def _lines(written: str) -> list[str]:
 
 # The notebook of each table of lessons/.
 LESSONS = {path.stem: path for path in sorted((Path(__file__).parent / "lessons").glob("*.toml"))}
-# What the first cells of every lesson do besides their imports.
+# Statements of the first cells of every lesson, except imports.
 _FIRST = "from course_lib.tools.notebook import ros2_magic as ros2"
 
 

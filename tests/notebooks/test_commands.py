@@ -30,7 +30,7 @@ EXERCISES = sorted(exercises_dir().glob("week*.ipynb"))
 GUIDE = checkout_root() / "docs" / "instructor.md"
 GUIDES = [GUIDE, *(GUIDE.with_name(f"{name}.md") for name in ("student", "robot", "hub"))]
 DOCUMENTS = [checkout_root() / "README.md", *GUIDES, *sorted(lessons_dir().glob("week*.ipynb")), *EXERCISES]
-SECONDS = 4.0  # [s] of robot time beside a ros2 command
+SECONDS = 4.0  # robot time of the run next to a ros2 command [s]
 
 NOT_RUN = {  # command -> why
     "%": "names the character",
@@ -74,7 +74,7 @@ NOT_RUN = {  # command -> why
     "ros2 run my_markers first_marker": "a package that the student writes on the robot",
     "ros2 run rmw_zenoh_cpp rmw_zenohd": "runs on the robot",
 }
-NAMED = {  # commands of which a sentence gives the name only: their help is shown
+NAMED = {  # commands that a sentence only mentions: their help is printed
     "course run",
     "course submit",
     "course view",
@@ -94,7 +94,7 @@ NAMED = {  # commands of which a sentence gives the name only: their help is sho
     "course verify",  # of all weeks: tests/notebooks/test_answers.py
 }
 WRITTEN = "my_files/ros2_ws/src/my_dashboard"
-FILLED = {  # command with something to fill in -> the same, filled in
+FILLED = {  # command with placeholders -> the command with values
     "%ros2 bag record -o folder --topics ...": "%ros2 bag record -o folder --topics /scan",
     "%ros2 launch file.launch.py": "%ros2 launch robot.launch.py",
     f"%ros2 launch {WRITTEN}/launch/my_dashboard.launch.py": "%ros2 launch robot.launch.py",
@@ -104,7 +104,7 @@ FILLED = {  # command with something to fill in -> the same, filled in
     "ros2 topic echo --once": "ros2 topic echo --once /scan",
 }
 RECORD = "course run my_node.py --seconds 5 --bag"
-FIRST = {  # what a document presupposes
+FIRST = {  # prerequisites of a document
     "week05_configurations.ipynb": [f"{RECORD} my_bag"],
     "week06_tooling.ipynb": [f"{RECORD} inspection"],
     "week07_dashboard.ipynb": [f"{RECORD} my_files/dashboard_bag"],
@@ -141,7 +141,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.chdir(folder)
     monkeypatch.setenv("PYTHONHASHSEED", "0")  # otherwise `course run` starts this process again
     monkeypatch.setenv("COURSE_PACE", "fast")
-    monkeypatch.setenv("ROS_PACKAGE_PATH", "my_files/ros2_ws/src")  # where week 7 says cd ~/ros2_ws
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "my_files/ros2_ws/src")  # the folder for cd ~/ros2_ws in week 7
     yield folder
     assert sorted(exercises_dir().rglob("week*")) == weeks
 

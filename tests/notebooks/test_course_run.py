@@ -32,7 +32,7 @@ def test_solution_runs_without_errors(
     notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("COURSE_STRICT", "1")
-    copy = tmp_path / notebook.name  # it writes files beside itself
+    copy = tmp_path / notebook.name  # it writes files into its own folder
     copy.write_bytes(notebook.read_bytes())
     code = run([copy], seconds=None, seed=0, bag=None, args=(), real_time=False)
     shown = capfd.readouterr()

@@ -43,7 +43,7 @@ class Content(NamedTuple):
         return self.words / WORDS_A_MINUTE + code + asked
 
 
-STRANGERS = {  # lesson: its content when a stranger did it, and the minutes that it took
+STRANGERS = {  # lesson: its content when a new reader worked through it, and the minutes taken
     "week02_joint_states": (Content(2958, 255, 49, 4, 7), 155),
     "week06_tooling": (Content(3470, 393, 76, 6, 7), 260),
     "week07_dashboard": (Content(3010, 344, 49, 6, 7), 190),

@@ -103,7 +103,7 @@ PROBES: dict[str, dict[str, Difference]] = {
     },
 }
 
-# Rows that say that both agree, with the probe that shows it, by file and probe.
+# Rows stating that both agree, with the file and name of the probe that shows it.
 AGREEMENTS = {
     "Polling, `spin_once(timeout_sec=0)`": ("refusals", "polling_takes_every_second_call"),
     "Losses": ("graphs", "burst.one"),
@@ -112,7 +112,7 @@ AGREEMENTS = {
     "Depth in `get_publishers_info_by_topic`": ("graphs", "endpoint.text"),
 }
 
-# Programs whose exit code differs, because the run ends as asked and nobody has pressed Ctrl+C.
+# Programs whose exit code differs, because the run ends on request and not by Ctrl+C.
 END_OF_A_RUN = "The end of a run"
 ENDS_AS_ASKED = ("plain_spin", "while_ok")
 

@@ -34,13 +34,13 @@ INPUT_SECONDS, SECONDS, REAL_SECONDS = 0.25, 2.2, 1.2
 # The real rclpy may take longer on a busy machine [s].
 TIME_LIMIT = 20.0
 AT_ONCE = 12
-# Length up to which the text of a message is kept beside its digest.
+# Length up to which the text of a message is stored in addition to its digest.
 LENGTH = 160
 ACTION = ("send_goal", "cancel_goal", "get_result")
 FIRST_SECOND = 1000
 TIME = "builtin_interfaces/Time"
 OWN_TOPICS = ("/rosout", "/parameter_events")
-# Transforms between all frames that the nodes of the course ask for, but those that they publish themselves.
+# Transforms between all frames that the nodes of the course look up but do not broadcast.
 FRAMES = {
     "world": "map",
     "odom": "map",

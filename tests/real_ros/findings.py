@@ -196,7 +196,7 @@ SMALL = {
     "the state of a lifecycle node": ("probe calls lifecycle.machine", "probe running life.configure"),
 }
 
-# What docs/simulated.md said of ROS 2, and whether it was right.
+# Statements of docs/simulated.md about ROS 2, and whether they were correct.
 STATEMENTS = {
     "the end of a run": ("row The end of a run",),
     "the order of callbacks": ("row Order of callbacks", "probe timers order_of_timers_with_one_period"),

@@ -21,6 +21,6 @@ def test_frozen_mistakes_agree_with_the_table() -> None:
 
 @pytest.mark.parametrize("program", ROWS)
 def test_mistake_raises_the_error_of_the_real_rclpy(program: str) -> None:
-    # That the kit gives this text is shown by tests/ros/rclpy/test_mistakes.py.
+    # tests/ros/rclpy/test_mistakes.py tests that the kit has this text.
     is_equal = without_modules(ROWS[program]).strip() in FROZEN["outcomes"][program]
     assert is_equal != (program in differences.MISTAKES), FROZEN["outcomes"][program]

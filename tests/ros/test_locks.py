@@ -127,7 +127,7 @@ def test_lock_held_by_a_thread_after_it_releases_the_time_lock_is_not_a_deadlock
     def visit() -> None:
         with lock:
             held.release()
-            with time_lock.hold():  # it comes in when the main thread waits for the lock
+            with time_lock.hold():  # it runs when the main thread waits for the lock
                 visited.release()
             wall.sleep(0.05)
         ended.release()

@@ -4,7 +4,7 @@ import pytest
 
 from course_lib.ros.hints import hint
 
-# What a student writes, and the hint.
+# Code of a student, and the hint.
 IMPORTS = [
     (
         "from geometry_msgs.msg import Tranform",

@@ -267,7 +267,7 @@ def test_latched_sample_in_delivery_to_many_subscriptions_is_counted_once() -> N
     graph.publish(end, MEGABYTES)
     assert graph.count_stored_bytes() == len(MEGABYTES)
     graph.remove_node(node)
-    assert graph.count_stored_bytes() == len(MEGABYTES)  # its events are still to come
+    assert graph.count_stored_bytes() == len(MEGABYTES)  # its events have not arrived yet
     while graph.advance():
         pass
     assert graph.count_stored_bytes() == 0

@@ -13,7 +13,7 @@ from course_lib.ros.graph.graph import START_NS, Graph, Sample, use_graph
 from course_lib.ros.messages import deserialize
 from course_lib.sensors.world import placed
 
-# Of a camera that looks along the world's x; its own z is ahead, x to the right, y down.
+# Transform of a camera that looks along the world's x; its z points ahead, x to the right, y down.
 TRANSFORM_OPTICAL_TO_WORLD = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]], float)
 AT_ORIGIN = placed(0, 0, 0)
 

@@ -20,7 +20,7 @@ def test_list_prints_nodes_and_warns_about_duplicate_names(run: Run, graph: Grap
     assert run("node list") == "/robot/arm\n/talker\n"
     assert run("node list -a") == "/_hidden\n/robot/arm\n/talker\n"
     assert run("node list -c") == "2\n"
-    graph.add_node("talker", "/")  # as from another process: a notebook replaces its own
+    graph.add_node("talker", "/")  # as from another process, because a notebook replaces its own nodes
     assert run("node list") == (
         "WARNING: Be aware that there are nodes in the graph that share an exact name, which can have "
         "unintended side effects.\n/robot/arm\n/talker\n/talker\n"

@@ -197,6 +197,6 @@ def test_stopping_points_divide_each_lesson_into_parts_shorter_than_an_hour(less
         which = "last" if place == places[-1] else "next"
         stated = f"{done} of {sum(parts)} minutes are behind you, and the {which} part takes {ahead}."
         assert stated in "".join(cells[place]["source"])
-        # The number tells pages that send no ids of cells which place it is.
+        # The number identifies the position for pages that send no cell ids.
         go_on = "".join(cells[place + 1]["source"])
         assert go_on.endswith(f"resume()  # to part {number + 1} of {len(parts)}")

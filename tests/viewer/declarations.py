@@ -45,7 +45,7 @@ def _interface(kind: type) -> str:
     ]
     for field in fields(kind):
         wanted, has_default = hints[field.name], field.default is not NODEFAULT
-        if has_default and isinstance(wanted, UnionType):  # left out in place of null
+        if has_default and isinstance(wanted, UnionType):  # left out instead of null
             wanted = get_args(wanted)[0]
         lines.append(f"  {field.encode_name}{'?' * has_default}: {_type(wanted)};")
     return "\n".join([*lines, "}", ""])

@@ -89,7 +89,7 @@ def test_normals_of_a_dae_file_are_read_and_rotated_with_its_nodes() -> None:
     )
     normals = parse_mesh(data.encode(), "dae").normals
     assert normals is not None
-    expected = np.array([0.6 / 2, -0.8, 0.0])  # stretched along x, then turned about it: z goes to -y
+    expected = np.array([0.6 / 2, -0.8, 0.0])  # stretched along x, then rotated about it: z is mapped to -y
     np.testing.assert_allclose(normals, [expected / np.linalg.norm(expected)] * len(normals), atol=1e-6)
 
 

@@ -108,7 +108,7 @@ def test_running_cell_is_not_blocked_by_missing_acknowledgements(monkeypatch: py
         await asyncio.sleep(0.01)
         wire.change(100)
         assert len(wire.sent) == 100
-        await asyncio.to_thread(wire.hear, "ack")  # as JupyterLab's come
+        await asyncio.to_thread(wire.hear, "ack")  # as in JupyterLab
         await asyncio.sleep(0.01)
         wire.change(100)
         assert len(wire.sent) == 100 + IN_FLIGHT

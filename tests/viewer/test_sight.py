@@ -14,7 +14,7 @@ def test_hidden_page_receives_the_whole_scene_when_it_is_visible_again(sight: st
     wire.hear("ready")
     wire.hear(sight)
     wire.change(100)
-    wire.hear("ack")  # for what it had got before
+    wire.hear("ack")  # for its earlier batches
     wire.change()
     assert (wire.sent, wire.link.watched) == ([], False)
     wire.hear("ready", number=0)

@@ -56,7 +56,7 @@ def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_scene_without_pages_starts_no_thread_and_sends_nothing() -> None:
     scene = Scene()
     page = Page(scene, connected=False)
-    before = set(threading.enumerate())  # some of other tests may end meanwhile
+    before = set(threading.enumerate())  # threads of other tests may end during this test
     scene.set_object("a", RED_BOX)
     time.sleep(2 * INTERVAL)
     assert page.batches == []

@@ -65,7 +65,7 @@ def test_scan_waits_for_the_transform_of_its_last_beam() -> None:
     display = add(bench)
     bench.transform("map", "laser", at=0.0, static=False)
     long = scan([1.0, 1.0, 1.0], "laser", time_increment=0.5)
-    bench.hear("/scan", long)  # tells how long scans take
+    bench.hear("/scan", long)  # determines the duration of scans
     bench.hear("/scan", long)
     bench.look()
     assert not shown_by(bench, display)

@@ -9,7 +9,7 @@ from course_lib.displays.display import Display
 from tests.displays.bench import Bench
 from tests.displays.clouds.clouds import shown_by
 
-# Class, a value, and the colour's place in RViz's rainbow: 1 is red, 0 is violet.
+# Class, a value, and the position of its color in RViz's rainbow: 1 is red, 0 is violet.
 MEASURED: list[tuple[Any, str, float, float]] = [
     (Temperature, "temperature", 25.0, 0.25),
     (FluidPressure, "fluid_pressure", 101_500.0, 0.5),

@@ -162,7 +162,7 @@ def test_map_follows_its_frame_or_uses_the_transform_at_its_stamp() -> None:
     bench = Bench()
     display = add(bench)
     message = grid((FREE,), frame="odom")
-    message.header.stamp.sec = 1000  # as robot time begins on the bench
+    message.header.stamp.sec = 1000  # the start of robot time in the test session
     for second in (0.0, 1.0):
         bench.transform("map", "odom", (second, 0.0, 0.0), at=second, static=False)
         if not second:

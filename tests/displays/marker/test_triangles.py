@@ -45,7 +45,7 @@ def test_colors_that_match_neither_vertices_nor_faces_are_ignored(count: int) ->
 @pytest.mark.parametrize(
     ("count", "own", "each", "alpha"),
     [
-        (6, 0.5, 1.0, 1.0),  # opaque corners: RViz replaces, whatever the marker's alpha
+        (6, 0.5, 1.0, 1.0),  # opaque corners: RViz does not blend them, regardless of the marker's alpha
         (6, 0.5, 0.5, 0.25),
         (2, 1.0, 0.5, 1.0),  # faces are blended only if the marker is
         (2, 0.5, 0.5, 0.25),

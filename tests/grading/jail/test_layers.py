@@ -66,7 +66,7 @@ CALLS = {
     "another user",
 }  # fmt: skip
 BUBBLEWRAP = "bubblewrap"
-OPEN = {  # layers that are off: what works then
+OPEN = {  # disabled layers: remaining layers
     (): set[str](),
     (BUBBLEWRAP,): set[str](),
     (BUBBLEWRAP, "namespaces"): SEEN,
@@ -241,7 +241,7 @@ def test_missing_isolation_layers_are_listed() -> None:
 def test_every_jump_of_the_seccomp_filter_stays_inside_the_program(column: int, machine: int) -> None:
     code = filters.filter_program(column, machine)
     steps = [code[i : i + 8] for i in range(0, len(code), 8)]
-    assert len(steps) < 4096  # what the kernel takes
+    assert len(steps) < 4096  # maximum that the kernel accepts
     for index, step in enumerate(steps):
         if step[0] != filters.RETURN:
             assert index + 1 + max(step[2], step[3]) < len(steps)

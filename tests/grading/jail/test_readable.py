@@ -26,7 +26,7 @@ from tests.grading.conftest import RIGHT, write_course
 from tests.patience import PATIENCE
 
 COURSE = ("exercises/course.toml", "solutions/checks/week01.py", "in/bob/week01.ipynb", "out/gradebook.csv")
-LAYOUTS = {  # where the checkout is, and where Python has its own modules and packages
+LAYOUTS = {  # locations of the checkout, of Python's modules and of its packages
     "environment in the checkout": ("app", "app/lib/python3", "app/lib/python3/site-packages"),
     "environment beside": ("app", "env/lib/python3", "env/lib/python3/site-packages"),
     "packages beside the modules": ("app", "usr/lib/python3.11", "usr/lib/python3/dist-packages"),
@@ -181,5 +181,5 @@ def test_submission_cannot_read_a_course_installed_in_an_environment(
     assert [task["score"] for task in eve["judgement"]["tasks"]] == [60.0, 40.0, 10.0]
     hidden = Isolation(shared_template().isolation.layers).hides_names
     reached = [line for line in eve["judgement"]["output"].splitlines() if "REACHED" in line]
-    allowed = () if hidden else ("stat", "chdir")  # what Landlock does not refuse
+    allowed = () if hidden else ("stat", "chdir")  # not restricted by Landlock
     assert [line for line in reached if line.split()[1] not in allowed] == []

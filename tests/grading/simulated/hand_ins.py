@@ -154,7 +154,7 @@ def _answer(
     """Return the name, the cells, the points and the states of a notebook that can be run."""
     cells = cells_of(solution(week))
     if kind in ("way", "miss", "mutant") and not changes(week, kind):
-        kind = "right"  # the week declares none of them
+        kind = "right"  # the week declares no such answers
     waits = (WAITS,) if any(task.rubric for task in tasks_of(week)) else (GRADED,)
     if kind == "right":
         return "", cells, all_get(week, FULL), waits

@@ -567,7 +567,7 @@ def _trigger_wrong() -> Any:
     return outcome(_spin, 0.2, node)
 
 
-# What a node lists of its entities: the parts of actions are not among them.
+# Entities that a node lists; entities of actions are not included.
 def _listed(make: Any, make_node: Any = Node) -> Any:
     node = make_node("n")
     made = make(node)

@@ -29,7 +29,7 @@ def _names(path: str) -> list[str]:
             continue
         found.append(f"{path}.{name}")
         if inspect.isclass(value) and origin == path:
-            # Properties are attributes of instances in the stand-in, and waitables are left out as a whole.
+            # Properties are instance attributes in the stand-in, and waitables are left out completely.
             common = {*dir(Exception), *dir(int), *(dir(Waitable) if value is not Waitable else ())}
             found += [
                 f"{path}.{name}.{attribute}"

@@ -59,10 +59,10 @@ def main() -> None:
         rclpy.init(args=[])
         found[name] = outcome(function)
         rclpy.try_shutdown()
-        # What a probe leaves behind would take part in the real graph of the next one.
+        # Entities of a probe that are not destroyed would be in the real graph of the next one.
         if not _IS_KIT:
             gc.collect()
     printed.write(f"{json.dumps(found)}\n")
     printed.flush()
-    # Destructors of rclpy at the end of Python print warnings that say nothing about the probes.
+    # Destructors of rclpy at the end of Python print warnings that are unrelated to the probes.
     os._exit(0)

@@ -91,7 +91,7 @@ from course_lib.__main__ import main
 main()
 """
 
-# The kit starts Python anew for a fixed hash seed, without what LOSSY has replaced.
+# The kit restarts Python for a fixed hash seed, which undoes the replacements of LOSSY.
 FIXED_SEED = os.environ | {"PYTHONHASHSEED": "0"}
 
 

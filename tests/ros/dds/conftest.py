@@ -11,7 +11,7 @@ from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import Permissions
 from tests.ros.zenoh.conftest import Kits
 
-# Workers of pytest-xdist run at the same time, so each takes domains of its own.
+# Workers of pytest-xdist run at the same time, so each uses separate domains.
 FIRST_DOMAIN, DOMAINS_PER_WORKER = 100, 20
 WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")) % 5
 domains = itertools.cycle(range(DOMAINS_PER_WORKER))

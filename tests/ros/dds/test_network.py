@@ -200,7 +200,7 @@ def test_robot_receives_a_stop_when_its_driving_program_ends(
     assert robot.line("cmd_vel") == "cmd_vel 0.5"
     kit.send_signal(number)
     kit.communicate(timeout=PATIENCE)
-    # The robot prints its nodes twice a second: what is older than two such lines has arrived.
+    # The robot prints its nodes twice a second: changes before the last two lines have arrived.
     assert robot.process.stdout is not None
     commands, nodes = ["cmd_vel 0.5"], 0
     for line in robot.process.stdout:

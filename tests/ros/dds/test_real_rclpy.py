@@ -211,7 +211,7 @@ def test_thousand_attempts_to_send_unpermitted_messages_do_not_reach_the_network
         with Program(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as kit:
             assert victim.process.stdout is not None
             lines: list[str] = []
-            # What the program publishes last is allowed and tells the number of attempts.
+            # The program's last message is permitted and contains the number of attempts.
             for line in victim.process.stdout:
                 lines.append(line)
                 if line.startswith("allowed ") and "attempts" in line:

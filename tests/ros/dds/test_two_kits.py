@@ -73,7 +73,7 @@ def test_reliable_messages_arrive_once_and_in_order_despite_lost_datagrams(
         drop_datagrams(graph, 0.3, 2 * seed + number)
     out = talker(robot, "/chatter", qos=qos)
     received = listener(student, "/chatter", qos=qos)
-    # The publisher knows the subscription from here on, but the subscription not yet the publisher's state.
+    # From here on, the publisher is matched, but the subscription does not have its state yet.
     kits.until(lambda: writer_of(robot, "rt/chatter").readers, "the subscription")
     expected = [f"message {number}" for number in range(100)]
     for text in expected:
@@ -259,7 +259,7 @@ def test_display_receives_its_topic_again_after_each_of_twenty_publisher_restart
     def show(sample: Sample) -> None:
         received.append(deserialize(sample.cdr, String).data)
 
-    # As a display does: it subscribes while somebody publishes its topic.
+    # Like a display, it subscribes while its topic is being published.
     student.tap(show, lambda: {"/name"})
     for number in range(20):
         robot = kits.join(send="/name")
@@ -291,7 +291,7 @@ def test_memory_use_stays_constant_during_an_image_flood_to_a_busy_kit(kits: Dds
     def count(cdr: bytes, source_ns: int, received_ns: int) -> None:
         nonlocal received
         received += 1
-        # Slower than the images come.
+        # Slower than the rate of the images.
         wall.sleep(0.05)
 
     node = student.add_node("listener", "/")
@@ -388,7 +388,7 @@ def test_topic_with_another_definition_of_its_type_is_reported(
 def test_address_without_a_ros_program_is_explained(kits: DdsKits) -> None:
     student = kits.join()
     link = dds_link(student)
-    # Its own announcement arrives at this address, which is no answer of a robot.
+    # The kit's own announcement arrives at this address; it is not a robot's response.
     end = wall.monotonic() + 0.5
     kits.until(lambda: wall.monotonic() > end, "half a second")
     assert student.link_report()[0] == ("robot", "dds/127.0.0.1, no answer yet")

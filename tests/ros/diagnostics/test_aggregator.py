@@ -111,7 +111,7 @@ def test_unmatched_statuses_are_grouped_under_other_and_discarded_ones_are_omitt
     tree = robot.after(1, foo__bar=OK, noise=ERROR)
     assert {name for name in tree if "Other" in name} == {"/Robot/Other", "/Robot/Other/foo bar"}
     assert not any("noise" in name for name in tree)
-    assert "/Robot/Other" not in robot.after(6)  # it goes after five seconds without it
+    assert "/Robot/Other" not in robot.after(6)  # it is removed after five seconds without messages
 
 
 def test_silent_component_becomes_stale_and_its_group_an_error(robot: Bench) -> None:
@@ -205,7 +205,7 @@ def test_parameter_of_wrong_type_is_rejected_with_the_correct_syntax(begun: obje
 def test_critical_error_is_published_immediately(begun: object, tmp_path: Path) -> None:
     bench = Bench("/**: {ros__parameters: {critical: true, pub_rate: 0.9}}", tmp_path)
     bench.after(2, cam=ERROR)
-    assert bench.tops == [ERROR] * 2  # at once, and after 1.1 s
+    assert bench.tops == [ERROR] * 2  # immediately, and after 1.1 s
 
 
 def test_missing_stamp_is_warned_about_once(robot: Bench, capfd: pytest.CaptureFixture[str]) -> None:
@@ -223,7 +223,7 @@ def test_missing_stamp_is_warned_about_once(robot: Bench, capfd: pytest.CaptureF
         ("/PREFIX/base_hokuyo_node: Connection Status", "base_hokuyo_node", "/PREFIX/Connection Status"),
         ("/Base/motor", "", "/Base/motor"),
         ("/Base/motor", "arm", "/Base/motor"),
-        ("/arm/arm: x", "arm", "/arm/arm: x"),  # ROS looks for the first place where the prefix occurs
+        ("/arm/arm: x", "arm", "/arm/arm: x"),  # ROS searches for the first occurrence of the prefix
     ],
 )
 def test_prefix_is_stripped_from_the_last_path_component(name: str, prefix: str, short: str) -> None:

@@ -9,7 +9,7 @@ from course_lib.ros.tracebacks import KIT
 from tests.ros.launch.run import recorded
 
 Write = Callable[..., Path]
-# An action, and what the output must contain besides the file's name.
+# An action, and strings that the output must contain in addition to the file's name.
 MISTAKES = [
     ("ExecuteProcess(cmd='ros2 topic list')", "expected a list of words: cmd=['ros2', 'topic', 'list']"),
     ("Node(**TALKER, arguments='--verbose')", "expected a list: arguments=['--verbose']"),

@@ -33,7 +33,7 @@ def test_callback_listener_receives_entity_ready_time_and_start_time(begun: Grap
     rclpy.spin(node)
     assert heard == [
         ("Timer", 4.0, 4.0),
-        ("Subscription", 4.001, 6.0),  # it came while the timer's callback slept
+        ("Subscription", 4.001, 6.0),  # it arrived while the timer's callback slept
         ("Timer", 8.0, 8.0),
         ("Subscription", 8.001, 10.0),
     ]

@@ -42,7 +42,7 @@ from tf2_ros import Buffer, TransformBroadcaster
 from visualization_msgs.msg import Marker
 """
 CODE = compile(PROGRAM, "program", "exec")
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 OF_ROS = [*NODES, *TOPICS, *MESSAGES, *PARAMETERS, *SERVICES, *TIMES, *FRAMES]
 MISTAKES = [*OF_ROS, *IMPORTS, *NAMES, *PLAIN_PYTHON]
 

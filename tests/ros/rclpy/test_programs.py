@@ -101,7 +101,7 @@ def test_ctrl_c_ends_every_program_of_a_run_even_of_the_same_file(tmp_path: Path
     command = [sys.executable, "-m", "course_lib", "run", str(talker), str(talker), "--real-time"]
     with Program(command, stdout=subprocess.PIPE) as process:
         assert [process.read_line() for _ in range(2)] == ["ready\n"] * 2
-        time.sleep(0.2)  # [s] to come into its wait
+        time.sleep(0.2)  # time until it waits [s]
         process.send_signal(signal.SIGINT)
         assert process.communicate(timeout=120)[0] == "left by Ctrl+C\n" * 2
         assert process.returncode == 0
@@ -128,7 +128,7 @@ def _interrupted(program: Path, text: str) -> tuple[str, int]:
     command = [sys.executable, "-m", "course_lib", "run", str(program), "--real-time"]
     with Program(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.read_line() == "ready\n"
-        time.sleep(0.3)  # [s] to come into its wait
+        time.sleep(0.3)  # time until it waits [s]
         process.send_signal(signal.SIGINT)
         return process.communicate(timeout=120)[1], process.returncode
 
@@ -164,7 +164,7 @@ def test_second_ctrl_c_ends_a_program_blocked_outside_the_kit(tmp_path: Path) ->
     with Program(command, start_new_session=True, **pipes) as process:
         assert process.read_line() == "ready\n"
         for _ in range(2):
-            time.sleep(0.5)  # [s] as a person does
+            time.sleep(0.5)  # pause of a user [s]
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGINT)
         try:

@@ -85,7 +85,7 @@ class Kits:
 
     address: str
     graphs: list[RobotGraph] = field(default_factory=list)
-    lines: list[str] = field(default_factory=list)  # that they told
+    lines: list[str] = field(default_factory=list)  # that they reported
 
     def join(self, *, domain: int = 0, send: str = "", call: str = "") -> RobotGraph:
         """Link one more graph."""

@@ -44,7 +44,7 @@ from tests.ros.zenoh.test_two_kits import (
 )
 
 RESTARTS = 3
-A_MESSAGES_WAY = 20.0  # what the fastest message of a machine under load may take [s]
+A_MESSAGES_WAY = 20.0  # latency limit of the fastest message on a machine under load [s]
 
 
 @pytest.fixture

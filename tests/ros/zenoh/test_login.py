@@ -61,7 +61,7 @@ def test_gateway_token_contains_the_driver_and_the_topics(driver: str, topics: l
 def test_student_is_notified_once_per_driver_about_topics_not_forwarded() -> None:
     lines: list[str] = []
     lock = DriverLock(Login("bob", "x"), lines.append)
-    lock.on_sent("/cmd_vel")  # before the gateway has told
+    lock.on_sent("/cmd_vel")  # before the gateway has announced it
     for driver in ("ann", "", "bob"):
         for _ in range(3):
             lock.change(driver, ["/cmd_vel"])

@@ -241,7 +241,7 @@ def test_service_calls_that_are_not_allowed_are_not_forwarded(kits: Kits) -> Non
         "Calls of /reset are held back: the link only listens. To let them out, connect with --call /reset"
     ]
     assert (asked, heard) == ([], [])
-    # `ros2 service call` ends with this reason, and asks only for calls of its own.
+    # `ros2 service call` ends with this reason, and waits for its own calls only.
     assert (student.take_blocked_calls(), student.take_blocked_calls()) == (["/reset"], [])
 
 

@@ -149,7 +149,7 @@ def test_start_paused_waits_for_the_time_panel(
     speed.rate = 1000.0
 
     def press(seconds: float) -> None:
-        if speed.paused:  # else it keeps the pace of time that goes on
+        if speed.paused:  # otherwise it follows the pace of robot time
             assert heard == []
             speed.paused = False
 

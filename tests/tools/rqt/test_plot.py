@@ -102,5 +102,5 @@ def test_long_curve_is_downsampled_and_keeps_its_peaks(graph: Graph, arm: Node) 
     points[54_321] = (0.54321, 9.0)
     assert len(spread) < 200_000
     assert "nan" not in spread
-    assert ">8<" in view.picture()  # the axis goes up to the peak
+    assert ">8<" in view.picture()  # the axis extends to the peak
     assert ">8<" not in spread

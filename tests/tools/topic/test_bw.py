@@ -20,7 +20,7 @@ def test_sizes_are_serialized_message_sizes(run: Run, talker: Node) -> None:
     assert size == len(serialize(String(data="hello 9")))
     lines = run("topic bw /chatter").splitlines()
     assert lines[0] == "Subscribed to [/chatter]"
-    assert lines[1].endswith(" B/s from 9 messages")  # the tenth comes a millisecond after the second
+    assert lines[1].endswith(" B/s from 9 messages")  # the tenth arrives a millisecond after the second
     assert lines[2] == f"\tMessage size mean: {size} B min: {size} B max: {size} B"
     assert lines[-1] == "No page is watching: ros2 topic bw stopped after 5 s of robot time."
 

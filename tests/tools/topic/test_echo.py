@@ -105,7 +105,7 @@ def test_qos_profile_can_be_selected_and_modified(run: Run, talker: Node) -> Non
 def test_message_info_precedes_the_message(run: Run, talker: Node) -> None:
     lines = run("topic echo /chatter --once -i").splitlines()
     source, received = (int(lines[number].rsplit(" ", 1)[1]) for number in (3, 1))
-    assert received - source == 1_000_000  # [ns] under way
+    assert received - source == 1_000_000  # latency [ns]
     assert lines == [
         "publication_sequence_number: null",
         f"received_timestamp: {received}",

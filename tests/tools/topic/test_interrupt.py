@@ -28,6 +28,6 @@ def test_interrupt_ends_the_command_silently(
 
     talker.create_timer(1.5, press)
     run(line)
-    where = ", in test_interrupt.py, line 27: raise KeyboardInterrupt"  # of the callback under way
+    where = ", in test_interrupt.py, line 27: raise KeyboardInterrupt"  # of the running callback
     assert capsys.readouterr().out == f"Stopped after 1.5 s of robot time{where}.\n"
     assert talker.get_node_names() == ["talker"]

@@ -31,7 +31,7 @@ def test_goal_is_accepted_executed_and_its_result_returned(
     assert [list(message.feedback.sequence) for message in heard] == [[0, 1, 1], [0, 1, 1, 2]]
     assert heard[0].goal_id == handle.goal_id
     assert round((begun.now_ns - start_ns) / SECOND, 1) == 2.0
-    until_done(later(server_node))  # as in rclpy a result is taken before a state that came with it
+    until_done(later(server_node))  # as in rclpy, a result is handled before a simultaneous state
     assert handle.status == GoalStatus.STATUS_SUCCEEDED
 
 

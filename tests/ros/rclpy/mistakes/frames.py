@@ -1,6 +1,6 @@
 """Transforms and tf2's buffer."""
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 FRAMES = [
     (
         "Buffer().lookup_transform('map', 'base', Time())",

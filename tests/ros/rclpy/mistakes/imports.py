@@ -1,6 +1,6 @@
 """Imports of names that do not exist or are in another module."""
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 IMPORTS = [
     (
         "from std_msgs.msg import string",

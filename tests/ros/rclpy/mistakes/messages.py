@@ -1,6 +1,6 @@
 """Messages and their fields."""
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 MESSAGES = [
     (
         "Twist().linear.x = 1",

@@ -15,7 +15,7 @@ def undefined(name: str) -> str:
     return f"NameError: name '{name}' is not defined"
 
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 NAMES = [
     ("CUBE", undefined("CUBE"), "did you mean `Marker.CUBE`?"),
     ("Markers()", undefined("Markers"), "did you mean `Marker`?"),

@@ -1,6 +1,6 @@
 """Nodes, timers, logging, and the run around them."""
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 NODES = [
     (
         "class Robot(Node):\n"

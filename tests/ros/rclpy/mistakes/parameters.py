@@ -1,6 +1,6 @@
 """Parameters of a node."""
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 PARAMETERS = [
     (
         "node.declare_parameter('speed', 1)\nnode.declare_parameter('speed', 2)",

@@ -1,6 +1,6 @@
 """Mistakes with Python's own types: numbers, lists, dictionaries and arrays."""
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 PLAIN_PYTHON = [
     (
         "speed = 2.0\nspeed ^ 2.0",

@@ -1,6 +1,6 @@
 """Services and actions."""
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 SERVICES = [
     (
         "client = node.create_client(AddTwoInts, 'add')\nclient.call_async(AddTwoInts.Request()).sum",

@@ -1,6 +1,6 @@
 """Times and durations."""
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 TIMES = [
     (
         "node.get_clock().now() - Time()",

@@ -1,6 +1,6 @@
 """Publishers, subscriptions and their QoS."""
 
-# (program, the last line of what it says, the hint below it)
+# (program, last line of the error, hint below it)
 TOPICS = [
     (
         "node.create_subscription(String, 'chatter', lambda: None, 10)",
