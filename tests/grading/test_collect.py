@@ -322,3 +322,24 @@ def test_backslashes_in_a_student_archive_do_not_lead_elsewhere(tmp_path: Path, 
 def test_file_that_is_not_a_notebook_is_rejected_by_what_it_is(data: bytes, reason: str) -> None:
     with pytest.raises(CourseError, match=reason):
         parse_notebook(data, "week01_exercise.ipynb")
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "exercise"),
+    [
+        ("Copy of week01_exercise.ipynb", 'check("week01.red_cube", Node)', "week01_exercise"),
+        (
+            "mueller_Week01_Exercise (1).ipynb",
+            "x = 1\ncheck(\n    'week01.red_cube', Node)",
+            "week01_exercise",
+        ),
+        ("notes on week01_exercise.ipynb", "x = 1", None),
+        ("notes on week01_exercise.ipynb", 'check("week02.joint_wave", Node)', None),
+        ("Untitled.ipynb", 'check("week01.red_cube", Node)', None),
+        ("myweek01_exercise.ipynb", 'check("week01.red_cube", Node)', None),
+    ],
+)
+def test_exercise_without_metadata_is_known_by_its_name_and_checks(
+    name: str, code: str, exercise: str | None
+) -> None:
+    assert parse_notebook(notebook(code), name).exercise == exercise

@@ -4,7 +4,7 @@ import ast
 import hashlib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -84,6 +84,7 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
     ran = tuple(bool(cell.get("execution_count", cell.get("prompt_number"))) for cell in code_cells)
     claims = _dict(_dict(content.get("metadata")).get("course"))
     exercise = find_exercise_name(claims.get("exercise")) or find_exercise_name(name)
+    exercise = exercise or _exercise_without_metadata(name, code)
     texts = [
         (cell.get("cell_type") == "code", source({"source": cell.get("source", cell.get("input", ""))}))
         for cell in cells
@@ -123,6 +124,18 @@ def find_exercise_name(text: Any) -> str | None:
     """Return the exercise at the beginning of a name, "week01_exercise", or None."""
     named = re.match(r"week\d\d_exercise", text) if isinstance(text, str) else None
     return named and named[0]
+
+
+def _exercise_without_metadata(name: str, code: Sequence[str]) -> str | None:
+    """Return the exercise in a name like "Copy of week01_exercise.ipynb", or None.
+
+    Some editors drop the metadata of a course. The file must call the checks of that week: a
+    student's notes may have such a name, too.
+    """
+    named = re.search(r"(?<![^\W_])(week\d\d)_exercise", name, re.IGNORECASE)
+    week = named[1].lower() if named else ""
+    is_checked = week and any(re.search(rf"""\bcheck\(\s*["']{week}\.""", cell) for cell in code)
+    return f"{week}_exercise" if is_checked else None
 
 
 def full_exercise_name(text: str) -> str:
