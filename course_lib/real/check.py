@@ -34,8 +34,9 @@ from course_lib.ros.programs import import_path
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.time import wall
 
-# Maximum number of messages by which one recording may begin later than the other.
-MAX_OFFSET = 30
+# One recording may begin later than the other by this number of messages, or by this time. On a busy
+# computer, the first hundreds of messages of a fast topic are missed.
+MAX_OFFSET, MAX_OFFSET_NS = 30, 1_500_000_000
 # Stamps closer than this to the start of a run belong to the run [ns].
 NEAR_NS = 86_400 * 10**9
 TIME = "builtin_interfaces/Time"
@@ -123,15 +124,23 @@ def compare(in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> list[TopicCom
 def _compare_topic(topic: str, in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> TopicComparison:
     ours, theirs = ([serialize(_without_stamps(one)) for one in side] for side in (in_kit, in_ros))
     best: list[tuple[bytes, bytes]] = []
-    for offset in sorted(range(-MAX_OFFSET, MAX_OFFSET + 1), key=abs):
+    different: list[tuple[bytes, bytes]] = []
+    limit = max(MAX_OFFSET, *(_count_first(side) for side in (in_kit, in_ros)))
+    for offset in sorted(range(-limit, limit + 1), key=abs):
         pairs = list(zip(ours[max(0, offset) :], theirs[max(0, -offset) :], strict=False))
         # An offset must not be selected because it leaves few messages to compare.
         is_long = 2 * len(pairs) >= min(len(ours), len(theirs))
-        if pairs and is_long and (not best or len(_differences(pairs)) < len(_differences(best))):
-            best = pairs
-    different = _differences(best)
+        found = _differences(pairs)
+        # The share of different pairs, because later offsets have fewer pairs.
+        if pairs and is_long and (not best or len(found) * len(best) < len(different) * len(pairs)):
+            best, different = pairs, found
     field = _different_field(*different[0], in_kit[0].type_name) if different else ""
     return TopicComparison(topic, len(ours), len(theirs), len(best), len(best) - len(different), field)
+
+
+def _count_first(samples: Sequence[Sample]) -> int:
+    """Return the number of samples in the first MAX_OFFSET_NS of a recording."""
+    return sum(one.stamp_ns < samples[0].stamp_ns + MAX_OFFSET_NS for one in samples)
 
 
 def _differences(pairs: Sequence[tuple[bytes, bytes]]) -> list[tuple[bytes, bytes]]:

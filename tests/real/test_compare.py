@@ -6,11 +6,11 @@ from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
 
 
-def _samples(values: list[float], at_ns: int) -> list[Sample]:
+def _samples(values: list[float], at_ns: int, period_ns: int = 10**8) -> list[Sample]:
     samples = []
     for index, value in enumerate(values):
         pose = PoseStamped()
-        stamp_ns = at_ns + index * 10**8
+        stamp_ns = at_ns + index * period_ns
         pose.header.stamp.sec, pose.header.stamp.nanosec = divmod(stamp_ns, 10**9)
         pose.pose.position.x = value
         samples.append(Sample(stamp_ns, "/pose", "geometry_msgs/msg/PoseStamped", serialize(pose), Qos(), 1))
@@ -21,6 +21,18 @@ def test_recordings_with_other_stamps_and_a_later_start_are_equal() -> None:
     values = [float(number) for number in range(10)]
     (found,) = compare(_samples(values, START_NS), _samples(values[2:], START_NS + 10**17))
     assert str(found) == "/pose: kit 10, ROS 8 messages; 8 of 8 pairs bit-equal"
+
+
+def test_recording_of_a_fast_topic_may_begin_a_second_later() -> None:
+    values = [float(number) for number in range(1000)]
+    late = _samples(values[200:], START_NS, 5_000_000)
+    (found,) = compare(_samples(values, START_NS, 5_000_000), late)
+    assert str(found) == "/pose: kit 1000, ROS 800 messages; 800 of 800 pairs bit-equal"
+
+
+def test_recordings_without_equal_messages_are_compared_from_the_start() -> None:
+    (found,) = compare(_samples([1.0] * 400, START_NS, 5_000_000), _samples([2.0] * 400, START_NS, 5_000_000))
+    assert (found.equal, found.pairs) == (0, 400)
 
 
 def test_different_value_is_reported_with_its_field() -> None:
