@@ -323,9 +323,9 @@ def _check_wrong_answer(variant: Variant, task: Task, place: str, result: TaskRe
             "wrong", f"{name}: the code raises {result.errors[:1] or 'nothing'}, expected {expected}", place
         )
     elif not re.search(variant.says, failure_text(result)):
-        came = failure_text(result).splitlines()[:1] or ["all public checks pass"]
+        reported = failure_text(result).splitlines()[:1] or ["all public checks pass"]
         yield Flaw(
-            "wrong", f"{name}: expected a message with {variant.says!r}, the checks say: {came[0]}", place
+            "wrong", f"{name}: expected a message with {variant.says!r}, the checks say: {reported[0]}", place
         )
     elif variant.hint:
         (shown, *_), own = Advice().hint(task, result), task.mistakes.get(variant.hint, "")
@@ -375,8 +375,8 @@ def _check_mutant(operator: Operator, name: str, path: Path, result: TaskResult)
         also = f"Fix the check or, if the mutant meets the requirements, add to {path.name}: {row}"
         yield Flaw("wrong", f"{name}: {', '.join(missed)}. {also}", str(path))
     elif not re.search(operator.names, failure_text(result)):
-        came = failure_text(result).splitlines()[0]
-        yield Flaw("wrong", f"{name}: expected {operator.names!r}, the checks say: {came}", str(path))
+        reported = failure_text(result).splitlines()[0]
+        yield Flaw("wrong", f"{name}: expected {operator.names!r}, the checks say: {reported}", str(path))
 
 
 # Replacement fields of an f-string.

@@ -35,17 +35,17 @@ class Hollowing:
 
     Args:
         name: A description for messages.
-        left: Returns the hollowed samples.
+        filter_samples: Returns the hollowed samples.
         remedy: Advice for the author if the hollowed samples still earn points.
     """
 
     name: str
-    left: Callable[[Sequence[Sample]], list[Sample]]
+    filter_samples: Callable[[Sequence[Sample]], list[Sample]]
     remedy: str = "let these checks require the check of the content: check.requiring(content)"
 
-    def of(self, evidence: Evidence) -> Evidence:
+    def apply(self, evidence: Evidence) -> Evidence:
         """Return the evidence with hollowed samples."""
-        return replace(evidence, samples=tuple(self.left(evidence.samples)))
+        return replace(evidence, samples=tuple(self.filter_samples(evidence.samples)))
 
 
 def _nested_messages(message: Any) -> list[Any]:
@@ -253,6 +253,6 @@ def _hollow_results(
     for task in (task for task in tasks if task.kind == "node"):
         before = [one for one in runs if one.evidence.task == task.id]
         for hollowing in HOLLOWINGS:
-            after = [replace(one, evidence=hollowing.of(one.evidence)) for one in before]
+            after = [replace(one, evidence=hollowing.apply(one.evidence)) for one in before]
             if after != before:
                 yield hollowing, judge_task(task, *catalog.points(task), after)

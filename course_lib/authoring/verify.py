@@ -229,8 +229,8 @@ class WeekRehearsals:
                 continue
             self.kept[f"{result.task}: {name}"] = result.fraction
             if result.errors or result.score >= result.points or not failure_text(result, hidden=True):
-                came = [*result.errors, f"{result.score:g} of {result.points:g} points"][0]
-                text = f"{result.task}: {name}: {came}, expected failing public and hidden checks"
+                outcome = [*result.errors, f"{result.score:g} of {result.points:g} points"][0]
+                text = f"{result.task}: {name}: {outcome}, expected failing public and hidden checks"
                 yield Flaw("wrong", text, place)
             elif says not in failure_text(result):
                 text = f"{result.task}: {name}: expected a message with {says!r}, the checks say: "
@@ -377,20 +377,20 @@ class WeekReport:
         week: "week01", or EXTRAS.
         flaws: The flaws that were found.
         unknown: The aspects that could not be checked.
-        left: Number of remaining template placeholders by file.
+        placeholders: Number of remaining template placeholders by file.
         kept: Fraction of the task's points that each wrong answer earns.
     """
 
     week: str
     flaws: tuple[Flaw, ...]
     unknown: frozenset[str] = frozenset()
-    left: Mapping[str, int] = field(default_factory=dict)
+    placeholders: Mapping[str, int] = field(default_factory=dict)
     kept: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def replace(self) -> int:
         """The number of remaining template placeholders."""
-        return sum(self.left.values())
+        return sum(self.placeholders.values())
 
     def cell(self, aspect: str) -> str:
         """Return the symbol for an aspect: passed, failed or skipped."""
@@ -420,7 +420,7 @@ def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -
             runs = _start_lessons(f"{week}_*.ipynb", course, pool)
             report = _verify_week(week, course, pool)
             flaws = (*report.flaws, *(flaw for run in runs for flaw in run.result()))
-            yield replace(report, flaws=flaws, left=_count_placeholders(week, course))
+            yield replace(report, flaws=flaws, placeholders=_count_placeholders(week, course))
         runs = [] if weeks else _start_lessons("extra_*.ipynb", course, pool)
         ran = [flaw for run in runs for flaw in run.result()]
     if not weeks and (found := [*page_flaws(EXTRAS, course), *_idle_mutants(course), *ran]):
@@ -592,7 +592,11 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
     flaws = [f"{report.week}, {flaw.aspect}: {flaw}" for report in reports for flaw in report.flaws]
     found = [flaw.replace(top, "") for flaw in flaws]
     found += _open_question_lines(reports)
-    found += [f"{place}: {count} {LEFT}".replace(top, "") for r in reports for place, count in r.left.items()]
+    found += [
+        f"{place}: {count} {LEFT}".replace(top, "")
+        for r in reports
+        for place, count in r.placeholders.items()
+    ]
     found += [_kept_line(report) for report in reports if report.kept]
     aspects: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
     requirements = [f"{aspect}: {text}" for aspect, text in aspects.items()]
@@ -612,7 +616,7 @@ def _open_question_lines(reports: Iterable[WeekReport]) -> list[str]:
 def report_placeholders(course: Course) -> list[str]:
     """Return a line for each week that still contains template placeholders."""
     return _open_question_lines(
-        [WeekReport(week, (), left=_count_placeholders(week, course)) for week in weeks_of(course)]
+        [WeekReport(week, (), placeholders=_count_placeholders(week, course)) for week in weeks_of(course)]
     )
 
 

@@ -85,8 +85,8 @@ def slider(
     label = ipywidgets.Label()
 
     def show(new: float) -> None:
-        said = on_change(new)
-        label.value = "" if said is None else str(said)
+        text = on_change(new)
+        label.value = "" if text is None else str(text)
 
     chosen.observe(lambda change: show(change["new"]), "value")
     show(chosen.value)

@@ -338,8 +338,8 @@ def _read(kind: Any, value: Any, keys: tuple[str, ...] = (), **found: Any) -> An
     if kind in KINDS:
         is_right, expected, make = KINDS[kind]
         if not is_right(value):
-            came = repr(value) if isinstance(value, str) else value
-            raise _MisfitError(keys, f"{came}, expected {expected}")
+            actual = repr(value) if isinstance(value, str) else value
+            raise _MisfitError(keys, f"{actual}, expected {expected}")
         return make(value)
     if not isinstance(value, dict):
         raise _MisfitError(keys, f"{value!r}, expected a table")

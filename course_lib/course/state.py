@@ -353,8 +353,8 @@ class Finding:
         """The result as a line of text."""
         if self.fits:
             return f"✔ {self.name} {self.installed}"
-        came = f"version {self.installed} is installed" if self.installed else "not installed"
-        return f"✘ {self.name}: {came}, wanted {self.wanted or 'any version'}. In a terminal: {REPAIR}"
+        actual = f"version {self.installed} is installed" if self.installed else "not installed"
+        return f"✘ {self.name}: {actual}, wanted {self.wanted or 'any version'}. In a terminal: {REPAIR}"
 
 
 def find_versions() -> Iterator[Finding]:

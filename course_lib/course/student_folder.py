@@ -527,12 +527,12 @@ def _due(deadline: datetime | None, now: datetime, zone: ZoneInfo) -> str:
     left = deadline.replace(tzinfo=zone) - now
     hours = left.total_seconds() / 3600
     if hours < 0:
-        told = "over"
+        remaining = "over"
     elif hours < HOURS_SHOWN:
-        told = f"{hours:.0f} h left"
+        remaining = f"{hours:.0f} h left"
     else:
-        told = f"{left.days} days left"
-    return f"{deadline:%d %b %H:%M}, {told}"
+        remaining = f"{left.days} days left"
+    return f"{deadline:%d %b %H:%M}, {remaining}"
 
 
 def _describe_packed(week: Week, so_far: Progress) -> str:
@@ -542,12 +542,14 @@ def _describe_packed(week: Week, so_far: Progress) -> str:
         return f"{week.exercise}: packed by an older version, which did not record its contents."
     path, source = Path(file.file), Path(file.source).name
     outcomes = "; ".join(f"{outcome}: {', '.join(names)}" for outcome, names in file.by_outcome.items())
-    said = [f"{path.name} holds {format_count(len(file.tasks), 'task')} of {source}, when packed {outcomes}."]
+    sentences = [
+        f"{path.name} holds {format_count(len(file.tasks), 'task')} of {source}, when packed {outcomes}."
+    ]
     if not path.is_file():
-        said.append(f"It is no longer at {path}.")
+        sentences.append(f"It is no longer at {path}.")
     if so_far.changed:
-        said.append(f"{source} has changed since: course submit {source}")
-    return " ".join(said)
+        sentences.append(f"{source} has changed since: course submit {source}")
+    return " ".join(sentences)
 
 
 def _next(rows: list[tuple[Week, Progress]]) -> str:

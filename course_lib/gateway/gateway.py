@@ -79,9 +79,9 @@ def open_router(settings: dict[str, Any], option: str = "--listen") -> "zenoh.Se
     except zenoh.ZError as error:
         place = settings["listen/endpoints"][-1]
         # The rest is a position in Zenoh's source.
-        said = str(error).split(" at /")[0]
+        reason = str(error).split(" at /")[0]
         raise CourseError(
-            f"Zenoh can't listen at {place}: {said}. Is the port taken? {option} takes another."
+            f"Zenoh can't listen at {place}: {reason}. Is the port taken? {option} takes another."
         ) from error
 
 

@@ -132,9 +132,9 @@ def _check_points(message: JointTrajectory) -> Iterator[str]:
     names = message.joint_names
     for number, point in enumerate(message.points):
         for name in _FIELDS:
-            came = len(getattr(point, name))
-            if came != len(names) and (came or name == "positions"):
-                sizes = f"joint_names size ({len(names)}) and {name} ({came})"
+            size = len(getattr(point, name))
+            if size != len(names) and (size or name == "positions"):
+                sizes = f"joint_names size ({len(names)}) and {name} ({size})"
                 yield f"Mismatch between {sizes} at point #{number}."
             if not np.isfinite(getattr(point, name)).all():
                 yield f"The {name} at point #{number} are not all finite."

@@ -128,7 +128,7 @@ def is_own(filename: str) -> bool:
     return not filename.startswith(("<frozen", *OTHERS))
 
 
-def name_line(filename: str, line: int) -> str:
+def format_location(filename: str, line: int) -> str:
     """Return the description of a line with its text.
 
     Cells have the names that IPython gives them.
@@ -145,7 +145,7 @@ def name_line(filename: str, line: int) -> str:
 
 def _innermost_own_line(places: Iterable[tuple[str, int | None]]) -> str:
     own = [(name, line) for name, line in places if line and is_own(name)]
-    return name_line(*own[-1]) if own else ""
+    return format_location(*own[-1]) if own else ""
 
 
 @contextmanager

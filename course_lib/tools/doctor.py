@@ -89,7 +89,7 @@ def problem(offered: Qos, requested: Qos) -> str:
 def _pairs(source: Source) -> Iterator[tuple[str, EndpointInfo, EndpointInfo]]:
     for topic in source.topics():
         for publisher in source.endpoints(topic, "pub"):
-            yield from ((topic, publisher, heard) for heard in source.endpoints(topic, "sub"))
+            yield from ((topic, publisher, subscription) for subscription in source.endpoints(topic, "sub"))
 
 
 def _reports(source: Source, link: Rows) -> dict[str, tuple[str, Rows]]:

@@ -83,9 +83,9 @@ def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Wr
     (words, *filters), target = split(line)
     # For example: ros2 topic type /chatter | ros2 interface show -
     if filters and filters[0][0] == "ros2":
-        told: list[str] = []
-        ros2(words, told.append)
-        words = ["".join(told).strip() if word == "-" else word for word in filters.pop(0)[1:]]
+        output: list[str] = []
+        ros2(words, output.append)
+        words = ["".join(output).strip() if word == "-" else word for word in filters.pop(0)[1:]]
     with ExitStack() as stack:
         if target is not None:
             write = stack.enter_context(target[1].open(target[0], encoding="utf-8")).write
@@ -321,8 +321,8 @@ def _show_error(
 ) -> list[str]:
     if isinstance(error, CourseError | KeyboardInterrupt):
         line = line_of_traceback(trace) if isinstance(error, KeyboardInterrupt) else ""
-        said = str(error) or f"the cell was stopped{line and f' in {line}'}."
-        shell._showtraceback(kind, error, [f"{kind.__name__}: {said}"])
+        message = str(error) or f"the cell was stopped{line and f' in {line}'}."
+        shell._showtraceback(kind, error, [f"{kind.__name__}: {message}"])
     else:
         add_hint(error)
         own, hidden = hide_kit_frames(trace)

@@ -66,17 +66,17 @@ class CallbackRow:
 
 @dataclass(frozen=True)
 class CallbackRun:
-    """One run of a callback: times in [ns] of robot time, processor time in [s]."""
+    """One run of a callback: times in [ns] of robot time, CPU time in [s]."""
 
     node: str
     callback: str
     ready_ns: int
     start_ns: int
     end_ns: int
-    processor: float
+    cpu_seconds: float
 
 
-def callback_run(entity: Any, ready_ns: int, start_ns: int, processor: float) -> CallbackRun:
+def callback_run(entity: Any, ready_ns: int, start_ns: int, cpu_seconds: float) -> CallbackRun:
     """Return the run of a callback that has just ended.
 
     Its label is the topic, service or period.
@@ -87,7 +87,7 @@ def callback_run(entity: Any, ready_ns: int, start_ns: int, processor: float) ->
     if period is not None:
         name = f"timer {period / _SECOND:g} s"
     return CallbackRun(
-        handle.full_name, name or type(entity).__name__, ready_ns, start_ns, handle.graph.now_ns, processor
+        handle.full_name, name or type(entity).__name__, ready_ns, start_ns, handle.graph.now_ns, cpu_seconds
     )
 
 
@@ -103,7 +103,7 @@ def callback_rows(calls: Sequence[CallbackRun], seconds: float) -> list[Callback
             longest=max(c.end_ns - c.start_ns for c in found) / _SECOND,
             longest_wait=max(c.start_ns - c.ready_ns for c in found) / _SECOND,
             busy=sum(c.end_ns - c.start_ns for c in found) / _SECOND / seconds,
-            load=sum(c.processor for c in found) / seconds,
+            load=sum(c.cpu_seconds for c in found) / seconds,
         )
         for name, found in sorted(by_name.items())
     ]

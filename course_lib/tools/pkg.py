@@ -122,7 +122,7 @@ def _create(source: Source, arguments: Namespace, write: Write) -> None:
         depends=arguments.dependencies,
     )
     write("going to create a new package\n")
-    for what, said in (
+    for what, content in (
         ("package name", text.name),
         ("destination directory", Path(arguments.destination_directory).absolute()),
         ("package format", 3),
@@ -134,7 +134,7 @@ def _create(source: Source, arguments: Namespace, write: Write) -> None:
         ("dependencies", text.depends),
         *([("node_name", arguments.node_name)] if arguments.node_name else []),
     ):
-        write(f"{what}: {said}\n")
+        write(f"{what}: {content}\n")
     _write_files(text, arguments, write)
     if text.license not in _LICENSES:
         known = "\n".join(_LICENSES)

@@ -160,15 +160,15 @@ def listen(
     CourseError.
     """
     topic, sim = full_name(arguments.topic_name), arguments.use_sim_time
-    start_ns, limit, came = source.graph.now_ns, source.limit(), False
+    start_ns, limit, has_received = source.graph.now_ns, source.limit(), False
     with until_interrupted():
         kind = type_of(source, topic, write, blocking=True)
         topics = {(topic, kind): SENSOR_DATA, **({CLOCK: SENSOR_DATA} if sim else {})}
         arrivals = source.stream(topics, Listening(limit, every=None if sim else every))
         for now_ns, arrival in _with_sim_time(arrivals, topic, every) if sim else arrivals:
-            came = came or arrival is not None
+            has_received = has_received or arrival is not None
             yield now_ns, arrival
-        if not came:
+        if not has_received:
             raise CourseError(silence_message(source, topic, SENSOR_DATA, start_ns))
         if limit:
             write(f"No page is watching: ros2 topic {verb} stopped after {limit:g} s of robot time.\n")
@@ -309,11 +309,11 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
     qos = requested_qos(arguments) or match_qos(
         source.offered_qos(topic), PRESETS[arguments.qos_profile], write
     )
-    start_ns, came, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
+    start_ns, has_received, limit = source.graph.now_ns, False, None if arguments.once else source.limit()
     listening = Listening(patience=SILENCE_LIMIT, seconds=arguments.timeout or limit)
     with until_interrupted():
         for heard_ns, arrival in source.stream({(topic, kind): qos}, listening):
-            came = True
+            has_received = True
             # The limits above have no ticks, and only ticks are None.
             assert arrival is not None
             selected = arrival.cdr if arguments.raw else _field(arrival.message(), arguments.field)
@@ -323,7 +323,7 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
             write(_text(selected, arguments, info))
             if arguments.once:
                 return
-        if not came:
+        if not has_received:
             raise CourseError(silence_message(source, topic, qos, start_ns))
         if source.live and not arguments.timeout and not source.graph.ended:
             why = "No page is watching" if limit else "No further message came"
@@ -428,18 +428,18 @@ def _hz(source: Source, arguments: Namespace, write: Write) -> None:
 def _bw(source: Source, arguments: Namespace, write: Write) -> None:
     topic = full_name(arguments.topic_name)
     # Time [ns] and size [bytes].
-    heard: deque[tuple[int, int]] = deque(maxlen=arguments.window)
+    received: deque[tuple[int, int]] = deque(maxlen=arguments.window)
     title = f"Subscribed to [{topic}]\n"
     for now_ns, arrival in listen(source, arguments, write, verb="bw", every=1.0):
         write(title)
         title = ""
         if arrival is not None and now_ns:
-            heard.append((now_ns, len(arrival.cdr)))
-        elif len(heard) > 1 and now_ns <= heard[0][0]:
+            received.append((now_ns, len(arrival.cdr)))
+        elif len(received) > 1 and now_ns <= received[0][0]:
             write("WARNING: time is reset!\n")
-            heard.clear()
-        elif len(heard) > 1:
-            write(bandwidth([size for _, size in heard], (now_ns - heard[0][0]) * 1e-9))
+            received.clear()
+        elif len(received) > 1:
+            write(bandwidth([size for _, size in received], (now_ns - received[0][0]) * 1e-9))
 
 
 def _delay(source: Source, arguments: Namespace, write: Write) -> None:

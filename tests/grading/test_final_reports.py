@@ -82,7 +82,7 @@ def test_file_submitted_after_a_mark_without_a_file_needs_review(
     [
         (
             ("ada", "week01", "5"),
-            "week01_exercise of ada has a file that was graded: give points for its tasks",
+            "week01_exercise of ada has a file that was graded: enter points for its tasks",
         ),
         (("bob", "week9", "5"), "there is no exercise 'week9'; exercises with points: week01_exercise"),
         (("bob", "week01", "111"), "111 points for week01_exercise of bob: expected 0 to 110"),

@@ -66,7 +66,7 @@ def behind(channel: Channel, graph: Graph) -> RemoteGraph:
     return RemoteGraph(channel, start_ns=START_NS, end_ns=END_NS, last_id=graph.last_id)
 
 
-def behind_the_pipe(graph: Graph) -> None:
+def run_in_remote_graph(graph: Graph) -> None:
     def child(channel: Channel) -> None:
         remote = behind(channel, graph)
         talk(remote)
@@ -86,7 +86,7 @@ def behind_the_pipe(graph: Graph) -> None:
 def test_program_in_another_process_gives_the_same_recording_as_a_local_program() -> None:
     here = recorded(talk)
     assert [s.topic for s in here] == ["/count", "/echo"] * 4 + ["/count"]
-    assert recorded(behind_the_pipe) == here
+    assert recorded(run_in_remote_graph) == here
 
 
 @pytest.mark.parametrize(

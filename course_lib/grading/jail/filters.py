@@ -31,7 +31,7 @@ def call_function(name: str, *arguments: Any) -> int:
     """
     called = getattr(_libc(), name, None)
     if called is None:
-        raise OSError(f"{name}: not on this system")
+        raise OSError(f"{name}: not available on this system")
     result = int(called(*arguments))
     if result < 0:
         number = ctypes.get_errno()

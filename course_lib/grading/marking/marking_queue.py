@@ -417,7 +417,7 @@ def mark_without_file(
         result = _no_file(student, exercise) if is_new else read_result(path).result
         if result.judgement is not None and not withdraw:
             raise CourseError(
-                f"{exercise} of {student} has a file that was graded: give points for its tasks, "
+                f"{exercise} of {student} has a file that was graded: enter points for its tasks, "
                 f"course mark {out} {student} {exercise} TASK POINTS"
             )
         most = POINTS_PER_WEEK + sum(weeks[week].bonus.values())

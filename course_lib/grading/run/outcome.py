@@ -18,7 +18,7 @@ import numpy as np
 
 from course_lib.errors import CourseError
 from course_lib.ros.hints import hint
-from course_lib.ros.tracebacks import line_of_traceback, name_line
+from course_lib.ros.tracebacks import format_location, line_of_traceback
 
 MAX_ITEMS = 200_000
 BYTES_PER_ITEM = 32  # [B] size of an object and the reference to it
@@ -111,7 +111,7 @@ def describe(error: BaseException) -> str:
     For example "ZeroDivisionError: division by zero (cell In[3], line 2: 1 / 0)".
     """
     where = (
-        name_line(error.filename or "", error.lineno)
+        format_location(error.filename or "", error.lineno)
         if isinstance(error, SyntaxError) and error.lineno
         else line_of_traceback(error.__traceback__)
     )

@@ -422,7 +422,7 @@ class CellLog:
     stopped: dict[int, str] = field(default_factory=dict)
     limit: str = ""  # the limit that was reached, or ""
     # Once complete, the log is frozen: cells that run again may know hidden inputs.
-    complete: bool = False
+    is_complete: bool = False
 
 
 class SubmissionRun:
@@ -528,8 +528,8 @@ class SubmissionRun:
                         current = index
                     case ["ran", list(errors)]:
                         output = worker.take_output()
-                        if not log.complete:
-                            log.output, log.errors, log.complete = output, _limit_texts(errors), True
+                        if not log.is_complete:
+                            log.output, log.errors, log.is_complete = output, _limit_texts(errors), True
                             log.limit = log.limit or find_exceeded_limit(log.errors)
                         return True
                     case ["crowded"]:

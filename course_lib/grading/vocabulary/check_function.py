@@ -198,8 +198,8 @@ def received_messages(evidence: Evidence, topic: str, *types: str) -> list[tuple
     Raises:
         Problem: There is no such message; the problem states the type that was published instead.
     """
-    came = evidence.messages(topic)
-    found = [(at, message) for at, message in came if type_name(message) in types] if types else came
+    messages = evidence.messages(topic)
+    found = [(at, message) for at, message in messages if type_name(message) in types] if types else messages
     if found:
         return found
     if topic not in evidence.topics:

@@ -163,8 +163,8 @@ def expect_display(
     if topic is not None:
         on_topic = [config for config in displays if _topic_of(config) == topic]
         if not on_topic:
-            came = join_words([repr(_topic_of(config)) for config in displays])
-            return [Problem(f"{class_name} subscribes to {came}, expected {topic!r}", "a topic is wrong")]
+            topics = join_words([repr(_topic_of(config)) for config in displays])
+            return [Problem(f"{class_name} subscribes to {topics}, expected {topic!r}", "a topic is wrong")]
         displays = on_topic
     return list(_check_values(displays[0], properties or {}, class_name)) or _check_surplus(
         evidence, DISPLAY, asked

@@ -68,8 +68,8 @@ def type_of(marker: Any) -> str:
 
 def matches(marker: Any, *wanted: Any) -> bool:
     """Return whether a marker has this type name, namespace and id; None matches any value."""
-    came = (type_of(marker), marker.ns, marker.id)
-    return all(value in (None, own) for value, own in zip(wanted, came, strict=True))
+    actual = (type_of(marker), marker.ns, marker.id)
+    return all(value in (None, own) for value, own in zip(wanted, actual, strict=True))
 
 
 def iter_markers(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:
@@ -563,9 +563,9 @@ def _reason_for_missing(
 ) -> tuple[str, str]:
     """Return why a topic shows too few markers, as the end of a message and as a kind of mistake."""
     now = evidence.seconds if at is None else at  # [s]
-    came = [row for row in iter_markers(evidence, topic) if row[0] <= now]
-    added = [(seconds, marker) for seconds, marker in came if marker.action == ADD]
-    if not came:
+    received = [row for row in iter_markers(evidence, topic) if row[0] <= now]
+    added = [(seconds, marker) for seconds, marker in received if marker.action == ADD]
+    if not received:
         return "; its arrays are empty", "no marker is added"
     others = sorted({type_of(marker) for _, marker in added} - {kind}) if kind else []
     if others and not any(type_of(marker) == kind for _, marker in added):
@@ -604,8 +604,8 @@ def _compare_position(marker: Any, expected: Sequence[float], tolerance: float) 
     for (axis, directions), target in zip(DIRECTIONS.items(), expected, strict=True):
         value = getattr(marker.pose.position, axis)
         if not is_close(value, target, tolerance):
-            came, wanted = format_number(value, "m"), format_number(target, "m")
-            where = f"its centre is at {axis} = {came}, expected {wanted}"
+            actual, wanted = format_number(value, "m"), format_number(target, "m")
+            where = f"its centre is at {axis} = {actual}, expected {wanted}"
             yield f" is {describe_offset(value, target, *directions)}: {where}"
 
 
@@ -670,32 +670,32 @@ def _compare_text(marker: Any, expected: str, _: float) -> Iterator[str]:
 
 def _compare_lifetime(marker: Any, expected: float, _: float) -> Iterator[str]:
     if not is_close(lifetime(marker), expected, LIFETIME_TOLERANCE):
-        came, wanted = format_number(lifetime(marker), "s"), format_number(expected, "s")
-        yield f"'s lifetime is {came}, expected {wanted}"
+        actual, wanted = format_number(lifetime(marker), "s"), format_number(expected, "s")
+        yield f"'s lifetime is {actual}, expected {wanted}"
 
 
 def _compare_points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
-    came = [(p.x, p.y, p.z) for p in marker.points]
-    reversed_arrow = type_of(marker) == "ARROW" and not _are_points_equal(came, expected, tolerance)
-    if len(came) != len(expected):
-        yield f" has {format_count(len(came), 'point')}, expected {len(expected) or 'none'}"
-    elif lost := _find_unmatched(expected, came, tolerance):
-        nearest = min(came, key=lambda point: _distance(point, lost[0]))
+    points = [(p.x, p.y, p.z) for p in marker.points]
+    reversed_arrow = type_of(marker) == "ARROW" and not _are_points_equal(points, expected, tolerance)
+    if len(points) != len(expected):
+        yield f" has {format_count(len(points), 'point')}, expected {len(expected) or 'none'}"
+    elif lost := _find_unmatched(expected, points, tolerance):
+        nearest = min(points, key=lambda point: _distance(point, lost[0]))
         yield f" has no point at {format_numbers(lost[0])} m; the nearest is at {format_numbers(nearest)} m"
-    elif strange := _find_unmatched(came, expected, tolerance):
+    elif strange := _find_unmatched(points, expected, tolerance):
         yield f" has a point at {format_numbers(strange[0])} m, which is not expected"
     elif reversed_arrow:
         yield " points the other way: from the second point to the first"
 
 
 def _compare_loop(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
-    came = [(p.x, p.y, p.z) for p in marker.points]
-    if not came or not is_close(math.dist(came[0], came[-1]), 0.0, tolerance):
+    points = [(p.x, p.y, p.z) for p in marker.points]
+    if not points or not is_close(math.dist(points[0], points[-1]), 0.0, tolerance):
         yield " does not end at its first point"
         return
     turns = [[*expected[i:], *expected[: i + 1]] for i in range(len(expected))]
     ways = [way for turn in turns for way in (turn, turn[::-1])]
-    if not any(_are_points_equal(came, way, tolerance) for way in ways):
+    if not any(_are_points_equal(points, way, tolerance) for way in ways):
         yield " does not go round from corner to corner"
 
 

@@ -86,8 +86,8 @@ def find_silence(
     begin = stated.begin if begin is None else begin
     end = evidence.seconds if end is None else end
     hz = hz or stated.hz
-    came = sorted({seconds for seconds in times if begin - DELIVERY <= seconds <= end})  # [s]
-    gaps = [after - before for before, after in pairwise(came)]  # [s]
+    arrivals = sorted({seconds for seconds in times if begin - DELIVERY <= seconds <= end})  # [s]
+    gaps = [after - before for before, after in pairwise(arrivals)]  # [s]
     usual = min(LONGEST_GAP * median(gaps), evidence.seconds / 2) if gaps else evidence.seconds / 2
     allowed = (LONGEST_GAP / hz if hz else usual) + DELIVERY  # [s]
     if len(gaps) > 1 and min(gaps) > allowed:
@@ -95,7 +95,7 @@ def find_silence(
         message = f"{noun} is published every {period}, expected messages at most {limit} apart"
         yield Problem(message, "a topic is published too slowly")
         return
-    for before, after in pairwise((begin, *came, end)):
+    for before, after in pairwise((begin, *arrivals, end)):
         if after - before > allowed:
             message = f"{noun} is silent from {format_number(before, 's')} to {format_number(after, 's')}"
             expected = f"expected messages all the time, at most {format_number(allowed, 's')} apart"
@@ -118,14 +118,14 @@ def expect_topic(
     at_most: int | None = None,
 ) -> Iterable[Problem]:
     """Expect at least `at_least` and at most `at_most` messages of this type on the topic."""
-    came = received_messages(evidence, topic)
-    strange = [type_name(message) for _, message in came if type_name(message) != type]
+    messages = received_messages(evidence, topic)
+    strange = [type_name(message) for _, message in messages if type_name(message) != type]
     if strange:
         return [Problem(f"{topic} carries {strange[0]}, expected {type}", "a topic has the wrong type")]
-    message = f"{format_count(len(came), 'message')} on {topic} in {evidence.seconds:g} s, expected "
-    if len(came) < at_least:
+    message = f"{format_count(len(messages), 'message')} on {topic} in {evidence.seconds:g} s, expected "
+    if len(messages) < at_least:
         return [Problem(f"{message}at least {at_least}", "too few messages on a topic")]
-    if at_most is not None and len(came) > at_most:
+    if at_most is not None and len(messages) > at_most:
         return [Problem(f"{message}at most {at_most}", "too many messages on a topic")]
     return []
 
@@ -195,21 +195,21 @@ def expect_throughout(
 def expect_nothing_before(evidence: Evidence, topic: str, begin: float) -> Iterable[Problem]:
     """Expect messages on a topic, the first one not before the time `begin` [s]."""
     first, _ = received_messages(evidence, topic)[0]
-    came, wanted = format_number(first, "s"), format_number(begin, "s")
-    message = f"{topic} was published after {came}, expected nothing before {wanted}"
+    actual, wanted = format_number(first, "s"), format_number(begin, "s")
+    message = f"{topic} was published after {actual}, expected nothing before {wanted}"
     return [Problem(message, "a message comes too early")] if first < begin else []
 
 
 @check_function("the images on {topic} have pixels")
 def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
     """Expect images with at least one pixel, and data of the right length in the first image."""
-    came = [image for _, image in received_messages(evidence, topic, IMAGE)]
-    empty = [image for image in came if not (image.width and image.height)]
+    images = [image for _, image in received_messages(evidence, topic, IMAGE)]
+    empty = [image for image in images if not (image.width and image.height)]
     if empty:
         message = f"an image on {topic} has {empty[0].width} x {empty[0].height} pixels"
         return [Problem(message, "an image has no pixels")]
     # Later images may be recorded without their pixels.
-    first, size = came[0], came[0].step * came[0].height
+    first, size = images[0], images[0].step * images[0].height
     if size < KEPT and (first.step < first.width or len(first.data) != size):
         message = f"{len(first.data)} bytes of data for {first.height} rows of {first.step} bytes (step)"
         return [
@@ -372,8 +372,8 @@ def _possible_facts(name: str, value: Any) -> list[float | str]:
 @check_function("{level}, {says}")
 def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end: float) -> Iterable[Problem]:
     """Expect one status per second from `begin` to `end` [s], with this level and `says` in its message."""
-    came = received_messages(evidence, TOPIC, ARRAY)
-    lists = [list(m.status) for at, m in came if begin + SETTLED <= at <= end + SETTLED - 1]
+    arrays = received_messages(evidence, TOPIC, ARRAY)
+    lists = [list(m.status) for at, m in arrays if begin + SETTLED <= at <= end + SETTLED - 1]
     statuses = [status for together in lists for status in together]
     when = f"from {begin:g} to {end:g} s"
     if not statuses:
@@ -381,7 +381,7 @@ def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end
     if most := max(len(together) for together in lists) - 1:
         message = f"a message has {most + 1} statuses {when}, expected one"
         return [Problem(message, "a message has more than one status")]
-    reports = [at for at, m in came if len(m.status)]
+    reports = [at for at, m in arrays if len(m.status)]
     for gap in find_silence(
         evidence, TOPIC, reports, TOPIC, hz=1.0, begin=begin + SETTLED, end=end + SETTLED - 1
     ):

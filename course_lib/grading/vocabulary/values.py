@@ -91,14 +91,14 @@ def expect_length(evidence: Evidence, fewest: int, most: int) -> Iterable[Proble
 
 def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -> Iterator[Problem]:
     """Compare plain data recursively and yield the problems of the innermost values."""
-    came = f"{name} is {_shorten(value)}"
+    actual = f"{name} is {_shorten(value)}"
     match expected, value:
         case list(), list():
             yield from _compare_lists(value, expected, tolerance, unit, name)
         case list(), _:
             wanted = f"a list of {len(expected)}" if expected else "an empty list"
-            remedy = ": put it into list( )" if came.endswith(" generator") else ""
-            yield Problem(f"{came}, expected {wanted}{remedy}", WRONG_KIND)
+            remedy = ": put it into list( )" if actual.endswith(" generator") else ""
+            yield Problem(f"{actual}, expected {wanted}{remedy}", WRONG_KIND)
         case dict(), {"object": str(kind)} if len(value) == 1 and "object" not in expected:
             yield Problem(f"{name} is {kind}, expected a dict", WRONG_KIND)
         case dict(), dict():
@@ -108,16 +108,16 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
                 else:
                     yield Problem(f"{name} has no {key!r}", "a key is missing")
         case dict(), _:
-            yield Problem(f"{came}, expected a dict", WRONG_KIND)
+            yield Problem(f"{actual}, expected a dict", WRONG_KIND)
         case ((bool() | str() | None), _):
             bare = value.strip() if isinstance(value, str) and value != expected else value
             # True == 1 in Python, so the types are compared, too.
             if (type(bare), bare) != (type(expected), expected):
-                yield Problem(f"{came}, expected {expected!r}", WRONG)
+                yield Problem(f"{actual}, expected {expected!r}", WRONG)
         case _, {"object": str(kind)} if kind.endswith(("method", "function")):
-            yield Problem(f"{came}, expected a number: are its ( ) missing?", NOT_CALLED)
+            yield Problem(f"{actual}, expected a number: are its ( ) missing?", NOT_CALLED)
         case _, (bool() | str() | None | list() | dict()):
-            yield Problem(f"{came}, expected a number", WRONG_KIND)
+            yield Problem(f"{actual}, expected a number", WRONG_KIND)
         case _ if not is_close(value, expected, tolerance):
             yield _number_problem(value, expected, unit, name)
 
@@ -129,8 +129,8 @@ def _compare_lists(
         message = f"{name} has {format_count(len(value), 'item')}, expected {len(expected) or 'none'}"
         yield Problem(message, "a list has the wrong length")
     elif _is_reversed(value, expected, tolerance):
-        came, wanted = (_shorten([_round(one) for one in row]) for row in (value, expected))
-        message = f"{name} is {came}, expected {wanted}"
+        actual, wanted = (_shorten([_round(one) for one in row]) for row in (value, expected))
+        message = f"{name} is {actual}, expected {wanted}"
         yield Problem(f"{message}: the order is the other way round", WRONG_ORDER)
     else:
         for index, pair in enumerate(zip(value, expected, strict=True)):
@@ -163,15 +163,15 @@ def _item_name(name: str, index: object) -> str:
 
 
 def _number_problem(value: float, expected: float, unit: str, name: str) -> Problem:
-    came = f"{name} is {format_number(value, unit)}, expected {format_number(expected, unit)}"
+    actual = f"{name} is {format_number(value, unit)}, expected {format_number(expected, unit)}"
     if not math.isfinite(value):
-        return Problem(came, "a value is not a finite number")
+        return Problem(actual, "a value is not a finite number")
     if unit == "rad" and abs(expected) > 1e-3 and math.isclose(math.radians(value), expected, rel_tol=1e-3):
-        return Problem(f"{came}: is it in degrees instead of radians?", "a value is in degrees")
+        return Problem(f"{actual}: is it in degrees instead of radians?", "a value is in degrees")
     if unit == "rad" and math.isclose(abs(value - expected), math.pi, abs_tol=1e-3):
-        return Problem(f"{came}: half a turn off", "an angle is wrong by half a turn")
+        return Problem(f"{actual}: half a turn off", "an angle is wrong by half a turn")
     mistake = "a value has the wrong sign" if math.isclose(value, -expected, rel_tol=1e-3) else WRONG
-    return Problem(f"{came}: {describe_offset(value, expected, 'too much', 'too little', unit)}", mistake)
+    return Problem(f"{actual}: {describe_offset(value, expected, 'too much', 'too little', unit)}", mistake)
 
 
 def _normalize(text: str) -> str:

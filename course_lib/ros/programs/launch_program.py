@@ -49,7 +49,7 @@ from course_lib.ros.programs.package_programs import (
 from course_lib.ros.programs.packages import python_path, source
 from course_lib.ros.programs.process import INTERRUPTED, Function, Process, Processes, Program
 from course_lib.ros.time.time_lock import DeadlockError, ShutDown, time_lock
-from course_lib.ros.tracebacks import line_of_traceback, name_line
+from course_lib.ros.tracebacks import format_location, line_of_traceback
 
 # Receives the name of a process, its stream (1: standard output, 2: standard error), and lines.
 OutputCallback = Callable[[str, int, str], object]
@@ -408,7 +408,7 @@ class LaunchProgram(Process):
                 place = getattr(error, "launch_place", None)
                 # An action that rejects its arguments has no place yet: its line is in the
                 # traceback.
-                line = line_of_traceback(error.__traceback__) if place is None else name_line(*place)
+                line = line_of_traceback(error.__traceback__) if place is None else format_location(*place)
                 if line and line.partition(":")[0] not in text:
                     text = f"{text} ({line})"
                 self.log("ERROR", "launch", f"Caught exception in launch (see debug for traceback): {text}")

@@ -26,7 +26,7 @@ from course_lib.ros.programs.process import NotebookProgram, Process, Processes,
 from course_lib.ros.time import virtual_time
 from course_lib.ros.time.interrupts import keep_signal_handlers
 from course_lib.ros.time.time_lock import time_lock
-from course_lib.ros.tracebacks import is_own, name_line, print_error_of_thread
+from course_lib.ros.tracebacks import format_location, is_own, print_error_of_thread
 
 _real_urandom = os.urandom
 _real_seed = random.Random.seed
@@ -168,7 +168,7 @@ def _exit_on_second_interrupt() -> Callable[[int, FrameType | None], None]:
             sys.stderr.flush()
             os._exit(130)
         if frame is not None and is_own(frame.f_code.co_filename):
-            line = name_line(frame.f_code.co_filename, frame.f_lineno)
+            line = format_location(frame.f_code.co_filename, frame.f_lineno)
             sys.stderr.write(
                 f"interrupted in {line}\nhint: robot time passes only in calls of ROS, in time.sleep and in "
                 "loops that do nothing. A loop that waits needs a line like time.sleep(0.01).\n"

@@ -63,9 +63,12 @@ class BagView(RqtView):
         shapes = "".join(self._line(row, topic) for row, topic in enumerate(self._topics))
         shapes += text("0 s", _LEFT, height - 4) + text(f"{length:.1f} s", _LEFT + _WIDTH, height - 4, "end")
         shapes += tag("path", d=f"M{x:.1f} 0v{height - 16}", stroke="#c9281f", stroke_width=2)
-        came, topics = format_count(len(self._samples), "message"), format_count(len(self._topics), "topic")
-        said = f"{came} of {topics}, the cursor at {self._at:.2f} s"
-        return drawing(shapes, _LEFT + _WIDTH + 90, height, said) + self._message()
+        messages, topics = (
+            format_count(len(self._samples), "message"),
+            format_count(len(self._topics), "topic"),
+        )
+        description = f"{messages} of {topics}, the cursor at {self._at:.2f} s"
+        return drawing(shapes, _LEFT + _WIDTH + 90, height, description) + self._message()
 
     def _line(self, row: int, topic: str) -> str:
         """Draw a topic's name, a mark per pixel with messages, and the number of messages."""

@@ -259,9 +259,9 @@ class RobotMonitorView(RqtView):
         for number, (_, level) in enumerate(self._history):
             high = 6 * (1 + _LEVELS.index(level))
             bars += tag("rect", x=9 * number, y=26 - high, width=7, height=high, fill=colour_of(level))
-        said = ", ".join(level.upper() for _, level in self._history)
+        levels = ", ".join(level.upper() for _, level in self._history)
         return drawing(
-            bars, 9 * _HISTORY, 28, f"The last {format_count(len(self._history), 'message')}: {said}"
+            bars, 9 * _HISTORY, 28, f"The last {format_count(len(self._history), 'message')}: {levels}"
         )
 
     def _details(self) -> str:

@@ -162,8 +162,8 @@ class PlotView(RqtView):
         axes = figure.subplots(gridspec_kw=place)
         for (name, (_, points)), (colour, dash) in zip(self.curves.items(), cycle(_LOOKS)):
             shown = [*takewhile(lambda point: point[0] >= since, reversed(points))]
-            said = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: no message yet"
-            look = {"label": said, "color": colour, "linestyle": dash, "rasterized": len(shown) > _LONG}
+            label = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: no message yet"
+            look = {"label": label, "color": colour, "linestyle": dash, "rasterized": len(shown) > _LONG}
             axes.plot(*np.reshape(shown, (-1, 2)).T, **look)
         axes.set(xlim=(since, max(now, since + 1.0)), xlabel="time [s]")
         axes.grid(alpha=0.4)

@@ -198,8 +198,8 @@ class ReconfigureView(RqtView):
             refusal = f"{new!r} is not a parameter value: {error}"
         if refusal:
             self._show({name: was})
-        said = f"<span class='rqt-notice'>Not set: {escape(refusal)}</span>" if refusal else "set"
-        self.rows[name].children[2].value = said
+        outcome = f"<span class='rqt-notice'>Not set: {escape(refusal)}</span>" if refusal else "set"
+        self.rows[name].children[2].value = outcome
 
     def _show(self, values: dict[str, Any]) -> None:
         """Display values received from the node."""

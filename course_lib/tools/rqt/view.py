@@ -59,13 +59,13 @@ def text(words: str, x: float, y: float, anchor: str = "start", /, **attributes:
     return tag("text", escape(words), x=x, y=y, text_anchor=anchor, **attributes)
 
 
-def drawing(shapes: str, width: float, height: float, said: str) -> str:
+def drawing(shapes: str, width: float, height: float, label: str) -> str:
     """Return an SVG with alternative text."""
-    box = {"viewBox": f"0 0 {width:.0f} {height:.0f}", "aria_label": said}
+    box = {"viewBox": f"0 0 {width:.0f} {height:.0f}", "aria_label": label}
     return tag("svg", shapes, role="img", width=width, **box)
 
 
-def chart(figure: "Figure", said: str) -> str:
+def chart(figure: "Figure", label: str) -> str:
     """Return a matplotlib figure as SVG with alternative text.
 
     Black text gets the page's color.
@@ -76,14 +76,14 @@ def chart(figure: "Figure", said: str) -> str:
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": "rqt"}):
         figure.savefig(file, format="svg", transparent=True, metadata={"Date": None})
     picture = file.getvalue()
-    return tag("div", picture[picture.index("<svg") :], role="img", aria_label=said)
+    return tag("div", picture[picture.index("<svg") :], role="img", aria_label=label)
 
 
-def table(heads: Sequence[str], rows: Iterable[Sequence[str]], said: str) -> str:
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]], label: str) -> str:
     """Return a table whose cells are HTML, with a label for screen readers."""
     head = "".join(tag("th", name, scope="col") for name in heads)
     body = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows)
-    return tag("table", f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody>", aria_label=said)
+    return tag("table", f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody>", aria_label=label)
 
 
 # Wall-clock interval between pictures [s].

@@ -38,10 +38,10 @@ class Bench:
         self.node = Node("robot")
         self._publisher = self.node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.trees: list[dict[str, Any]] = []
-        self.tops: list[Any] = []
+        self.top_levels: list[Any] = []
         self.node.create_subscription(DiagnosticArray, "/diagnostics_agg", self._hear, 10)
         self.node.create_subscription(
-            DiagnosticStatus, "/diagnostics_toplevel_state", lambda s: self.tops.append(s.level), 10
+            DiagnosticStatus, "/diagnostics_toplevel_state", lambda s: self.top_levels.append(s.level), 10
         )
         self.executor = SingleThreadedExecutor()
         for node in (self.aggregator, self.node):
@@ -104,7 +104,7 @@ def test_statuses_appear_below_every_matching_analyzer(robot: Bench) -> None:
         ("Arms", "Warning"),
         ("/Robot/Topology", "Error"),
     ]
-    assert robot.tops[-1] == ERROR
+    assert robot.top_levels[-1] == ERROR
 
 
 def test_unmatched_statuses_are_grouped_under_other_and_discarded_ones_are_omitted(robot: Bench) -> None:
@@ -205,7 +205,7 @@ def test_parameter_of_wrong_type_is_rejected_with_the_correct_syntax(begun: obje
 def test_critical_error_is_published_immediately(begun: object, tmp_path: Path) -> None:
     bench = Bench("/**: {ros__parameters: {critical: true, pub_rate: 0.9}}", tmp_path)
     bench.after(2, cam=ERROR)
-    assert bench.tops == [ERROR] * 2  # immediately, and after 1.1 s
+    assert bench.top_levels == [ERROR] * 2  # immediately, and after 1.1 s
 
 
 def test_missing_stamp_is_warned_about_once(robot: Bench, capfd: pytest.CaptureFixture[str]) -> None:

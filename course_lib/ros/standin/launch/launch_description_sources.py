@@ -8,7 +8,7 @@ from typing import Any, ClassVar, cast
 
 from course_lib.ros.hints import newer_python_hint
 from course_lib.ros.programs.packages import LAUNCH_IN_WORDS
-from course_lib.ros.tracebacks import name_line
+from course_lib.ros.tracebacks import format_location
 from course_lib.third_party import compile_python
 from launch.entities import (
     InvalidLaunchFileError,
@@ -34,7 +34,7 @@ def load_python_launch_file_as_module(python_launch_file_path: str | Path) -> Mo
     try:
         code = compile_python(file.read_bytes(), str(file))
     except SyntaxError as error:
-        place = name_line(str(file), error.lineno or 1)
+        place = format_location(str(file), error.lineno or 1)
         newer = newer_python_hint(error)
         text = f"SyntaxError: {error.msg} ({place})"
         raise InvalidPythonLaunchFileError(f"{text}; {newer}" if newer else text) from error

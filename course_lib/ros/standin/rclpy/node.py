@@ -643,12 +643,12 @@ class Node:
 
     def __keep_endpoint(self, end: TopicEnd[Any], events: EventCallbacks, group: CallbackGroup) -> None:
         self.__created_entities.append(end)
-        told = events.bind(self.handle, end.topic, group)
-        end.event_handlers = told.handlers
+        bound_events = events.bind(self.handle, end.topic, group)
+        end.event_handlers = bound_events.handlers
         limit_ns = to_qos(end.qos_profile, "pub").deadline_ns
-        if limit_ns is not None and "deadline" in told.tell:
-            end._course_deadline = Deadline(self.handle, limit_ns, partial(told.count, "deadline"))
-        end.handle.watch(told)
+        if limit_ns is not None and "deadline" in bound_events.tell:
+            end._course_deadline = Deadline(self.handle, limit_ns, partial(bound_events.count, "deadline"))
+        end.handle.watch(bound_events)
 
     def __overridden_profile(
         self,

@@ -45,13 +45,16 @@ class ServiceEnd(Entity):
         names = [f"{prefix}{full_name}{suffix}" for prefix, suffix in SERVICE_TOPICS]
         types = [type_name(part) for part in (srv_type.Request, srv_type.Response)]
         claim_service(node, "client" if asks else "service", full_name, types[0])
-        sent, heard = (0, 1) if asks else (1, 0)
+        sent, received = (0, 1) if asks else (1, 0)
         offered, wanted = to_qos(qos_profile, "pub"), to_qos(qos_profile, "sub")
         self._course_id = graph.add_publisher(node.id, names[sent], types[sent], offered)
-        heard_id = graph.add_subscription(
-            node.id, self._course_entity, names[heard], types[heard], wanted, self.__receive
+        received_id = graph.add_subscription(
+            node.id, self._course_entity, names[received], types[received], wanted, self.__receive
         )
-        self.__ends = (Endpoint(node, self._course_id, names[sent]), Endpoint(node, heard_id, names[heard]))
+        self.__ends = (
+            Endpoint(node, self._course_id, names[sent]),
+            Endpoint(node, received_id, names[received]),
+        )
         self.__ends[0].claimed = f"rq{full_name}"
         self._course_queue: deque[tuple[int, int, bytes]] = deque()
         self.__events: ServiceEvents | None = None

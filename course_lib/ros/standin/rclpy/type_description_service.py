@@ -34,8 +34,8 @@ class TypeDescriptionService:
         if chosen.type_ is Parameter.Type.BOOL:
             self.enabled = chosen.value
         elif chosen.type_ is not Parameter.Type.NOT_SET:
-            said = f"Invalid type for parameter '{name}' {chosen.type_!r} should be bool"
-            get_logger(node.handle.logger_name).error(said)
+            reason = f"Invalid type for parameter '{name}' {chosen.type_!r} should be bool"
+            get_logger(node.handle.logger_name).error(reason)
         if self.enabled:
             node.create_service(GetTypeDescription, f"{node.handle.name}/get_type_description", self.__answer)
 

@@ -94,8 +94,8 @@ def _sides(graph: Graph, *infos: EndpointInfo) -> list[Events]:
 
     Endpoints of other processes are reported in their own process.
     """
-    told = _events.get(graph, {})
-    return [told[info.id] for info in infos if info.id in told]
+    events = _events.get(graph, {})
+    return [events[info.id] for info in infos if info.id in events]
 
 
 class TopicEnd(Generic[MsgT]):
