@@ -106,7 +106,7 @@ def running_nodes() -> list["HandledNode"]:
 
     Appending a node to this list starts it.
     """
-    from rclpy.impl.executor import RunningNodes
+    from rclpy.executors import RunningNodes
 
     return current_graph().part(RunningNodes).nodes
 

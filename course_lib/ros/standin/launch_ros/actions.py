@@ -1,35 +1,398 @@
-"""Actions for nodes in launch descriptions. All of them accept a `condition`."""
+"""Actions that start nodes, change the settings of later nodes in a group, or trigger lifecycle transitions.
 
-from collections.abc import Iterable
+All of them accept a `condition`.
+"""
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
-from launch.actions import EmitEvent, RegisterEventHandler, TimerAction
-from launch.entities import Action, BaseEventHandler, LaunchContext, text_of
+from launch.actions import (
+    NO_DIFFERENCE,
+    EmitEvent,
+    RegisterEventHandler,
+    TimerAction,
+    react_to_exit,
+    unknown_options,
+    warn_about_ignored_options,
+)
+from launch.conditions import as_bool
+from launch.entities import Action, BaseEventHandler, Condition, LaunchContext, Reaction, text_of
 from launch.entities import SomeSubstitutionsType as Some
-from lifecycle_msgs.msg import Transition
+from launch.event_handlers import OnProcessExit
+from lifecycle_msgs import srv
+from lifecycle_msgs.msg import Transition, TransitionEvent
 
-from launch_ros.event_handlers import OnStateTransition
+from course_lib.ros.graph.graph import NodesOfProgram, current_graph
+from course_lib.ros.graph.topics import SERVICE_HEADER, SERVICE_TOPICS, Qos
+from course_lib.ros.messages import deserialize, serialize
 from launch_ros.events.lifecycle import ChangeState, StateTransition
 from launch_ros.events.matchers import matches_node_name
-from launch_ros.nodes import ComposableNodeContainer as ComposableNodeContainer
-from launch_ros.nodes import LifecycleNode as LifecycleNode
-from launch_ros.nodes import LoadComposableNodes as LoadComposableNodes
-from launch_ros.nodes import Node as Node
-from launch_ros.nodes import PushROSNamespace as PushROSNamespace
-from launch_ros.nodes import PushRosNamespace as PushRosNamespace
-from launch_ros.nodes import SetParameter as SetParameter
-from launch_ros.nodes import SetParametersFromFile as SetParametersFromFile
-from launch_ros.nodes import SetRemap as SetRemap
-from launch_ros.nodes import SetROSLogDir as SetROSLogDir
-from launch_ros.nodes import SetUseSimTime as SetUseSimTime
+from launch_ros.parameter_descriptions import ParameterFile, check_values, evaluated, words_for
+
+# Names of the launch configurations that hold the settings.
+_NAMESPACE, PARAMETERS, _REMAPS = "ros_namespace", "global_params", "ros_remaps"
 
 
-class ROSTimer(TimerAction):
-    """Visits actions after a period of ROS time, which is robot time here."""
+class PushRosNamespace(Action):
+    """Adds a namespace to the following nodes of the group."""
+
+    def __init__(self, namespace: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            settings = context.launch_configurations
+            settings[_NAMESPACE] = _join_namespaces(settings.get(_NAMESPACE, ""), text_of(context, namespace))
+
+        super().__init__(do, **options)
 
 
-RosTimer = ROSTimer
+PushROSNamespace = PushRosNamespace
+
+
+class SetParameter(Action):
+    """Sets a parameter of all following nodes."""
+
+    def __init__(self, name: Some, value: Any, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            _add(context, PARAMETERS, {text_of(context, name): evaluated(context, value)})
+
+        super().__init__(do, **options)
+
+
+class SetParametersFromFile(Action):
+    """Sets the parameters of all following nodes from a file."""
+
+    def __init__(self, filename: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            _add(context, PARAMETERS, ParameterFile(text_of(context, filename)))
+
+        super().__init__(do, **options)
+
+
+class SetUseSimTime(Action):
+    """Sets the parameter `use_sim_time` of all following nodes."""
+
+    def __init__(self, value: bool | Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            _add(context, PARAMETERS, {"use_sim_time": as_bool(context, value)})
+
+        super().__init__(do, **options)
+
+
+class SetRemap(Action):
+    """Remaps a topic of all following nodes."""
+
+    def __init__(self, src: Some, dst: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            _add(context, _REMAPS, (text_of(context, src), text_of(context, dst)))
+
+        super().__init__(do, **options)
+
+
+class SetROSLogDir(Action):
+    """Sets the log folder in the environment of all following processes."""
+
+    def __init__(self, new_log_dir: Some, **options: Any) -> None:
+        def do(context: LaunchContext) -> None:
+            os.environ["ROS_LOG_DIR"] = text_of(context, new_log_dir)
+
+        super().__init__(do, **options)
+
+
+def _add(context: LaunchContext, setting: str, entry: Any) -> None:
+    settings = context.launch_configurations
+    # A new list, so that the previous one can be restored at the end of the group.
+    settings[setting] = [*settings.get(setting, ()), entry]
+
+
+def _join_namespaces(outer: str, inner: str) -> str:
+    """Join a namespace to an outer one. An absolute namespace replaces the outer one."""
+    whole = inner if inner.startswith("/") or not outer else f"{outer.rstrip('/')}/{inner}"
+    whole = whole.rstrip("/")
+    return f"/{whole}" if whole and not whole.startswith("/") else whole
+
+
+_EVENT, _SERVICE = "lifecycle_msgs/msg/TransitionEvent", "lifecycle_msgs/srv/ChangeState"
+
+
+class _LaunchNode:
+    """The node in the graph that represents the launch. There is one for each launch."""
+
+    def __init__(self) -> None:
+        self.id = current_graph().add_node("launch_ros", "/")
+        current_graph().part(NodesOfProgram).ids.add(self.id)
+
+
+class _LifecycleLink:
+    """A connection to a lifecycle node, given by its full name.
+
+    `on_transition` receives its transitions, `on_rejection` the id of a transition that it
+    rejected.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        on_transition: Callable[[TransitionEvent], object],
+        on_rejection: Callable[[int], object],
+    ) -> None:
+        self._graph, self._qos = current_graph(), Qos()
+        # The requested transitions in the order of their requests.
+        self._requested: list[int] = []
+        node = self._graph.part(_LaunchNode).id
+
+        def on_event(cdr: bytes, source_ns: int, received_ns: int) -> None:
+            on_transition(deserialize(cdr, TransitionEvent))
+
+        def on_response(data: bytes, source_ns: int, received_ns: int) -> None:
+            client, number = SERVICE_HEADER.unpack_from(data)
+            if client != self._id:
+                return
+            response = deserialize(data[SERVICE_HEADER.size :], srv.ChangeState.Response)
+            if not response.success:
+                on_rejection(self._requested[number - 1])
+
+        self._graph.add_subscription(node, 0, f"{name}/transition_event", _EVENT, self._qos, on_event)
+        topics = [f"{prefix}{name}/change_state{suffix}" for prefix, suffix in SERVICE_TOPICS]
+        self._request_topic = topics[0]
+        self._id = self._graph.add_publisher(node, topics[0], f"{_SERVICE}_Request", self._qos)
+        self._graph.add_subscription(node, 0, topics[1], f"{_SERVICE}_Response", self._qos, on_response)
+
+    def request(self, transition: int) -> bool:
+        """Request a transition. Return False if the node's service is not available."""
+        if not any(end.kind == "sub" for end in self._graph.endpoints_on(self._request_topic)):
+            return False
+        request = srv.ChangeState.Request(transition=Transition(id=transition))
+        self._requested.append(transition)
+        header = SERVICE_HEADER.pack(self._id, len(self._requested))
+        self._graph.publish(self._id, header + serialize(request))
+        return True
+
+
+# Interval between checks whether a starting node is available [s].
+_LOOK = 0.1
+
+
+@dataclass(frozen=True)
+class _Given:
+    """The names and parameters that a launch file sets for a node."""
+
+    name: Some | None
+    namespace: Some | None
+    parameters: tuple[Any, ...]
+    remappings: tuple[tuple[Some, Some], ...]
+
+    def words(self, context: LaunchContext) -> Iterator[str]:
+        """Yield the arguments after --ros-args, including the settings for all nodes of the group."""
+        if self.name is not None:
+            yield from ("-r", f"__node:={text_of(context, self.name)}")
+        settings, namespace = context.launch_configurations, self.full_namespace(context)
+        if namespace:
+            yield from ("-r", f"__ns:={namespace}")
+        for parameters in (*settings.get(PARAMETERS, ()), *self.parameters):
+            yield from words_for(context, parameters)
+        for old, new in (*settings.get(_REMAPS, ()), *self.remappings):
+            yield from ("-r", f"{text_of(context, old)}:={text_of(context, new)}")
+
+    def full_namespace(self, context: LaunchContext) -> str:
+        """Return the node's namespace within the namespace of the group."""
+        outer = context.launch_configurations.get(_NAMESPACE, "")
+        return _join_namespaces(outer, text_of(context, self.namespace or ""))
+
+
+class Node(Action):
+    """Starts an executable of a package, with names and parameters for its nodes.
+
+    Args:
+        package: The executable's package; without one, the executable is the path of a Python
+            program.
+        executable: Its name, as in setup.py's console_scripts.
+        name: Replaces the name of its nodes.
+        namespace: The namespace of its nodes, inside the namespaces of PushRosNamespace.
+        parameters: Dictionaries and YAML files; later entries take precedence.
+        remappings: Pairs of names (from, to).
+        arguments: Arguments for the program itself.
+        ros_arguments: Arguments after --ros-args.
+        on_exit: Entities to visit when the process exits.
+        options: `condition`; other options of ExecuteProcess, such as `output`, have no effect
+            here.
+    """
+
+    goes_on = True
+
+    def __init__(
+        self,
+        *,
+        executable: Some,
+        package: Some | None = None,
+        name: Some | None = None,
+        namespace: Some | None = None,
+        parameters: Iterable[Any] | None = None,
+        remappings: Iterable[tuple[Some, Some]] | None = None,
+        arguments: Iterable[Some] | None = None,
+        ros_arguments: Iterable[Some] | None = None,
+        on_exit: Reaction = None,
+        **options: Any,
+    ) -> None:
+        super().__init__(self._start, condition=options.pop("condition", None))
+        if isinstance(parameters, Mapping | str):
+            raise TypeError(f"Node: parameters={parameters!r}, expected a list: parameters=[{parameters!r}]")
+        if isinstance(arguments, str):
+            words = arguments.split()
+            raise TypeError(f"Node: arguments={arguments!r}, expected a list: arguments={words!r}")
+        unknown_options("Node", options, NO_DIFFERENCE)
+        check_values(parameters)
+        self._package, self._executable = package, executable
+        pairs = tuple(remappings or ())
+        if any(not isinstance(pair, tuple | list) or len(pair) != 2 for pair in pairs):
+            raise TypeError(f"Node: remappings={remappings!r}, expected pairs: remappings=[('from', 'to')]")
+        self._given = _Given(name, namespace, tuple(parameters or ()), pairs)
+        self._arguments, self._ros_arguments = list(arguments or ()), list(ros_arguments or ())
+        self._on_exit, self._options = on_exit, options
+
+    def _start(self, context: LaunchContext) -> None:
+        warn_about_ignored_options(context, self._options)
+        react_to_exit(context, self, self._on_exit)
+        executable, given = text_of(context, self._executable), self._given
+        words = [text_of(context, word) for word in self._arguments]
+        ros_words = [text_of(context, word) for word in self._ros_arguments]
+        words = [*words, "--ros-args", *ros_words, *given.words(context)]
+        if self._package is None:
+            context.runner.start_file(self, Path(executable), words)
+        else:
+            context.runner.start(self, text_of(context, self._package), executable, words)
+
+
+class LifecycleNode(Node):
+    """Starts a lifecycle node.
+
+    The launch receives its transitions (StateTransition) and requests transitions (ChangeState).
+
+    Args:
+        name: The name of the node, which is required because its topic and service contain it.
+        namespace: The namespace of the node; may be "".
+        options: The options of Node.
+    """
+
+    def __init__(self, *, name: Some, namespace: Some, **options: Any) -> None:
+        super().__init__(name=name, namespace=namespace, **options)
+        # The fully qualified name, once the node was started.
+        self.node_name = ""
+        self._given_name = name
+
+    def _start(self, context: LaunchContext) -> None:
+        runner = context.runner
+        self.node_name = f"{self._given.full_namespace(context)}/{text_of(context, self._given_name)}"
+        self._is_running = True
+
+        def on_rejection(number: int) -> None:
+            transition = f"'{ChangeState.valid_transitions[number]}' for LifecycleNode '{self.node_name}'"
+            runner.log(
+                "ERROR", "launch_ros.actions.lifecycle_node", f"Failed to make transition {transition}"
+            )
+
+        def on_transition(message: Any) -> None:
+            runner.emit(StateTransition(action=self, msg=message))
+
+        def on_exit(event: Any, context: LaunchContext) -> None:
+            self._is_running = False
+
+        def is_addressed(event: Any) -> bool:
+            return isinstance(event, ChangeState) and event.lifecycle_node_matcher(self)
+
+        def on_request(event: Any, context: LaunchContext) -> Action:
+            return Action(lambda context: self._request(context, link, event.transition_id))
+
+        link = _LifecycleLink(self.node_name, on_transition, on_rejection)
+        context.handlers[:0] = [
+            OnProcessExit(target_action=self, on_exit=on_exit),
+            BaseEventHandler(matcher=is_addressed, entities=on_request),
+        ]
+        super()._start(context)
+
+    def _request(self, context: LaunchContext, link: _LifecycleLink, transition: int) -> None:
+        """Request a transition. If the node is not available yet, try again later."""
+        if self._is_running and not link.request(transition):
+            again = Action(lambda context: self._request(context, link, transition))
+            context.runner.later(_LOOK, again)
+
+
+class ComposableNode:
+    """A component: a plugin of a package, with names and parameters for its node.
+
+    Args:
+        package: The component's package.
+        plugin: Its class, in the form `package::Class`.
+        name: Replaces the name of its node.
+        namespace: The namespace of its node.
+        parameters: Dictionaries and YAML files.
+        remappings: Pairs of names (from, to).
+        extra_arguments: Dictionaries for the container; they have no effect here.
+        condition: The component is loaded if it is true.
+    """
+
+    def __init__(
+        self,
+        *,
+        package: Some,
+        plugin: Some,
+        name: Some | None = None,
+        namespace: Some | None = None,
+        parameters: Iterable[Any] | None = None,
+        remappings: Iterable[tuple[Some, Some]] | None = None,
+        extra_arguments: Iterable[Any] | None = None,
+        condition: Condition | None = None,
+    ) -> None:
+        check_values(parameters)
+        self._package, self._plugin, self._condition = package, plugin, condition
+        self._given = _Given(name, namespace, tuple(parameters or ()), tuple(remappings or ()))
+
+    def load(self, context: LaunchContext, action: Action) -> None:
+        """Start the component unless its condition is false."""
+        if self._condition is None or self._condition.evaluate(context):
+            package, plugin = text_of(context, self._package), text_of(context, self._plugin)
+            words = ["--ros-args", *self._given.words(context)]
+            context.runner.start_component(action, package, plugin, words)
+
+
+class LoadComposableNodes(Action):
+    """Loads components into a container."""
+
+    def __init__(
+        self,
+        *,
+        composable_node_descriptions: Iterable[ComposableNode],
+        target_container: "Some | ComposableNodeContainer",
+        **options: Any,
+    ) -> None:
+        super().__init__(self._load, **options)
+        self._components = list(composable_node_descriptions)
+
+    def _load(self, context: LaunchContext) -> None:
+        for component in self._components:
+            component.load(context, self)
+
+
+class ComposableNodeContainer(Node):
+    """Starts a container and then its components. See Node for `options`."""
+
+    def __init__(
+        self,
+        *,
+        name: Some,
+        namespace: Some,
+        composable_node_descriptions: Iterable[ComposableNode] | None = None,
+        **options: Any,
+    ) -> None:
+        super().__init__(name=name, namespace=namespace, **options)
+        self._components = list(composable_node_descriptions or ())
+
+    def execute(self, context: LaunchContext) -> list[LoadComposableNodes]:
+        """Start the container and return the action that loads the components."""
+        super().execute(context)
+        return [LoadComposableNodes(composable_node_descriptions=self._components, target_container=self)]
 
 
 class LifecycleTransition(Action):
@@ -70,42 +433,48 @@ class LifecycleTransition(Action):
                 numbers.append(int(text))
             except ValueError as error:
                 raise ValueError(f"expected integer for lifecycle transition, got {text}") from error
-        return [action for name in self._names for action in self._row(text_of(context, name), numbers)]
+        return [
+            action
+            for name in self._names
+            for action in self._transition_actions(text_of(context, name), numbers)
+        ]
 
-    def _row(self, name: str, numbers: list[int]) -> list[Action]:
+    def _transition_actions(self, name: str, numbers: list[int]) -> list[Action]:
         """Return the actions for one node.
 
-        They are a request for the first transition, and handlers that request the next transitions.
+        They are a request for the first transition, and handlers that request the following ones.
         """
         is_node = matches_node_name(name)
         requests = [
             EmitEvent(event=ChangeState(lifecycle_node_matcher=is_node, transition_id=number))
             for number in numbers
         ]
-        handlers = [
-            self._after(number, is_node, request)
-            for number, request in zip(numbers, requests[1:], strict=False)
-        ]
+        handlers = []
+        for number, request in zip(numbers, requests[1:], strict=False):
+            states = self.transition_targets[number]
 
-        def end(event: Any, context: LaunchContext) -> None:
-            for handler in handlers:
-                # A handler that has already been used is no longer registered.
-                with suppress(ValueError):
-                    context.unregister_event_handler(handler)
+            def completes(event: Any, states: tuple[str, str] = states) -> bool:
+                is_transition = isinstance(event, StateTransition) and is_node(event.action)
+                return is_transition and (event.start_state, event.goal_state) == states
+
+            handlers.append(BaseEventHandler(matcher=completes, entities=[request], handle_once=True))
 
         def fails(event: Any) -> bool:
             is_transition = isinstance(event, StateTransition) and is_node(event.action)
             return is_transition and event.goal_state == "errorprocessing"
 
-        at_error = BaseEventHandler(matcher=fails, entities=end, handle_once=True)
+        def unregister(event: Any, context: LaunchContext) -> None:
+            for handler in handlers:
+                # A handler that has already been used is no longer registered.
+                with suppress(ValueError):
+                    context.unregister_event_handler(handler)
+
+        at_error = BaseEventHandler(matcher=fails, entities=unregister, handle_once=True)
         return [*(RegisterEventHandler(handler) for handler in (*handlers, at_error)), requests[0]]
 
-    def _after(self, number: int, is_node: Any, request: Action) -> OnStateTransition:
-        """Return a handler that requests the next transition after this one."""
-        states = self.transition_targets[number]
 
-        def matches(event: Any) -> bool:
-            is_transition = isinstance(event, StateTransition) and is_node(event.action)
-            return is_transition and (event.start_state, event.goal_state) == states
+class ROSTimer(TimerAction):
+    """Visits actions after a period of ROS time, which is robot time here."""
 
-        return OnStateTransition(matcher=matches, entities=[request], handle_once=True)
+
+RosTimer = ROSTimer

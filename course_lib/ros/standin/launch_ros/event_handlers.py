@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 from launch.entities import BaseEventHandler, Event, Reaction
 
+from launch_ros.actions import LifecycleNode
 from launch_ros.events.lifecycle import StateTransition
-from launch_ros.nodes import LifecycleNode
 
 
 class OnStateTransition(BaseEventHandler):

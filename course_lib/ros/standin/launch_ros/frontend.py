@@ -24,7 +24,6 @@ from launch.substitutions import TextSubstitution
 
 from launch_ros import actions as ros
 from launch_ros import substitutions
-from launch_ros.nodes import ComposableNode
 from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
 
 _SCALARS: dict[str | None, type] = {"str": str, "bool": bool, "float": float, "int": int}
@@ -104,7 +103,7 @@ _NODE = (
     Attribute("ros_args", command_line, "ros_arguments"),
 )
 _COMPONENT = Element(
-    ComposableNode,
+    ros.ComposableNode,
     (
         *_OF_NODES,
         Attribute("pkg", text, "package", needed=True),

@@ -9,7 +9,7 @@ from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, 
 
 from course_lib.ros.programs.missing_packages import INSTALLED
 from course_lib.ros.programs.packages import find_package
-from launch_ros.nodes import PARAMETERS
+from launch_ros.actions import PARAMETERS
 
 
 class FindPackagePrefix(Substitution):

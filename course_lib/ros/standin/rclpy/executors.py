@@ -1,28 +1,524 @@
-"""Executors, which run the callbacks of their nodes."""
+"""Executors: the order of callbacks, waiting and spinning, in programs and notebook cells."""
+
+from __future__ import annotations
 
 import os
 import threading
+import time
 import warnings
-from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Callable, Coroutine, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass, field
+from inspect import iscoroutine
+from typing import Any
 
-from course_lib.ros.graph.graph import current_graph
+from course_lib.ros.graph.graph import Graph, current_graph
+from course_lib.ros.mistakes import Mistake, mark, marked
+from course_lib.ros.notices import say
 from course_lib.ros.time import pace
-from course_lib.ros.time.time_lock import AtEnd, time_lock
+from course_lib.ros.time.interrupts import until_interrupted, watch
+from course_lib.ros.time.time_lock import AtEnd, never, time_lock
 from rclpy.context import Context, get_default_context
+from rclpy.exceptions import INVALID_CONTEXT, NotInitializedException, RCLError
 from rclpy.exceptions import ConditionReachedException as ConditionReachedException
 from rclpy.exceptions import ExternalShutdownException as ExternalShutdownException
 from rclpy.exceptions import ShutdownException as ShutdownException
 from rclpy.exceptions import TimeoutException as TimeoutException
-from rclpy.impl.executor import Executor as Executor
-from rclpy.impl.executor import RunningNodes
-from rclpy.impl.node_handle import NodeHandle
-from rclpy.task import Task
+from rclpy.impl import private_names
+from rclpy.impl.node_handle import Entity, HandledNode, NodeHandle, Turn
+from rclpy.task import Future, Task, TaskRunner
 from rclpy.task import await_or_execute as await_or_execute
 from rclpy.utilities import timeout_sec_to_nsec
 
+FOR_EVER_NS = 2**62  # [ns]
 _ONE_THREAD = "MultiThreadedExecutor is used with a single thread.\nUse the SingleThreadedExecutor instead."
+
+
+class CallbackTask(Task):
+    """A task that runs the callback of a ready entity.
+
+    One is created for each callback, so it skips the inspection that `Task` does for arbitrary
+    functions.
+    """
+
+    def __init__(self, turn: Turn, call: Callable[[], object], graph: Graph, executor: TaskRunner) -> None:
+        Future.__init__(self, executor=executor)
+        self.entity = turn.entity
+        self._handler, self._course_awaited, self._executing = _run_callback(turn, call, graph), None, False
+        self._course_number = turn.order
+
+
+async def _run_callback(turn: Turn, call: Callable[[], object], graph: Graph) -> None:
+    entity, start_ns = turn.entity, graph.now_ns
+    # Measured only for listeners, because it takes a microsecond.
+    start = time.thread_time() if graph.callback_listeners else 0.0
+    try:
+        result = call()
+        if iscoroutine(result):
+            await result
+    except TypeError as error:
+        if entity._course_mistake is not None:
+            mark(error, entity._course_mistake, depth=1)
+        raise
+    finally:
+        entity.callback_group.ending_execution(entity)
+        if graph.now_ns > start_ns and graph.notebook:
+            entity._course_note_time_taken(graph.now_ns - start_ns)
+        for listener in graph.callback_listeners:
+            listener(entity, turn.since_ns, start_ns, time.thread_time() - start)
+
+
+@dataclass(frozen=True)
+class _Completion:
+    """The condition that a future is done or cancelled. Equal for equal futures."""
+
+    future: Future[Any]
+
+    def __call__(self) -> bool:
+        return not self.future._pending()
+
+
+class _Waits:
+    """Waits with equal arguments, which share one generator in rclpy: only one thread can be in it."""
+
+    def __init__(self, arguments: tuple[int, Callable[[], bool]]) -> None:
+        self.arguments = arguments
+        self.is_running = False
+
+
+@dataclass
+class RunningNodes:
+    """The nodes that run during each waiting call of a notebook: live nodes and the kit's own nodes."""
+
+    nodes: list[HandledNode] = field(default_factory=list)
+
+
+class Executor(AbstractContextManager["Executor"]):
+    """Base class of executors.
+
+    Runs the callbacks of its nodes in the order in which they became ready.
+    """
+
+    def __init__(self, *, context: Context | None = None) -> None:
+        # The executor stops when this context is shut down.
+        self.context = context or get_default_context()
+        if not self.context.is_initialized:
+            raise NotInitializedException("cannot create executor")
+        if not self.context.is_valid:
+            raise RCLError(f"failed to create guard_condition: {INVALID_CONTEXT}")
+        # A dict keeps the order in which the nodes were added.
+        self._nodes: dict[HandledNode, NodeHandle] = {}
+        self._tasks: list[Task] = []
+        # Entities and tasks that a call with a timeout of 0 has found ready, for the following
+        # calls.
+        self.__polled: deque[Task | Turn] | None = None
+        # The waits with the arguments of the latest call.
+        self.__waits = _Waits((-1, never))
+        # The tasks of the present round that have not had their turn, and whether one has run
+        # since the last callback.
+        self.__round: list[Task] = []
+        self.__has_run_tasks = False
+        # The task that each thread runs, by thread identifier.
+        self.__under_way: dict[int, Task] = {}
+        self._course_threads = 1
+        self._is_shutdown = False
+        # Description of the awaited condition for a DeadlockError.
+        self.__what = "a callback of no node"
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Report attributes of a student's class that have private names of rclpy."""
+        super().__init_subclass__(**kwargs)
+        private_names.check_class("Executor", cls, private_names.OF_EXECUTORS)
+
+    @property
+    def __is_running(self) -> bool:
+        """True if neither the executor nor its context has been shut down."""
+        return self.context.is_valid and not self._is_shutdown
+
+    def create_task(
+        self, callback: Callable[..., Any] | Coroutine[Any, Any, Any], *args: Any, **kwargs: Any
+    ) -> Task:
+        """Schedule a function or a coroutine. Return its future."""
+        task = Task(callback, args, kwargs, executor=self)
+        self.__require_guard()
+        self._tasks.append(task)
+        return task
+
+    def add_node(self, node: HandledNode) -> bool:
+        """Run a node's callbacks from now on. Return False if the executor does so already."""
+        if node in self._nodes:
+            return False
+        if not hasattr(node, "handle"):
+            raise AttributeError(f"'{type(node).__name__}' object has no attribute 'executor'")
+        self.__require_guard()
+        self._nodes[node] = node.handle
+        self.__name_nodes()
+        node.handle.graph.show_node(node.handle.id)
+        former, node.handle.executor = node.handle.executor, self
+        if former is not None and former is not self:
+            former.remove_node(node)
+        return True
+
+    def __require_guard(self) -> None:
+        """Raise rclpy's error if the executor was shut down, which destroys its guard condition."""
+        if self._is_shutdown:
+            raise AttributeError("'NoneType' object has no attribute 'trigger'")
+
+    def can_execute(self, entity: Entity) -> bool:
+        """Return whether the entity's callback may run now."""
+        if not isinstance(entity, Entity):
+            raise AttributeError(f"'{type(entity).__name__}' object has no attribute '_executor_event'")
+        return entity.callback_group.can_execute(entity)
+
+    def remove_node(self, node: HandledNode) -> None:
+        """Stop running a node's callbacks. Its ready entities remain ready, for another executor."""
+        self._nodes.pop(node, None)
+        self.__name_nodes()
+
+    def get_nodes(self) -> list[HandledNode]:
+        """List the nodes."""
+        return list(self._nodes)
+
+    def wake(self) -> None:
+        """Do nothing. A wait checks all entities again after each event anyway."""
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:
+        """Stop running callbacks.
+
+        Return whether all of them have ended within `timeout_sec` [s].
+        """
+        self._is_shutdown = True
+        self._nodes.clear()
+        return True
+
+    def spin(self) -> None:
+        """Run callbacks until shutdown or the end of the run; in a cell, until ■ is pressed.
+
+        A callback that spins its own executor gets Python's ValueError, as in rclpy, where spinning
+        runs a generator.
+        """
+        if self._course_threads == 1 and threading.get_ident() in self.__under_way:
+            raise ValueError("generator already executing")
+        if self.context.graph.notebook and threading.current_thread() is threading.main_thread():
+            self.__spin_cell()
+            return
+        with time_lock.hold():
+            while self.__is_running and self.context.ok():
+                self.spin_once()
+
+    def __spin_cell(self) -> None:
+        """Run until ■ is pressed.
+
+        Without a viewer page, stop after a fixed time and print a notice.
+        """
+        graph, limit_ns = current_graph(), FOR_EVER_NS
+        if pace.mode() == "fast":
+            limit_ns = graph.now_ns + round(pace.SECONDS_WITHOUT_A_PAGE * 1e9)
+        with until_interrupted(), self._course_beside_live():
+            self._course_spin_until(limit_ns, lambda: not self.__is_running)
+        if graph.now_ns == limit_ns:
+            say(f"No page is watching: spin() stopped after {pace.SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
+
+    def _course_spin_until(self, until_ns: int | None, ready: Callable[[], bool] = lambda: False) -> None:
+        """Run callbacks until `ready()` or robot time `until_ns`, including events at that time.
+
+        A callback that takes robot time may end later. No callback is started after that.
+        """
+        graph = current_graph()
+
+        def something_to_do() -> bool:
+            return self._course_can_work() or ready()
+
+        while not ready() and (until_ns is None or graph.now_ns <= until_ns):
+            if not time_lock.wait(something_to_do, until_ns=until_ns, what="a timer or a message"):
+                return
+            self._spin_once_impl(0, never)
+
+    @contextmanager
+    def _course_joined_by(self, nodes: Sequence[HandledNode]) -> Iterator[None]:
+        """Run the callbacks of further nodes during the block, in a thread that belongs to the program."""
+        with time_lock.hold():
+            added = [node for node in nodes if self.add_node(node)]
+            try:
+                yield
+            finally:
+                for node in added:
+                    self.remove_node(node)
+
+    @contextmanager
+    def _course_beside_live(self) -> Iterator[None]:
+        """Run the live nodes as well during the block, at the selected pace."""
+        running = current_graph().part(RunningNodes).nodes
+        with self._course_joined_by(running), pace.keep_pace(self.context.graph):
+            yield
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Run one callback.
+
+        Wait at most `timeout_sec` [s] for it, without limit if it is None or negative.
+        """
+        if timeout_sec == 0:
+            time_lock.poll()
+            with time_lock.hold():
+                task = self.__poll()
+                if task is not None:
+                    self._course_execute(task)
+            return
+        self.__polled = None
+        self._spin_once_impl(timeout_sec_to_nsec(timeout_sec), never)
+
+    def __poll(self) -> Task | None:
+        """Return the next task without waiting, as rclpy's generator does with a timeout of 0.
+
+        It collects all ready entities and yields them call by call. The call after the last one
+        reaches the generator's end and runs nothing, so a program that polls receives one message
+        with every second call.
+        """
+        if self._is_shutdown:
+            return None
+        self._course_raise_failed()
+        self.__require_context(0)
+        if self.__polled is None:
+            self.__polled = self.__ready_now()
+            if not self.__polled:
+                self.__polled = None
+                return None
+        while self.__polled:
+            ready = self.__polled.popleft()
+            if isinstance(ready, Task):
+                if ready in self._tasks and ready._course_can_go_on():
+                    self._tasks.remove(ready)
+                    return ready
+                continue
+            can_run = ready.entity.callback_group.can_execute(ready.entity)
+            found = self.__take(ready) if can_run else None
+            if found is not None:
+                return found
+        self.__polled = None
+        return None
+
+    def __ready_now(self) -> deque[Task | Turn]:
+        """List the tasks that can continue, and the first turn of each ready entity."""
+        turns: dict[Entity, Turn] = {}
+        for handle in self._nodes.values():
+            for turn in handle.turns():
+                turns.setdefault(turn.entity, turn)
+        can_run = [turn for turn in turns.values() if turn.entity.callback_group.can_execute(turn.entity)]
+        return deque([*reversed(self.__tasks_in_order()), *sorted(can_run)])
+
+    def spin_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
+        """Run callbacks until a future is done or `timeout_sec` [s] have passed."""
+        if not hasattr(future, "add_done_callback"):
+            raise AttributeError(f"'{type(future).__name__}' object has no attribute 'add_done_callback'")
+        graph, limit_ns = self.context.graph, timeout_sec_to_nsec(timeout_sec)
+        end_ns = None if limit_ns < 0 else graph.now_ns + limit_ns
+        is_over = _Completion(future)
+        with time_lock.hold():
+            while self.__is_running and self.context.ok() and future._pending():
+                self._spin_once_impl(-1 if end_ns is None else end_ns - graph.now_ns, is_over)
+                if end_ns is not None and graph.now_ns >= end_ns:
+                    return
+
+    def spin_once_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
+        """Wait for a callback and run it, unless the future is done first."""
+        self._spin_once_impl(timeout_sec_to_nsec(timeout_sec), _Completion(future))
+
+    def _spin_once_impl(self, limit_ns: int, condition: Callable[[], bool]) -> None:
+        with time_lock.hold():
+            task = self.__wait_for_task(limit_ns, condition)
+            if task is not None:
+                self._course_execute(task)
+
+    def __wait_for_task(self, limit_ns: int, condition: Callable[[], bool]) -> Task | None:
+        context, can_work, has_condition = self.context, self._course_can_work, condition is not never
+
+        def stops() -> bool:
+            return self._is_shutdown or context.is_shut_down or (has_condition and condition())
+
+        def is_over() -> bool:
+            return can_work() or stops()
+
+        if not self._is_shutdown and not condition():
+            self.__require_context(limit_ns)
+        until_ns = None if limit_ns < 0 else context.graph.now_ns + limit_ns
+        waits = self.__enter_waits(limit_ns, condition)
+        try:
+            while not stops():
+                task = self._course_next_task()
+                if task is not None or limit_ns == 0:
+                    return task
+                if not time_lock.wait(is_over, until_ns=until_ns, what=self.__what):
+                    break
+        finally:
+            waits.is_running = False
+        over = not self.context.is_valid or time_lock.is_shut_down()
+        if over and not self._is_shutdown and not condition():
+            raise ExternalShutdownException
+        return None
+
+    def __enter_waits(self, limit_ns: int, condition: Callable[[], bool]) -> _Waits:
+        """Begin a wait.
+
+        As in rclpy, a wait with the arguments of the latest call raises while another thread is in
+        it.
+        """
+        arguments = (limit_ns, condition)
+        if self.__waits.arguments != arguments:
+            self.__waits = _Waits(arguments)
+        elif self.__waits.is_running:
+            raise marked(ValueError("generator already executing"), Mistake.TWO_SPINNERS)
+        self.__waits.is_running = True
+        return self.__waits
+
+    def __require_context(self, limit_ns: int) -> None:
+        """Raise the error that rclpy raises when it starts to wait in a context that was shut down."""
+        if not self.context.is_valid:
+            what = "create timer" if limit_ns > 0 else "initialize wait set"
+            raise RCLError(f"failed to {what}: {INVALID_CONTEXT}")
+
+    def wait_for_ready_callbacks(
+        self,
+        timeout_sec: float | None = None,
+        nodes: Sequence[HandledNode] | None = None,
+        condition: Callable[[], bool] = lambda: False,
+    ) -> tuple[Task, Entity | None, HandledNode | None]:
+        """Wait for a callback, at most `timeout_sec` [s], and return (task, entity, node).
+
+        The caller runs the task, which is lost otherwise. Without a callback it raises
+        TimeoutException, ShutdownException, ConditionReachedException or
+        ExternalShutdownException, as rclpy does.
+        """
+        with time_lock.hold():
+            task = self.__wait_for_task(timeout_sec_to_nsec(timeout_sec), condition)
+        if task is None and condition():
+            raise ConditionReachedException
+        if task is None:
+            raise ShutdownException if self._is_shutdown else TimeoutException
+        entity = task.entity if isinstance(task, CallbackTask) else None
+        owners = [node for node in self._nodes if entity is not None and node.handle is entity._course_node]
+        return task, entity, owners[0] if owners else None
+
+    def _course_raise_failed(self) -> None:
+        """Raise the error of a callback that ran in its own thread.
+
+        This executor has no such threads.
+        """
+
+    def _course_can_work(self) -> bool:
+        """Return whether a callback is ready to run."""
+        if self._tasks and any(task._course_can_go_on() for task in self._tasks):
+            return True
+        # any() would take twice the time.
+        for handle in self._nodes.values():  # noqa: SIM110
+            if handle.first_ready() is not None:
+                return True
+        return False
+
+    def __name_nodes(self) -> None:
+        """Update the description of a wait for a DeadlockError.
+
+        It is built here because waits are frequent.
+        """
+        names = ", ".join(handle.full_name for handle in self._nodes.values())
+        self.__what = f"a callback of {names or 'no node'}"
+
+    def _course_holds_up(self, entity: Entity) -> bool:
+        """Return whether an entity's callback cannot run before the calling callback has ended."""
+        task = self.__under_way.get(threading.get_ident())
+        if task is None or self._course_threads == 1:
+            return task is not None
+        group = entity.callback_group
+        same_group = isinstance(task, CallbackTask) and task.entity.callback_group is group
+        return same_group and not group.can_execute(entity)
+
+    def _course_runs(self, node: NodeHandle) -> bool:
+        """Return whether a thread runs the callbacks of a node at this moment."""
+        is_spun = self.__waits.is_running or bool(self.__under_way) or self.context.graph.notebook
+        return is_spun and node in self._nodes.values()
+
+    def _course_next_task(self) -> Task | None:
+        """Remove and return the next task.
+
+        As in rclpy, all tasks that can continue have a turn, the latest first, before callbacks
+        run. A callback runs before the next round, so that a coroutine that polls, `while not
+        ready: await asyncio.sleep(0)`, does not prevent it. Callbacks run in the order in which
+        they became ready.
+        """
+        if not self._tasks:
+            return self.__next_callback()
+        if not self.__round and self.__has_run_tasks:
+            self.__has_run_tasks = False
+            found = self.__next_callback()
+            if found is not None:
+                return found
+        if not self.__round:
+            self.__round = self.__tasks_in_order()
+        while self.__round:
+            task = self.__round.pop()
+            if task in self._tasks and task._course_can_go_on():
+                self._tasks.remove(task)
+                self.__has_run_tasks = True
+                return task
+        return self.__next_callback()
+
+    def __tasks_in_order(self) -> list[Task]:
+        """List the tasks that can continue in the order of their creation."""
+        ready = (task for task in self._tasks if task._course_can_go_on())
+        return sorted(ready, key=lambda task: task._course_number)
+
+    def __next_callback(self) -> Task | None:
+        """Return the task for the callback that became ready first, or None if no callback is ready."""
+        while True:
+            first: Turn | None = None
+            for handle in self._nodes.values():
+                turn = handle.first_ready()
+                if turn is not None and (first is None or turn.order < first.order):
+                    first = turn
+            if first is None:
+                return None
+            taken = self.__take(first)
+            if taken is not None:
+                return taken
+
+    def __take(self, turn: Turn) -> Task | None:
+        """Return the task for an entity's turn, or None if its event is no longer valid."""
+        call = turn.entity._course_node.take(turn)
+        if call is None:
+            return None
+        turn.entity.callback_group.beginning_execution(turn.entity)
+        return CallbackTask(turn, call, self.context.graph, self)
+
+    def _course_execute(self, task: Task) -> None:
+        """Run a task and raise its error. A waiting task remains scheduled."""
+        ident = threading.get_ident()
+        outer = self.__under_way.get(ident)
+        self.__under_way[ident] = task
+        outer_callback = watch.running_callback
+        if self.context.graph.notebook and isinstance(task, CallbackTask):
+            watch.begin(task.entity._course_node.full_name)
+        try:
+            task()
+        finally:
+            watch.running_callback = outer_callback
+            if outer is None:
+                del self.__under_way[ident]
+            else:
+                self.__under_way[ident] = outer
+        if task._pending():
+            self._tasks.append(task)
+        error = task.exception()
+        if error is not None:
+            raise error
+
+    def __enter__(self) -> Executor:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.shutdown()
+
+
+private_names.watch_names("Executor", Executor, private_names.OF_EXECUTORS, {})
 
 
 class SingleThreadedExecutor(Executor):
