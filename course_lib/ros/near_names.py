@@ -560,8 +560,9 @@ def import_hint(error: ImportError) -> str:
         line = _IMPORTS.get(wanted) or _LAUNCH_IMPORTS.get(wanted)
     if line:
         return f"it is elsewhere: `{line}`."
-    names = [*_attributes(sys.modules.get(module)), *_submodules(sys.modules.get(module))]
-    near = nearest(wanted, names)
+    imported = sys.modules.get(module)
+    submodules = [found.name for found in iter_modules(getattr(imported, "__path__", None) or [])]
+    near = nearest(wanted, [*_attributes(imported), *submodules])
     return f"did you mean {near}? `from {module} import {near}`" if near else ""
 
 
@@ -580,10 +581,6 @@ def _interface_hint(wanted: str, package: str, kind: str) -> str:
         if near := nearest(wanted, names, 0.75 if number < len(modules) else 0.85):
             return f"did you mean {near}? `from {holder}.{one} import {near}`"
     return ""
-
-
-def _submodules(module: ModuleType | None) -> list[str]:
-    return [found.name for found in iter_modules(getattr(module, "__path__", None) or [])]
 
 
 def call_with_fields(name: str) -> str:

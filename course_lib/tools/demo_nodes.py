@@ -72,11 +72,6 @@ class ParameterBlackboard(Node):
         )
 
 
-def cpp_talker() -> Talker:
-    """Create the talker of demo_nodes_cpp."""
-    return Talker(is_cpp=True)
-
-
 def add_two_ints() -> None:
     """Call the service once."""
     node = rclpy.create_node("add_two_ints_client")

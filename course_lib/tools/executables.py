@@ -219,7 +219,7 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("demo_nodes_py", "listener"): partial(_spin_class, _DEMO, "Listener"),
     ("demo_nodes_py", "add_two_ints_server"): partial(_spin_class, _DEMO, "AddTwoIntsServer"),
     ("demo_nodes_py", "add_two_ints_client"): lambda: import_module(_DEMO).add_two_ints(),
-    ("demo_nodes_cpp", "talker"): partial(_spin_class, _DEMO, "cpp_talker"),
+    ("demo_nodes_cpp", "talker"): lambda: spin(import_module(_DEMO).Talker(is_cpp=True)),
     ("demo_nodes_cpp", "listener"): partial(_spin_class, _DEMO, "Listener"),
     ("demo_nodes_cpp", "add_two_ints_server"): partial(_spin_class, _DEMO, "AddTwoIntsServer"),
     ("demo_nodes_cpp", "add_two_ints_client"): lambda: import_module(_DEMO).add_two_ints(),

@@ -184,66 +184,6 @@ class Chart:
         return f'<img alt="{escape(self.alt)}" src="data:image/png;base64,{data}"/>'
 
 
-def _overview(topics: Sequence[TopicRow], callbacks: Sequence[CallbackRow]) -> Chart:
-    from matplotlib.figure import Figure
-
-    panels = [
-        ("Rate [Hz]", [(row.topic, row.rate) for row in topics]),
-        ("Mean latency [ms]", [(row.topic, row.latency * 1e3) for row in topics if row.latency is not None]),
-        ("Busy, robot time [%]", [(f"{row.node} {row.callback}", row.busy * 1e2) for row in callbacks]),
-    ]
-    panels = [(title, bars) for title, bars in panels if bars]
-    figure = Figure(figsize=(8, sum(1 + _ROW * len(bars) for _, bars in panels)), layout="constrained")
-    heights = [2 + len(bars) for _, bars in panels]
-    grid = figure.subplots(len(panels), squeeze=False, gridspec_kw={"height_ratios": heights})
-    for axes, (title, bars) in zip(grid.flat, panels, strict=True):
-        drawn = axes.barh([name for name, _ in bars], [value for _, value in bars], color=_RAN)
-        axes.bar_label(drawn, fmt="%.3g", padding=3)
-        axes.set_title(title, fontsize=10, loc="left")
-        axes.invert_yaxis()
-        axes.margins(x=0.12)
-    lines = (
-        f"{title}: {', '.join(f'{name} {value:.3g}' for name, value in bars)}." for title, bars in panels
-    )
-    return Chart(figure, "Bars. " + " ".join(lines))
-
-
-def _timeline(calls: Sequence[CallbackRun], start_ns: int, begin: float, end: float) -> Chart:
-    """Draw a lane for each callback: dark while it ran, hatched while it was ready and waited."""
-    from matplotlib.figure import Figure
-
-    # Ready, begun, ended [s].
-    lanes: dict[str, list[tuple[float, float, float]]] = {}
-    for call in calls:
-        times = [(ns - start_ns) * 1e-9 for ns in (call.ready_ns, call.start_ns, call.end_ns)]
-        if times[0] <= end and times[2] >= begin:
-            lanes.setdefault(f"{call.node} {call.callback}", []).append((times[0], times[1], times[2]))
-    if not lanes:
-        raise CourseError(
-            f"No callback ran from {begin:g} to {end:g} s. Measure nodes: performance_report(5.0, node)"
-        )
-    figure = Figure(figsize=(10, 1 + _ROW * len(lanes)), layout="constrained")
-    axes = figure.subplots()
-    shortest = _SHORTEST * (end - begin)
-    for number, runs in enumerate(lanes.values()):
-        waits = [(ready, began - ready) for ready, began, _ in runs if began > ready]
-        axes.broken_barh(waits, (number - 0.2, 0.4), facecolor=_WAITED, edgecolor="grey", hatch="////")
-        bars = [(began, max(ended - began, shortest)) for _, began, ended in runs]
-        axes.broken_barh(bars, (number - 0.35, 0.7), facecolor=_RAN, edgecolor="white", linewidth=0.5)
-    axes.set(xlim=(begin, end), ylim=(len(lanes) - 0.4, -0.6), xlabel="robot time [s]")
-    axes.set_yticks(range(len(lanes)), list(lanes))
-    axes.set_title("Callbacks: dark while they ran, hatched while they waited for their turn", fontsize=10)
-    axes.grid(axis="x", alpha=0.4)
-    lines = []
-    for name, runs in lanes.items():
-        longest = max(ended - began for _, began, ended in runs) * 1e3  # [ms]
-        wait = max(began - ready for ready, began, _ in runs) * 1e3  # [ms]
-        lines.append(
-            f"{name}: {len(runs)} calls, the longest {longest:.3g} ms, the longest wait {wait:.3g} ms."
-        )
-    return Chart(figure, f"Callback timeline from {begin:g} to {end:g} s of robot time. {' '.join(lines)}")
-
-
 @dataclass(frozen=True, repr=False)
 class PerformanceReport:
     """Measurements of topics and callbacks. A cell displays them as tables.
@@ -280,16 +220,79 @@ class PerformanceReport:
 
     def figure(self) -> Chart:
         """Draw the rates, latencies and busy fractions as bar charts."""
-        return _overview(self.topics, self.callbacks)
+        from matplotlib.figure import Figure
+
+        panels = [
+            ("Rate [Hz]", [(row.topic, row.rate) for row in self.topics]),
+            (
+                "Mean latency [ms]",
+                [(row.topic, row.latency * 1e3) for row in self.topics if row.latency is not None],
+            ),
+            (
+                "Busy, robot time [%]",
+                [(f"{row.node} {row.callback}", row.busy * 1e2) for row in self.callbacks],
+            ),
+        ]
+        panels = [(title, bars) for title, bars in panels if bars]
+        figure = Figure(figsize=(8, sum(1 + _ROW * len(bars) for _, bars in panels)), layout="constrained")
+        heights = [2 + len(bars) for _, bars in panels]
+        grid = figure.subplots(len(panels), squeeze=False, gridspec_kw={"height_ratios": heights})
+        for axes, (title, bars) in zip(grid.flat, panels, strict=True):
+            drawn = axes.barh([name for name, _ in bars], [value for _, value in bars], color=_RAN)
+            axes.bar_label(drawn, fmt="%.3g", padding=3)
+            axes.set_title(title, fontsize=10, loc="left")
+            axes.invert_yaxis()
+            axes.margins(x=0.12)
+        lines = (
+            f"{title}: {', '.join(f'{name} {value:.3g}' for name, value in bars)}." for title, bars in panels
+        )
+        return Chart(figure, "Bars. " + " ".join(lines))
 
     def timeline(self, begin: float = 0.0, end: float | None = None) -> Chart:
         """Draw the callbacks' runs and waits from `begin` to `end` [s] of the measured time.
 
+        Each callback has a lane, dark while it ran and hatched while it was ready and waited.
+
         Raises:
             CourseError: No callback ran in that time.
         """
-        until = min(self.seconds, begin + 1.0) if end is None else end
-        return _timeline(self.calls, self.start_ns, begin, until)
+        from matplotlib.figure import Figure
+
+        end = min(self.seconds, begin + 1.0) if end is None else end
+        # Ready, begun, ended [s].
+        lanes: dict[str, list[tuple[float, float, float]]] = {}
+        for call in self.calls:
+            times = [(ns - self.start_ns) * 1e-9 for ns in (call.ready_ns, call.start_ns, call.end_ns)]
+            if times[0] <= end and times[2] >= begin:
+                lanes.setdefault(f"{call.node} {call.callback}", []).append((times[0], times[1], times[2]))
+        if not lanes:
+            raise CourseError(
+                f"No callback ran from {begin:g} to {end:g} s. Measure nodes: performance_report(5.0, node)"
+            )
+        figure = Figure(figsize=(10, 1 + _ROW * len(lanes)), layout="constrained")
+        axes = figure.subplots()
+        shortest = _SHORTEST * (end - begin)
+        for number, runs in enumerate(lanes.values()):
+            waits = [(ready, began - ready) for ready, began, _ in runs if began > ready]
+            axes.broken_barh(waits, (number - 0.2, 0.4), facecolor=_WAITED, edgecolor="grey", hatch="////")
+            bars = [(began, max(ended - began, shortest)) for _, began, ended in runs]
+            axes.broken_barh(bars, (number - 0.35, 0.7), facecolor=_RAN, edgecolor="white", linewidth=0.5)
+        axes.set(xlim=(begin, end), ylim=(len(lanes) - 0.4, -0.6), xlabel="robot time [s]")
+        axes.set_yticks(range(len(lanes)), list(lanes))
+        axes.set_title(
+            "Callbacks: dark while they ran, hatched while they waited for their turn", fontsize=10
+        )
+        axes.grid(axis="x", alpha=0.4)
+        lines = []
+        for name, runs in lanes.items():
+            longest = max(ended - began for _, began, ended in runs) * 1e3  # [ms]
+            wait = max(began - ready for ready, began, _ in runs) * 1e3  # [ms]
+            lines.append(
+                f"{name}: {len(runs)} calls, the longest {longest:.3g} ms, the longest wait {wait:.3g} ms."
+            )
+        return Chart(
+            figure, f"Callback timeline from {begin:g} to {end:g} s of robot time. {' '.join(lines)}"
+        )
 
     def __repr__(self) -> str:
         from rich.console import Console

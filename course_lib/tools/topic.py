@@ -4,7 +4,6 @@ import sys
 from argparse import Namespace
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
 from statistics import pstdev
@@ -251,16 +250,9 @@ def _print_info(source: Source, arguments: Namespace, write: Write) -> None:
 def describe(endpoint: EndpointInfo, node: NodeInfo, kind: str) -> str:
     """Describe an endpoint in the format of rclpy's TopicEndpointInfo."""
     gid = ".".join(f"{byte:02x}" for byte in endpoint.gid)
-    return (
-        f"Node name: {node.name}\nNode namespace: {node.namespace}\nTopic type: {endpoint.type_name}\n"
-        f"Topic type hash: {type_hash(endpoint.type_name) if is_known(endpoint.type_name) else 'INVALID'}\n"
-        f"Endpoint type: {kind}\nGID: {gid}\nQoS profile:\n{_profile(endpoint.qos)}"
-    )
-
-
-def _profile(qos: Qos) -> str:
+    qos = endpoint.qos
     depth = f" ({qos.depth})" if qos.history == "keep_last" else ""
-    rows = {
+    policies = {
         "Reliability": qos.reliability.upper(),
         "History (Depth)": f"{qos.history.upper()}{depth}",
         "Durability": qos.durability.upper(),
@@ -269,7 +261,12 @@ def _profile(qos: Qos) -> str:
         "Liveliness": qos.liveliness.upper(),
         "Liveliness lease duration": _duration(qos.lease_ns),
     }
-    return "\n".join(f"  {name}: {setting}" for name, setting in rows.items())
+    profile = "\n".join(f"  {name}: {setting}" for name, setting in policies.items())
+    return (
+        f"Node name: {node.name}\nNode namespace: {node.namespace}\nTopic type: {endpoint.type_name}\n"
+        f"Topic type hash: {type_hash(endpoint.type_name) if is_known(endpoint.type_name) else 'INVALID'}\n"
+        f"Endpoint type: {kind}\nGID: {gid}\nQoS profile:\n{profile}"
+    )
 
 
 def _duration(limit_ns: int | None) -> str:
@@ -533,7 +530,8 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
     kind = kind_of(message_class, arguments.message_type, "msg")
     message: Any = kind()
     set_times = fill(message, sys.stdin.read() if arguments.stdin else arguments.values)
-    with until_interrupted(), _node(source, arguments) as node:
+    name, sim = arguments.node_name or NODE_NAME, arguments.use_sim_time
+    with until_interrupted(), own_node(source, name, use_sim_time=sim) as node:
         publisher = _publisher(node, kind, arguments)
         _wait_for_subscriptions(source, publisher, arguments, write)
         write("publisher: beginning loop\n")
@@ -578,10 +576,6 @@ def _wait_for_subscriptions(
             )
         looks += 1
         source.wait(lambda: False, LOOK_EVERY)
-
-
-def _node(source: Source, arguments: Namespace) -> "AbstractContextManager[Node]":
-    return own_node(source, arguments.node_name or NODE_NAME, use_sim_time=arguments.use_sim_time)
 
 
 def _publication_counts(source: Source, node: "Node", arguments: Namespace, write: Write) -> Iterator[int]:

@@ -254,7 +254,18 @@ class CvBridge:
         self, cmprs_img_msg: CompressedImage, desired_encoding: str = "passthrough"
     ) -> Pixels:
         """Return the pixels of a compressed message: gray, BGR or BGRA, or in another encoding."""
-        pixels = _decoded(bytes(cmprs_img_msg.data))
+        from PIL import Image as Picture
+        from PIL import UnidentifiedImageError
+
+        try:
+            picture = Picture.open(BytesIO(bytes(cmprs_img_msg.data)))
+            pixels = np.asarray(picture.convert("RGB") if picture.mode in ("P", "CMYK", "YCbCr") else picture)
+        except (UnidentifiedImageError, OSError) as error:
+            raise CvBridgeError(f"The compressed image cannot be read: {error}") from None
+        if pixels.dtype == np.int32:
+            pixels = pixels.astype(np.uint16)
+        if pixels.ndim > 2:
+            pixels = np.ascontiguousarray(pixels[..., _blue_first(pixels)])
         return pixels if desired_encoding == "passthrough" else _converted(pixels, "bgr8", desired_encoding)
 
     def cv2_to_imgmsg(
@@ -282,9 +293,23 @@ class CvBridge:
 
     def cv2_to_compressed_imgmsg(self, cvim: Pixels, dst_format: str = "jpg") -> CompressedImage:
         """Compress pixels (gray, BGR or BGRA) into a message, in a file format such as jpg or png."""
+        from PIL import Image as Picture
+
         _type_of(cvim)
+        if dst_format.lower() not in _FORMATS:
+            raise CvBridgeError(f"could not find a writer for the specified extension .{dst_format}")
+        flat = cvim[..., 0] if cvim.ndim == 3 and cvim.shape[2] == 1 else cvim
+        ordered = flat if flat.ndim == 2 else flat[..., _blue_first(flat)]
+        picture = Picture.fromarray(np.ascontiguousarray(ordered))
+        kind, file = _FORMATS[dst_format.lower()], BytesIO()
+        if kind == "JPEG":
+            # A JPEG file has no transparency.
+            picture = picture.convert("RGB") if picture.mode == "RGBA" else picture
+            picture.save(file, kind, quality=JPEG_QUALITY)
+        else:
+            picture.save(file, kind)
         message = CompressedImage(format=dst_format)
-        message.data.frombytes(_encoded(cvim, dst_format))
+        message.data.frombytes(file.getvalue())
         return message
 
 
@@ -300,36 +325,6 @@ def _converted(pixels: Pixels, source: str, target: str) -> Pixels:
         return convert(pixels, source, target)
     except RuntimeError as error:
         raise CvBridgeError(error) from None
-
-
-def _decoded(data: bytes) -> Pixels:
-    from PIL import Image as Picture
-    from PIL import UnidentifiedImageError
-
-    try:
-        picture = Picture.open(BytesIO(data))
-        pixels = np.asarray(picture.convert("RGB") if picture.mode in ("P", "CMYK", "YCbCr") else picture)
-    except (UnidentifiedImageError, OSError) as error:
-        raise CvBridgeError(f"The compressed image cannot be read: {error}") from None
-    if pixels.dtype == np.int32:
-        pixels = pixels.astype(np.uint16)
-    return pixels if pixels.ndim == 2 else np.ascontiguousarray(pixels[..., _blue_first(pixels)])
-
-
-def _encoded(pixels: Pixels, name: str) -> bytes:
-    from PIL import Image as Picture
-
-    if name.lower() not in _FORMATS:
-        raise CvBridgeError(f"could not find a writer for the specified extension .{name}")
-    flat = pixels[..., 0] if pixels.ndim == 3 and pixels.shape[2] == 1 else pixels
-    kind, file = _FORMATS[name.lower()], BytesIO()
-    ordered = flat if flat.ndim == 2 else flat[..., _blue_first(flat)]
-    picture = Picture.fromarray(np.ascontiguousarray(ordered))
-    options = {"quality": JPEG_QUALITY} if kind == "JPEG" else {}
-    (picture.convert("RGB") if kind == "JPEG" and picture.mode == "RGBA" else picture).save(
-        file, kind, **options
-    )
-    return file.getvalue()
 
 
 def _blue_first(pixels: Pixels) -> list[int]:

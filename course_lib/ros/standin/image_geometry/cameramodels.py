@@ -68,16 +68,6 @@ def _matrix(rows: int, columns: int, numbers: Any) -> Any:
     return np.matrix(np.reshape(np.array(numbers, np.float64), (rows, columns)))
 
 
-def _cv2() -> Any:
-    try:
-        import cv2
-    except ImportError:
-        raise CourseError(
-            "rectifyImage needs OpenCV, which is not here. Install it: pip install opencv-python-headless"
-        ) from None
-    return cv2
-
-
 class PinholeCameraModel:
     """A pinhole camera with lens distortion, for raw and rectified images.
 
@@ -129,7 +119,12 @@ class PinholeCameraModel:
         Raises:
             CourseError: OpenCV is not installed.
         """
-        cv2 = _cv2()
+        try:
+            import cv2
+        except ImportError:
+            raise CourseError(
+                "rectifyImage needs OpenCV, which is not here. Install it: pip install opencv-python-headless"
+            ) from None
         self.mapx, self.mapy = cv2.initUndistortRectifyMap(
             self.K, self.D, self.R, self.P, self.resolution, cv2.CV_32FC1
         )

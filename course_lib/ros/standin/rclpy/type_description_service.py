@@ -58,13 +58,13 @@ class TypeDescriptionService:
         others.sort(key=lambda one: one["type_name"])
         response.type_description.referenced_type_descriptions = [_individual(one) for one in others]
         if request.include_type_sources:
-            names = (one["type_name"] for one in (first, *others))
-            # Service types and their events are not defined by a message's file.
-            response.type_sources = [
-                _source(name)
-                for name in names
-                if name in field_definitions() and not name.endswith(EVENT_PART)
-            ]
+            for used in (one["type_name"] for one in (first, *others)):
+                # Service types and their events are not defined by a message's file.
+                if used in field_definitions() and not used.endswith(EVENT_PART):
+                    # The definition without comments and nested types.
+                    text = typestore().generate_msgdef(used)[0].partition("=" * 80)[0]
+                    source = TypeSource(type_name=used, encoding="msg", raw_file_contents=text)
+                    response.type_sources.append(source)
         response.successful = True
         return response
 
@@ -79,9 +79,3 @@ class TypeDescriptionService:
 def _individual(description: dict[str, Any]) -> IndividualTypeDescription:
     fields = [Field(name=one["name"], type=FieldType(**one["type"])) for one in description["fields"]]
     return IndividualTypeDescription(type_name=description["type_name"], fields=fields)
-
-
-def _source(type_name: str) -> TypeSource:
-    """Return a message's definition without comments."""
-    text = typestore().generate_msgdef(type_name)[0].partition("=" * 80)[0]
-    return TypeSource(type_name=type_name, encoding="msg", raw_file_contents=text)

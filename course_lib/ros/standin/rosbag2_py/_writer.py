@@ -86,7 +86,10 @@ class SequentialWriter:
         if 0 <= begin_ns > time_stamp or 0 <= end_ns < time_stamp:
             return
         if self._options.snapshot_mode:
-            self._keep(topic_name, message, time_stamp)
+            self._cache.append((topic_name, message, time_stamp))
+            size = sum(len(kept) for _, kept, _ in self._cache)
+            while size > self._options.max_cache_size:
+                size -= len(self._cache.popleft()[1])
             return
         with _explained(self._folder):
             writer.write(topic_name, self._types[topic_name], time_stamp, message)
@@ -111,12 +114,6 @@ class SequentialWriter:
         """Complete and close the bag."""
         self._writer = None
         self._close()
-
-    def _keep(self, topic_name: str, message: bytes, time_stamp: int) -> None:
-        self._cache.append((topic_name, message, time_stamp))
-        size = sum(len(kept) for _, kept, _ in self._cache)
-        while size > self._options.max_cache_size:
-            size -= len(self._cache.popleft()[1])
 
     def _opened(self) -> BagWriter:
         if self._writer is None:
