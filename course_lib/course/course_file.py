@@ -196,9 +196,10 @@ class CourseFile:
                 f"{week} can always be handed in late: set accepted_days below [late] in course.toml"
             )
         last = max([settings.deadline, *settings.extensions.values()])
-        # UTC, because a day of the policy has 24 hours even when clocks are changed.
-        end = last.replace(tzinfo=self.zone).astimezone(UTC)
-        return end + timedelta(days=days, minutes=self.late.grace_minutes)
+        # As in `count_days_late`, a day lasts until the same local time of the next day, even if
+        # the clocks change in between.
+        end = last.replace(tzinfo=self.zone) + timedelta(days=days)
+        return end.astimezone(UTC) + timedelta(minutes=self.late.grace_minutes)
 
 
 def find_zone(name: str) -> ZoneInfo:

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from datetime import UTC, datetime, tzinfo
+from datetime import UTC, datetime, timedelta, tzinfo
 from pathlib import Path
 from typing import Self
 from zoneinfo import ZoneInfo
@@ -19,6 +19,7 @@ from course_lib.course.exercise import BEGIN, END, read_notebook, source
 from course_lib.course.state import checkout_root, lessons_dir, solutions_dir
 from course_lib.course.student_folder import EXTENSIONS, SOLUTIONS, _copy, _without_extensions, release
 from course_lib.errors import CourseError
+from course_lib.grading.records import count_days_late
 from tests.patience import PATIENCE
 
 
@@ -81,6 +82,16 @@ def settings(**late: float) -> CourseFile:
 )
 def test_week_closes_after_the_last_late_day_of_the_last_extension(late: dict[str, float], day: int) -> None:
     assert settings(**late).closing_time("week01") == datetime(2027, 3, day, 12, tzinfo=UTC)
+
+
+@pytest.mark.parametrize("deadline", [datetime(2026, 10, 24, 23, 59), datetime(2026, 3, 28, 23, 59)])
+def test_week_closes_when_the_late_policy_ends_although_clocks_change(deadline: datetime) -> None:
+    late = Late(accepted_days=2, grace_minutes=1)
+    course = CourseFile("", {"week01": WeekSettings("One", deadline)}, ZoneInfo("Europe/Paris"), late)
+    closing = course.closing_time("week01")
+    end = course.deadline("week01", "7")
+    days = [count_days_late(closing + timedelta(seconds=after), end, late) for after in (0, 1)]
+    assert [late.is_accepted(one) for one in days] == [True, False]
 
 
 @pytest.mark.parametrize(
