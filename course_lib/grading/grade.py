@@ -89,7 +89,7 @@ class Trial:
     job: Job
 
     def key(self, machine: str) -> str:
-        """Return the name of its evidence, which is equal for equal inputs on the same machine."""
+        """Return the name of the job's evidence. Equal inputs on the same machine have equal names."""
         return f"{self.job.key}-{digest_of([machine, self.job.need])[:16]}"
 
 

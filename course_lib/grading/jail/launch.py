@@ -300,7 +300,7 @@ def settle(
     roots: Collection[Root], users: Sequence[User], scratch: str, read: Sequence[str], listed: Sequence[str],
     links: Sequence[tuple[str, str]],
 ) -> Place:  # fmt: skip
-    """Move this process to the first place that works. Each is tried in a fork.
+    """Move this process to the first root and user that work. Each pair is tried in a forked process.
 
     Args:
         roots: Acceptable roots, the best first.

@@ -124,7 +124,7 @@ def _stage_all(
 
 
 def _student(name: str, members: ClassList) -> str:
-    """Return the ID of the student whose login is the longest that a clone's name ends with, or ""."""
+    """Return the ID of the student with the longest login at the end of a clone's name, or ""."""
     folded = name.casefold()
     fits = [one for one in members.members if one.login and f"-{folded}".endswith(f"-{one.login}")]
     return max(fits, key=lambda one: len(one.login)).id if fits else ""

@@ -237,7 +237,7 @@ def _flush() -> None:
 
 
 def warm_up() -> "InteractiveShell":
-    """Do everything that is equal for all submissions: imports, a first run of each code path, the shell."""
+    """Prepare the state that all submissions share: imports, a first run of each code path, the shell."""
     import_path.install()
     virtual_time.install()
     for module in map(importlib.import_module, USUAL + PUBLIC):

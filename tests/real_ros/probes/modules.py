@@ -12,7 +12,7 @@ from rclpy.waitable import Waitable
 
 
 def _origin(value: object, module: str) -> str:
-    """Return the module that defines a value. Constants belong to the module that has them."""
+    """Return the module that defines a value. Constants count as defined where they are found."""
     origin = getattr(value, "__module__", None)
     return origin if isinstance(origin, str) else module
 
