@@ -249,7 +249,8 @@ def make_page(lesson: Path, book: Path, work: Path) -> None:
             cell["source"] = _link_lessons(cell["source"], others)
         if cell["cell_type"] == "code":
             cell["outputs"] = [kept for output in cell["outputs"] for kept in _kept_outputs(output)]
-        for name, data in _attachments(cell):
+        for name, kinds in cell.get("attachments", {}).items():
+            data = base64.b64decode(next(iter(kinds.values())))
             write_atomically(book / LESSONS / "images" / lesson.stem / name, data)
         if "attachments" in cell:
             cell["source"] = ATTACHED.sub(rf"images/{lesson.stem}/\1", cell["source"])
@@ -336,8 +337,3 @@ def _kept_outputs(output: Any) -> Iterator[Any]:
     # The page of a book cannot show a comparison either, because nobody can predict in it.
     if "".join(data.get("text/plain", "")) != NO_PREDICTION:
         yield output
-
-
-def _attachments(cell: Any) -> Iterator[tuple[str, bytes]]:
-    for name, kinds in cell.get("attachments", {}).items():
-        yield name, base64.b64decode(next(iter(kinds.values())))

@@ -229,13 +229,13 @@ class _Playing:
 
     def follow(self) -> None:
         """Extend the scene to the current time, unless it has its maximum duration already."""
-        film = self.viewer.film
+        recording = self.viewer.film
         # Robot time was reset.
-        if film.time < self.since:
-            self.since = self.until = film.time
-        if film.time - self.since <= SECONDS:
+        if recording.time < self.since:
+            self.since = self.until = recording.time
+        if recording.time - self.since <= SECONDS:
             self.viewer.look()
-            self.until, self.scene = film.time, copy_of(film.scene)
+            self.until, self.scene = recording.time, copy_of(recording.scene)
 
     def packed(self, interval: float) -> bytes:
         """Return its recording, packed for pages, with pictures at an interval [s]."""
@@ -272,8 +272,8 @@ class Scenes:
     def add_viewer(self, viewer: Viewer) -> dict[str, Any]:
         """Start the scene of a viewer and return the HTML that its cell displays."""
         self.end()
-        name, words, film = self._next(), viewer.summary(), viewer.film
-        self._playing = _Playing(name, viewer, film.time, film.time, copy_of(film.scene))
+        name, words, recording = self._next(), viewer.summary(), viewer.film
+        self._playing = _Playing(name, viewer, recording.time, recording.time, copy_of(recording.scene))
         return self._scene_html(name, words)
 
     def add_resting_view(self, view: RestingView) -> dict[str, Any]:

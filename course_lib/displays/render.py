@@ -60,13 +60,15 @@ def record_bag(
     session = session_for(recording, rviz_path)
     thinned = {"interval": 1 / frame_rate} if frame_rate else {}
     context = session.context
-    film = SceneRecording(context.scene, lambda: context.now_ns / NS, seconds=inf, megabytes=200, **thinned)
+    scene_recording = SceneRecording(
+        context.scene, lambda: context.now_ns / NS, seconds=inf, megabytes=200, **thinned
+    )
     playback, end_ns = Playback(session, recording), _end_ns(recording, at)
     for now_ns in range(recording.start_ns, end_ns, NS // (frame_rate or session.time.frame_rate)):
         playback.go_to(now_ns)
     playback.go_to(end_ns)
-    film.stop()
-    return film, session
+    scene_recording.stop()
+    return scene_recording, session
 
 
 def session_for(recording: Recording, rviz_path: str | Path | None = None) -> RvizSession:
@@ -106,9 +108,9 @@ def render_bag(
     """
     recording, lines = read_bag(bag), []
     if html:
-        film, session = record_bag(recording, rviz, at)
-        save_html(film, html, title=bag.name)
-        lines.append(f"Wrote {html}. {film.note()}".rstrip())
+        scene_recording, session = record_bag(recording, rviz, at)
+        save_html(scene_recording, html, title=bag.name)
+        lines.append(f"Wrote {html}. {scene_recording.note()}".rstrip())
     else:
         session = replay(recording, rviz, at)
     if png:

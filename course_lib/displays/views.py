@@ -14,7 +14,7 @@ from course_lib.displays.properties import Property, PropertyHolder, flag, frame
 from course_lib.errors import did_you_mean
 from course_lib.viewer.drawables import Camera
 from course_lib.viewer.encoding import Message
-from course_lib.viewer.scene import Node, Scene, bounds_of
+from course_lib.viewer.scene import Scene, bounds_of
 
 # The maximum pitch [rad], because RViz excludes the poles.
 PITCH_LIMIT = pi / 2 - 0.001
@@ -454,7 +454,9 @@ class Framing:
                 node.path
                 for root in self._scene.node("").children.values()
                 for node in root.children.values()
-                if node.path not in self._drawn and node.path not in references and _has_drawable(node)
+                if node.path not in self._drawn
+                and node.path not in references
+                and any(inner.object is not None for inner in node.subtree())
             ]
             self._drawn.update(new)
             if not new and (is_first or not is_opened):
@@ -476,10 +478,6 @@ class Framing:
         is_changed = any(view[label] != value for label, value in values.items())
         view.set_quietly(values)
         return is_changed
-
-
-def _has_drawable(node: Node) -> bool:
-    return any(inner.object is not None for inner in node.subtree())
 
 
 def _with_origin(bounds: Floats) -> Floats:

@@ -15,7 +15,7 @@ from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.notebook import CodeCell, parse_notebook
 from course_lib.grading.submissions.submission import NO_EXERCISE, unpack
-from course_lib.grading.task import Catalog, shipped_catalog
+from course_lib.grading.task import shipped_catalog
 
 WEEK = re.compile(r"week\d\d")
 NOT_CHECKED = "{0.id} ({0.title}): not checked, because {0.name} cannot run; the reason is above."
@@ -29,9 +29,15 @@ def check_file(path: Path) -> bool:
     """
     path = find_notebook(path)
     notebook, catalog = parse_notebook(unpack(path)[0], path.name), shipped_catalog()
-    tasks = catalog.of_week((notebook.exercise or "").split("_")[0])
+    week = (notebook.exercise or "").split("_")[0]
+    tasks = catalog.of_week(week)
     if not tasks:
-        raise CourseError(f"{path} {_no_tasks((notebook.exercise or '').split('_')[0], catalog)}")
+        weeks = catalog.course.weeks
+        if not WEEK.fullmatch(week) or week in weeks:
+            raise CourseError(f"{path} {NO_EXERCISE}")
+        raise CourseError(
+            f"{path} belongs to {week}, but course.toml has no [weeks.{week}]; it has {', '.join(weeks)}"
+        )
     own = current_identity()
     student = notebook.student or own
     steps, files = plan_scenarios(tasks, catalog, hidden=False), working_files(path, notebook.cells)
@@ -52,14 +58,6 @@ def check_file(path: Path) -> bool:
         )
     print(*parts, sep="\n\n")  # noqa: T201
     return all(result.passed for result in judgement.tasks)
-
-
-def _no_tasks(week: str, catalog: Catalog) -> str:
-    if not WEEK.fullmatch(week) or week in catalog.course.weeks:
-        return NO_EXERCISE
-    return (
-        f"belongs to {week}, but course.toml has no [weeks.{week}]; it has {', '.join(catalog.course.weeks)}"
-    )
 
 
 _UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")

@@ -344,7 +344,11 @@ class MarkedResult:
                 status="graded",
                 message=message,
             )
-        message = "; ".join(filter(None, (self._describe_tasks(), result.remark, result.rejection_reason)))
+        full = sum(task.score >= task.points for task in self.tasks)
+        message = f"{full} of {len(self.tasks)} tasks have full marks"
+        if again := ", ".join(task.task for task in self.tasks if not task.is_current):
+            message += f"; {again}: marked in another submission: mark it again"
+        message = "; ".join(filter(None, (message, result.remark, result.rejection_reason)))
         if whole:
             message += (
                 f"; {whole.points or 0:g} points were given without a file before: withdraw them with "
@@ -360,12 +364,6 @@ class MarkedResult:
         total = Mark.of(self.tasks, result.days_late, result.late)
         status: Status = "needs_marking" if is_waiting else row.status
         return replace(row, mark=total, status=status, reason=reason, message=message)
-
-    def _describe_tasks(self) -> str:
-        full = sum(task.score >= task.points for task in self.tasks)
-        text = f"{full} of {len(self.tasks)} tasks have full marks"
-        again = ", ".join(task.task for task in self.tasks if not task.is_current)
-        return f"{text}; {again}: marked in another submission: mark it again" if again else text
 
 
 def read_result(path: Path) -> MarkedResult:

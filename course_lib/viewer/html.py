@@ -20,7 +20,7 @@ _MODULES = (
     "decode", "encode", "icons", "materials", "quality", "coarse", "studio", "surfaces", "billboards",
     "orbit", "insets", "labels", "mirror", "renderer", "panels/parts", "view", "panels/time",
     "panels/editors", "panels/tree", "panels/gestures", "panels/panels", "panels/desk", "panels/place",
-    "film", "player", "link", "page", "socket",
+    "recording", "player", "link", "page", "socket",
 )  # fmt: skip
 _FOLDER = Path(__file__).parent / "js"
 

@@ -136,7 +136,7 @@ class SceneWidget(anywidget.AnyWidget):
         scene: What to show.
         height: Height of the view in [px]; its width is that of the cell.
         label: What the view shows, for those who cannot see it.
-        rest: The traits `film`, `plays` and `panels` of a view at rest, and `words`.
+        rest: The traits `recording`, `plays` and `panels` of a view at rest, and `words`.
     """
 
     _esm = html.widget_module()
@@ -151,7 +151,7 @@ class SceneWidget(anywidget.AnyWidget):
     # Model of the side panel, while it shows this widget.
     panel = traitlets.Unicode().tag(sync=True)
     # Recording of a frozen view.
-    film = traitlets.Bytes().tag(sync=True)
+    recording = traitlets.Bytes().tag(sync=True)
     # Whether the recording plays repeatedly while it is in sight.
     plays = traitlets.Bool(False).tag(sync=True)
     # State of its panels, as JSON.

@@ -58,9 +58,9 @@ def test_frozen_view_with_a_large_recording_plays_with_fewer_frames(
     scenes = Scenes("week09", tmp_path, "_scenes")
     shown = scenes.add_resting_view(viewer.freeze())
     scenes.write()
-    film = tmp_path / "week09-01.js"
-    assert film.stat().st_size < ROOM
-    assert len(content_of(film)["batches"]) > 2
+    recording = tmp_path / "week09-01.js"
+    assert recording.stat().st_size < ROOM
+    assert len(content_of(recording)["batches"]) > 2
     assert "400 points" in shown["text/html"]  # its picture in words
 
 

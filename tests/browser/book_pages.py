@@ -51,7 +51,7 @@ class Looked:
     """A page at one width: the numbers of all and of playing scenes, and the faults."""
 
     scenes: int
-    films: int
+    recordings: int
     problems: tuple[str, ...]
 
 
@@ -105,13 +105,13 @@ def look_at(page: Page, path: Path, width: int) -> Looked:
     page.goto(path.as_uri())
     page.evaluate("for (const one of document.querySelectorAll('details')) one.open = true")
     hosts = page.locator(".course-scene")
-    films = 0
+    recordings = 0
     for number in range(hosts.count()):
         host = hosts.nth(number)
         host.scroll_into_view_if_needed()
         host.locator("canvas").wait_for()
         page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-        films += host.locator(".course-time").count()
+        recordings += host.locator(".course-time").count()
         if (part := drawn(host)) < DRAWN:
             problems.append(f"scene {number + 1} is empty: {100 * part:.1f} % of its pixels are drawn")
     wide = page.evaluate("document.documentElement.scrollWidth")
@@ -121,7 +121,7 @@ def look_at(page: Page, path: Path, width: int) -> Looked:
     for theme in ("dark", "light"):
         page.evaluate("(theme) => (document.documentElement.dataset.theme = theme)", theme)
         problems += [f"{theme}, at {width} px: {fault}" for fault in faults(page)]
-    return Looked(hosts.count(), films, tuple(problems))
+    return Looked(hosts.count(), recordings, tuple(problems))
 
 
 def opened(browser: Browser, said: list[str]) -> Page:
@@ -162,7 +162,7 @@ def main(book: Path, pictures: Path | None = None) -> int:
             size = size_of(path)
             found = [*said, *(problem for look in looks for problem in look.problems)]
             found += [f"it has {size / 1e6:.2f} MB with its scenes"] if size > MOST else []
-            scenes = f"{looks[0].scenes:3} scenes, {looks[0].films:3} play"
+            scenes = f"{looks[0].scenes:3} scenes, {looks[0].recordings:3} play"
             sys.stdout.write(f"{name:50} {size / 1000:8.0f} kB {scenes}\n")
             problems += [f"{name}: {problem}" for problem in found]
     sys.stdout.write("\n".join([*problems, f"{len(paths)} pages, {len(problems)} problems", ""]))

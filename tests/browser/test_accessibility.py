@@ -17,7 +17,7 @@ from tests.browser.axe import faults
 from tests.browser.bench import Bench
 from tests.browser.fake_host import Host
 from tests.browser.test_page import RED, colored
-from tests.browser.test_playback import filmed
+from tests.browser.test_playback import recorded_scene
 
 pytestmark = pytest.mark.browser
 BUTTONS = {  # that are pressed to open a panel or a window
@@ -101,7 +101,7 @@ def test_scene_without_panels_has_a_text_description(host: Host) -> None:
 @pytest.mark.slow
 def test_recording_does_not_play_automatically_with_reduced_motion(one_page: Page, tmp_path: Path) -> None:
     one_page.emulate_media(reduced_motion="reduce")
-    one_page.goto(save_html(filmed(), tmp_path / "film.html").as_uri())
+    one_page.goto(save_html(recorded_scene(), tmp_path / "recording.html").as_uri())
     one_page.wait_for_selector("canvas")
     bar = one_page.get_by_role("slider", name="Time")
     before = bar.input_value()

@@ -83,7 +83,7 @@ def test_book_scenes_are_drawn_and_fit_desktop_and_phone_screens(
     page: Page, lesson: Path, width: int
 ) -> None:
     looked = look_at(page, lesson, width)
-    assert (looked.scenes, looked.films, looked.problems) == (1, 1, ())
+    assert (looked.scenes, looked.recordings, looked.problems) == (1, 1, ())
 
 
 def test_book_scene_plays_the_messages_of_the_lesson(page: Page, lesson: Path) -> None:

@@ -13,7 +13,7 @@ from tests.browser.fake_host import count
 from tests.browser.test_page import BLUE, RED, colored, pixels_of
 from tests.browser.waiting import at_rest
 from tests.patience import PATIENCE
-from tests.viewer.test_film import Clock
+from tests.viewer.test_scene_recording import Clock
 from tests.viewer.test_stream import RED_BOX
 
 pytestmark = pytest.mark.browser
@@ -35,12 +35,12 @@ def at_x(x: float) -> np.ndarray:
     return transform_node_to_parent
 
 
-def filmed(background: tuple[int, int, int] = (0, 0, 0)) -> SceneRecording:
+def recorded_scene(background: tuple[int, int, int] = (0, 0, 0)) -> SceneRecording:
     """A red box moves from left to right in 4 s; a blue one is visible from 1 to 2 s."""
     scene, clock = colored(RED), Clock()
     scene.background = background
     scene.set_transform("box", at_x(-2))
-    film = SceneRecording(scene, clock)
+    recording = SceneRecording(scene, clock)
     for number in range(1, 401):
         clock.now = 100 + number / 100
         scene.set_transform("box", at_x(-2 + number / 100))
@@ -51,7 +51,7 @@ def filmed(background: tuple[int, int, int] = (0, 0, 0)) -> SceneRecording:
         if number == 200:
             scene.delete("blue")
             scene.set_visible("box", True)
-    return film
+    return recording
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def page(browser: Browser) -> Iterator[Page]:
 
 @pytest.fixture
 def playing(page: Page, tmp_path: Path) -> Page:
-    file = save_html(filmed(), tmp_path / "film.html")
+    file = save_html(recorded_scene(), tmp_path / "recording.html")
     page.goto(file.as_uri())
     page.wait_for_selector(READING)
     page.evaluate(TIME)
@@ -82,7 +82,7 @@ def scrub(page: Page, seconds: float) -> None:
 
 
 def test_replay_on_a_page_starts_by_itself_and_repeats(page: Page, tmp_path: Path) -> None:
-    file = save_html(filmed(), tmp_path / "film.html")
+    file = save_html(recorded_scene(), tmp_path / "recording.html")
     html = file.read_text("utf-8")
     assert html.count("data-alone=") == 1
     file.write_text(html.replace("data-alone=", 'data-plays="true" data-alone='), "utf-8")
@@ -168,7 +168,7 @@ def test_every_playback_control_has_a_label_and_is_focused_by_tab(playing: Page)
 
 @pytest.mark.slow
 def test_page_with_a_recording_is_small_and_makes_no_requests(page: Page, tmp_path: Path) -> None:
-    file = save_html(filmed(), tmp_path / "film.html")
+    file = save_html(recorded_scene(), tmp_path / "recording.html")
     assert file.stat().st_size < 350_000
     requests: list[str] = []
     page.on("request", lambda request: requests.append(request.url))
@@ -181,7 +181,7 @@ def test_page_with_a_recording_is_small_and_makes_no_requests(page: Page, tmp_pa
 def test_two_recordings_on_one_page_share_one_script_and_a_static_scene_has_no_time_bar(page: Page) -> None:
     still = Scene()
     still.set_object("box", RED_BOX)
-    parts = [scene_fragment(what) for what in (filmed(), filmed((0, 60, 0)), still)]
+    parts = [scene_fragment(what) for what in (recorded_scene(), recorded_scene((0, 60, 0)), still)]
     html = f"<body style='margin:0'>{''.join(parts)}<script>{bundle_code()}</script>"
     assert len(html) < 400_000
     page.set_content(html)

@@ -81,11 +81,11 @@ def test_empty_recording_does_not_advance() -> None:
     assert playback.time().range == (0.0, 0.0)
 
 
-def test_film_of_a_recording_removes_expired_markers_at_their_time() -> None:
+def test_scene_recording_of_messages_removes_expired_markers_at_their_time() -> None:
     fading = marker()
     fading.lifetime.sec = 1
-    film, _ = record_bag(Recording([sample("/m", fading), sample("/chatter", marker(), 3.0)]))
-    batches = decoded(film.packed())["batches"]
+    recording, _ = record_bag(Recording([sample("/m", fading), sample("/chatter", marker(), 3.0)]))
+    batches = decoded(recording.packed())["batches"]
     gone = [b["time"] for b in batches for c in b.get("commands", []) if c["type"] in ("delete", "visible")]
     assert gone[-1] == pytest.approx(1.0, abs=0.1)
 
@@ -96,8 +96,8 @@ def test_saved_page_of_a_long_recording_stays_small(tmp_path: Path) -> None:
         message = marker()
         message.pose.position.x = number / 100  # [m]
         moving.append(sample("/m", message, number / 30))
-    film, _ = record_bag(Recording(moving))
-    assert film.duration == pytest.approx(599 / 30)
-    still = save_html(film.scene, tmp_path / "still.html").stat().st_size
+    recording, _ = record_bag(Recording(moving))
+    assert recording.duration == pytest.approx(599 / 30)
+    still = save_html(recording.scene, tmp_path / "still.html").stat().st_size
     assert still < 350_000
-    assert save_html(film, tmp_path / "film.html").stat().st_size < still + 60_000
+    assert save_html(recording, tmp_path / "recording.html").stat().st_size < still + 60_000

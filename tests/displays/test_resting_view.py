@@ -41,19 +41,21 @@ def test_frozen_view_has_text_panels_and_tools_without_python(graph: Graph) -> N
     viewer.close()
 
 
-def test_frozen_view_has_a_film_of_the_last_seconds(graph: Graph) -> None:
+def test_frozen_view_has_a_recording_of_the_last_seconds(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     for x in range(4):
         publish(graph, "/m", marker(pose=at(float(x))))
         wait(graph, 1.0)
         viewer.look()
-    assert decoded(viewer.freeze(1.5).film)["end"] == 1.5
-    assert decoded(viewer.freeze(100.0).film)["end"] == 4.0
+    assert decoded(viewer.freeze(1.5).recording)["end"] == 1.5
+    assert decoded(viewer.freeze(100.0).recording)["end"] == 4.0
     viewer.close()
 
 
-def test_film_of_a_frozen_view_can_be_saved_with_fewer_frames_while_the_viewer_exists(graph: Graph) -> None:
+def test_recording_of_a_frozen_view_can_be_saved_with_fewer_frames_while_the_viewer_exists(
+    graph: Graph,
+) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     for x in range(8):
@@ -63,13 +65,13 @@ def test_film_of_a_frozen_view_can_be_saved_with_fewer_frames_while_the_viewer_e
     view = viewer.freeze(3.0)
     wait(graph, 1.0)
     viewer.look()
-    few, all_of_them = decoded(view.packed(1.0)), decoded(view.film)
+    few, all_of_them = decoded(view.packed(1.0)), decoded(view.recording)
     assert (few["start"], few["end"]) == (all_of_them["start"], all_of_them["end"])
     assert 1 < len(few["batches"]) < len(all_of_them["batches"])
     viewer.close()
     del viewer
     gc.collect()
-    assert view.packed(1.0) == view.film
+    assert view.packed(1.0) == view.recording
 
 
 def test_frozen_view_ends_with_the_last_page_that_shows_it(graph: Graph) -> None:
@@ -89,7 +91,7 @@ def test_replay_plays_automatically_and_a_frozen_view_does_not(graph: Graph) -> 
     wait(graph, 2.0)
     replay, frozen = viewer.replay(1.0), viewer.freeze()
     assert (replay.plays, frozen.plays) == (True, False)
-    assert decoded(replay.film)["end"] == 1.0
+    assert decoded(replay.recording)["end"] == 1.0
     assert "again and again" in panels(replay)["changed"]["notice"]["text"]
     viewer.close()
 

@@ -287,10 +287,10 @@ def test_saved_page_plays_back_the_recording(graph: Graph, tmp_path: Path) -> No
     graph.call_at(graph.now_ns + 10**9, lambda: publish(graph, "/m", marker()), node=1, entity=0)
     while graph.advance():
         pass
-    still, film = tmp_path / "still.html", tmp_path / "film.html"
+    still, recording = tmp_path / "still.html", tmp_path / "recording.html"
     viewer.save_html(still)
-    viewer.save_html(film, playback=True)
-    assert still.stat().st_size < film.stat().st_size < 350_000
+    viewer.save_html(recording, playback=True)
+    assert still.stat().st_size < recording.stat().st_size < 350_000
 
 
 def test_viewer_output_is_equal_in_every_run(graph: Graph) -> None:

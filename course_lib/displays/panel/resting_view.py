@@ -28,29 +28,29 @@ class RestingView(SceneWidget):
 
     Args:
         session: The viewer's session.
-        film: The recording of its scene.
+        recording: The recording of its scene.
         seconds: The length of the recording to keep [s].
         plays: Whether the page plays it again and again, from the start on.
     """
 
     def __init__(
-        self, session: RvizSession, film: SceneRecording, seconds: float, *, plays: bool = False
+        self, session: RvizSession, recording: SceneRecording, seconds: float, *, plays: bool = False
     ) -> None:
         self._words = str(StatusTable(session.rows()))
         panels = json.dumps(_panels(session, REPLAY if plays else RECORDED))
-        self._source, self._span = weakref.ref(film), (seconds, film.time)
+        self._source, self._span = weakref.ref(recording), (seconds, recording.time)
         super().__init__(
-            copy_of(film.scene),
+            copy_of(recording.scene),
             label="RViz replay" if plays else "RViz view at rest",
-            film=film.packed(seconds),
+            recording=recording.packed(seconds),
             plays=plays,
             panels=panels,
         )
 
     def packed(self, interval: float) -> bytes:
         """Return the recording with frames at least `interval` [s] apart, while its viewer exists."""
-        film = self._source()
-        return film.packed(*self._span, interval) if film else self.film
+        recording = self._source()
+        return recording.packed(*self._span, interval) if recording else self.recording
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         data, metadata = super()._repr_mimebundle_(**kwargs)

@@ -81,7 +81,11 @@ def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict
         notebook = parse_notebook(data, path.name)
         files = working_files(path, notebook.cells)
     except CourseError as error:
-        return {"cells": [], "problem": _missing_message(f"The code can't be shown: {error}")}
+        return {
+            "cells": [],
+            "problem": f"The code can't be shown: {error} Has the folder of submissions been moved? "
+            "`course grade` with --resume finds it again.",
+        }
     known = submission.sha256 in (content_hash(data, files), content_hash(data, {}))
     own = _own_line_pattern(task) if task else None
     cells = [
@@ -96,10 +100,6 @@ def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict
         "cells": [*cells, *more],
         "problem": "" if known else "This file has changed since it was graded.",
     }
-
-
-def _missing_message(problem: str) -> str:
-    return f"{problem} Has the folder of submissions been moved? `course grade` with --resume finds it again."
 
 
 def _own_line_pattern(task: Task) -> re.Pattern[str]:

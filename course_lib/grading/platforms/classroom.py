@@ -6,7 +6,6 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from course_lib.course.course_file import shipped_course_file
 from course_lib.course.state import exercises_dir, write_atomically
@@ -185,18 +184,13 @@ def _times(path: Path) -> dict[str, str]:
         while text:
             content, end = json.JSONDecoder().raw_decode(text)
             text = text[end:].strip()
-            for commit, time in _pushes(content):
-                times[commit] = min(time, times.get(commit, time))
+            for push in content if isinstance(content, list) else [content]:
+                if isinstance(push, Mapping):
+                    commit, time = str(push.get("after", "")), str(push.get("timestamp", ""))
+                    if SHA.fullmatch(commit) and time:
+                        times[commit] = min(time, times.get(commit, time))
     except (OSError, ValueError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error}. {PUSHES_HINT}") from error
     if not times:
         raise CourseError(f"{path} has no push with 'after' and 'timestamp'. {PUSHES_HINT}")
     return times
-
-
-def _pushes(content: Any) -> Iterator[tuple[str, str]]:
-    entries = content if isinstance(content, list) else [content]
-    for entry in (entry for entry in entries if isinstance(entry, Mapping)):
-        commit, time = str(entry.get("after", "")), str(entry.get("timestamp", ""))
-        if SHA.fullmatch(commit) and time:
-            yield commit, time

@@ -403,7 +403,11 @@ def write_autograder(
     script = run.replace(" NEED", NEEDS[need] + " --show-total" * show_total)
     kit = KitSource("", "the kit") if (root / PACKAGE).is_dir() else kit_source()
     setup = _script("setup.sh").replace("KIT ", f"{kit.words} ".lstrip())
-    files = {**dict(_course_files(root, week)), **kit.files, **_roster_file(roster)}
+    files = {**dict(_course_files(root, week)), **kit.files}
+    if roster is not None:
+        if not any(member.email for member in read_class_list(roster).members):
+            raise CourseError(f"{roster} has no column 'email', which identifies Gradescope's students")
+        files[f"course/solutions/{ROSTER}"] = roster.read_bytes()
     data = io.BytesIO()
     with ZipFile(data, "w") as archive:
         for name, text in (("setup.sh", setup), ("run_autograder", script)):
@@ -425,14 +429,6 @@ def write_autograder(
 
 def _script(name: str) -> str:
     return (FILES / name).read_text(encoding="utf-8")
-
-
-def _roster_file(roster: Path | None) -> dict[str, bytes]:
-    if roster is None:
-        return {}
-    if not any(member.email for member in read_class_list(roster).members):
-        raise CourseError(f"{roster} has no column 'email', which identifies Gradescope's students")
-    return {f"course/solutions/{ROSTER}": roster.read_bytes()}
 
 
 def _add_file(archive: ZipFile, name: str, content: bytes, mode: int) -> None:

@@ -288,9 +288,12 @@ def feedback(
     wrote = []
     for exercise, group in ready.items():
         path = out / "feedback" / f"{exercise}_{lms}.zip"
-        files = {
-            name: _platform_page(result, named, out, course, lms) for name, (result, named) in group.items()
-        }
+        files = {}
+        for name, (result, named) in group.items():
+            page = standalone(result, out, catalog_of(course))
+            # Canvas gives the report the suffix of the submitted file.
+            in_zip = lms == "canvas" and _suffix(named) == ".zip"
+            files[name] = _zip({f"{exercise}.html": page}) if in_zip else page
         with writing(out):
             write_atomically(path, _zip(files))
         size = path.stat().st_size / 1e6
@@ -387,13 +390,6 @@ def _report_name(marked: MarkedResult, named: PlatformName | None, form: Format)
 
 def _suffix(named: PlatformName) -> str:
     return ".zip" if named.file.lower().endswith(".zip") else ".html"
-
-
-def _platform_page(result: Result, named: PlatformName, out: Path, course: Course, lms: str) -> bytes:
-    """Return the report, inside a zip if Canvas gives it the suffix .zip."""
-    page = standalone(result, out, catalog_of(course))
-    in_zip = lms == "canvas" and _suffix(named) == ".zip"
-    return _zip({f"{result.submission.exercise}.html": page}) if in_zip else page
 
 
 def _zip(files: Mapping[str, bytes]) -> bytes:

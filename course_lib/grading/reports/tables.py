@@ -62,7 +62,13 @@ def write_check_times(out: Path, key: str, judgement: Judgement) -> None:
 
 def check_times(out: Path, keys: Iterable[str]) -> dict[Name, TimeSummary]:
     """Return the times of each check, by task, scenario and title."""
-    return _summarize_times(row for key in keys for row in _check_rows(out, key))
+    rows: list[tuple[Name, float]] = []
+    for key in keys:
+        # Missing or damaged times do not matter enough for an error.
+        with suppress(OSError, ValueError, TypeError):
+            for task, scenario, title, seconds in read_json(check_times_path(out, key).read_bytes()):
+                rows.append(((task, scenario, title), float(seconds)))
+    return _summarize_times(rows)
 
 
 def scenario_times(out: Path, keys: Iterable[str]) -> dict[Name, TimeSummary]:
@@ -71,13 +77,6 @@ def scenario_times(out: Path, keys: Iterable[str]) -> dict[Name, TimeSummary]:
     return _summarize_times(
         (name.partition("/")[::2], s) for usage in usages for name, s in usage.scenarios.items()
     )
-
-
-def _check_rows(out: Path, key: str) -> Iterator[tuple[Name, float]]:
-    # Missing or damaged times do not matter enough for an error.
-    with suppress(OSError, ValueError, TypeError):
-        for task, scenario, title, seconds in read_json(check_times_path(out, key).read_bytes()):
-            yield (task, scenario, title), float(seconds)
 
 
 def _summarize_times(rows: Iterable[tuple[Name, float]]) -> dict[Name, TimeSummary]:

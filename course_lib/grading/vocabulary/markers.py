@@ -189,7 +189,10 @@ def judge_marker(evidence: Evidence, name: str, arguments: Arguments) -> list[Pr
     """Return the problems of one check, judged on the marker that its subject is bound to."""
     own = ResolvedCheck(name, {key: plain(value) for key, value in arguments.items()})
     scene = _scene(evidence, own.arguments["topic"], own.arguments.get("at"))
-    index = next((i for i, asked in enumerate(scene.asked) if _is_same(asked, own)), None)
+    call = (own.check_function, own.arguments)
+    index = next(
+        (i for i, asked in enumerate(scene.asked) if (asked.check_function, asked.arguments) == call), None
+    )
     if index is None:
         # The check was called on its own, not as part of a scenario.
         scene, index = MarkerScene(evidence, scene.topic, scene.at, (own,), (), is_whole=False), 0
@@ -201,10 +204,6 @@ def bound_marker(evidence: Evidence, topic: str) -> Any:
     scene = _scene(evidence, topic, None)
     only = len(scene.subjects) == 1 and scene.markers
     return scene.markers[scene.bindings[0]] if only else None
-
-
-def _is_same(asked: ResolvedCheck, own: ResolvedCheck) -> bool:
-    return (asked.check_function, asked.arguments) == (own.check_function, own.arguments)
 
 
 def _are_compatible(one: Any, other: Any) -> bool:

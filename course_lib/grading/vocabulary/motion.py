@@ -125,7 +125,8 @@ def _check_path(
     matching = [(s, marker) for s, marker in added if matches(marker, *named)]
     if not matching:
         return [_unknown_marker_problem(arguments)]
-    path = sorted((s, _marker_position(marker)) for s, marker in matching if not invisibility_reason(marker))
+    visible = [(s, marker.pose.position) for s, marker in matching if not invisibility_reason(marker)]
+    path = sorted((s, (position.x, position.y, position.z)) for s, position in visible)
     if not path:
         return [Problem(f"the marker is invisible: {invisibility_reason(matching[0][1])}", INVISIBLE)]
     plane = path[0][1][2] if arguments["height"] is None else arguments["height"]  # [m]
@@ -149,11 +150,6 @@ def _unknown_marker_problem(arguments: Arguments) -> Problem:
     asked = ", ".join(f"{name} {arguments[name]!r}" for name in NAMING if arguments[name] is not None)
     message = f"no marker with {asked} was added on {arguments['topic']}"
     return Problem(message, "type, ns or id of a marker is wrong")
-
-
-def _marker_position(marker: Any) -> tuple[float, float, float]:
-    position = marker.pose.position
-    return position.x, position.y, position.z
 
 
 def check_duration(path: Path, seconds: float, noun: str = "the marker") -> list[Problem]:

@@ -1,6 +1,6 @@
 import { decode } from "./decode.js";
 import { encode } from "./encode.js";
-import { Film } from "./film.js";
+import { SceneRecording } from "./recording.js";
 import { Mirror } from "./mirror.js";
 import { Desk, DeskState } from "./panels/desk.js";
 import { arrange, Place } from "./panels/place.js";
@@ -91,12 +91,12 @@ export class Link {
 
   /** Show the scene, or the end of a recording that can be played. */
   start() {
-    const bytes = this.model.get("film");
+    const bytes = this.model.get("recording");
     const content = bytes?.byteLength ? decode(bytes) : {};
     if (!content.batches) return this.mirror.take(decode(this.model.get("snapshot")));
     const isSeen = () => [...this.mirror.views].some((view) => view.seen);
-    const film = new Film(content, this.mirror);
-    this.player = new Player(film, (time) => this.timeBars.forEach((update) => update(time)), isSeen);
+    const recording = new SceneRecording(content, this.mirror);
+    this.player = new Player(recording, (time) => this.timeBars.forEach((update) => update(time)), isSeen);
     if (this.model.get("plays")) this.player.replay();
   }
 

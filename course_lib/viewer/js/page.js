@@ -1,5 +1,5 @@
 import { decode } from "./decode.js";
-import { Film } from "./film.js";
+import { SceneRecording } from "./recording.js";
 import { Mirror } from "./mirror.js";
 import { TimeBar } from "./panels/time.js";
 import { Player } from "./player.js";
@@ -21,7 +21,7 @@ export async function mountAll() {
     mount(/** @type {HTMLElement} */ (data.parentElement), await unpacked(data.textContent ?? ""));
 }
 
-/** @param {HTMLElement} host @param {any} content a scene or a film */
+/** @param {HTMLElement} host @param {any} content a scene or a recording */
 export function mount(host, content) {
   host.textContent = "";
   const mirror = new Mirror();
@@ -30,21 +30,21 @@ export function mount(host, content) {
   host.append(picture);
   const alone = host.dataset.alone === "true";
   const view = new View(picture, mirror, { label: host.dataset.label ?? "", alone });
-  if (content.batches) play(new Film(content, mirror), host, alone ? document.body : host, () => view.seen);
+  if (content.batches) play(new SceneRecording(content, mirror), host, alone ? document.body : host, () => view.seen);
   else mirror.take(content);
 }
 
 /**
  * Add a time bar, and start a replay.
- * @param {Film} film @param {HTMLElement} host to which the bar is added; with `data-plays` it is a replay
+ * @param {SceneRecording} recording @param {HTMLElement} host to which the bar is added; with `data-plays` it is a replay
  * @param {HTMLElement} keys the element whose keys it handles
  * @param {() => boolean} isSeen whether the scene is in sight
  */
-function play(film, host, keys, isSeen) {
+function play(recording, host, keys, isSeen) {
   /** @type {TimeBar} */
   const bar = new TimeBar(host, (change) => player.act(change), keys);
   /** @type {Player} */
-  const player = new Player(film, (time) => bar.update(time), isSeen);
+  const player = new Player(recording, (time) => bar.update(time), isSeen);
   if (host.dataset.plays === "true") player.replay();
 }
 

@@ -1,15 +1,15 @@
-/** Plays a film: its clock, driven by time bars. */
+/** Plays a recording: its clock, driven by time bars. */
 export class Player {
   /**
-   * @param {import("./film.js").Film} film
+   * @param {import("./recording.js").SceneRecording} recording
    * @param {(time: import("./protocol.js").TimeState) => void} onTime called with the time for the bars
    * @param {() => boolean} isSeen whether the recording is in sight; otherwise it is paused
    */
-  constructor(film, onTime, isSeen = () => true) {
-    this.film = film;
+  constructor(recording, onTime, isSeen = () => true) {
+    this.recording = recording;
     this.onTime = onTime;
     this.isSeen = isSeen;
-    this.end = film.data.end; // [s]
+    this.end = recording.data.end; // [s]
     this.now = this.end; // the page initially shows the end, from which `play` starts at the beginning
     this.paused = true;
     this.rate = 1;
@@ -21,7 +21,7 @@ export class Player {
   /** @param {import("./protocol.js").TimeChange} change made by the user with a bar */
   act(change) {
     if (change.now !== undefined) this.now = Math.max(0, Math.min(this.end, change.now));
-    if (change.step) [this.paused, this.now] = [true, this.film.beside(this.now, change.step)];
+    if (change.step) [this.paused, this.now] = [true, this.recording.beside(this.now, change.step)];
     if (change.rate) this.rate = change.rate;
     if (change.loop !== undefined) this.loop = change.loop;
     if (change.paused !== undefined) this.play(!change.paused);
@@ -59,9 +59,9 @@ export class Player {
   }
 
   show() {
-    const { now, end, paused, rate, loop, film } = this;
-    const { start, note } = film.data;
-    film.seek(now);
+    const { now, end, paused, rate, loop, recording } = this;
+    const { start, note } = recording.data;
+    recording.seek(now);
     this.onTime({ now: start + now, elapsed: now, range: [0, end], paused, rate, loop, note });
   }
 }

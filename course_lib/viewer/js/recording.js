@@ -3,7 +3,7 @@ const IDENTITY = new Float32Array([1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
 const AS_NEW = {};
 
 /** The recorded changes of a scene; shows the scene at any time in a mirror. */
-export class Film {
+export class SceneRecording {
   /** @param {{start: number, end: number, note: string, batches: any[]}} data @param {import("./mirror.js").Mirror} mirror */
   constructor(data, mirror) {
     this.data = data;

@@ -13,8 +13,8 @@ from tests.viewer.test_stream import RED_BOX, decoded, moved
 PICTURE = np.zeros((120, 160, 3), np.uint8)
 
 
-def filled(frames: int, reel: FrameStore | None = None) -> FrameStore:
-    made = reel or FrameStore()
+def filled(frames: int, store: FrameStore | None = None) -> FrameStore:
+    made = store or FrameStore()
     for number in range(frames):
         picture = PICTURE.copy()
         picture[:, number % 160] = 255
@@ -60,7 +60,7 @@ def test_large_values_are_not_packed() -> None:
     assert all(frame.changes["object", "cloud"] is cloud for frame in made.frames())
 
 
-def test_value_of_a_redefined_class_does_not_stop_the_film() -> None:
+def test_value_of_a_redefined_class_does_not_stop_the_recording() -> None:
     class Sign(Text):
         pass
 
@@ -90,16 +90,16 @@ def test_frames_can_be_dropped_while_others_read_them() -> None:
     assert [first.time, *(frame.time for frame in reading)] == list(range(200))
 
 
-def test_packed_film_plays_the_same_as_an_unpacked_film(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_packed_recording_plays_the_same_as_an_unpacked_recording(monkeypatch: pytest.MonkeyPatch) -> None:
     def played() -> Any:
         now, scene = [0.0], Scene()
         scene.set_object("a", RED_BOX)
-        film = SceneRecording(scene, lambda: now[0])
+        recording = SceneRecording(scene, lambda: now[0])
         for number in range(200):
             now[0] += 0.1
             scene.set_transform("a", moved(float(number)))
             scene.set_object(f"b{number % 7}", Solids("box", [moved(float(number))], (1, 0, 0, 1)))
-        return film.packed(), film.packed(3.0)
+        return recording.packed(), recording.packed(3.0)
 
     packed = played()
     monkeypatch.setattr(scene_recording, "_LARGE", -1)
