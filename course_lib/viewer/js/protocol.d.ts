@@ -107,7 +107,7 @@ export interface ViewChoice {
   saved: string[];
 }
 
-/** The worst status, in one line. */
+/** The worst status as a single line. */
 export interface StatusLine {
   mark: LevelMark;
   text: string;
@@ -132,7 +132,7 @@ export interface AddableTopic {
   display: string;
 }
 
-/** The .rviz files in the notebook's folder, and the one that was used last. */
+/** The .rviz files in the notebook's folder, and the last used file. */
 export interface Layouts {
   last: string;
   files: string[];
@@ -243,7 +243,7 @@ export interface RemoveView {
   index: number;
 }
 
-/** The view was turned by hand; points are in the fixed frame [m]. */
+/** The user has moved the view; points are in the fixed frame [m]. */
 export interface TurnView {
   eye: [number, number, number];
   target: [number, number, number];
