@@ -19,6 +19,7 @@ import pytest
 from course_lib.ros.programs.import_path import install
 from tests.kernels import listen_on_files
 from tests.patience import PATIENCE
+from tests.reruns import pytest_runtest_setup  # noqa: F401  # a hook of pytest
 
 if TYPE_CHECKING:
     from tests.once import Once

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.authoring.test_new_course import BUILT_HERE
+from tests.patience import PATIENCE
 from tests.processes import Program
 
 ROOT = Path(__file__).parents[1]
@@ -60,18 +61,25 @@ def test_release_runs_from_its_own_copy_and_contains_no_answers(student: Path) -
     assert not [p for p in (student / "course").rglob("*") if "solution" in p.name]
 
 
-@pytest.mark.slow
-def test_course_lab_opens_the_student_folder(student: Path) -> None:
+@pytest.fixture(scope="module")
+def lab_address(student: Path) -> str:
+    """Run `course lab` once, which creates the student's folder; return the address that it printed."""
     command = [str(course(student)), "lab", "--no-browser"]
     process = Program(command, cwd=student, stdout=subprocess.PIPE)
     address = process.find(r"http://\S+")
     process.send_signal(signal.SIGINT)
-    process.communicate(timeout=120)
-    assert "token=" in address
+    process.communicate(timeout=PATIENCE)
+    return address
+
+
+@pytest.mark.slow
+def test_course_lab_opens_the_student_folder(student: Path, lab_address: str) -> None:
+    assert "token=" in lab_address
     assert (student / "my_course" / "week01_exercise.ipynb").is_file()
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("lab_address")
 def test_solved_exercise_is_checked_submitted_and_gets_full_marks(student: Path, instructors: Path) -> None:
     folder = student / "my_course"
     (folder / "week01_exercise.ipynb").write_bytes(SOLUTION.read_bytes())

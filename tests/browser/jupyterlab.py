@@ -180,14 +180,19 @@ class Notebook:
         return self.page.locator(".jp-Notebook .jp-Cell.jp-mod-active")
 
     def kernel(self, code: str) -> str:
-        """Run code in the notebook's kernel, outside its cells. Return its output."""
-        script = f"""async code => {{
-            const future = {KERNEL}.requestExecute({{code, store_history: false}});
-            let text = '';
-            future.onIOPub = m => {{ text += m.content.text ?? m.content.traceback?.join('\\n') ?? '' }};
-            await future.done;
-            return text; }}"""
-        return str(self.ask(script, code))
+        """Run code in the notebook's kernel, outside its cells. Return its output; it must raise no error."""
+        script = """async code => {
+            const kernel = courseNotebook().context.sessionContext.session.kernel;
+            const future = kernel.requestExecute({ code, store_history: false });
+            let text = '', error = null;
+            future.onIOPub = ({ content }) => {
+                text += content.text ?? '';
+                error = content.traceback?.join('\\n') ?? error; };
+            const { content } = await future.done;
+            return [text, content.status == 'ok' ? null : error ?? content.status]; }"""
+        text, error = self.ask(script, code)
+        assert error is None, f"{code}\n{error}"
+        return str(text)
 
     def outputs(self) -> list[dict[str, Any]]:
         """List the outputs of all code cells."""

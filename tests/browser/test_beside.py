@@ -105,6 +105,7 @@ def test_view_is_docked_and_later_cells_show_one_line_instead_of_it(notebook: No
 def test_cells_keep_the_picture_of_a_view_beside_the_notebook(notebook: Notebook) -> None:
     sizes = """() => [...document.querySelectorAll(".jp-Notebook .course-keeps")]
         .map((element) => element.courseKeeps()?.["image/png"].length ?? 0)"""
+    wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page, A_FRAME)
     assert all(size > 2000 for size in notebook.page.evaluate(sizes))
     # A coarse picture may still be replaced once. Then nothing has changed since the last one.
     wait_until(lambda: notebook.page.evaluate(sizes) == [0, 0], notebook.page)

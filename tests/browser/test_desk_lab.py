@@ -70,9 +70,9 @@ def test_clicks_reach_python_while_another_cell_waits_for_one(lesson: Notebook) 
     wait_until(lambda: lesson.kernel("print(len(clicks))").strip() == "1", lesson.page)
 
 
-def open_displays(place: Locator) -> None:
-    """Open the Displays panel, unless an earlier test has opened it."""
-    button = place.get_by_role("button", name="Displays panel")
+def open_panel(place: Locator, name: str) -> None:
+    """Open a panel, unless an earlier test has opened it."""
+    button = place.get_by_role("button", name=name)
     if button.get_attribute("aria-expanded") != "true":
         button.click()
     expect(button).to_have_attribute("aria-expanded", "true")
@@ -88,11 +88,11 @@ def change_theme(page: Page, theme: str) -> None:
 
 def test_displays_can_be_edited_in_both_themes(lesson: Notebook) -> None:
     place = place_of_view(lesson.cell(SHOW))
-    open_displays(place)
+    open_panel(place, "Displays panel")
     place.get_by_role("row").filter(has_text="Grid").first.press("ArrowRight")
     place.get_by_role("spinbutton", name="Cell Size").fill("0.5")
     lesson.page.keyboard.press("Enter")
-    place.get_by_role("button", name="Views panel").click()
+    open_panel(place, "Views panel")
     for theme in ("JupyterLab Light", "JupyterLab Dark"):
         change_theme(lesson.page, theme)
         if PICTURES:
@@ -104,7 +104,8 @@ def test_keys_pressed_in_panels_do_not_reach_the_notebook(lesson: Notebook) -> N
     cells = "() => courseNotebook().content.widgets.length"
     before = lesson.page.evaluate(cells)
     place = place_of_view(lesson.cell(SHOW))
-    open_displays(place)
+    for name in ("Displays panel", "Views panel"):
+        open_panel(place, name)
     add = place.get_by_role("button", name="Add a display")
     for control in (place.locator("canvas").first, add, place.get_by_role("combobox", name="Type of view")):
         for key in ("a", "b", "d", "d", "x", "m", "s", "c", "g", "Escape"):

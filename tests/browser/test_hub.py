@@ -64,6 +64,14 @@ def grace(hub: Hub, repository: Path) -> Notebook:
     return Notebook(page, f"{hub.address}/user/{HURRIED}/lab", hub.homes / HURRIED / "robotics", LESSON)
 
 
+@pytest.fixture
+def running(ada: Notebook) -> Notebook:
+    """Return ada's notebook with its node running live, which an earlier test may have started."""
+    if ada.kernel("print('live' in globals())").strip() != "True":
+        ada.run_to(LIVE)
+    return ada
+
+
 def opened_tab(notebook: Notebook) -> Page:
     """Click on the link that `viewer.open()` shows."""
     notebook.cell(LIVE)
@@ -85,8 +93,8 @@ def test_two_users_of_one_machine_open_lesson_one_in_their_own_folders(
         assert notebook.kernel(where).strip() == str(notebook.folder)
 
 
-def test_viewer_opens_in_a_tab_through_the_hub_proxy(ada: Notebook) -> None:
-    tab = opened_tab(ada)
+def test_viewer_opens_in_a_tab_through_the_hub_proxy(running: Notebook) -> None:
+    tab = opened_tab(running)
     assert "/user/ada/proxy/" in tab.url
     view = tab.locator("canvas").first
     expect(view).to_be_visible()
@@ -94,14 +102,14 @@ def test_viewer_opens_in_a_tab_through_the_hub_proxy(ada: Notebook) -> None:
     tab.close()
 
 
-def test_view_is_redrawn_after_page_reload_and_kernel_restart(ada: Notebook) -> None:
-    ada.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
-    ada.open()
-    wait_for_red(ada.cell(SHOW))
-    ada.page.evaluate("courseNotebook().context.sessionContext.session.kernel.restart()")
-    ada.wait_idle()
-    ada.run_to(LIVE)
-    wait_for_red(ada.cell(SHOW))
+def test_view_is_redrawn_after_page_reload_and_kernel_restart(running: Notebook) -> None:
+    running.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
+    running.open()
+    wait_for_red(running.cell(SHOW))
+    running.page.evaluate("courseNotebook().context.sessionContext.session.kernel.restart()")
+    running.wait_idle()
+    running.run_to(LIVE)
+    wait_for_red(running.cell(SHOW))
 
 
 def test_lesson_one_runs_on_a_hub_with_rqt_and_checks(ada: Notebook) -> None:

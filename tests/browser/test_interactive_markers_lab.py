@@ -80,7 +80,7 @@ def test_interactive_marker_is_dragged_while_its_server_runs_live(notebook: Note
     wait_until(lambda: notebook.kernel(went_on).strip() == "True", notebook.page)
     wait_until(seen, notebook.page)
     mouse.down()
-    latest = "print([feedback.event_type for feedback in heard][-1])"
+    latest = "print(*[feedback.event_type for feedback in heard][-1:])"
     wait_until(lambda: notebook.kernel(latest).strip() == "4", notebook.page)  # the server keeps one message
     for step in range(1, 9):
         mouse.move(*over(canvas, 10 * step, 0))

@@ -12,6 +12,7 @@ from tests.browser.waiting import A_FRAME, wait_until
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 MANY, ENOUGH = 20, 50  # views; [px] of the box in each
 ENDED = "The kernel of this view has ended."
+PAINT_BLUE = "for w in widgets: w.scene.set_object('box', Solids('box', [np.eye(4)], (0, 0, 1, 1)))"
 CELLS = (
     """\
 %load_ext course_lib
@@ -116,8 +117,7 @@ def test_second_and_reloaded_tabs_show_the_scene_of_the_first_tab(notebook: Note
     notebook.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
     second = open_page(lab, notebook.folder)
     wait_until(lambda: are_all(second, 0), second.page, A_FRAME)
-    paint = "for w in widgets: w.scene.set_object('box', Solids('box', [np.eye(4)], (0, 0, 1, 1)))"
-    notebook.kernel(paint)
+    notebook.kernel(PAINT_BLUE)
     for one in (notebook, second):
         wait_until(lambda one=one: are_all(one, 2), one.page, A_FRAME)  # type: ignore[misc]  # mypy knows no default there
     notebook.open()
@@ -127,6 +127,8 @@ def test_second_and_reloaded_tabs_show_the_scene_of_the_first_tab(notebook: Note
 
 
 def test_kernel_restart_keeps_the_images_and_a_rerun_draws_new_views(notebook: Notebook) -> None:
+    notebook.kernel(PAINT_BLUE)
+    wait_until(lambda: are_all(notebook, 2), notebook.page, A_FRAME)
     notebook.page.evaluate("courseNotebook().context.sessionContext.session.kernel.restart()")
     notebook.wait_idle()
     assert are_all(notebook, 2)
