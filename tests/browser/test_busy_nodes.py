@@ -7,7 +7,6 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from tests.browser.jupyterlab import Lab, Notebook, opened
-from tests.browser.waiting import wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 START = "%load_ext course_lib\nimport time\nimport rclpy\nfrom course_lib import run_live, spin_for\n"
@@ -39,12 +38,18 @@ class Sleeper(Node):
 
     def tick(self):
         time.sleep(1)
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__("talker")
+        self.create_timer(0.2, lambda: print("spinning"))
 """
 ENDLESS = r"cell in\[2\], line 1[12]: (while True|pass)"
 BY_STOP, BY_INTERRUPT = "run_live(Stuck())  # Stop", "run_live(Stuck())  # ■"
 STUBBORN, SLEEPER = "run_live(Stubborn())", "run_live(Sleeper())"
 SPIN, SLEEPY_SPIN = "spin_for(100.0, Stuck())", "spin_for(2.0, Sleeper())"
-AWAITED, OVERRUN = "await spin_for(1000.0)", "import asyncio\nrun_live(Stuck())\nawait asyncio.sleep(1)"
+AWAITED = "await spin_for(1000.0, Talker())"
+OVERRUN = "import asyncio\nrun_live(Stuck())\nawait asyncio.sleep(1)"
 CELLS = (START, NODES, BY_STOP, BY_INTERRUPT, STUBBORN, SLEEPER, SPIN, SLEEPY_SPIN, AWAITED, OVERRUN)
 
 
@@ -124,7 +129,8 @@ def test_spin_for_ends_although_a_callback_takes_a_full_period(notebook: Noteboo
 
 def test_interrupt_ends_an_awaited_call(notebook: Notebook) -> None:
     cell = start(notebook, AWAITED)
-    wait_until(lambda: cell.get_by_text("[*]").count(), notebook.page)
+    # JupyterLab shows [*] before the kernel begins with the cell: an interrupt would come too early then.
+    expect(cell.get_by_text("spinning").first).to_be_visible()
     interrupt(notebook)
     expect(cell.get_by_text(text("Stopped after .* of robot time"))).to_be_visible()
     notebook.wait_idle()
