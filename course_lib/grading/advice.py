@@ -28,6 +28,8 @@ from course_lib.ros.messages import to_plain
 
 # Methods of lists, dictionaries and sets that change them and return None.
 IN_PLACE = {"append", "extend", "insert", "remove", "reverse", "sort", "clear", "update", "add", "discard"}
+# Functions and methods that only return a value.
+_PURE = {"sorted", "reversed", "round", "abs", "replace", "strip", "lower", "upper", "format", "split"}
 _SENDING = ("publish", "sendTransform")
 _LONGEST = 60  # characters of a quoted line
 _FIELD = re.compile(r"\{[a-z_]\w*(\.\w+|\[\w+\])*(:[^{}]*)?\}")
@@ -61,7 +63,11 @@ def _slips(function: _Function, own: set[str]) -> Iterator[str]:
         yield from _recreations(block)
         yield from _late_assignments(block)
         yield from _loops(block, function.name)
+        yield from _reused_objects(block)
         yield from _unreachable(block)
+    yield from _shared_defaults(function)
+    if function.args.args[:1] and function.args.args[0].arg == "self":
+        yield from _sleeps(function)
     yield from _lost_locals(function, own)
     yield from _plain_strings(function)
 
@@ -91,6 +97,12 @@ def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
                 yield f"{_quote(statement)} compares and changes nothing: a single = sets a value."
             case ast.Expr(value=ast.Attribute() as named):
                 yield f"{_quote(statement)} names {named.attr} and does not call it: write ( ) after it."
+            case ast.Expr(
+                value=ast.Call(func=ast.Name(id=name) | ast.Attribute(value=ast.Name(), attr=name))
+            ) if name in _PURE:
+                yield (
+                    f"{_quote(statement)} returns a value and changes nothing: write a name and = before it."
+                )
             case ast.Assign(value=ast.UnaryOp(op=ast.UAdd())):
                 name = ast.unparse(statement.targets[0])
                 yield f"=+ sets {name} to the value on the right; += adds it to {name}."
@@ -203,6 +215,61 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
         for name in emptied:
             if any(_uses(one, name) for one in block[index + 1 :]):
                 yield f'"{name} = []" in the loop empties the list for each item: move it before the loop.'
+
+
+def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
+    for index, loop in enumerate(block):
+        if not isinstance(loop, ast.For):
+            continue
+        created = dict(filter(lambda found: found[0], map(_find_created, block[:index])))
+        inside = {_find_created(one)[0] for one in ast.walk(loop) if isinstance(one, ast.stmt)}
+        for node in ast.walk(loop):
+            match node:
+                case ast.Call(func=ast.Attribute(attr="append"), args=[ast.Name(id=name)]) if (
+                    name in created and name not in inside
+                ):
+                    yield (
+                        f"{name} is a single {created[name]}, created before the loop: the list gets "
+                        "it again and again. Create it inside the loop."
+                    )
+
+
+def _shared_defaults(function: _Function) -> Iterator[str]:
+    arguments = [*function.args.posonlyargs, *function.args.args]
+    for argument, default in zip(arguments[::-1], function.args.defaults[::-1], strict=False):
+        if isinstance(default, ast.List | ast.Dict | ast.Set | ast.Call) and _changes(function, argument.arg):
+            name, value = argument.arg, ast.unparse(default)
+            yield (
+                f"the default {name}={value} is created once, and every call of {function.name} gets the "
+                f"same one. Write {name} = {value} in the function instead."
+            )
+
+
+def _changes(function: _Function, name: str) -> bool:
+    """Return whether a function changes the object of a variable."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(value=ast.Name(id=changed), attr=method)) if method in IN_PLACE:
+                pass
+            case ast.AugAssign(target=ast.Name(id=changed)):
+                pass
+            case ast.Subscript(value=ast.Name(id=changed), ctx=ast.Store()):
+                pass
+            case _:
+                continue
+        if changed == name:
+            return True
+    return False
+
+
+def _sleeps(function: _Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(value=ast.Name(id="time"), attr="sleep")):
+                yield (
+                    f"time.sleep in {function.name} stops the whole node: no other callback runs before it "
+                    "ends. Use a timer."
+                )
 
 
 def _unreachable(block: Sequence[ast.stmt]) -> Iterator[str]:

@@ -8,7 +8,7 @@ import dis
 import re
 import sys
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import BuiltinFunctionType, FunctionType, MethodType
@@ -173,6 +173,8 @@ def _value_hint(error: BaseException, text: str) -> str:
     is_number = kind in ("float", "int")
     if value is None and is_number:
         return "this is None: does the function that created it return something?"
+    if value is None and kind == "str":
+        return "this is None: is it a parameter without a value, or a function that returns nothing?"
     if isinstance(value, type) and kind != "str":
         return f"this is the class {value.__name__}: create an object, with `{value.__name__}()`."
     if isinstance(value, FunctionType | MethodType | BuiltinFunctionType):
@@ -253,6 +255,8 @@ def _list_hint(error: BaseException, text: str) -> str:
         return (
             f"this is an array of {value.ndim} dimensions, and the field takes one: `matrix.ravel()` is flat."
         )
+    if isinstance(value, Iterable) and not isinstance(value, Collection):
+        return f"this is of type {type(value).__name__}, which is not a list: put it into list( )."
     are_plain = re.search(r"each value of type '(float|int|str|bool)'", text)
     items = list(value) if are_plain and isinstance(value, Sequence | np.ndarray) else []
     for index, item in enumerate(items):

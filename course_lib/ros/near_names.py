@@ -205,6 +205,8 @@ def name_hint(error: NameError) -> str:
     if wanted in owner and not (isinstance(error, UnboundLocalError) and _is_set_before(error, wanted)):
         return f"did you mean `self.{wanted}`?"
     if isinstance(error, UnboundLocalError):
+        if callable(frame.f_globals.get(wanted)) or isinstance(frame.f_globals.get(wanted), ModuleType):
+            return f"{wanted} = … in this function hides the {wanted} defined above: choose another name."
         if wanted in frame.f_globals:
             return (
                 f"a function that assigns {wanted} has a {wanted} of its own. Keep the value in the node, as "
@@ -216,6 +218,10 @@ def name_hint(error: NameError) -> str:
     if singular != wanted and singular in frame.f_globals and wanted not in _IMPORTS:
         return f"did you mean `{singular}`?"
     importable = _importable(frame)
+    if wanted in _ROS_1:
+        return f"there is no {wanted} in ROS 2: {_ROS_1[wanted]}."
+    if inner := _function_that_sets(wanted, frame.f_code):
+        return f"{wanted} is set in the function {inner}, and exists only there: return it from {inner}."
     if wanted in importable:
         return f"import it: `{importable[wanted]}`; in a notebook run the first cells again."
     return _similar_name(wanted, frame, owner, importable)
@@ -239,7 +245,8 @@ def _similar_name(wanted: str, frame: FrameType, owner: Sequence[str], importabl
         return f"did you mean `self.{near}`?"
     if near := nearest(wanted, [*vars(builtins), *keyword.kwlist], 0.8):
         return f"did you mean `{near}`?"
-    if near := nearest(wanted, importable, 0.8):
+    # Names of two letters, like re, are similar to any name of three.
+    if near := nearest(wanted, [name for name in importable if len(name) > 2], 0.8):
         return f"did you mean {near}? Then import it: `{importable[near]}`."
     if given := _parameters(frame.f_code):
         return (
@@ -247,6 +254,12 @@ def _similar_name(wanted: str, frame: FrameType, owner: Sequence[str], importabl
             f"from?"
         )
     return ""
+
+
+def _function_that_sets(name: str, code: CodeType) -> str:
+    """Return the name of a nested function that has a local variable of this name, or ""."""
+    nested = (one for one in code.co_consts if isinstance(one, CodeType) and one.co_name.isidentifier())
+    return next((one.co_name for one in nested if name in one.co_varnames[one.co_argcount :]), "")
 
 
 def _is_set_before(error: BaseException, name: str) -> bool:
@@ -308,6 +321,8 @@ def attribute_hint(error: AttributeError) -> str:
     if frame is not None and error.obj is frame.f_locals.get("self") and error.name in frame.f_locals:
         return f"{error.name} is a variable of this method: write `{error.name}` without self."
     cls = type(error.obj)
+    if is_student_class(cls) and (found := _method_outside(error.name, cls)):
+        return found
     own_classes = [one for one in cls.__mro__ if is_student_class(one)]
     if own_classes:
         # For a student's own node class, its own attributes and ROS's methods are suggested. ROS's
@@ -342,6 +357,20 @@ def attribute_hint(error: AttributeError) -> str:
     return f"did you mean `{near}`?" if near else ""
 
 
+def _method_outside(name: str, cls: type) -> str:
+    """Return the hint for a method that is defined after its class, or inside another method, or ""."""
+    codes = {key: one.__code__ for key, one in vars(cls).items() if isinstance(one, FunctionType)}
+    for outer, code in codes.items():
+        if any(isinstance(one, CodeType) and one.co_name == name for one in code.co_consts):
+            return f"def {name} is inside of {outer}: indent it as far as def {outer}."
+    methods = [one for one in vars(cls).values() if isinstance(one, FunctionType)]
+    function = methods[0].__globals__.get(name) if methods else None
+    if isinstance(function, FunctionType) and function.__code__.co_varnames[:1] == ("self",):
+        first = methods[0].__name__
+        return f"def {name} is outside of the class {cls.__name__}: indent it as far as def {first}."
+    return ""
+
+
 def join(names: Sequence[str]) -> str:
     """Return names as in a sentence, "a, b and c"."""
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
@@ -367,6 +396,8 @@ def keyword_hint(error: BaseException) -> str:
         return ""
     names = [name for name in parameters if name != "self" and not name.startswith("_")]
     near = nearest(found[2], names, 0.6) or next((one for one in names if one.startswith(found[2])), "")
+    if found[2] == "queue_size" and "qos_profile" in names:
+        return "queue_size is from ROS 1: write the number alone, like 10, as the last argument."
     if near:
         return f"did you mean `{near}`?"
     return f"{found[1]} takes {join(names)}." if 0 < len(names) <= 8 else ""
@@ -387,7 +418,8 @@ def surplus_hint(error: BaseException) -> str:
         return ""
     names = list(code.co_varnames[1 : code.co_argcount])
     given = f"the call passes {format_count(int(found[3]) - 1, 'value')}"
-    call = f"self.{name}({', '.join(names)})"
+    owner = "self." if isinstance(cls, type) and isinstance(frame.f_locals.get("self"), cls) else ""
+    call = f"{owner}{name}({', '.join(names)})"
     return f"{name} takes {join(names) or 'nothing'} besides self, and {given}: write {call}."
 
 
@@ -594,6 +626,8 @@ def call_with_fields(name: str) -> str:
     common = [one for one in found if one.partition("/")[0] in _COMMON]
     samples = {"float64": "1.0", "float32": "1.0", "string": "'text'", "bool": "True"}
     fields = definition((common or found)[0]).fields[:4]
+    if len(fields) == 1 and fields[0].container != "scalar":
+        return f"{name}({fields[0].name}=[])"
     simple = [f for f in fields if f.container == "scalar" and not f.is_message]
     if len(simple) < len(fields):
         # A nested message needs its own object, which the empty message already has.

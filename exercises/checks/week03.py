@@ -254,6 +254,7 @@ MET = tuple(
     inputs.detections(found, at=stamp + delay, delay=delay)
     for found, stamp, delay in zip(SEEN, STAMPS, DELAYS, strict=True)
 )
+ORIGIN = (0.0, 0.0, 0.0)  # [m]: the pose of a marker moves its points, too
 PERSON_ARROW = ((3.6, 1.0, 0.9), (4.6, 1.0, 0.9))  # [m], at 1 m/s
 BICYCLE_ARROW = ((3.0, 3.5, 0.8), (3.0, 4.0, 1.3))  # [m], at 0.5 m/s to the left and up
 ARROWS_AGAIN = expect_topic(MARKERS, ARRAY, at_least=3).titled("arrows from the second message on").worth(0)
@@ -284,12 +285,12 @@ VELOCITY = Task(
                             expect_marker_count(MARKERS, 2, type="ARROW").titled(
                                 "an arrow for each detection with an earlier message"
                             ),
-                            expect_marker(MARKERS, type="ARROW", id=1, points=PERSON_ARROW).titled(
-                                "the person's arrow: from the centre to where it will be in 1 s"
-                            ),
-                            expect_marker(MARKERS, type="ARROW", id=5, points=BICYCLE_ARROW).titled(
-                                "the bicycle's arrow: from the centre to where it will be in 1 s"
-                            ),
+                            expect_marker(
+                                MARKERS, type="ARROW", id=1, position=ORIGIN, points=PERSON_ARROW
+                            ).titled("the person's arrow: from the centre to where it will be in 1 s"),
+                            expect_marker(
+                                MARKERS, type="ARROW", id=5, position=ORIGIN, points=BICYCLE_ARROW
+                            ).titled("the bicycle's arrow: from the centre to where it will be in 1 s"),
                             expect_marker(
                                 MARKERS,
                                 type="ARROW",

@@ -44,6 +44,16 @@ SLIPS = [
         ("for item in items:", "    found = []", "    found.append(item)", "return found"),
         '"found = []" in the loop empties the list',
     ),
+    (
+        ("marker = Marker()", "for item in items:", "    marker.id = item", "    found.append(marker)"),
+        "marker is a single Marker, created before the loop",
+    ),
+    (("sorted(items)", "return items"), '"sorted(items)" returns a value and changes nothing'),
+    (
+        ("text.replace('a', 'b')", "return text"),
+        "\"text.replace('a', 'b')\" returns a value and",
+    ),
+    (("time.sleep(1.0)", "self.p.publish(marker)"), "time.sleep in tick stops the whole node"),
     (("return 1", "self.angle = 2.0"), '"self.angle = 2.0" comes after "return 1" and never runs'),
     (("angle = self.angle + 0.1",), "angle = … in tick sets a variable that ends with the method"),
     (("marker.text = '{found.score:.2f} m'",), "the string '{found.score:.2f} m' has names in { }"),
@@ -52,6 +62,9 @@ RIGHT = [
     ("marker = Marker()", "marker.id = 1", "self.p.publish(marker)", "marker = Marker()", "marker.id = 2"),
     ("marker = Marker()", "self.p.publish(marker)", "marker.id = 1", "self.p.publish(marker)"),
     ("for item in items:", "    if item:", "        return item"),
+    ("marker = Marker()", "for item in items:", "    marker = Marker()", "    found.append(marker)"),
+    ("marker = Marker()", "for item in items:", "    marker.points.append(item)", "found.append(marker)"),
+    ("found = sorted(items)", "return found"),
     ("marker = Marker()", "for item in items:", "    marker.id += 1", "self.p.publish(marker)"),
     ("angle = self.angle + 0.1", "self.angle = angle"),
     ("text = '{found} m'.format(found=1)", "return text"),
@@ -63,6 +76,12 @@ RIGHT = [
 @pytest.mark.parametrize(("lines", "sentence"), SLIPS)
 def test_slip_is_named(lines: tuple[str, ...], sentence: str) -> None:
     assert find_slip(method(*lines)).startswith(sentence)
+
+
+def test_default_that_the_function_changes_is_named() -> None:
+    source = "def collect(item, found=[]):\n    found.append(item)\n    return found\n"
+    assert find_slip(source).startswith("the default found=[] is created once")
+    assert find_slip("def collect(item, found=[]):\n    return [*found, item]\n") == ""
 
 
 @pytest.mark.parametrize("lines", RIGHT)

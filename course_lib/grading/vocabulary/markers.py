@@ -124,6 +124,8 @@ def no_markers_problem(evidence: Evidence, topic: str, at: float | None = None) 
         message = f"{topic} carries {evidence.topics[topic]}, expected {' or '.join(MARKER_MESSAGES)}"
         return Problem(message, "a topic has the wrong message type")
     why = "all were deleted, or their lifetime is over"
+    if not any(marker.action == ADD for _, marker in iter_markers(evidence, topic)):
+        why = "none was added"
     if at is not None and not any(seconds <= at for seconds, _ in iter_markers(evidence, topic)):
         why = "the first one is published later"
     mistake = "no marker is left at the end" if at is None else "no marker is shown in between"

@@ -57,6 +57,8 @@ Path = list[tuple[float, tuple[float, float, float]]]  # ([s], [m])
 TF = "tf2_msgs/msg/TFMessage"
 FOR_EVER_NS = 2**62  # [ns] cache time of the buffer, practically infinite
 YAW_TOLERANCE = 0.05  # [rad]
+STILL = 1e-3  # [rad] amplitude of a joint that moves, if only a little
+MAX_NAMED = 3  # frames that a message lists
 PATH = "nav_msgs/msg/Path"
 
 
@@ -274,7 +276,9 @@ def expect_circling_frame(
         return ambiguous
     poses = [(seconds, pose) for seconds, pose in _iter_transforms(evidence, "/tf") if pose.child == frame]
     if not poses:
-        return [Problem(f"no transform of {frame!r} was published on /tf", "a transform is missing")]
+        others = sorted({pose.child for _, pose in _iter_transforms(evidence, "/tf")})
+        only = f", only of {', '.join(map(repr, others[:MAX_NAMED]))}" if others else ""
+        return [Problem(f"no transform of {frame!r} was published on /tf{only}", "a transform is missing")]
     strange = sorted({pose.parent for _, pose in poses} - {target})
     if strange:
         message = f"the parent of {frame!r} is {strange[0]!r}, expected {target!r}"
@@ -552,7 +556,8 @@ def _compare_swing(
             yield Problem(f"{joint} stands still, expected it to swing", "a joint stands still")
         return
     if amplitude and is_close(actual, 0.0, tolerance):
-        message = f"{joint} stands still, expected it to swing by {format_number(amplitude, 'rad')}"
+        little = f"swings by only {format_number(actual, 'rad')}" if actual > STILL else "stands still"
+        message = f"{joint} {little}, expected it to swing by {format_number(amplitude, 'rad')}"
         yield Problem(message, "a joint stands still")
     elif not is_close(actual, amplitude, tolerance):
         message = f"{joint} swings by {_format_angles(actual, amplitude)}"

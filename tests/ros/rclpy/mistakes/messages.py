@@ -131,7 +131,7 @@ MESSAGES = [
     (
         "PoseStamped().header.frame_id = None",
         "AssertionError: The 'frame_id' field must be of type 'str'",
-        'write the name of the frame in quotes: "map".',
+        "this is None: is it a parameter without a value, or a function that returns nothing?",
     ),
     (
         "marker = Marker()\n"

@@ -19,12 +19,12 @@ NODES = [
     (
         "node.create_timer(0.1, lambda event: None)\nrclpy.spin(node)",
         "TypeError: <lambda>() missing 1 required positional argument: 'event'",
-        "a timer passes no argument: write `def tick(self)`.",
+        "a timer passes no argument: write `lambda: self.tick()`, without a name before the colon.",
     ),
     (
         "node.create_timer(0.1, lambda timer, event: None)\nrclpy.spin(node)",
         "TypeError: <lambda>() missing 2 required positional arguments: 'timer' and 'event'",
-        "a timer passes no argument: write `def tick(self)`.",
+        "a timer passes no argument: write `lambda: self.tick()`, without a name before the colon.",
     ),
     (
         "class Robot(Node):\n"

@@ -46,7 +46,7 @@ PLAIN_PYTHON = [
     (
         "class Painter(Node):\n    def paint(self): ...\nPainter('a').paint(1)",
         "TypeError: Painter.paint() takes 1 positional argument but 2 were given",
-        "paint takes nothing besides self, and the call passes 1 value: write self.paint().",
+        "paint takes nothing besides self, and the call passes 1 value: write paint().",
     ),
     (
         "for key in {}.items: ...",
@@ -209,7 +209,8 @@ PLAIN_PYTHON = [
     (
         "min([])",
         "ValueError: min() arg is an empty sequence",
-        "the list is empty: handle this case first, with if not values: return.",
+        "the list is empty: handle this case first, with if not values: return. A generator or a map is "
+        "empty after its first use: make it a list, with [ ] or list( ).",
     ),
     (
         "import numpy as np\nif np.zeros(3) < 1.0: ...",
