@@ -327,8 +327,8 @@ def require_fork(command: str) -> None:
     if command in _FORKING and not hasattr(os, "fork"):
         instead = " In the exercise itself check() works without." if command == "check" else ""
         raise CourseError(
-            f"course {command} needs Linux, macOS or WSL2: on this system ({sys.platform}) a process can't "
-            f"fork.{instead}"
+            f"course {command} needs Linux, macOS or WSL2: on this system ({sys.platform}) a "
+            f"process can't fork.{instead}"
         )
 
 
@@ -548,8 +548,8 @@ def _mark(out: Path, given: Sequence[str], row: str, comment: str, *, withdraw: 
     if not is_lms and not withdraw and len(given) == len(("STUDENT", "EXERCISE", "TASK", "POINTS")):
         return mark_by_hand(out, *given, row=row, comment=comment)
     raise CourseError(
-        "write: course mark OUT --serve; or: course mark OUT STUDENT EXERCISE TASK POINTS [--row ROW] "
-        "[--comment TEXT]; or: course mark OUT STUDENT EXERCISE TASK --withdraw [--row ROW]; "
+        "write: course mark OUT --serve; or: course mark OUT STUDENT EXERCISE TASK POINTS [--row "
+        "ROW] [--comment TEXT]; or: course mark OUT STUDENT EXERCISE TASK --withdraw [--row ROW]; "
         "or: course mark OUT --lms CSV --exercise E --column C --id-column I --to CSV"
     )
 
@@ -657,8 +657,8 @@ def run(
 
         if robot is not None or real_time or show_args or strict or seed or params_file:
             raise CourseError(
-                "--ros runs programs on the real ROS 2 of this computer, in real time: leave out --robot, "
-                "--seed, --params-file, --real-time, --strict and --show-args."
+                "--ros runs programs on the real ROS 2 of this computer, in real time: leave out "
+                "--robot, --seed, --params-file, --real-time, --strict and --show-args."
             )
         shows = seconds is None if view is None else view
         raise typer.Exit(run_on_ros(files, seconds=seconds, bag=bag, arguments=context.obj, shows=shows))

@@ -28,8 +28,8 @@ def require_reachable_page() -> None:
     """
     if hub_prefix() and find_spec("jupyter_server_proxy") is None:
         raise CourseError(
-            "a separate page cannot be reached on this JupyterHub, which has no jupyter-server-proxy. "
-            "Show the viewer in a notebook: viewer, or viewer.beside()."
+            "a separate page cannot be reached on this JupyterHub, which has no "
+            "jupyter-server-proxy. Show the viewer in a notebook: viewer, or viewer.beside()."
         )
 
 

@@ -120,8 +120,8 @@ def _make_hollowing(name: str, change: Change) -> Hollowing:
 
 
 ALL_THE_TIME = (
-    "let these checks require messages all the time: check.requiring(expect_throughout(topic).worth(0)), "
-    "or expect_topic(topic, type, at_least=5)"
+    "let these checks require messages all the time: "
+    "check.requiring(expect_throughout(topic).worth(0)), or expect_topic(topic, type, at_least=5)"
 )
 HOLLOWINGS = (
     _make_hollowing("headers only", partial(_reset_fields, names=())),

@@ -250,8 +250,8 @@ def course_package() -> Path:
     chosen += [p for name, p in found.items() if name == os.environ.get(CHOICE)]
     if not chosen:
         raise CourseError(
-            f"several courses are installed: {', '.join(sorted(found))}. Change to the folder of one, or "
-            f"select it: export {CHOICE}={min(found)}"
+            f"several courses are installed: {', '.join(sorted(found))}. Change to the folder of "
+            f"one, or select it: export {CHOICE}={min(found)}"
         )
     return chosen[0]
 

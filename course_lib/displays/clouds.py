@@ -111,8 +111,8 @@ def channels_of(message: Any) -> tuple[dict[str, AnyArray], list[str]]:
         dtype = np.dtype(_TYPES.get(field.datatype, "V1")).newbyteorder(">" if message.is_bigendian else "<")
         if field.datatype not in _TYPES or field.offset + dtype.itemsize > step:
             wrong.append(
-                f"field {field.name!r} (datatype {field.datatype}, offset {field.offset}) is not a number "
-                f"within the {step} bytes of a point."
+                f"field {field.name!r} (datatype {field.datatype}, offset {field.offset}) is not a "
+                f"number within the {step} bytes of a point."
             )
             continue
         place = (memoryview(message.data), field.offset, (step,))

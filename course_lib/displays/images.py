@@ -158,8 +158,8 @@ def rows_of(message: Any, kind: str, count: int) -> AnyArray:
     step = message.step or used
     if not height or not width or step < used or len(message.data) < step * (height - 1) + used:
         raise ValueError(
-            f"the image has {len(message.data)} bytes; {width} x {height} pixels of {message.encoding} "
-            f"with step {message.step} take {max(step, used) * height}."
+            f"the image has {len(message.data)} bytes; {width} x {height} pixels of "
+            f"{message.encoding} with step {message.step} take {max(step, used) * height}."
         )
     strides = (step, count * dtype.itemsize, dtype.itemsize)
     return np.ndarray((height, width, count), dtype, memoryview(message.data), 0, strides)

@@ -238,8 +238,8 @@ class MarkerClient:
         if frames.buffer.lookup(frames.fixed_frame, frame).stamp_ns <= stamp_ns:
             return None
         return (
-            f"The message contains an old timestamp and cannot be transformed ('{header.frame_id}' to "
-            f"'{frames.fixed_frame}' at time {stamp_ns / NS:f})."
+            f"The message contains an old timestamp and cannot be transformed ('{header.frame_id}' "
+            f"to '{frames.fixed_frame}' at time {stamp_ns / NS:f})."
         )
 
 

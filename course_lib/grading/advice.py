@@ -240,8 +240,8 @@ def _shared_defaults(function: _Function) -> Iterator[str]:
         if isinstance(default, ast.List | ast.Dict | ast.Set | ast.Call) and _changes(function, argument.arg):
             name, value = argument.arg, ast.unparse(default)
             yield (
-                f"the default {name}={value} is created once, and every call of {function.name} gets the "
-                f"same one. Write {name} = {value} in the function instead."
+                f"the default {name}={value} is created once, and every call of {function.name} "
+                f"gets the same one. Write {name} = {value} in the function instead."
             )
 
 
@@ -292,8 +292,8 @@ def _lost_locals(function: _Function, own: set[str]) -> Iterator[str]:
     for node in names:
         if isinstance(node.ctx, ast.Store) and node.id in own - read:
             yield (
-                f"{node.id} = … in {function.name} sets a variable that ends with the method. To keep it, "
-                f"write self.{node.id} = …"
+                f"{node.id} = … in {function.name} sets a variable that ends with the method. To "
+                f"keep it, write self.{node.id} = …"
             )
 
 
@@ -483,12 +483,12 @@ def _why_silent(code: Code) -> str:
     if not code.calls("create_timer"):
         return (
             "Is your callback ever called, and does it get as far as publish()? Compare the topic in "
-            "create_subscription letter by letter with the name in the task, then print something in the "
-            "callback."
+            "create_subscription letter by letter with the name in the task, then print something "
+            "in the callback."
         )
     return (
-        "Is your callback ever called, and does it get as far as publish()? Check that the timer's period "
-        "is in seconds, then print something in the callback."
+        "Is your callback ever called, and does it get as far as publish()? Check that the timer's "
+        "period is in seconds, then print something in the callback."
     )
 
 

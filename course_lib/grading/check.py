@@ -31,8 +31,8 @@ from course_lib.host import in_notebook
 
 STRICT = "COURSE_STRICT"
 FILL_IN = (
-    "Your code still stops at the line with raise NotImplementedError. Replace it with your own lines, or "
-    "delete it when they are there, then check again."
+    "Your code still stops at the line with raise NotImplementedError. Replace it with your own "
+    "lines, or delete it when they are there, then check again."
 )
 NO_ID = (
     "Your student ID is not set, so your personal values are those of a guest. Enter it in the form in {}."

@@ -67,8 +67,8 @@ class TopicComparison:
             return f"{self.topic}: kit {self.in_kit}, ROS {self.in_ros} messages"
         different = f", others differ in {self.different_field}" if self.different_field else ""
         return (
-            f"{self.topic}: kit {self.in_kit}, ROS {self.in_ros} messages; {self.equal} of {self.pairs} "
-            f"pairs bit-equal{different}"
+            f"{self.topic}: kit {self.in_kit}, ROS {self.in_ros} messages; {self.equal} of "
+            f"{self.pairs} pairs bit-equal{different}"
         )
 
 

@@ -513,8 +513,8 @@ class StaticTurtleBroadcaster(Node):
     def __init__(self, words: list[str]) -> None:
         if len(words) != 7:
             raise CourseError(
-                "Invalid number of parameters. Usage: ros2 run turtle_tf2_py static_turtle_tf2_broadcaster "
-                "child_frame_name x y z roll pitch yaw"
+                "Invalid number of parameters. Usage: ros2 run turtle_tf2_py "
+                "static_turtle_tf2_broadcaster child_frame_name x y z roll pitch yaw"
             )
         frame, *numbers = words
         if frame == "world":

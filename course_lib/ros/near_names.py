@@ -209,8 +209,8 @@ def name_hint(error: NameError) -> str:
             return f"{wanted} = … in this function hides the {wanted} defined above: choose another name."
         if wanted in frame.f_globals:
             return (
-                f"a function that assigns {wanted} has a {wanted} of its own. Keep the value in the node, as "
-                f"`self.{wanted}`, or write `global {wanted}` first."
+                f"a function that assigns {wanted} has a {wanted} of its own. Keep the value in "
+                f"the node, as `self.{wanted}`, or write `global {wanted}` first."
             )
         return f"give {wanted} a value before this line, on every way that leads here."
     # One letter too many, like Points, is more likely than a class of the kit that no cell imports.
@@ -250,8 +250,8 @@ def _similar_name(wanted: str, frame: FrameType, owner: Sequence[str], importabl
         return f"did you mean {near}? Then import it: `{importable[near]}`."
     if given := _parameters(frame.f_code):
         return (
-            f"{frame.f_code.co_name} gets {given}, and knows what the cells above define. Where is {wanted} "
-            f"from?"
+            f"{frame.f_code.co_name} gets {given}, and knows what the cells above define. Where is "
+            f"{wanted} from?"
         )
     return ""
 

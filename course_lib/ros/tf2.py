@@ -245,8 +245,8 @@ class TimeCache:
         direction, edge, nearest = edges[time_ns < self._stored[0].stamp_ns]
         if not self._stored[0].stamp_ns < time_ns < self._stored[-1].stamp_ns:
             raise NoDataError(
-                f"Lookup would require extrapolation into the {direction}.  Requested time {wanted} "
-                f"but the {edge} data is at time {seconds(nearest.stamp_ns)}"
+                f"Lookup would require extrapolation into the {direction}.  Requested time "
+                f"{wanted} but the {edge} data is at time {seconds(nearest.stamp_ns)}"
             )
 
 

@@ -136,8 +136,8 @@ _NOT_OFFERED = {
 }
 HELP = {"-h", "--help"}
 _BUFFERING = (
-    "Do not force line buffering in stdout and instead use the python default buffering, which might be "
-    "affected by PYTHONUNBUFFERED/-u and depends on whatever stdout is interactive or not"
+    "Do not force line buffering in stdout and instead use the python default buffering, which "
+    "might be affected by PYTHONUNBUFFERED/-u and depends on whatever stdout is interactive or not"
 )
 
 

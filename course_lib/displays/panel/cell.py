@@ -42,8 +42,8 @@ class ViewerCell:
         """Wait for a click into the view; see `Viewer.pick`."""
         if not self._is_displayed():
             raise CourseError(
-                "No page shows this viewer, so no click can occur. Write viewer on the last line of a "
-                "cell in JupyterLab, and call pick() in a cell below."
+                "No page shows this viewer, so no click can occur. Write viewer on the last line "
+                "of a cell in JupyterLab, and call pick() in a cell below."
             )
         clicked: asyncio.Future[Click] = asyncio.get_running_loop().create_future()
         self.on_click.append(clicked.set_result)

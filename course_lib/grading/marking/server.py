@@ -213,8 +213,8 @@ FILES = {"": "text/html", "marking.css": "text/css"} | dict.fromkeys(
 )
 FOLDER = Path(__file__).with_name("page")
 PAGE_POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; frame-src 'self'; "
-    "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; frame-src "
+    "'self'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 # The frame has no origin and no network; the viewer needs eval to unpack itself.
 SCENE_POLICY = (

@@ -121,8 +121,8 @@ NOT_IN_ROSTER = (
     "Your address on Gradescope ({}) is not in the class list of this course, so your ID is unknown. "
 )
 WITHHELD = (
-    "Checks of your personal values give no points until it is added: {:g} points are pending in {}. "
-    "All other checks count. Ask your instructor to add the address and to regrade."
+    "Checks of your personal values give no points until it is added: {:g} points are pending in "
+    "{}. All other checks count. Ask your instructor to add the address and to regrade."
 )
 NOTHING_WITHHELD = "This exercise has no personal values: all points count."
 NEEDS_ID = "counts once your address is in the class list: it needs your personal value"

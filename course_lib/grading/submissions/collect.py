@@ -623,8 +623,8 @@ def _time_note(times: Times, zone: ZoneInfo) -> str:
     if not times.unread:
         return f"note: times are from {times.source}, interpreted as {zone.key}"
     return printable(
-        f"note: {times.source}: times like {times.unread!r} can't be read and are ignored. Set the site to "
-        f"another language or calendar and export again, or write the times into {LIST}"
+        f"note: {times.source}: times like {times.unread!r} can't be read and are ignored. Set the "
+        f"site to another language or calendar and export again, or write the times into {LIST}"
     )
 
 

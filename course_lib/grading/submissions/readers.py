@@ -599,16 +599,16 @@ def choose_layout(paths: Sequence[Components], source: str, zone: ZoneInfo, want
         fits = [one for _, one in candidates if one == wanted or (one, wanted) == ("anonymous", "canvas")]
         if not fits:
             raise CourseError(
-                f"the names of this download do not follow {BY_LAYOUT[wanted].title}'s scheme. The first is "
-                f"{'/'.join(paths[0])}; expected {EXAMPLES[wanted]}"
+                f"the names of this download do not follow {BY_LAYOUT[wanted].title}'s scheme. The "
+                f"first is {'/'.join(paths[0])}; expected {EXAMPLES[wanted]}"
             )
         return Layout(fits[0], zone, above, is_chosen=True)
     nearest = min((depth for depth, _ in candidates), default=0)
     found = [layout for depth, layout in candidates if depth == nearest]
     if len(found) > 1:
         raise CourseError(
-            f"the names of this download follow the schemes of {' and '.join(found)}, so nothing is "
-            f"collected. Add --layout {found[0]} or --layout {found[1]}"
+            f"the names of this download follow the schemes of {' and '.join(found)}, so nothing "
+            f"is collected. Add --layout {found[0]} or --layout {found[1]}"
         )
     if found:
         return Layout(found[0], zone, above)

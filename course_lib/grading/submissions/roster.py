@@ -252,8 +252,8 @@ ID_HEADINGS = ("ID number", "SIS User ID", "SIS Login ID", "id")
 SUBMISSION = re.compile("submi", re.IGNORECASE)  # in the headings of times in Moodle and Canvas
 NUMBER = re.compile(r"(\D*)(\d+)")  # "Participant 4101000", "Teilnehmer/in4101000", or only the number
 EXPORTS = (
-    "Export it for the same assignment: in Moodle the grading worksheet, in Canvas the gradebook (IDs) or "
-    "the API's list of submissions (times)"
+    "Export it for the same assignment: in Moodle the grading worksheet, in Canvas the gradebook "
+    "(IDs) or the API's list of submissions (times)"
 )
 
 

@@ -337,8 +337,8 @@ class LaunchProgram(Process):
                 if not hasattr(entity, "visit"):
                     kind = type(entity).__name__
                     raise AttributeError(
-                        f"'{kind}' object has no attribute 'visit': expected an action such as Node(…), not "
-                        f"{entity!r:.60}"
+                        f"'{kind}' object has no attribute 'visit': expected an action such as "
+                        f"Node(…), not {entity!r:.60}"
                     )
                 inner = entity.visit(self._context)
             except Exception as error:

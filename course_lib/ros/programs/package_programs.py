@@ -105,8 +105,8 @@ def find_component(package: str, plugin: str, own: Executables) -> Callable[[], 
         raise CourseError(f"component '{plugin}' is left out: {why}")
     raise CourseError(
         f"component '{plugin}' of package '{package}' is left out: it is a C++ plugin, and this kit runs "
-        "Python only. Start a Python node instead, or run the component on a computer with ROS 2 and link "
-        "to it: course run FILE --robot dds/HOST"
+        "Python only. Start a Python node instead, or run the component on a computer with ROS 2 "
+        "and link to it: course run FILE --robot dds/HOST"
     )
 
 

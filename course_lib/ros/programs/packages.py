@@ -590,8 +590,8 @@ def why_not_found(name: str) -> str:
     searched = list(dict.fromkeys(map(str, [*_paths_in_variable("AMENT_PREFIX_PATH"), *source_roots()])))
     return (
         f"package '{name}' not found, searching: {searched}{meant} There is: "
-        f"{', '.join(names[:_MOST_NAMES]) or 'none'}{more}. Put its folder, with its package.xml, into the "
-        f"workspace's src, or make it: course export FILE --package {name} --out DIR"
+        f"{', '.join(names[:_MOST_NAMES]) or 'none'}{more}. Put its folder, with its package.xml, "
+        f"into the workspace's src, or make it: course export FILE --package {name} --out DIR"
     )
 
 

@@ -95,8 +95,8 @@ def is_over_dds(address: str) -> bool:
     # A robot from start_robot has its address as an attribute.
     if not isinstance(address, str):
         raise CourseError(
-            f"{address!r} is not an address of a robot, but an object of type {type(address).__name__}: "
-            f"give a string like {DDS}192.168.1.5, or robot.address."
+            f"{address!r} is not an address of a robot, but an object of type "
+            f"{type(address).__name__}: give a string like {DDS}192.168.1.5, or robot.address."
         )
     return re.match(r"dds([:/]|$)", address, re.IGNORECASE) is not None
 
@@ -202,8 +202,8 @@ def connect(
         raise CourseError(f"There are nodes already ({names}): restart the kernel, and connect first.")
     if graph.is_tapped:
         raise CourseError(
-            "There is a viewer or a recording already, which would not see the robot: restart the kernel, "
-            "and connect first."
+            "There is a viewer or a recording already, which would not see the robot: restart the "
+            "kernel, and connect first."
         )
     linked = link_to(RobotAddress(router, domain, send, call), notebook=True)
     set_graph(linked)

@@ -215,8 +215,8 @@ def type_warning(entity: Entity) -> str:
     """Return a message if the kit cannot read an entity's messages, else ""."""
     if entity.type_hash == HUMBLE_HASH:
         return (
-            "The robot runs ROS 2 Humble, whose messages Jazzy does not receive over Zenoh. Install Jazzy on "
-            "the robot, with ros-jazzy-rmw-zenoh-cpp."
+            "The robot runs ROS 2 Humble, whose messages Jazzy does not receive over Zenoh. "
+            "Install Jazzy on the robot, with ros-jazzy-rmw-zenoh-cpp."
         )
     if entity.topic == "/clock" and entity.kind == "publisher":
         return (
@@ -230,8 +230,8 @@ def type_warning(entity: Entity) -> str:
         return ""
     return (
         f"The robot has another definition of {entity.type_name} than this kit, so {entity.topic} stays "
-        "silent. If the package is yours, copy its interface file from the robot. If it is ROS's, the robot "
-        "needs ROS 2 Jazzy."
+        "silent. If the package is yours, copy its interface file from the robot. If it is ROS's, "
+        "the robot needs ROS 2 Jazzy."
     )
 
 

@@ -112,8 +112,8 @@ class BlockedTraffic:
             what = "Messages on" if option == "--send" else "Calls of"
             python = f' or {option[2:]}=["{name}"]' if self._notebook else ""
             self._report(
-                f"{what} {name} are held back: the link only listens. To let them out, connect with "
-                f"{option} {name}{python}"
+                f"{what} {name} are held back: the link only listens. To let them out, connect "
+                f"with {option} {name}{python}"
             )
 
 

@@ -541,8 +541,8 @@ class TimeLock:
             elif time.process_time() - began > BUSY_SECONDS and (line := line_of_thread(ident)):
                 say(
                     f"The main thread has computed for {BUSY_SECONDS:g} s without a call of ROS ({line}). "
-                    "Robot time does not advance: put rclpy.spin_once(node) or time.sleep(0.01) into a "
-                    "loop that waits. Ctrl+C ends the program."
+                    "Robot time does not advance: put rclpy.spin_once(node) or time.sleep(0.01) "
+                    "into a loop that waits. Ctrl+C ends the program."
                 )
                 return
 

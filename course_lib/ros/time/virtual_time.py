@@ -175,8 +175,8 @@ def _reject_in_robot_time(real: Callable[..., Any]) -> Callable[..., Any]:
     def make(*args: Any, **kwargs: Any) -> Any:
         if time_lock.is_program_thread():
             raise CourseError(
-                "multiprocessing's pools and ProcessPoolExecutor would wait forever in robot time. Use "
-                "concurrent.futures.ThreadPoolExecutor."
+                "multiprocessing's pools and ProcessPoolExecutor would wait forever in robot time. "
+                "Use concurrent.futures.ThreadPoolExecutor."
             )
         return real(*args, **kwargs)
 

@@ -24,8 +24,8 @@ def get_resource(resource_type: str, resource_name: str) -> tuple[str, str]:
     prefix = has_resource(resource_type, resource_name)
     if prefix is None:
         raise LookupError(
-            f"Could not find the resource '{resource_name}' of type '{resource_type}'. Resources of this "
-            f"index are of the type '{_PACKAGES}'."
+            f"Could not find the resource '{resource_name}' of type '{resource_type}'. Resources "
+            f"of this index are of the type '{_PACKAGES}'."
         )
     return "", prefix
 

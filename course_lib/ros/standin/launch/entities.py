@@ -185,8 +185,8 @@ class Action(LaunchDescriptionEntity):
         if self.condition is not None and not hasattr(self.condition, "evaluate"):
             # The text begins as in ROS.
             raise AttributeError(
-                f"'{type(self.condition).__name__}' object has no attribute 'evaluate': condition takes a "
-                f"condition such as IfCondition(…), not {self.condition!r:.60}"
+                f"'{type(self.condition).__name__}' object has no attribute 'evaluate': condition "
+                f"takes a condition such as IfCondition(…), not {self.condition!r:.60}"
             )
         if self.condition is not None and not self.condition.evaluate(context):
             return None

@@ -43,8 +43,8 @@ class OnActionEventBase(BaseEventHandler):
     ) -> None:
         if not (action_matcher is None or callable(action_matcher) or isinstance(action_matcher, Action)):
             raise ValueError(
-                f"{type(self).__name__} requires a '{target_action_cls.__name__}' action or a callable as "
-                f"the target, got {action_matcher!r}"
+                f"{type(self).__name__} requires a '{target_action_cls.__name__}' action or a "
+                f"callable as the target, got {action_matcher!r}"
             )
 
         def matches(event: Event) -> bool:

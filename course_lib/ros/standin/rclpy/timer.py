@@ -233,8 +233,8 @@ class Rate:
         executor = self._timer._course_node.executor
         if not self.__has_ticked and executor is not None and executor._course_holds_up(self._timer):
             raise DeadlockError(
-                "Rate.sleep() waits for a tick that comes only after this callback has ended. Use a timer, "
-                "or a MultiThreadedExecutor."
+                "Rate.sleep() waits for a tick that comes only after this callback has ended. Use "
+                "a timer, or a MultiThreadedExecutor."
             )
 
         def wakes() -> bool:

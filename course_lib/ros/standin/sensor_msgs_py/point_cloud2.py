@@ -116,8 +116,8 @@ def create_cloud(
         packed = unstructured_to_structured(points, dtype=kind)
     else:
         assert points.dtype == kind, (
-            "PointFields and structured NumPy array dtype do not match for all fields! Check their field "
-            "order, names and types."
+            "PointFields and structured NumPy array dtype do not match for all fields! Check their "
+            "field order, names and types."
         )
         packed = points
     assert packed.ndim <= 2, "Too many dimensions for organized cloud!"

@@ -238,8 +238,8 @@ class ActionClient:
 
     def __warn(self, word: str) -> None:
         self._logger.warning(
-            f"Ignoring unexpected {word} response. There may be more than one action server for the action "
-            f"'{self._action_name}'"
+            f"Ignoring unexpected {word} response. There may be more than one action server for "
+            f"the action '{self._action_name}'"
         )
 
 

@@ -164,8 +164,8 @@ def _text(message: object) -> str:
             message.encode()
         except UnicodeEncodeError:
             raise TypeError(
-                "rclpy_logging_rcutils_log(): incompatible function arguments: the message has half of a "
-                "surrogate pair, which UTF-8 cannot encode"
+                "rclpy_logging_rcutils_log(): incompatible function arguments: the message has "
+                "half of a surrogate pair, which UTF-8 cannot encode"
             ) from None
     return message.partition("\0")[0]
 
