@@ -267,6 +267,7 @@ def test_invalid_options_are_reported_in_one_line(tmp_path: Path, words: tuple[s
     [
         (Settings("tcp/0.0.0.0:7448", "dds/127.0.0"), "an IPv4 address has four numbers"),
         (Settings("tcp/0.0.0.0:7448", "tcp/"), "'tcp/' is not an address of a robot"),
+        (Settings("tcp/0.0.0.0:7448", "tcp/lab:99999"), "'tcp/lab:99999' is not an address of a robot"),
         (Settings("tcp/0.0.0.0:7448", "x y"), "'x y' is not an address of a robot"),
         (Settings("0.0.0.0:7448", "dds/127.0.0.1"), "write it like tcp/0.0.0.0:7448"),
         (Settings("tcp/", "dds/127.0.0.1"), "write it like tcp/0.0.0.0:7448"),

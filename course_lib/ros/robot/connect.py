@@ -27,6 +27,7 @@ HOST = re.compile(r"\d+(?:\.\d+){3}|(?![\d.]+$)[\w.-]+", re.ASCII)
 ROUTER = re.compile(r"(?:(\w+)/)?(\w+:[\w-]+@)?([\w.-]+|\[[0-9a-fA-F:]+\])(?::(\d+))?", re.ASCII)
 # The default port of rmw_zenohd.
 PORT = 7447
+LAST_PORT = 65535
 MAX_DOMAIN = 232
 # Time in which the first node of the robot must be discovered [s].
 DISCOVERY = 1.0
@@ -131,6 +132,11 @@ def full_address(address: str) -> str:
         raise CourseError(
             f"{address!r} is not an address of a robot: write it like tcp/192.168.1.5:{PORT} or "
             f"{DDS}192.168.1.5."
+        )
+    if found[4] and not 0 < int(found[4]) <= LAST_PORT:
+        raise CourseError(
+            f"{address!r} is not an address of a robot: a port is a number from 1 to {LAST_PORT}, and a "
+            f"router usually has {PORT}."
         )
     return f"{found[1] or 'tcp'}/{found[2] or ''}{found[3]}:{found[4] or PORT}"
 

@@ -149,6 +149,8 @@ def test_goals_of_two_runs_have_different_ids(
             "robot:port",
             "'robot:port' is not an address of a robot: write it like tcp/192.168.1.5:7447 or dds/",
         ),
+        ("tcp/lab:99999", "'tcp/lab:99999' is not an address of a robot: a port is a number from 1 to 65535"),
+        ("tcp/lab:0", "'tcp/lab:0' is not an address of a robot: a port is a number from 1 to 65535"),
         ("", "'' is not an address of a robot"),
         ("dds/", "'dds/' is not an address of a robot: write it like dds/192.168.1.5."),
         ("dds/no such host", "'dds/no such host' is not an address of a robot"),
