@@ -25,7 +25,7 @@ DEFINED = "def half(length):"
 def folder(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A student's folder; the small course is the one that is installed."""
     catalog = load_catalog(course.exercises)
-    for module in ("check", "check_file", "submissions.submit", "catalog"):
+    for module in ("check", "check_file", "submissions.submit", "task"):
         monkeypatch.setattr(f"course_lib.grading.{module}.shipped_catalog", lambda: catalog)
     monkeypatch.setattr("course_lib.grading.submissions.submit.exercises_dir", lambda: course.exercises)
     (tmp_path / "mine/.course").mkdir(parents=True)
