@@ -4,7 +4,6 @@ import _thread
 import socket
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -187,15 +186,19 @@ def start_robot(link: Literal["zenoh", "dds"] = "zenoh") -> RobotProcess:
     command = [sys.executable, "-m", "course_lib", "robot", *options, "--with-parent"]
     pipe = subprocess.PIPE
     process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT, text=True)
-    is_late = threading.Event()
+    is_late = False
+    reading = _thread.allocate_lock()
+    reading.acquire()
 
-    def end() -> None:
-        # The end of the process also ends the lines that are read below.
-        is_late.set()
-        process.kill()
+    def limit() -> None:
+        nonlocal is_late
+        if not reading.acquire(timeout=START_SECONDS):
+            is_late = True
+            # The end of the process also ends the lines that are read below.
+            process.kill()
 
-    limit = threading.Timer(START_SECONDS, end)
-    limit.start()
+    # A thread of `threading` would run in robot time, and `course run` would wait for it.
+    _thread.start_new_thread(limit, ())
     output = list[str]()
     lines = iter(process.stdout or ())
     try:
@@ -207,7 +210,7 @@ def start_robot(link: Literal["zenoh", "dds"] = "zenoh") -> RobotProcess:
                 return RobotProcess(process, place, software)
         process.wait()
     finally:
-        limit.cancel()
-    within = f" within {START_SECONDS:g} s" if is_late.is_set() else ""
+        reading.release()
+    within = f" within {START_SECONDS:g} s" if is_late else ""
     printed = " ".join("".join(output).split()) or "it printed nothing"
     raise CourseError(f"The robot did not start{within}: {printed}")

@@ -9,6 +9,7 @@ extra lesson, and shows what the lesson then prints.
 import io
 import re
 import tomllib
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
@@ -127,7 +128,9 @@ def seen(mistake: Mistake) -> list[str]:
         for cell in cells_of(solution(task.week))
         if not re.search(r"^(check\(|%)", cell, re.MULTILINE) or cell.startswith("%load_ext")
     ]
-    with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+    # Python prints a warning once per process, and pytest keeps it to itself.
+    quiet = warnings.catch_warnings(action="ignore")
+    with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()), quiet:
         try:
             namespace = defined(cells, task.week)
         except (Exception, SystemExit) as error:
@@ -137,8 +140,6 @@ def seen(mistake: Mistake) -> list[str]:
             runs = [Run(one, evidence_here(task, one, namespace, WALL_LIMIT)) for one in task.scenarios]
     result = judge_task(task, *catalog().points(task), runs)
     shown = str(table_of(task, result, [run.evidence for run in runs], STUDENT, Advice(), mistake.code))
-    # Python prints a warning once per process, with a line of the kit.
-    shown = re.sub(r"\n *\| /\S+:\d+: UserWarning: .*\n *\|  .*", "", shown)
     return [line for line in shown.splitlines()[1:] if " ✓ " not in f" {line} "]
 
 
