@@ -209,6 +209,15 @@ NOT_PASSED = 1
 
 classes = typer.Typer()
 
+RequireSandbox = Annotated[
+    bool, typer.Option("--require-sandbox", help="Run submissions only in a full sandbox.")
+]
+Trust = Annotated[
+    bool,
+    typer.Option(
+        "--i-trust-these-submissions", help="Run submissions with your permissions if no sandbox works."
+    ),
+]
 Roster = Annotated[Path | None, typer.Option(help="The class list: id,name,email,section,group,login.")]
 Graded = Annotated[Path, typer.Argument(help="The folder in which `course grade` wrote gradebook.csv.")]
 
@@ -256,16 +265,8 @@ def gradescope(
         typer.Option("--show-total", help="Show the total at an upload, although it reveals hidden checks."),
     ] = False,
     run: Annotated[Path | None, typer.Option(help="Grade the submission in Gradescope's folder.")] = None,
-    require_sandbox: Annotated[
-        bool, typer.Option("--require-sandbox", help="Run submissions only in a full sandbox.")
-    ] = False,
-    trust: Annotated[
-        bool,
-        typer.Option(
-            "--i-trust-these-submissions",
-            help="Run submissions with the user's permissions if no sandbox works.",
-        ),
-    ] = False,
+    require_sandbox: RequireSandbox = False,
+    trust: Trust = False,
 ) -> None:
     """Write an autograder for one week, for Gradescope."""
     from course_lib.grading.platforms.gradescope import grade_upload, write_autograder
@@ -388,15 +389,8 @@ def grade(
         bool, typer.Option("--rejudge", help="Judge stored evidence again, without running anything.")
     ] = False,
     dask: Annotated[str | None, typer.Option(help="Run on the workers of this Dask scheduler.")] = None,
-    require_sandbox: Annotated[
-        bool, typer.Option("--require-sandbox", help="Run submissions only in a full sandbox.")
-    ] = False,
-    trust: Annotated[
-        bool,
-        typer.Option(
-            "--i-trust-these-submissions", help="Run submissions with your permissions if no sandbox works."
-        ),
-    ] = False,
+    require_sandbox: RequireSandbox = False,
+    trust: Trust = False,
 ) -> None:
     """Grade a folder of submissions: results, gradebook.csv and one report per student."""
     from course_lib.grading.grade import grade as grade_all
