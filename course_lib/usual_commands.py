@@ -189,7 +189,7 @@ def fix_hash_seed(arguments: list[str]) -> None:
     runs |= command[:1] == ["ros2"] and any(word.startswith("--run") for word in command)
     if not runs or os.environ.get("PYTHONHASHSEED") == HASH_SEED:
         return
-    again = [sys.executable, "-m", "course_lib", *arguments]
+    again = [sys.executable, "-P", "-m", "course_lib", *arguments]
     environment = os.environ | {"PYTHONHASHSEED": HASH_SEED}
     if os.name == "posix":
         sys.stdout.flush()

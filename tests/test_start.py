@@ -45,7 +45,7 @@ def test_only_commands_that_run_programs_restart_the_interpreter(
     if is_restarted:
         with pytest.raises(SystemExit):
             usual_commands.fix_hash_seed(words.split())
-        assert started == [[sys.executable, "-m", "course_lib", *words.split()]]
+        assert started == [[sys.executable, "-P", "-m", "course_lib", *words.split()]]
     else:
         usual_commands.fix_hash_seed(words.split())
         assert started == []
@@ -70,6 +70,20 @@ def test_program_runs_once_with_the_hash_seed_and_its_arguments(tmp_path: Path) 
     }
     (output,) = outputs
     assert output.startswith("0 ['--word'] ")
+
+
+def test_files_named_like_python_modules_do_not_break_a_run(tmp_path: Path) -> None:
+    # These are modules that the kit or one of its libraries imports only when a program runs.
+    for name in ("concurrent", "json", "numpy", "queue", "random", "select", "typing"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('a wrong module was imported')\n")
+    (tmp_path / "p.py").write_text("import rclpy\nrclpy.init()\nprint(rclpy.create_node('n').get_name())\n")
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONHASHSEED"}
+    # As the script `course` starts, which does not add the current folder to the path.
+    command = [sys.executable, "-P", "-m", "course_lib", "run", "p.py"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert (done.stdout, done.stderr, done.returncode) == ("n\n", "", 0)
 
 
 def test_no_heavy_module_is_imported_before_the_restart() -> None:

@@ -333,7 +333,7 @@ def run_lesson(path: Path, seconds: float = SECONDS) -> list[Flaw]:
     with tempfile.TemporaryDirectory(prefix="lesson_") as folder:
         for file in (path, *path.parent.glob("week*.py")):
             shutil.copy(file, folder)
-        command = [sys.executable, "-m", "course_lib", "run", path.name]
+        command = [sys.executable, "-P", "-m", "course_lib", "run", path.name]
         environment = {**os.environ, "COURSE_STRICT": "0", CHOICE: course_package().name}
         try:
             done = subprocess.run(

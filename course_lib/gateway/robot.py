@@ -183,7 +183,7 @@ def start_robot(link: Literal["zenoh", "dds"] = "zenoh") -> RobotProcess:
         except CourseError:
             # The real ROS 2 is not installed, so the robot runs on the kit's rclpy.
             pass
-    command = [sys.executable, "-m", "course_lib", "robot", *options, "--with-parent"]
+    command = [sys.executable, "-P", "-m", "course_lib", "robot", *options, "--with-parent"]
     pipe = subprocess.PIPE
     process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.STDOUT, text=True)
     is_late = False

@@ -164,9 +164,9 @@ def install(report: Callable[[str], None]) -> RealEnvironment:
 
 def _create(folder: Path) -> None:
     folder.parent.mkdir(parents=True, exist_ok=True)
-    venv = [sys.executable, "-m", "venv", str(folder)]
+    venv = [sys.executable, "-P", "-m", "venv", str(folder)]
     _run(venv, "Python's venv fails; on Debian: apt install python3-venv")
-    pip = [str(folder / "bin" / "python"), "-m", "pip", "install", "--quiet", "--no-deps"]
+    pip = [str(folder / "bin" / "python"), "-P", "-m", "pip", "install", "--quiet", "--no-deps"]
     options = ["--only-binary", ":all:", "--disable-pip-version-check", "--requirement", str(REQUIREMENTS)]
     _run([*pip, *options], "pip cannot install the wheels; is this computer online?")
 

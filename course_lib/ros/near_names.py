@@ -15,6 +15,7 @@ import sysconfig
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
+from importlib.machinery import PathFinder
 from pathlib import Path
 from pkgutil import iter_modules
 from traceback import walk_tb
@@ -317,6 +318,8 @@ def attribute_hint(error: AttributeError) -> str:
     """Return a question with the attribute closest to a missing one, or ""."""
     if error.name is None or error.obj is None:
         return ""
+    if isinstance(error.obj, ModuleType) and (found := _hiding_file_hint(error.obj.__name__)):
+        return found
     frame = frame_of(error)
     if frame is not None and error.obj is frame.f_locals.get("self") and error.name in frame.f_locals:
         return f"{error.name} is a variable of this method: write `{error.name}` without self."
@@ -491,12 +494,34 @@ def is_student_class(kind: type) -> bool:
     # Cells that are executed without a module define classes of "builtins".
     if kind.__module__ == "builtins":
         return getattr(builtins, kind.__name__, None) is None and not is_native(kind)
-    return not place.startswith((_KIT_FOLDER, *sysconfig.get_paths().values()))
+    return _is_from_student(place)
+
+
+def _is_from_student(file: str) -> bool:
+    return not file.startswith((_KIT_FOLDER, *sysconfig.get_paths().values()))
+
+
+def _hiding_file_hint(name: str) -> str:
+    """Return the hint for an imported file or folder that has the name of a library's module, or ""."""
+    file = getattr(sys.modules.get(name), "__file__", None)
+    if file is None or "." in name or not _is_from_student(file):
+        return ""
+    place = Path(file).resolve()
+    if place.stem == "__init__":
+        place = place.parent
+    elsewhere = [entry for entry in sys.path if Path(entry).resolve() != place.parent]
+    hidden = PathFinder.find_spec(name, elsewhere)
+    # The folder around a package of the workspace is found, too, but has no origin.
+    if hidden is None or hidden.origin is None or _is_from_student(hidden.origin):
+        return ""
+    return f"your {place.name} hides the module {name} of Python or of a library: rename it."
 
 
 def module_hint(error: ModuleNotFoundError) -> str:
     """Return the hint for a module that is misspelled or belongs to ROS 1, or ""."""
     package, _, inner = (error.name or "").partition(".")
+    if inner and (found := _hiding_file_hint(package)):
+        return found
     if inner and (found := _interface_module_hint(package, inner, _imported_name(error))):
         return found
     if package in _FROM_PIP:
@@ -584,6 +609,8 @@ def import_hint(error: ImportError) -> str:
         return ""
     wanted, module = found[1], found[2]
     package, _, kind = module.partition(".")
+    if found_file := _hiding_file_hint(package):
+        return found_file
     if package in _interfaces() and (interface := _interface_hint(wanted, package, kind)):
         return interface
     if module.partition(".")[0] in ("launch", "launch_ros"):

@@ -1,5 +1,8 @@
 """Hints for misspelled modules, interfaces and attributes of modules."""
 
+import sys
+from pathlib import Path
+
 import pytest
 
 from course_lib.ros.hints import hint
@@ -58,3 +61,32 @@ def test_unknown_name_without_a_similar_one_has_no_hint(code: str) -> None:
     with pytest.raises(ImportError) as raised:
         exec(compile(code, "cell", "exec"), {"__name__": "__main__"})
     assert hint(raised.value) == ""
+
+
+@pytest.mark.parametrize("file", ["this.py", "this/__init__.py"])
+@pytest.mark.parametrize("code", ["from this import zen", "import this; this.zen", "import this.zen"])
+def test_file_that_hides_a_library_module_is_named(
+    file: str, code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / file).parent.mkdir(exist_ok=True)
+    (tmp_path / file).write_text("")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    sys.modules.pop("this", None)
+    with pytest.raises((ImportError, AttributeError)) as raised:
+        exec(compile(code, "cell", "exec"), {"__name__": "__main__"})
+    name = Path(file).parts[0]
+    assert hint(raised.value) == f"your {name} hides the module this of Python or of a library: rename it."
+    del sys.modules["this"]
+
+
+def test_own_module_in_two_folders_does_not_hide_a_library(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for folder in ("new", "old"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "my_gripper.py").write_text("def opened(): pass")
+        monkeypatch.syspath_prepend(str(tmp_path / folder))
+    with pytest.raises(ImportError) as raised:
+        exec("from my_gripper import open", {"__name__": "__main__"})
+    assert hint(raised.value) == "did you mean opened? `from my_gripper import opened`"
+    del sys.modules["my_gripper"]

@@ -121,7 +121,7 @@ class Follower:
     async def _update(self) -> str:
         """Run one update, and return its error message, or ""."""
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", __name__, *self._arguments),
+            *(sys.executable, "-P", "-m", __name__, *self._arguments),
             stdout=asyncio.subprocess.DEVNULL,
             stderr=asyncio.subprocess.PIPE,
             start_new_session=True,  # Ctrl+C must reach the server only, which waits for this process

@@ -197,7 +197,7 @@ def _finished(words: Sequence[str]) -> ProgramResult:
         return run_xacro(words[1:])
     if Path(words[0]).name == "ros2" and words[1:2] in (["pkg"], ["interface"]):
         # These commands need no nodes, so a process of its own gives the same answer.
-        words = [sys.executable, "-m", "course_lib", "ros2", *words[1:]]
+        words = [sys.executable, "-P", "-m", "course_lib", "ros2", *words[1:]]
     elif Path(words[0]).name == "ros2":
         raise SubstitutionFailure(
             f"`{shlex.join(words)}` cannot run here while the launch file is read. Write its output into the "
