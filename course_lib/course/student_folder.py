@@ -595,7 +595,7 @@ def command(folder: Path, port: int) -> list[str]:
     """Return the command that starts the server for this folder only, without pop-ups."""
     allow_root = ["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
     return [
-        *(sys.executable, "-P", "-m", "jupyterlab", "--no-browser", *allow_root),
+        *(sys.executable, "-P", "-m", "course_lib.course.jupyterlab", "--no-browser", *allow_root),
         f"--ServerApp.root_dir={folder}",
         f"--ServerApp.port={port}",
         # Stop at the first Ctrl+C, without asking.

@@ -15,6 +15,7 @@ import pytest
 from course_lib.course import student_folder as lab_module
 from course_lib.course.student_folder import can_open_browser, command, free_port, lab
 from course_lib.errors import CourseError
+from tests.patience import PATIENCE
 from tests.processes import Program
 
 HOME_DIRS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")
@@ -43,6 +44,14 @@ def test_allow_root_is_passed_only_for_the_root_user(monkeypatch: pytest.MonkeyP
     assert "--allow-root" in command(tmp_path, 8888)
     monkeypatch.setattr(os, "geteuid", lambda: 1000, raising=False)
     assert "--allow-root" not in command(tmp_path, 8888)
+
+
+def test_server_starts_without_compiling_grammars_of_addresses(tmp_path: Path) -> None:
+    words = [sys.executable, "-X", "importtime", *command(tmp_path, 8888)[1:4], "--version"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=PATIENCE)
+    modules = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    assert "jsonschema" in modules
+    assert "lark" not in modules
 
 
 def test_no_browser_is_opened_without_a_display(monkeypatch: pytest.MonkeyPatch) -> None:
