@@ -6,12 +6,11 @@ ambiguous, by the mistake with which the raising code has marked the exception.
 
 import dis
 import re
-import sys
 import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import BuiltinFunctionType, FunctionType, MethodType
+from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
 
 import numpy as np
 
@@ -22,12 +21,14 @@ from course_lib.ros.near_names import (
     call_with_fields,
     constructor_hint,
     frame_of,
+    import_from,
     import_hint,
     is_angle,
     is_student_class,
     join,
     key_hint,
     keyword_hint,
+    line_of_student,
     module_hint,
     name_hint,
     near_field,
@@ -36,38 +37,7 @@ from course_lib.ros.near_names import (
     synonyms,
 )
 from course_lib.ros.programs.missing_packages import why_not_offered
-
-# A pattern for the line at which the older parser stops, and the newer rule that allows it.
-_NEWER = (
-    (
-        r"(?<!\w)([rR][fF]|[fF][rR]?)[\"']",
-        "an f-string may have quotes, backslashes and line breaks in braces",
-    ),
-    (r"^\s*type\s+\w+", "`type NAME = …` names a type"),
-    (
-        r"^\s*(async\s+def|def|class)\s+\w+\s*\[",
-        "there are type parameters, as in `def f[T](x: T)`",
-    ),
-)
-
-
-def newer_python_hint(error: SyntaxError) -> str:
-    """Return a hint about the syntax of Python 3.12 that a line may use, or "".
-
-    From Python 3.12 on it is always "".
-    """
-    if sys.version_info >= (3, 12):
-        return ""
-    line = error.text or ""
-    rule = next((rule for pattern, rule in _NEWER if re.search(pattern, line)), None)
-    if rule is None:
-        return ""
-    here = ".".join(map(str, sys.version_info[:2]))
-    return (
-        f"in Python 3.12, which ROS 2 Jazzy has, {rule}. Here Python {here} runs: install the kit with "
-        "Python 3.12, or write the line for both."
-    )
-
+from course_lib.ros.syntax_hints import decimal_comma_hint, syntax_hint
 
 # Limit on the characters of an error's text that are examined.
 MAX_TEXT = 2000
@@ -87,7 +57,12 @@ class Hint:
 _HINTS = {
     kind: [Hint(text, line, *(Mistake[name] for name in mistake)) for text, line, *mistake in rows]
     for kind, rows in tomllib.loads(Path(__file__).with_name("hints.toml").read_text("utf-8")).items()
+    if isinstance(rows, list)
 }
+
+
+# The table of attributes that rclpy lacks: its patterns match "rclpy.time.Time.now", not an exception's text.
+_OF_RCLPY = "OfRclpy"
 
 
 def add_hint(error: BaseException) -> None:
@@ -100,8 +75,8 @@ def add_hint(error: BaseException) -> None:
 def hint(error: BaseException) -> str:
     """Return the hint for an exception, or ""."""
     text = _text(error)
-    if isinstance(error, SyntaxError) and (newer := newer_python_hint(error)):
-        return newer
+    if isinstance(error, SyntaxError):
+        return syntax_hint(error)
     if isinstance(error, NameError) and (found := _missing_self_hint(error, text) or name_hint(error)):
         return found
     if isinstance(error, ModuleNotFoundError):
@@ -110,6 +85,8 @@ def hint(error: BaseException) -> str:
             return found
     if (
         found := key_hint(error)
+        or _decimal_comma_hint(error, text)
+        or _rclpy_attribute_hint(error)
         or parameter_hint(error)
         or keyword_hint(error)
         or surplus_hint(error)
@@ -125,7 +102,8 @@ def hint(error: BaseException) -> str:
         return f"put the folder {package} with its {kind} beside the program, or into the workspace's src."
     if isinstance(error, ImportError):
         return import_hint(error)
-    if types := _types_in_error(text):
+    is_of_message = not isinstance(error, AttributeError) or _is_message(error.obj)
+    if is_of_message and (types := _types_in_error(text)):
         return _field_hint(types, text.rpartition("attribute '")[2].partition("'")[0])
     if isinstance(error, AttributeError):
         if similar := attribute_hint(error):
@@ -157,6 +135,45 @@ def _field_hint(types: Sequence[str], wanted: str) -> str:
     exact = [path for path in inner if path.endswith(f".{wanted}")]
     near = next(iter([*exact, *direct, *inner]), "") or near_field(wanted, names)
     return f"did you mean `{near}`? {show}" if near else show
+
+
+def _is_message(thing: object) -> bool:
+    """Return whether an object is a message or its class, or unknown. rclpy also has a class Time."""
+    return thing is None or hasattr(thing, "get_fields_and_field_types")
+
+
+def _decimal_comma_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a failing line in which 0,5 makes two values of one, or ""."""
+    surplus = (
+        r"takes (exactly one|1 positional) argument.*2 (were )?given|attribute 'add_entity'|'tuple'"
+        "|too many values to unpack|is not a node"
+    )
+    return decimal_comma_hint(line_of_student(error)) if re.search(surplus, text) else ""
+
+
+def _rclpy_attribute_hint(error: BaseException) -> str:
+    """Return the hint for an attribute that rclpy, or one of its classes, does not have, or "".
+
+    Typical names are from ROS 1 and from C++.
+    """
+    if not isinstance(error, AttributeError) or error.obj is None or error.name is None:
+        return ""
+    thing, name = error.obj, error.name
+    if isinstance(thing, ModuleType):
+        owners = [thing.__name__]
+        if line := import_from(thing.__name__, name):
+            return f"import it: `{line}`."
+    else:
+        kinds = type.mro(thing) if isinstance(thing, type) else type(thing).__mro__
+        owners = [f"{one.__module__}.{one.__qualname__}" for one in kinds]
+        # A student's node may have a publisher of its own, which is more likely to be meant.
+        if attribute_hint(error).startswith("did you mean `self."):
+            return ""
+    for owner in owners:
+        for one in _HINTS[_OF_RCLPY] if owner.startswith("rclpy") else ():
+            if re.search(one.text, f"{owner}.{name}"):
+                return one.hint
+    return ""
 
 
 def _value_hint(error: BaseException, text: str) -> str:

@@ -24,6 +24,7 @@ class Mistake(Enum):
     STAMP = auto()
     TWO_TYPES = auto()
     TWO_SPINNERS = auto()
+    SHUT_DOWN = auto()
 
 
 def marked(error: ErrorT, mistake: Mistake) -> ErrorT:

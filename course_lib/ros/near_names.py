@@ -9,6 +9,7 @@ import dis
 import importlib
 import inspect
 import keyword
+import linecache
 import re
 import sys
 import sysconfig
@@ -193,6 +194,14 @@ def frame_of(error: BaseException) -> FrameType | None:
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
     return trace.tb_frame if trace is not None else None
+
+
+def line_of_student(error: BaseException) -> str:
+    """Return the innermost line of the traceback that is not of the kit, Python or a library, or ""."""
+    others = (_KIT_FOLDER, "<frozen", *sysconfig.get_paths().values())
+    lines = [(frame.f_code.co_filename, number) for frame, number in walk_tb(error.__traceback__)]
+    own = [(name, number) for name, number in lines if not name.startswith(others)]
+    return linecache.getline(*own[-1]) if own else ""
 
 
 def name_hint(error: NameError) -> str:
@@ -528,6 +537,9 @@ def module_hint(error: ModuleNotFoundError) -> str:
         return f"it is not part of ROS 2 for Python: pip install {_FROM_PIP[package]}"
     if package in _ROS_1:
         return f"there is no module {package} in ROS 2: {_ROS_1[package]}."
+    kind, imported = inner.partition(".")[0], _imported_name(error)
+    if kind in ("msg", "srv", "action") and (line := _import_of_interface(imported, package)):
+        return f"it is elsewhere: `{line}`."
     if inner and package in sys.modules:
         holder, _, last = (error.name or "").rpartition(".")
         folders = map(Path, getattr(sys.modules.get(holder), "__path__", ()))
@@ -602,6 +614,12 @@ def _imported_name(error: BaseException) -> str:
     return ""
 
 
+def import_from(package: str, name: str) -> str:
+    """Return the import of a well-known class that is in a module of a package, or ""."""
+    line = _IMPORTS.get(name, "")
+    return line if line.startswith(f"from {package}.") else ""
+
+
 def import_hint(error: ImportError) -> str:
     """Return a question with the name closest to one that cannot be imported, or ""."""
     found = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", str(error))
@@ -628,7 +646,15 @@ def import_hint(error: ImportError) -> str:
 def _interface_hint(wanted: str, package: str, kind: str) -> str:
     """Return the hint for a name that a package of interfaces, or its module of a kind, does not have."""
     kinds = _interfaces()[package]
-    if line := _import_of_interface(wanted, package):
+    line = _import_of_interface(wanted, package)
+    # turtlesim has a Color, but a marker has a ColorRGBA.
+    if line and not line.startswith(tuple(f"from {one}." for one in (package, *_COMMON))):
+        for holder in (package, *_COMMON):
+            for one, names in _interfaces()[holder].items():
+                longer = [name for name in names if name.startswith(wanted)] if one == kind else []
+                if len(longer) == 1:
+                    return f"did you mean {longer[0]}? `from {holder}.{one} import {longer[0]}`"
+    if line:
         return f"it is elsewhere: `{line}`." if kind else f"write `{line}`."
     if not kind and (near := nearest(wanted, kinds, 0.6)):
         return f"did you mean {near}? `from {package} import {near}`"

@@ -1,5 +1,6 @@
 """Tracebacks without the kit's frames, and the line of the student's code that runs or failed."""
 
+import contextlib
 import importlib
 import linecache
 import os
@@ -7,7 +8,6 @@ import sys
 import sysconfig
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from traceback import StackSummary, TracebackException, walk_stack, walk_tb
 from types import TracebackType
@@ -20,8 +20,8 @@ from course_lib.ros.notices import say
 
 KIT = str(Path(__file__).resolve().parent.parent)
 OTHERS = (KIT, *sysconfig.get_paths().values())
-# Frames between an import and the module, which Python does not show either.
-_HIDDEN = (KIT, "<frozen importlib", importlib.__file__)
+# Frames between an import and the module, which Python does not show either, and those of context managers.
+_HIDDEN = (KIT, "<frozen importlib", importlib.__file__, contextlib.__file__)
 # Number of frames at each end of a very long traceback.
 SHOWN = 6
 
@@ -148,7 +148,7 @@ def _innermost_own_line(places: Iterable[tuple[str, int | None]]) -> str:
     return format_location(*own[-1]) if own else ""
 
 
-@contextmanager
+@contextlib.contextmanager
 def named_when_interrupted(why: Callable[[], str]) -> Iterator[None]:
     """Print the program's line and `why()` if the end of the run or Ctrl+C interrupts the `with` block.
 

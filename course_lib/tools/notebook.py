@@ -310,6 +310,14 @@ def _magic_for(command: str) -> Callable[[], None] | None:
 def shorten_tracebacks(shell: "InteractiveShell") -> None:
     """Hide the kit's frames in tracebacks, and print CourseError and interrupts as one line."""
     shell.set_custom_exc((Exception, KeyboardInterrupt), _show_error)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    format_syntax_error = shell.SyntaxTB.structured_traceback
+
+    # IPython passes some syntax errors to no handler, like a wrong indentation.
+    def format_with_hint(kind: type[BaseException], error: BaseException, *args: Any, **options: Any) -> Any:
+        add_hint(error)
+        return format_syntax_error(kind, error, *args, **options)
+
+    setattr(shell.SyntaxTB, "structured_traceback", format_with_hint)  # noqa: B010 - mypy rejects a method
 
 
 def _show_error(

@@ -36,6 +36,8 @@ IMPORTS = [
         "from example_interfaces.action import Fibonaci",
         "did you mean Fibonacci? `from example_interfaces.action import Fibonacci`",
     ),
+    ("from rclpy.msg import Marker", "it is elsewhere: `from visualization_msgs.msg import Marker`."),
+    ("from geometry_msgs.msg import Color", "did you mean ColorRGBA? `from std_msgs.msg import ColorRGBA`"),
     ("from rclpy.node import Nod", "did you mean Node? `from rclpy.node import Node`"),
     ("from rclpy.nod import Node", "did you mean `import rclpy.node`?"),
     ("import rclpi", "did you mean rclpy?"),

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import NodesOfProgram, current_graph, program
-from course_lib.ros.hints import newer_python_hint
 from course_lib.ros.programs.packages import python_package, python_path, source
+from course_lib.ros.syntax_hints import syntax_hint
 from course_lib.ros.time.busy_loops import BusyWaitTransformer, compile_program
 from course_lib.ros.time.time_lock import (
     AtEnd,
@@ -106,7 +106,7 @@ class Program(Process):
             reason = error.strerror if isinstance(error, OSError) else error
             raise CourseError(f"{file} cannot be run: {reason}. Give the path of a Python file.") from error
         except SyntaxError as error:
-            hint = newer_python_hint(error)
+            hint = syntax_hint(error)
             text = f"{file}, line {error.lineno}: {error.msg}."
             raise CourseError(f"{text}\nhint: {hint}" if hint else text) from error
 

@@ -69,7 +69,8 @@ def executor_with(nodes: Sequence["Node"]) -> Iterator["Executor"]:
 
     for node in nodes:
         if not isinstance(node, Node):
-            raise CourseError(f"{node!r} is not a node. Give an object of your class, like MyNode().")
+            point = " A decimal number has a point: 0.5." if isinstance(node, int) else ""
+            raise CourseError(f"{node!r} is not a node. Give an object of your class, like MyNode().{point}")
     executor = get_global_executor()
     with executor._course_joined_by([*running_nodes(), *nodes]):
         yield executor

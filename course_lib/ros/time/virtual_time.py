@@ -99,7 +99,11 @@ def _robot_clock(real: Callable[[], Any], origin_ns: int, unit: float) -> Callab
     return now
 
 
-def _sleep(seconds: float, /) -> None:
+def _sleep(*args: float) -> None:
+    if len(args) != 1:
+        # Python's own text, which does not contain the name of this function.
+        raise TypeError(f"time.sleep() takes exactly one argument ({len(args)} given)")
+    (seconds,) = args
     if not time_lock.is_program_thread():
         cell.sleep(seconds)
         return

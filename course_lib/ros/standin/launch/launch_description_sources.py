@@ -6,8 +6,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar, cast
 
-from course_lib.ros.hints import newer_python_hint
 from course_lib.ros.programs.packages import LAUNCH_IN_WORDS
+from course_lib.ros.syntax_hints import syntax_hint
 from course_lib.ros.tracebacks import format_location
 from course_lib.third_party import compile_python
 from launch.entities import (
@@ -35,9 +35,9 @@ def load_python_launch_file_as_module(python_launch_file_path: str | Path) -> Mo
         code = compile_python(file.read_bytes(), str(file))
     except SyntaxError as error:
         place = format_location(str(file), error.lineno or 1)
-        newer = newer_python_hint(error)
+        found = syntax_hint(error)
         text = f"SyntaxError: {error.msg} ({place})"
-        raise InvalidPythonLaunchFileError(f"{text}; {newer}" if newer else text) from error
+        raise InvalidPythonLaunchFileError(f"{text}; {found}" if found else text) from error
     exec(code, vars(module))
     return module
 

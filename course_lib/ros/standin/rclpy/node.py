@@ -19,14 +19,14 @@ from rcl_interfaces.msg import Parameter as ParameterMsg
 
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.messages import RosMessage, type_name
-from course_lib.ros.mistakes import Mistake, mark
+from course_lib.ros.mistakes import Mistake, mark, marked
 from course_lib.ros.notices import replacements
 from course_lib.ros.time.time_lock import time_lock
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.constants import S_TO_NS
-from rclpy.context import Context, get_default_context
+from rclpy.context import Context, Contexts, get_default_context
 from rclpy.duration import Duration
 from rclpy.event_handler import Deadline, EventCallbacks, PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import (
@@ -148,7 +148,8 @@ class Node:
     ) -> None:
         context = context or get_default_context()
         if not context.is_valid:
-            raise NotInitializedException("cannot create node")
+            error = NotInitializedException("cannot create node")
+            raise marked(error, Mistake.SHUT_DOWN) if current_graph().part(Contexts).initialized else error
         local = parse(cli_args or [])
         for warning in local.warnings:
             get_logger("rcl").warning(warning)

@@ -124,4 +124,55 @@ NAMES = [
         "AttributeError: module 'rclpy' has no attribute 'spn'",
         "did you mean `spin`?",
     ),
+    (
+        "rclpy.Time()",
+        "AttributeError: module 'rclpy' has no attribute 'Time'",
+        "import it: `from rclpy.time import Time`.",
+    ),
+    (
+        "rclpy.Rate(10)",
+        "AttributeError: module 'rclpy' has no attribute 'Rate'",
+        "a timer repeats work: `self.create_timer(0.1, self.tick)`.",
+    ),
+    (
+        "rclpy.init_node('a')",
+        "AttributeError: module 'rclpy' has no attribute 'init_node'",
+        "`rclpy.init()` comes first; then an object of your class, "
+        "whose `super().__init__('a_name')` has the node's name.",
+    ),
+    (
+        "rclpy.get_time()",
+        "AttributeError: module 'rclpy' has no attribute 'get_time'",
+        "a node's clock has the time: `self.get_clock().now()`.",
+    ),
+    (
+        "rclpy.is_shutdown()",
+        "AttributeError: module 'rclpy' has no attribute 'is_shutdown'",
+        "`rclpy.ok()` is True until the shutdown.",
+    ),
+    (
+        "rclpy.logging.info('a')",
+        "AttributeError: module 'rclpy.logging' has no attribute 'info'",
+        "a node's logger has it: `self.get_logger().info('a text')`.",
+    ),
+    (
+        "rclpy.Publisher('a', String)",
+        "AttributeError: module 'rclpy' has no attribute 'Publisher'",
+        "write `self.create_publisher(Marker, '/a_topic', 10)`.",
+    ),
+    (
+        "node.subscribe('a', String, print)",
+        "AttributeError: 'Node' object has no attribute 'subscribe'",
+        "write `self.create_subscription(Marker, '/a_topic', self.heard, 10)`.",
+    ),
+    (
+        "node.publish(String())",
+        "AttributeError: 'Node' object has no attribute 'publish'",
+        "a publisher has publish(): `self.publisher.publish(message)`.",
+    ),
+    (
+        "node.spin()",
+        "AttributeError: 'Node' object has no attribute 'spin'",
+        "write rclpy.spin(node); in a notebook spin_for(2.0, node).",
+    ),
 ]

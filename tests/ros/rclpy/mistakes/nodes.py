@@ -111,7 +111,7 @@ NODES = [
     (
         "rclpy.shutdown()\nNode('late')",
         "rclpy.exceptions.NotInitializedException: rclpy.init() has not been called. msg:cannot create node",
-        "call `rclpy.init()` first.",
+        "rclpy.shutdown() was called before, maybe in another cell: call `rclpy.init()` again.",
     ),
     (
         "rclpy.init()",

@@ -32,4 +32,30 @@ TIMES = [
         "ValueError: Seconds value must not be negative",
         "",
     ),
+    (
+        "Time.now()",
+        "AttributeError: type object 'Time' has no attribute 'now'",
+        "a clock has now(): `self.get_clock().now()`.",
+    ),
+    (
+        "node.get_clock().now().to_sec()",
+        "AttributeError: 'Time' object has no attribute 'to_sec'",
+        "a Time of rclpy has nanoseconds: `self.get_clock().now().nanoseconds / 1e9` is the time in seconds.",
+    ),
+    (
+        "Duration(seconds=1.0).sec",
+        "AttributeError: 'Duration' object has no attribute 'sec'",
+        "a Duration of rclpy has nanoseconds: `Duration(seconds=1.0).nanoseconds / 1e9` "
+        "is its length in seconds.",
+    ),
+    (
+        "node.get_clock().now().to_msg().secs",
+        "AttributeError: 'Time' object has no attribute 'secs'",
+        "did you mean `sec`? `%ros2 interface show builtin_interfaces/msg/Time` lists its fields.",
+    ),
+    (
+        "import time\ntime.sleep()",
+        "TypeError: time.sleep() takes exactly one argument (0 given)",
+        "",
+    ),
 ]

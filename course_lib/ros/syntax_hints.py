@@ -1,0 +1,83 @@
+"""Hints for syntax errors: the cause that Python's own message does not name to a beginner.
+
+A hint is found by the parser's message and the line at which it stops. Typical causes are text pasted
+from web pages, chats and C++, the decimal comma of many languages, and commands of a terminal.
+"""
+
+import re
+import sys
+import tomllib
+import unicodedata
+from pathlib import Path
+
+# A pattern for the line at which the older parser stops, and the newer rule that allows it.
+_NEWER = (
+    (
+        r"(?<!\w)([rR][fF]|[fF][rR]?)[\"']",
+        "an f-string may have quotes, backslashes and line breaks in braces",
+    ),
+    (r"^\s*type\s+\w+", "`type NAME = …` names a type"),
+    (
+        r"^\s*(async\s+def|def|class)\s+\w+\s*\[",
+        "there are type parameters, as in `def f[T](x: T)`",
+    ),
+)
+_HINTS = Path(__file__).with_name("hints.toml").read_text("utf-8")
+_TABLE: dict[str, list[list[str]]] = tomllib.loads(_HINTS)["syntax"]
+# Two numbers without a space, but not three of them.
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,])-?\d+,\d+(?!\w|\.|,\d)")
+
+
+def syntax_hint(error: SyntaxError) -> str:
+    """Return the hint for a syntax error, or "" if Python's message says it all."""
+    line, message = error.text or "", error.msg or ""
+    if found := re.match(r"invalid character '(.)'", message):
+        return _character_hint(found[1])
+    if re.match(r"invalid non-printable character", message):
+        return "the line has a space or a sign that is none, as in text from a web page: type the line anew."
+    if newer := newer_python_hint(error):
+        return newer
+    if message.startswith("positional argument follows") and (found_comma := decimal_comma_hint(line)):
+        return found_comma
+    for text, pattern, hint in _TABLE["lines"]:
+        if re.search(text, message) and (match := re.search(pattern, line)):
+            return hint.format(match[0], *match.groups())
+    return ""
+
+
+def decimal_comma_hint(line: str) -> str:
+    """Return the hint for a number like 0,5 in a line that failed, or ""."""
+    found = _DECIMAL_COMMA.search(line)
+    if found is None:
+        return ""
+    return f"a decimal number has a point, 0.5. With a comma, as in {found[0]}, these are two numbers."
+
+
+def _character_hint(character: str) -> str:
+    meant = next((text for signs, text in _TABLE["characters"] if character in signs), "")
+    # Full-width characters of East Asian keyboards have a plain form.
+    plain = unicodedata.normalize("NFKC", character)
+    if not meant and plain.isascii() and len(plain) == 1:
+        meant = f"{plain}, with the keyboard set to English"
+    instead = f"instead of {character} write {meant}."
+    return instead if meant else f"the code cannot contain {character}: delete it."
+
+
+def newer_python_hint(error: SyntaxError) -> str:
+    """Return a hint about the syntax of Python 3.12 that a line may use, or "".
+
+    From Python 3.12 on it is always "".
+    """
+    if sys.version_info >= (3, 12):
+        return ""
+    line = error.text or ""
+    if "expecting '}'" in (error.msg or "") and line.count("{") != line.count("}"):
+        return ""
+    rule = next((rule for pattern, rule in _NEWER if re.search(pattern, line)), None)
+    if rule is None:
+        return ""
+    here = ".".join(map(str, sys.version_info[:2]))
+    return (
+        f"in Python 3.12, which ROS 2 Jazzy has, {rule}. Here Python {here} runs: install the kit with "
+        "Python 3.12, or write the line for both."
+    )

@@ -1,0 +1,146 @@
+"""Hints for syntax errors and decimal commas: text from web pages, other keyboards, C++ and terminals."""
+
+import ast
+import linecache
+import re
+
+import pytest
+from IPython.core.interactiveshell import InteractiveShell
+
+from course_lib.ros.hints import hint
+from course_lib.ros.syntax_hints import syntax_hint
+from course_lib.tools.notebook import shorten_tracebacks
+
+QUOTES = 'write straight quotes, like `"map"`. Web pages and word processors make curved ones.'
+# Code of a student, and the hint.
+SYNTAX = [
+    ("a = \u201cmap\u201d", f"instead of \u201c {QUOTES}"),
+    ("a = \u2018map\u2019", f"instead of \u2018 {QUOTES}"),
+    ("a = \u20131.0", "instead of \u2013 write the minus sign of the keyboard, -."),
+    ("a = 2 \u00d7 3", "instead of \u00d7 write *."),
+    ("print\uff081\uff09", "instead of \uff08 write (, with the keyboard set to English."),
+    ("a = 0\uff0e5", "instead of \uff0e write ., with the keyboard set to English."),
+    ("a = \u2603", "the code cannot contain \u2603: delete it."),
+    (
+        "a =\u00a01",
+        "the line has a space or a sign that is none, as in text from a web page: type the line anew.",
+    ),
+    (
+        "if 1:\n        a = 1\n\tb = 2",
+        "indent with spaces only: delete the space in front of this line, and type 4 spaces for each level.",
+    ),
+    (
+        "if 1:\n    a = 1\n   b = 2",
+        "begin the line exactly below the first letter of the line above to which it belongs.",
+    ),
+    (
+        "a = 1\n    b = 2",
+        "the line begins with more spaces than the line before it, which does not end with a colon.",
+    ),
+    (
+        "def f():\nreturn 1",
+        "the lines of this block begin with 4 more spaces. A block without lines needs `pass`.",
+    ),
+    (
+        "Point(x=0,5, y=1.0)",
+        "a decimal number has a point, 0.5. With a comma, as in 0,5, these are two numbers.",
+    ),
+    ("f(x=1, 2)", ""),
+    (
+        "a = 1.0m",
+        "a letter follows a number. A unit goes into a comment, `1.0  # [m]`; a product has a star, `2 * 3`.",
+    ),
+    ("a = 08", "write the number without zeros in front of it."),
+    ("return 5", "the line is outside of the function: indent it as far as the function's other lines."),
+    (
+        "print('don't')",
+        'the text ends at its second quote: put a text with an apostrophe into double quotes, `"don\'t"`.',
+    ),
+    ("a = 'map", "a quote is missing on this line, at the end of the text or in front of it."),
+    ("```python\na = 1\n```", "delete the lines with ```: they mark code in a chat or on a web page."),
+    ("if a:\n    b = 1\nelse if c:\n    b = 2", "`else if` is written elif."),
+    ("import Marker from visualization_msgs.msg", "the module comes first: `from math import pi`."),
+    ("// the next step", "a comment begins with #."),
+    ("marker->pose = 1", "Python has a point instead of ->, as in `marker.pose`."),
+    ("a = Marker::CUBE", "Python has a point instead of ::, as in `math.pi`."),
+    ("a = new Marker()", "an object is made without new: Marker()."),
+    ("float a = 1.0;", "a variable has no type in front of it: a = …."),
+    ("if a && b:\n    c = 1", "the operators are called and, or, not."),
+    ("a++", "to count, write `count += 1`."),
+    (
+        "if a > 3 {\n    b()\n}",
+        "a block begins with a colon, and its lines are indented: there are no { }.",
+    ),
+    (
+        "else:\n    a = 1",
+        "else follows the lines of an if: it begins in the same column as this if, "
+        "and nothing is between them.",
+    ),
+    (
+        "a = 1\nros2 topic list",
+        "in a cell this command begins with a percent sign: %ros2 …. In a file it is not possible.",
+    ),
+    (
+        "course check week01_exercise.ipynb",
+        "course is a command of a terminal: type it there (in JupyterLab: File → New → Terminal).",
+    ),
+    ("lambda = 0.5", "lambda is a word of Python's own: choose another name."),
+    ("a = # later", "the value behind = is missing."),
+    (
+        "a = b +",
+        "the line ends with +: a value is missing. An expression in ( ) may continue on the next line.",
+    ),
+    (
+        "if a = 3:\n    b = 1",
+        "a comparison has two signs, ==; a value is set with one, on a line of its own.",
+    ),
+    # Python's own text is enough.
+    ("a = (1, 2", ""),
+    ("def f()\n    return 1", ""),
+    ("print 'a'", ""),
+    ('print(f"{a:.2f")', ""),
+]
+
+
+@pytest.mark.parametrize(("code", "expected"), SYNTAX)
+def test_syntax_error_has_the_hint_for_its_cause(code: str, expected: str) -> None:
+    with pytest.raises(SyntaxError) as raised:
+        compile(code, "cell", "exec")
+    assert syntax_hint(raised.value) == expected
+
+
+@pytest.mark.parametrize("code", ["def f():\n    a = 1\n   b = 2", "return 5", "a = \u201cmap\u201d"])
+def test_cell_with_a_syntax_error_shows_the_hint(code: str, capsys: pytest.CaptureFixture[str]) -> None:
+    shell = InteractiveShell()  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    shorten_tracebacks(shell)
+    shell.run_cell(code)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    assert capsys.readouterr().out.count("hint: ") == 1
+
+
+COMMA = "a decimal number has a point, 0.5. With a comma, as in {}, these are two numbers."
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [
+        ("import math; math.sin(0,5)", COMMA.format("0,5")),
+        ("a = 1.0; a += 0,1", COMMA.format("0,1")),
+        ("a, b = 0,4, 0,4", COMMA.format("0,4")),
+        (
+            "a, b = 1,0,0",
+            "there are more values than names on the left: print the value on the right.",
+        ),
+    ],
+)
+def test_decimal_comma_in_a_failing_line_is_the_hint(code: str, expected: str) -> None:
+    linecache.cache["cell of a student"] = (len(code), None, [code], "cell of a student")
+    with pytest.raises((TypeError, ValueError)) as raised:
+        exec(compile(code, "cell of a student", "exec"), {"__name__": "__main__"})
+    assert hint(raised.value) == expected
+
+
+def test_examples_in_backticks_are_valid_code() -> None:
+    for _, text in SYNTAX:
+        for snippet in re.findall(r"`([^`]+)`", text.replace("```", "")):
+            if snippet != "else if":
+                ast.parse(snippet)
