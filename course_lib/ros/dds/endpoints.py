@@ -9,9 +9,8 @@ import itertools
 import struct
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import takewhile
 from typing import NamedTuple, Protocol
-
-import numpy as np
 
 from course_lib.ros.dds.wire import (
     ACKNACK,
@@ -25,12 +24,14 @@ from course_lib.ros.dds.wire import (
     NACK_FRAG,
     PREFIX_SIZE,
     UNKNOWN_ENTITY,
+    Buffer,
     Endpoint,
     Locator,
     RequestId,
     number_bitmap,
     sequence_number,
     submessage,
+    submessage_parts,
     timestamp,
 )
 
@@ -45,6 +46,8 @@ MAX_PENDING = 256
 MAX_PARTIAL = 8
 # Limit on the bytes of all incomplete messages of a reader.
 MAX_PARTIAL_BYTES = 2 * MAX_MESSAGE
+# Memory that a fragment needs in addition to its data [B].
+FRAGMENT_OVERHEAD = 350
 
 
 class ReceivedSample(NamedTuple):
@@ -70,9 +73,9 @@ class Sender(Protocol):
     """The interface for sending datagrams, which the participant implements."""
 
     def send(
-        self, submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+        self, submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
     ) -> None:
-        """Send submessages, addressed to one participant or to all."""
+        """Send submessages, which may be in parts, addressed to one participant or to all."""
 
 
 class Change(NamedTuple):
@@ -216,28 +219,29 @@ class Writer:
             parts = self._fragment(number, change, count, entity)
         else:
             data = data_submessage(self.endpoint.guid, number, change.data, change.inline_qos, entity)
-            parts = [timestamp(change.at_ns), data]
+            parts = [timestamp(change.at_ns), *data]
         if with_heartbeat:
             parts.append(self._heartbeat(UNKNOWN_ENTITY, next(iter(self._history), number), number))
         self._sender.send(parts, locators)
 
-    def _fragment(self, number: int, change: Change, fragment: int, entity: bytes) -> list[bytes]:
+    def _fragment(self, number: int, change: Change, fragment: int, entity: bytes) -> list[Buffer]:
         """Encode a fragment, counted from 1."""
         begin = (fragment - 1) * FRAGMENT_SIZE
         # 28 bytes lie between the field itself and the inline QoS.
         head = struct.pack("<HH", 0, 28) + entity + self.endpoint.guid[PREFIX_SIZE:] + sequence_number(number)
         head += struct.pack("<IHHI", fragment, 1, FRAGMENT_SIZE, len(change.data)) + change.inline_qos
         data = memoryview(change.data)[begin : begin + FRAGMENT_SIZE]
-        return [timestamp(change.at_ns), submessage(DATA_FRAG, 0x02 if change.inline_qos else 0, head, data)]
+        flags = 0x02 if change.inline_qos else 0
+        return [timestamp(change.at_ns), *submessage_parts(DATA_FRAG, flags, head, data)]
 
 
 def data_submessage(
     writer: bytes, number: int, data: bytes, inline_qos: bytes = b"", entity: bytes = UNKNOWN_ENTITY
-) -> bytes:
-    """Encode a DATA submessage."""
+) -> tuple[Buffer, ...]:
+    """Encode a DATA submessage, in parts."""
     # 16 bytes lie between the field itself and the inline QoS.
     head = struct.pack("<HH", 0, 16) + entity + writer[PREFIX_SIZE:] + sequence_number(number)
-    return submessage(DATA, 0x04 | (0x02 if inline_qos else 0), head, inline_qos, data)
+    return submessage_parts(DATA, 0x04 | (0x02 if inline_qos else 0), head, inline_qos, data)
 
 
 class PartialMessage:
@@ -249,20 +253,34 @@ class PartialMessage:
     """
 
     def __init__(self, size: int, fragment_size: int) -> None:
-        # The system provides zeroed memory when it is first used. A bytearray would write zeros to
-        # all of it, so that a single fragment of a large message would cost tens of milliseconds.
-        self.data, self._fragment_size = np.zeros(size, dtype=np.uint8), fragment_size
-        self.missing = set(range(1, -(-size // fragment_size) + 1))
+        self._size, self._fragment_size = size, fragment_size
+        self._count = -(-size // fragment_size)
+        # Limit on the memory that it needs, [bytes].
+        self.memory = size + self._count * FRAGMENT_OVERHEAD
+        # Views of the received datagrams by number, so that `data` is the only copy.
+        self._fragments: dict[int, memoryview] = {}
 
-    def add(self, first: int, payload: memoryview) -> bool:
+    def add(self, first: int, count: int, payload: memoryview) -> bool:
         """Add consecutive fragments; return True once the message is complete."""
         begin = (first - 1) * self._fragment_size
-        if not 0 <= begin < len(self.data) or begin + len(payload) > len(self.data) + 3:
+        size = min(count * self._fragment_size, self._size - begin)
+        if begin < 0 or not 0 < size <= len(payload):
             raise ValueError("a fragment outside of its message")
-        end = min(begin + len(payload), len(self.data))
-        self.data[begin:end] = np.frombuffer(payload[: end - begin], dtype=np.uint8)
-        self.missing -= set(range(first, first + -(-(end - begin) // self._fragment_size)))
-        return not self.missing
+        if size < memoryview(payload.obj).nbytes // 2:
+            # Otherwise a small fragment would keep a large datagram in memory.
+            payload = memoryview(bytes(payload[:size]))
+        for at in range(0, size, self._fragment_size):
+            end = min(at + self._fragment_size, size)
+            self._fragments.setdefault(first + at // self._fragment_size, payload[at:end])
+        return len(self._fragments) == self._count
+
+    def missing(self) -> Iterator[int]:
+        """Yield the numbers of the missing fragments."""
+        return (number for number in range(1, self._count + 1) if number not in self._fragments)
+
+    def data(self) -> bytes:
+        """Return the complete message."""
+        return b"".join(self._fragments[number] for number in range(1, self._count + 1))
 
 
 @dataclass
@@ -351,7 +369,13 @@ class Reader:
             self._deliver(writer)
 
     def on_fragment(
-        self, sample: ReceivedSample, first: int, fragment_size: int, size: int, payload: memoryview
+        self,
+        sample: ReceivedSample,
+        first: int,
+        count: int,
+        fragment_size: int,
+        size: int,
+        payload: memoryview,
     ) -> None:
         """Collect fragments of a message; `sample` describes it without its data."""
         writer, number = self.writers.get(sample.writer), sample.sequence
@@ -360,21 +384,22 @@ class Reader:
         if not (fragment_size > 0 and 0 < size <= MAX_MESSAGE and size // fragment_size < 2**16):
             raise ValueError("a fragmented message with an impossible size")
         if number not in writer.partial:
-            self._free_memory(writer, size)
-            writer.partial[number] = PartialMessage(size, fragment_size)
+            partial = PartialMessage(size, fragment_size)
+            self.incomplete_size = size
+            self._free_memory(writer, partial.memory)
+            writer.partial[number] = partial
         partial = writer.partial[number]
-        if partial.add(first, payload):
+        if partial.add(first, count, payload):
             del writer.partial[number]
-            self.on_data(sample._replace(data=partial.data.tobytes()))
+            self.on_data(sample._replace(data=partial.data()))
 
     def _free_memory(self, writer: MatchedWriter, size: int) -> None:
         """Drop the oldest incomplete messages, of this writer first, so that memory stays bounded."""
-        self.incomplete_size = size
         while len(writer.partial) >= MAX_PARTIAL:
             del writer.partial[min(writer.partial)]
             self.incomplete += 1
         for other in (writer, *self.writers.values()):
-            used = sum(len(one.data) for each in self.writers.values() for one in each.partial.values())
+            used = sum(one.memory for each in self.writers.values() for one in each.partial.values())
             if used + size <= MAX_PARTIAL_BYTES:
                 return
             self.incomplete += len(other.partial)
@@ -443,11 +468,12 @@ class Reader:
         self._send_acknack(writer, 0 if is_fast_dds else writer.due or 1, [], is_final=False)
 
     def _request_fragments(self, writer: MatchedWriter, number: int) -> None:
-        missing = sorted(writer.partial[number].missing)
-        fragments = [fragment for fragment in missing if fragment < missing[0] + MAX_SET]
+        missing = writer.partial[number].missing()
+        first = next(missing)
+        fragments = [first, *takewhile(lambda fragment: fragment < first + MAX_SET, missing)]
         guid = writer.endpoint.guid
         body = self.endpoint.guid[PREFIX_SIZE:] + guid[PREFIX_SIZE:] + sequence_number(number)
-        body += struct.pack("<I", missing[0]) + number_bitmap(missing[0], fragments)
+        body += struct.pack("<I", first) + number_bitmap(first, fragments)
         body += struct.pack("<I", next(writer.counts))
         self._sender.send([submessage(NACK_FRAG, 0, body)], writer.endpoint.locators, guid[:PREFIX_SIZE])
 

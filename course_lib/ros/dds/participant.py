@@ -45,6 +45,7 @@ from course_lib.ros.dds.wire import (
     USER_READER,
     USER_WRITER,
     VENDOR_ID,
+    Buffer,
     Endpoint,
     Locator,
     ParameterList,
@@ -263,7 +264,7 @@ class Participant:
             return all(writer.is_acknowledged() for writer in self._writers.values())
 
     def send(
-        self, submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+        self, submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
     ) -> None:
         """Send submessages to addresses, for one participant or for all participants there."""
         info = submessage(INFO_DST, 0, destination) if destination else b""
@@ -297,7 +298,7 @@ class Participant:
     def _send_spdp(self, locators: Iterable[Locator], data: bytes, inline_qos: bytes = b"") -> None:
         writer = self.prefix + SPDP_WRITER
         body = data_submessage(writer, next(self._announcements), data, inline_qos, SPDP_READER)
-        self.send((timestamp(wall.time_ns()), body), locators)
+        self.send((timestamp(wall.time_ns()), *body), locators)
 
     def _on_spdp(self, payload: bytes, source: bytes, key: bytes, *, is_disposed: bool) -> None:
         """Process the announcement or departure of a participant."""
@@ -479,7 +480,7 @@ class Participant:
 
     def _on_data(self, one: Submessage) -> None:
         body, order = one.body, one.order
-        reader_entity, writer_entity = body[4:8], body[8:12]
+        reader_entity, writer_entity = bytes(body[4:8]), bytes(body[8:12])
         number = read_sequence_number(body, 12, order)
         begin = 4 + struct.unpack_from(f"{order}H", body, 2)[0]
         related, status, key = None, 0, b""
@@ -494,11 +495,11 @@ class Participant:
                     key = value
         is_disposed = bool(status & DISPOSED[3])
         if writer_entity == SPDP_WRITER:
-            self._on_spdp(body[begin:], one.source, key, is_disposed=is_disposed)
+            self._on_spdp(bytes(body[begin:]), one.source, key, is_disposed=is_disposed)
             return
         payload = b""
         if one.kind == DATA:
-            payload = body[begin:] if one.flags & 0x0C else PL_CDR_LE + disposal_of(key)
+            payload = bytes(body[begin:]) if one.flags & 0x0C else PL_CDR_LE + disposal_of(key)
         sample = ReceivedSample(
             payload, one.source + writer_entity, number, one.stamp_ns, related, is_disposed
         )
@@ -506,13 +507,13 @@ class Participant:
             if one.kind == DATA:
                 reader.on_data(sample)
             else:
-                first, _, fragment_size, size = struct.unpack_from(f"{order}IHHI", body, 20)
-                reader.on_fragment(sample, first, fragment_size, size, memoryview(body)[begin:])
+                first, count, fragment_size, size = struct.unpack_from(f"{order}IHHI", body, 20)
+                reader.on_fragment(sample, first, count, fragment_size, size, body[begin:])
 
     def _on_nack(self, one: Submessage) -> None:
         """Process a remote reader's report of missing messages."""
         body, order = one.body, one.order
-        reader, writer = one.source + body[:4], self._writers.get(body[4:8])
+        reader, writer = one.source + body[:4], self._writers.get(bytes(body[4:8]))
         if writer is None:
             return
         number = read_sequence_number(body, 8, order)
@@ -528,7 +529,7 @@ class Participant:
         body, order = one.body, one.order
         writer = one.source + body[4:8]
         first, second = (read_sequence_number(body, at, order) for at in (8, 16))
-        for reader in self._readers_of(body[:4], writer):
+        for reader in self._readers_of(bytes(body[:4]), writer):
             if one.kind == HEARTBEAT:
                 (count,) = struct.unpack_from(f"{order}i", body, 24)
                 reader.on_heartbeat(writer, first, second, count, is_final=bool(one.flags & 0x02))

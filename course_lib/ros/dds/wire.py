@@ -15,6 +15,7 @@ from typing import Literal, NamedTuple
 
 from course_lib.ros.graph.topics import Qos
 
+Buffer = bytes | memoryview
 Locator = tuple[str, int]  # IPv4 address and port
 
 PROTOCOL = b"RTPS\x02\x03"
@@ -80,6 +81,7 @@ class Submessage(NamedTuple):
     """One submessage of a datagram.
 
     Args:
+        body: Its bytes in the datagram, which are kept as long as the view.
         source: GUID prefix of the sender.
         is_for: Whether it is addressed to the given participant, or to all.
         stamp_ns: Source time, [ns] since 1970; 0 if none was sent.
@@ -88,7 +90,7 @@ class Submessage(NamedTuple):
     kind: int
     flags: int
     order: Literal["<", ">"]
-    body: bytes
+    body: memoryview
     source: bytes
     is_for: bool
     stamp_ns: int
@@ -137,35 +139,39 @@ class Endpoint:
         return self.qos.durability == "transient_local"
 
 
-def submessage(kind: int, flags: int, *body: bytes | memoryview) -> bytes:
-    """Encode a submessage, whose body may be in parts.
+def submessage(kind: int, flags: int, body: bytes) -> bytes:
+    """Encode a submessage."""
+    return b"".join(submessage_parts(kind, flags, body))
+
+
+def submessage_parts(kind: int, flags: int, *body: Buffer) -> tuple[Buffer, ...]:
+    """Encode a submessage in parts, so that its data is copied only once, into the datagram.
 
     A submessage of 64 KiB or more must be the last of its datagram; its length field is then 0.
     """
     size = sum(map(len, body))
     padding = bytes(-size % 4)
     size += len(padding)
-    head = struct.pack("<BBH", kind, flags | 1, size if size < 2**16 else 0)
-    return b"".join((head, *body, padding))
+    return (struct.pack("<BBH", kind, flags | 1, size if size < 2**16 else 0), *body, padding)
 
 
 def read_datagram(data: bytes, own_prefix: bytes) -> Iterator[Submessage]:
     """Yield the submessages of a datagram, except INFO submessages, which set fields of the others."""
     if len(data) < HEADER_SIZE or data[:4] != PROTOCOL[:4]:
         raise ValueError("not an RTPS datagram")
-    source, is_for, stamp_ns, at = data[8:HEADER_SIZE], True, 0, HEADER_SIZE
+    view, source, is_for, stamp_ns, at = memoryview(data), data[8:HEADER_SIZE], True, 0, HEADER_SIZE
     while at + 4 <= len(data):
         kind, flags = data[at], data[at + 1]
         order: Literal["<", ">"] = "<" if flags & 1 else ">"
         (size,) = struct.unpack_from(f"{order}H", data, at + 2)
         # A length of 0 means "up to the end", except in submessages that may be empty.
         end = at + 4 + size if size or kind in (PAD, INFO_TS) else len(data)
-        body = data[at + 4 : end]
+        body = view[at + 4 : end]
         at = end
         if kind == INFO_DST:
             is_for = body[:PREFIX_SIZE] in (own_prefix, bytes(PREFIX_SIZE))
         elif kind == INFO_SRC:
-            source = body[8:HEADER_SIZE]
+            source = bytes(body[8:HEADER_SIZE])
         elif kind == INFO_TS:
             stamp_ns = 0 if flags & 2 else read_time(body, order)
         else:
@@ -178,7 +184,7 @@ def timestamp(at_ns: int) -> bytes:
     return submessage(INFO_TS, 0, struct.pack("<II", seconds & 0xFFFFFFFF, rest * 2**32 // 10**9))
 
 
-def read_time(data: bytes, order: str) -> int:
+def read_time(data: Buffer, order: str) -> int:
     """Decode a time, [ns] since 1970."""
     seconds, fraction = struct.unpack_from(f"{order}II", data)
     value_ns: int = seconds * 10**9 + round(fraction * 1e9 / 2**32)
@@ -190,7 +196,7 @@ def sequence_number(value: int) -> bytes:
     return struct.pack("<iI", value >> 32, value & 0xFFFFFFFF)
 
 
-def read_sequence_number(data: bytes, at: int, order: str) -> int:
+def read_sequence_number(data: Buffer, at: int, order: str) -> int:
     """Decode the sequence number at a position."""
     high, low = struct.unpack_from(f"{order}iI", data, at)
     value: int = high << 32 | low
@@ -206,7 +212,7 @@ def number_bitmap(base: int, numbers: Sequence[int]) -> bytes:
     return struct.pack(f"<I{len(words)}I", count, *words)
 
 
-def read_bitmap(data: bytes, at: int, base: int, order: str) -> list[int]:
+def read_bitmap(data: Buffer, at: int, base: int, order: str) -> list[int]:
     """Decode the bitmap at a position, as the numbers that are set."""
     (count,) = struct.unpack_from(f"{order}I", data, at)
     if count > MAX_SET:
@@ -245,7 +251,7 @@ def locator(address: Locator) -> bytes:
     return struct.pack("<iI12s4s", 1, address[1], bytes(12), socket.inet_aton(address[0]))
 
 
-def read_parameters(data: bytes, order: str, at: int) -> tuple[list[tuple[int, bytes]], int]:
+def read_parameters(data: Buffer, order: str, at: int) -> tuple[list[tuple[int, bytes]], int]:
     """Return the parameters (pid, value) of the list at a position, and the position after the list."""
     found: list[tuple[int, bytes]] = []
     while at + 4 <= len(data):
@@ -253,7 +259,7 @@ def read_parameters(data: bytes, order: str, at: int) -> tuple[list[tuple[int, b
         at += 4
         if pid == Pid.SENTINEL:
             return found, at
-        found.append((int(pid), data[at : at + size]))
+        found.append((int(pid), bytes(data[at : at + size])))
         at += size
     raise ValueError("a parameter list without an end")
 

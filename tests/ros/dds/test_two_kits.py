@@ -14,7 +14,7 @@ from std_msgs.msg import String
 from course_lib.errors import CourseError
 from course_lib.ros.dds.endpoints import FRAGMENT_SIZE, Writer
 from course_lib.ros.dds.names import CDR_LE
-from course_lib.ros.dds.wire import Locator
+from course_lib.ros.dds.wire import Buffer, Locator
 from course_lib.ros.graph.topics import Qos, Sample
 from course_lib.ros.messages import deserialize, serialize
 from course_lib.ros.robot.robot_graph import RobotGraph
@@ -55,7 +55,7 @@ def drop_datagrams(graph: RobotGraph, share: float, seed: int) -> None:
     send: Callable[..., None] = participant.send
 
     def lossy_send(
-        submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+        submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
     ) -> None:
         send(submessages, [one for one in locators if chance.random() > share], destination)
 
@@ -129,7 +129,7 @@ def test_reply_is_delayed_until_the_client_reader_is_discovered(kits: DdsKits) -
     is_open = False
 
     def send_late(
-        submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+        submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
     ) -> None:
         # The network loses the description of the client's reader.
         whole = b"".join(submessages)
@@ -181,7 +181,7 @@ def test_topic_with_mostly_incomplete_messages_is_reported(kits: DdsKits) -> Non
     send: Callable[..., None] = participant.send
 
     def lose_last_fragments(
-        submessages: Iterable[bytes], locators: Iterable[Locator], destination: bytes = b""
+        submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
     ) -> None:
         # Fragments are full but for the last one, which the network loses.
         whole = b"".join(submessages)

@@ -2,6 +2,7 @@
 
 import contextlib
 import struct
+import sys
 from collections.abc import Iterable, Iterator
 
 import pytest
@@ -35,7 +36,7 @@ class Wire:
     def __init__(self) -> None:
         self.sent: list[bytes] = []
 
-    def send(self, submessages: Iterable[bytes], locators: object, destination: bytes = b"") -> None:
+    def send(self, submessages: Iterable[wire.Buffer], locators: object, destination: bytes = b"") -> None:
         head = wire.PROTOCOL + wire.VENDOR_ID + OTHER
         self.sent.append(head + b"".join(submessages))
 
@@ -178,7 +179,8 @@ def test_arbitrary_discovery_message_raises_only_malformed_errors(cdr: bytes) ->
 
 def fragment(reader: Reader, size: int, fragment_size: int, first: int = 1, number: int = 1) -> None:
     sample = ReceivedSample(b"", GUID, number, 0)
-    reader.on_fragment(sample, first, fragment_size, size, memoryview(bytes(min(size, fragment_size, 100))))
+    payload = memoryview(bytes(min(size, fragment_size)))
+    reader.on_fragment(sample, first, 1, fragment_size, size, payload)
 
 
 @pytest.fixture
@@ -201,4 +203,35 @@ def test_incomplete_messages_use_a_bounded_amount_of_memory(reader: Reader) -> N
     for number in range(1, 200):
         fragment(reader, wire.MAX_MESSAGE, 60_000, number=number)
     partial = [one for writer in reader.writers.values() for one in writer.partial.values()]
-    assert sum(len(one.data) for one in partial) <= 2 * wire.MAX_MESSAGE
+    assert 0 < sum(one.memory for one in partial) <= 2 * wire.MAX_MESSAGE
+
+
+def test_message_is_assembled_from_fragments_in_any_order_and_grouping() -> None:
+    received = list[bytes]()
+    reader = Reader(
+        Wire(),
+        Endpoint(PREFIX + b"\0\0\1\x04", "rt/a", "t", Qos(reliability="best_effort")),
+        lambda sample: received.append(sample.data),
+    )
+    reader.match(Endpoint(GUID, "rt/a", "t", Qos()))
+    message = bytes(range(64))
+    sample = ReceivedSample(b"", GUID, 1, 0)
+    # Fragments of 10 bytes, of which a submessage may have several, with padding to a multiple of 4.
+    for first, count in ((7, 1), (2, 1), (3, 3), (3, 1), (6, 1), (1, 1)):
+        begin = 10 * (first - 1)
+        payload = message[begin : begin + 10 * count]
+        reader.on_fragment(sample, first, count, 10, 64, memoryview(payload + bytes(-len(payload) % 4)))
+    assert received == [message]
+
+
+def test_small_fragment_does_not_keep_its_datagram_in_memory(reader: Reader) -> None:
+    datagram = bytes(60_000)
+    reader.on_fragment(ReceivedSample(b"", GUID, 1, 0), 1, 1, 100, 1000, memoryview(datagram)[:100])
+    before = sys.getrefcount(datagram)
+    del reader.writers[GUID].partial[1]
+    assert sys.getrefcount(datagram) == before
+
+
+def test_truncated_fragment_is_rejected(reader: Reader) -> None:
+    with pytest.raises(ValueError, match="fragment"):
+        reader.on_fragment(ReceivedSample(b"", GUID, 1, 0), 1, 1, 100, 1000, memoryview(bytes(99)))
