@@ -97,6 +97,8 @@ class RvizSession:
         self.unspun: Callable[[], Iterable[str]] = tuple
         # Returns the errors that stopped live nodes.
         self.node_errors: Callable[[], Iterable[str]] = tuple
+        # Returns why nothing arrives from a linked robot, or "".
+        self.link_error: Callable[[], str] = str
         # Returns the messages that publishers keep.
         self.latched: Callable[[], Iterable[Sample]] = tuple
         self.tools = all_tools()
@@ -378,6 +380,9 @@ class RvizSession:
 
     def global_rows(self) -> list[StatusRow]:
         """Return RViz's Global Status, with hints."""
+        self.statuses.delete("Robot")
+        if error := self.link_error():
+            self.statuses.set("error", "Robot", error)
         level, text = self.context.frames.global_status()
         self.statuses.set(level, "Fixed Frame", text)
         self.statuses.hint("Target Frame", *self.view.target_frame_hints(self.context.frames))

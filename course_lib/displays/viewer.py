@@ -63,6 +63,7 @@ class Viewer(KnownAttributes):
         names, errors = graph.part(UnspunNodes).names, graph.part(FailedNodes).errors
         session.unspun = lambda: list(names.values())
         session.node_errors = lambda: list(errors.values())
+        session.link_error = graph.link_error
         session.deliver_latched(session.subscriptions)
         self.add("Grid")
 

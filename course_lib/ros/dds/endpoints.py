@@ -183,6 +183,11 @@ class Writer:
         for reader in self._unacknowledged_readers():
             self._send_heartbeat(reader)
 
+    def request_acknowledgements(self) -> None:
+        """Send a heartbeat to all readers, which each of them has to answer."""
+        for reader in self.readers.values():
+            self._send_heartbeat(reader)
+
     def is_acknowledged(self) -> bool:
         """Return whether all reliable readers have received everything."""
         return not self._unacknowledged_readers()

@@ -236,6 +236,10 @@ class DdsLink:
         """Return whether a participant of the robot is present now."""
         return self.is_open and self.participant.has_peers()
 
+    def silent_seconds(self) -> float:
+        """Return for how long no participant of the robot has answered [s]; 0 if none is present."""
+        return self.participant.silent_seconds()
+
     def close(self) -> None:
         """Leave the domain; further calls do nothing."""
         self.participant.close()

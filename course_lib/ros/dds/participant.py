@@ -77,6 +77,8 @@ ANNOUNCE_SECONDS, EAGER_SECONDS, HEARTBEAT_SECONDS = 2.0, 0.1, 0.1
 # A participant that has just started misses the first announcements.
 EAGER_ANNOUNCEMENTS = 10
 LEASE_SECONDS = 20.0
+# Time without a datagram after which the remote participants are asked for an answer [s].
+ASK_SECONDS = 2.0
 # Waiting time for acknowledgements at the end, and interval between checks [s].
 LINGER_SECONDS, POLL_SECONDS = 1.0, 0.01
 # Limits on remote participants and endpoints. Further ones are ignored.
@@ -149,6 +151,8 @@ class Participant:
         self.dropped = Counter[str]()
         # Number of datagrams received from others.
         self.datagrams = 0
+        # Wall time of the last datagram of a known participant [s].
+        self._heard_at = 0.0
         base = PORT_BASE + PORTS_PER_DOMAIN * domain + FIRST_UNICAST
         self._probe, self._probe_error = socket_towards(peer, base), 0
         self._address = self._probe.getsockname()[0]
@@ -187,6 +191,11 @@ class Participant:
     def has_peers(self) -> bool:
         """Return whether a remote participant is present now."""
         return bool(self._leases)
+
+    def silent_seconds(self) -> float:
+        """Return for how long no remote participant has sent anything [s]; 0 if none is present."""
+        with self.lock:
+            return wall.monotonic() - self._heard_at if self._leases else 0.0
 
     def add_writer(self, topic: str, type_name: str, qos: Qos, user_data: bytes = b"") -> Writer:
         """Create a writer and announce it."""
@@ -443,6 +452,9 @@ class Participant:
                         writer.tick()
                     for reader in self._readers.values():
                         reader.tick()
+                    if self.silent_seconds() > ASK_SECONDS:
+                        # An idle robot announces itself only every few seconds.
+                        self._writers[PUBLICATIONS_WRITER].request_acknowledgements()
             wait = max(0.0, min(next_announcement, next_heartbeat) - wall.monotonic())
             if select.select([self._socket], [], [], wait)[0]:
                 self._receive_all()
@@ -464,6 +476,8 @@ class Participant:
             with self.lock:
                 if self.is_open:
                     self._process(data)
+                    if data[HEADER_SIZE - PREFIX_SIZE : HEADER_SIZE] in self._leases:
+                        self._heard_at = wall.monotonic()
         except (struct.error, IndexError, ValueError, MemoryError) as error:
             self.dropped[type(error).__name__] += 1
 

@@ -309,6 +309,10 @@ class Graph:
         """Return the state of the link to a robot as rows of `ros2 doctor`; empty without a link."""
         return []
 
+    def link_error(self) -> str:
+        """Return why nothing arrives from the robot, or "" if the link works or there is none."""
+        return ""
+
     def take_blocked_calls(self) -> list[str]:
         """Return the services whose calls a link has held back since the last time; empty without a link."""
         return []

@@ -138,6 +138,9 @@ class Link(Protocol):
     def is_up(self) -> bool:
         """Return whether the robot's side can be reached now."""
 
+    def silent_seconds(self) -> float:
+        """Return for how long the robot has not answered [s]; 0 if the link itself notices its loss."""
+
     def close(self) -> None:
         """Close the connection. Further calls have no effect."""
 

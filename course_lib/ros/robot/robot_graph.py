@@ -256,12 +256,20 @@ def clock_warning(skew: float) -> str:
     )
 
 
+def no_answer(link: Link) -> str:
+    """Return a message about a robot that does not answer."""
+    seconds = link.silent_seconds()
+    return f"{link.address} has not answered " + (f"for {seconds:.0f} s." if seconds else "yet.")
+
+
 # Limit on a wait, so that an interrupt is noticed soon [s].
 MAX_WAIT = 0.02
 # Time that Python's exit waits for a lost link. A restarting kernel is killed after 5 s.
 EXIT_SECONDS = 3.0
 # Interval between checks of the link and of the topics that taps need.
 POLL_NS = 200_000_000
+# Time without an answer after which the robot is reported as silent [s].
+SILENT_SECONDS = 5.0
 # The node that subscribes for displays and recordings. ROS hides names that begin with an
 # underscore.
 TAP_NODE = "_course_lib"
@@ -301,6 +309,7 @@ class RobotGraph(Graph):
         self._is_up = link.is_up()
         # Wall time at which the link was lost [s]; None if it never was.
         self._down_since: float | None = None
+        self._is_silent = False
         link.watch(self._remote.on_change, report)
 
     @property
@@ -378,6 +387,8 @@ class RobotGraph(Graph):
             self._check_qos(topic)
         elif info.is_service and self._allowed.is_service_allowed(info.service[0]):
             self._services.add_server(own_node, info)
+        elif info.is_service:
+            self.blocked.add_service(*info.service)
         return endpoint
 
     def remove_endpoint(self, endpoint: int) -> None:
@@ -426,6 +437,12 @@ class RobotGraph(Graph):
             ("robot's clock", NO_SKEW if skew is None else f"{skew:+.3f} s from this computer's"),
             *(subscription.status_row() for subscription in self._subscriptions),
         ]
+
+    def link_error(self) -> str:
+        """Return why nothing arrives from the robot, or "" if the link works."""
+        if not self._is_up:
+            return f"The link to {self.link.address} is lost." if self._down_since else no_answer(self.link)
+        return no_answer(self.link) if self._is_silent else ""
 
     def take_blocked_calls(self) -> list[str]:
         """Return the services whose calls have been held back since the last time."""
@@ -546,11 +563,15 @@ class RobotGraph(Graph):
                 subscription.traffic.reset_sequences()
         elif is_up and not self._is_up and self._down_since is not None:
             self._report(f"The link to {address} is back after {wall.monotonic() - self._down_since:.1f} s.")
+        was_silent, self._is_silent = self._is_silent, self.link.silent_seconds() > SILENT_SECONDS
+        if self._is_silent and not was_silent:
+            self._report(no_answer(self.link))
         self._is_up = is_up
 
     def _state(self) -> str:
         if self._is_up:
-            return "connected"
+            seconds = self.link.silent_seconds()
+            return f"no answer for {seconds:.0f} s" if self._is_silent else "connected"
         return "no answer yet" if self._down_since is None else "lost"
 
     def _clock_skew(self) -> float | None:

@@ -47,6 +47,8 @@ def is_motion(cdr: bytes, type_name: str) -> bool:
 STALE = 0.5
 # Period of the thread that stops robots [s].
 PERIOD = 0.05
+# Packages whose services a node has by itself, for its parameters, log levels and states.
+PACKAGES_OF_NODE_SERVICES = ("rcl_interfaces", "type_description_interfaces", "lifecycle_msgs")
 # Limit on calls that are kept for an error message.
 MAX_CALLS = 100
 # Time after which Zenoh notices that a link is dead [s].
@@ -89,12 +91,17 @@ class Permissions:
 
 
 class BlockedTraffic:
-    """Counts the messages and calls that were not allowed, and reports each name once."""
+    """Counts the messages and calls that were not allowed, and reports each name once.
+
+    It also reports services and actions that are not offered to the robot.
+    """
 
     def __init__(self, report: Report, *, notebook: bool = False) -> None:
         self.counts = Counter[str]()
         # Services of the last calls.
         self.calls: list[str] = []
+        # Services and actions of the kit that are not offered.
+        self._not_offered = set[str]()
         self._report, self._notebook = report, notebook
 
     def add(self, name: str, option: str) -> None:
@@ -110,11 +117,20 @@ class BlockedTraffic:
         self.counts[name] += 1
         if self.counts[name] == 1:
             what = "Messages on" if option == "--send" else "Calls of"
-            python = f' or {option[2:]}=["{name}"]' if self._notebook else ""
-            self._report(
-                f"{what} {name} are held back: the link only listens. To let them out, connect "
-                f"with {option} {name}{python}"
-            )
+            self._report_rule(f"{what} {name} are held back", "let them out", name, option)
+
+    def add_service(self, name: str, type_name: str) -> None:
+        """Report a service of the kit that the robot cannot call."""
+        if type_name.split("/")[0] in PACKAGES_OF_NODE_SERVICES:
+            return
+        kind, name = "action" if "/_action/" in name else "service", name.split("/_action/")[0]
+        if name not in self._not_offered:
+            self._not_offered.add(name)
+            self._report_rule(f"The {kind} {name} is not offered to the robot", "offer it", name, "--call")
+
+    def _report_rule(self, what: str, purpose: str, name: str, option: str) -> None:
+        python = f' or {option[2:]}=["{name}"]' if self._notebook else ""
+        self._report(f"{what}: the link only listens. To {purpose}, connect with {option} {name}{python}")
 
 
 class StopCommand:

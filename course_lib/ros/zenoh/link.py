@@ -164,6 +164,10 @@ class ZenohLink:
         """Return whether the router is connected now. Zenoh reconnects automatically."""
         return self.is_open and bool(self._session.info.routers_zid())
 
+    def silent_seconds(self) -> float:
+        """Return 0, because Zenoh closes a session whose router no longer answers."""
+        return 0.0
+
     def close(self) -> None:
         """Close the session. Further calls have no effect."""
         if self.is_open:

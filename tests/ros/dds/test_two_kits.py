@@ -2,6 +2,7 @@
 
 import os
 import random
+import re
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
@@ -11,12 +12,16 @@ import pytest
 from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
+from course_lib.displays.viewer import Viewer
 from course_lib.errors import CourseError
+from course_lib.ros.dds import participant
 from course_lib.ros.dds.endpoints import FRAGMENT_SIZE, Writer
 from course_lib.ros.dds.names import CDR_LE
 from course_lib.ros.dds.wire import Buffer, Locator
+from course_lib.ros.graph.graph import use_graph
 from course_lib.ros.graph.topics import Qos, Sample
 from course_lib.ros.messages import deserialize, serialize
+from course_lib.ros.robot import robot_graph
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.time import wall
 from tests.patience import PATIENCE
@@ -249,6 +254,37 @@ def test_restarted_robot_is_discovered_again(kits: DdsKits) -> None:
         kits.until(partial(ends_with, received, name), name)
         kits.leave(robot)
         kits.until(lambda: "/name" not in topics(student, "pub"), "the end of the robot")
+
+
+def robot_errors(viewer: Viewer) -> list[str]:
+    return [row.text for row in viewer.statuses() if (row.name, row.level) == ("Robot", "error")]
+
+
+def test_robot_that_stops_answering_is_reported_and_shown_in_the_view(
+    kits: DdsKits, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # An idle participant sends nothing by itself in the meantime.
+    monkeypatch.setattr(participant, "ANNOUNCE_SECONDS", 60.0)
+    monkeypatch.setattr(participant, "ASK_SECONDS", 0.2)
+    monkeypatch.setattr(robot_graph, "SILENT_SECONDS", 1.5)
+    student, robot = kits.join(), kits.join(send="/chatter")
+    with use_graph(student):
+        viewer = Viewer()
+        talker(robot, "/chatter")
+        kits.until(lambda: "/chatter" in topics(student, "pub"), "the robot")
+        quiet_until = wall.monotonic() + 3.0
+        kits.until(lambda: wall.monotonic() > quiet_until, "the time of an idle robot")
+        assert (robot_errors(viewer), kits.lines) == ([], [])
+        send = dds_link(robot).participant.send
+        monkeypatch.setattr(dds_link(robot).participant, "send", lambda *_: None)
+        kits.until(lambda: robot_errors(viewer), "the error in the view")
+        silent = re.compile(rf"{kits.address} has not answered for \d s\.")
+        assert silent.fullmatch(robot_errors(viewer)[0])
+        assert any(silent.fullmatch(line) for line in kits.lines)
+        assert "no answer for" in str(student.link_report()[0][1])
+        monkeypatch.setattr(dds_link(robot).participant, "send", send)
+        kits.until(lambda: not robot_errors(viewer), "the end of the error")
+        viewer.close()
 
 
 @pytest.mark.slow

@@ -69,8 +69,10 @@ def test_link_reconnects_after_every_router_restart(routers: Routers) -> None:
     connect(kits, robot, out, heard, String())
     kits.until(lambda: early, "the latched message")
     for _ in range(RESTARTS):
+        assert student.link_error() == ""
         routers.kill()
         kits.until(lambda: sum("is lost" in line for line in kits.lines) == 2, "both lines on the loss")
+        assert "is lost" in student.link_error()
         kits.until(lambda: not student.link_report()[2][1], "the end of the robot's nodes")
         routers.start()
         kits.until(

@@ -230,6 +230,22 @@ def test_blocked_parts_of_an_action_name_the_option_that_allows_the_action() -> 
     assert allowed.is_topic_allowed("/arm/fib/_action/status")
 
 
+def test_services_that_are_not_offered_are_reported_once_except_those_of_every_node() -> None:
+    lines: list[str] = []
+    blocked = BlockedTraffic(lines.append, notebook=True)
+    for _ in range(2):
+        blocked.add_service("/reset", "std_srvs/srv/Trigger")
+        blocked.add_service("/arm/fib/_action/send_goal", "example_interfaces/action/Fibonacci_SendGoal")
+        blocked.add_service("/arm/fib/_action/get_result", "example_interfaces/action/Fibonacci_GetResult")
+        blocked.add_service("/arm/set_parameters", "rcl_interfaces/srv/SetParameters")
+    assert lines == [
+        "The service /reset is not offered to the robot: the link only listens. "
+        'To offer it, connect with --call /reset or call=["/reset"]',
+        "The action /arm/fib is not offered to the robot: the link only listens. "
+        'To offer it, connect with --call /arm/fib or call=["/arm/fib"]',
+    ]
+
+
 def test_service_calls_that_are_not_allowed_are_not_forwarded(kits: Kits) -> None:
     robot, student = kits.join(call="/reset"), kits.join()
     asked = serve(robot, "/reset")
@@ -251,6 +267,10 @@ def test_service_is_not_offered_unless_it_is_allowed(kits: Kits) -> None:
     serve(student, "/other")
     kits.until(lambda: any(e.is_service for e in robot.endpoints()), "the service")
     assert {e.service for e in robot.endpoints() if e.is_service} == {("/other", "std_srvs/srv/Trigger")}
+    assert kits.lines == [
+        "The service /reset is not offered to the robot: the link only listens. "
+        "To offer it, connect with --call /reset"
+    ]
 
 
 def test_qos_incompatible_in_dds_is_delivered_and_reported(kits: Kits) -> None:
