@@ -9,6 +9,7 @@ import json
 import os
 import statistics
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -50,9 +51,11 @@ class Frames:
         lesson: The lesson's name.
         cell: Index of the cell.
         turned: Pictures per second while the view is turned.
-        still: Pictures per second while only the nodes change it.
+        still: Pictures per second while only the nodes change it, as a robot that moves alone.
         browser: CPU of the browser while the view is turned, in cores.
-        kernel: CPU of the kernel, in cores.
+        kernel: CPU of the kernel while the view is turned, in cores.
+        browser_still: CPU of the browser while only the nodes change the view, in cores.
+        kernel_still: CPU of the kernel at the same time, in cores.
         load: The machine's load in the last minute.
     """
 
@@ -62,6 +65,8 @@ class Frames:
     still: float
     browser: float
     kernel: float
+    browser_still: float
+    kernel_still: float
     load: float
 
 
@@ -78,8 +83,8 @@ def main() -> None:
     for row in measured(options.only, options.cells, options.profile):
         counted.append(row)
         print(
-            f"| {row.lesson} | {row.cell} | {row.turned:.1f} | {row.still:.1f} | {row.browser:.2f} "
-            f"| {row.kernel:.2f} | {row.load:.1f} |",
+            f"| {row.lesson} | {row.cell} | {row.turned:.1f} | {row.browser:.2f} | {row.kernel:.2f} "
+            f"| {row.still:.1f} | {row.browser_still:.2f} | {row.kernel_still:.2f} | {row.load:.1f} |",
             flush=True,
         )
     for lesson in sorted({row.lesson for row in counted}):
@@ -140,27 +145,33 @@ def views(notebook: Notebook, lesson: str, cells: list[int] | None, profile: Pat
 def frames(notebook: Notebook, view: Locator, lesson: str, cell: int, profile: Path | None) -> Frames:
     """Count the frames of a view at rest and while it is turned."""
     page = notebook.page
-    page.wait_for_timeout(1000)
-    still = rate(page, SECONDS / 2)
+    page.wait_for_timeout(1000 * WARM)
+    still, used_still = count(page, profile and profile / f"{lesson}_{cell}_still")
     view.evaluate(TURN)
-    page.wait_for_timeout(WARM * 1000)
+    page.wait_for_timeout(1000 * WARM)
+    turned, used = count(page, profile and profile / f"{lesson}_{cell}")
+    view.evaluate("canvas => { canvas.rests = true; }")
+    rates = (turned, still, used["browser"], used["kernel"], used_still["browser"], used_still["kernel"])
+    return Frames(lesson, cell, *rates, os.getloadavg()[0])
+
+
+def count(page: Page, profile: Path | None) -> tuple[float, dict[str, float]]:
+    """Count the pictures per second of a page, and the CPU of the browser and the kernels, in cores."""
     session: Any = None
     if profile:
         session = page.context.new_cdp_session(page)
         session.send("Profiler.enable")
         session.send("Profiler.start")
     me = psutil.Process()
-    before = cpu(me)
-    turned = rate(page, SECONDS)
-    after = cpu(me)
+    before, start = cpu(me), time.perf_counter()
+    pictures = rate(page, SECONDS)
+    after, seconds = cpu(me), time.perf_counter() - start
     if profile:
-        profile.mkdir(exist_ok=True)
+        profile.parent.mkdir(exist_ok=True)
         taken = session.send("Profiler.stop")["profile"]
-        (profile / f"{lesson}_{cell}.cpuprofile").write_text(json.dumps(taken))
-        page.screenshot(path=profile / f"{lesson}_{cell}.png")
-    view.evaluate("canvas => { canvas.rests = true; }")
-    used = {name: (after[name] - before[name]) / SECONDS for name in after}
-    return Frames(lesson, cell, turned, still, used["browser"], used["kernel"], os.getloadavg()[0])
+        profile.with_suffix(".cpuprofile").write_text(json.dumps(taken))
+        page.screenshot(path=profile.with_suffix(".png"))
+    return pictures, {name: (after[name] - before[name]) / seconds for name in after}
 
 
 def rate(page: Page, seconds: float) -> float:

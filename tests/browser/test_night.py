@@ -36,6 +36,8 @@ cube.color.b = cube.color.a = 1.0""",
     "class Nothing(Node):\n    pass\ncheck('week01.red_cube', Nothing)",
     "live = run_live(Node('idler'))",
     "cube.color.r, cube.color.b = 1.0, 0.0\npublisher.publish(cube)\nspin_for(0.5)",
+    *["# JupyterLab draws no cell far out of sight." + "\n" * 30] * 70,
+    "print('far below')\nquiz('week01_recall')",
 )
 RED_PIXELS = """image => {
     const canvas = document.createElement("canvas");
@@ -125,6 +127,12 @@ def test_continue_button_runs_the_required_cells_and_the_view_is_live_again(reop
     assert reopened.errors() == []
 
 
+def test_cells_that_were_out_of_sight_have_a_continue_button_after_reopening(reopened: Notebook) -> None:
+    cell = reopened.cell("far below")
+    saved(cell)
+    expect(cell.get_by_role("button", name="Continue here")).to_be_visible()
+
+
 def test_static_page_shows_image_and_answers(reopened: Notebook) -> None:
     from nbconvert import HTMLExporter
 
@@ -141,3 +149,21 @@ def test_static_page_shows_image_and_answers(reopened: Notebook) -> None:
     if PICTURES:
         page.screenshot(path=Path(PICTURES) / "night_static.png", full_page=True)
     page.close()
+
+
+def test_open_page_reports_the_end_of_its_kernel_and_the_continue_button_starts_another(
+    reopened: Notebook,
+) -> None:
+    cell = reopened.cell("predict(")
+    cell.get_by_role("button", name="Continue here").click()
+    expect(cell.locator("input[type=radio]").first).to_be_visible()
+    reopened.wait_idle()
+    reopened.page.evaluate("jupyterapp.serviceManager.sessions.shutdownAll()")
+    cell = reopened.cell("predict(")
+    expect(cell.get_by_text("The kernel has ended.")).to_be_visible()
+    picture(reopened, "night_ended")
+    cell.get_by_role("button", name="Continue here").click()
+    reopened.wait_idle()
+    expect(cell.locator(".course-saved")).to_have_count(0)
+    expect(cell.locator("input[type=radio]").first).to_be_visible()
+    assert reopened.errors() == []

@@ -11,6 +11,9 @@
   const CONTINUE = "Continue here";
   const CONTINUE_TITLE = "Run what this cell needs, then the cell itself";
   const LINE = "As it was when the notebook was saved.";
+  const ENDED = "The kernel has ended.";
+  const OVER = ["dead", "terminating", "restarting", "autorestarting"]; // statuses of a kernel that has ended
+  const INSERTING = 2000; // [ms] that JupyterLab may take to insert an output into its cell
   const COLUMNS = 88; // of code that stay readable beside a view
   const SHARE = 0.6; // of the notebook, where a view is beside it
   const LEAST = 420; // [px] width of a view beside the notebook
@@ -25,10 +28,24 @@
     return entry && (await entry.get())();
   }
 
-  /** Return the code cell that an output belongs to, or null. */
-  function cellOf(widget) {
-    while (widget && widget.model?.type !== "code") widget = widget.parent;
-    return widget;
+  /** Return the code cell that an output belongs to, or undefined. */
+  function cellOf(tracker, widget) {
+    let area = widget;
+    for (; widget; widget = widget.parent) {
+      if (widget.model?.type === "code") return widget;
+      area = widget;
+    }
+    // JupyterLab renders the outputs of cells that were never in sight, and inserts them when the reader scrolls there.
+    const panel = tracker.find(({ content }) => content.widgets.some((cell) => cell.outputArea === area));
+    return panel?.content.widgets.find((cell) => cell.outputArea === area);
+  }
+
+  /** Return the code cell of an output, which JupyterLab may insert after it has rendered it, or undefined outside cells. */
+  async function waitForCell(tracker, widget) {
+    const until = performance.now() + INSERTING;
+    while (!widget.isDisposed && !cellOf(tracker, widget) && performance.now() < until)
+      await new Promise((done) => setTimeout(done, 50)); // [ms]
+    return cellOf(tracker, widget);
   }
 
   /** Run what a cell needs, then the cell; `say` shows what went wrong. */
@@ -36,7 +53,12 @@
     const panel = tracker.find((one) => one.content.widgets.includes(cell));
     if (!panel) return;
     await panel.context.save(); // the kernel reads the cells from the file
-    const kernel = panel.sessionContext.session?.kernel;
+    const context = panel.sessionContext;
+    if (!context.session?.kernel) {
+      say("Starting a kernel …");
+      await context.startKernel(); // it was culled, or shut down by hand
+    }
+    const kernel = context.session?.kernel;
     if (!kernel) return say("Choose a kernel first: menu Kernel, Change Kernel.");
     say("Running what this cell needs …");
     const code = "%load_ext course_lib\nfrom course_lib import resume\nresume()";
@@ -64,31 +86,36 @@
       await saved.renderModel(model);
       parts.push(saved.node);
     }
+    const cell = await waitForCell(tracker, renderer);
     if (renderer.isDisposed || renderer.widgets.length) return;
     renderer.node.replaceChildren(); // before looking for a line: this may be the second time
-    const cell = cellOf(renderer);
-    // One line for all widgets of a cell.
-    if (!cell?.node.querySelector(".course-saved")) {
-      const words = document.createElement("span");
-      words.textContent = isEmpty ? NOTHING : LINE;
-      const line = document.createElement("div");
-      line.className = "course-saved";
-      line.append(words);
-      if (cell && tracker) {
-        const button = document.createElement("button");
-        button.className = "jp-mod-styled jp-mod-minimal";
-        Object.assign(button, { type: "button", title: CONTINUE_TITLE, textContent: `▶ ${CONTINUE}` });
-        button.onclick = () => continueAt(app, tracker, cell, (text) => (words.textContent = text));
-        line.append(" ", button);
-      }
-      parts.push(line);
-    }
+    parts.push(...lineFor(app, tracker, cell, isEmpty ? NOTHING : LINE));
     renderer.show();
     renderer.node.replaceChildren(...parts);
   }
 
-  /** Have all widgets' outputs fall back to what was saved. */
+  /** Return a line that says how to go on, with a button, unless another widget of the cell has one. */
+  function lineFor(app, tracker, cell, text) {
+    if (cell?.node.querySelector(".course-saved")) return [];
+    const words = document.createElement("span");
+    words.textContent = text;
+    const line = document.createElement("div");
+    line.className = "course-saved";
+    line.append(words);
+    if (cell) {
+      const button = document.createElement("button");
+      button.className = "jp-mod-styled jp-mod-minimal";
+      Object.assign(button, { type: "button", title: CONTINUE_TITLE, textContent: `▶ ${CONTINUE}` });
+      button.onclick = () => continueAt(app, tracker, cell, (text) => (words.textContent = text));
+      line.append(" ", button);
+    }
+    return [line];
+  }
+
+  /** Have all widgets' outputs fall back to what was saved, and say below them that their kernel has ended. */
   function keep(app, rendermime, tracker) {
+    /** Outputs of widgets. */
+    const renderers = new Set();
     const sample = rendermime.createRenderer(WIDGET);
     const prototype = Object.getPrototypeOf(sample);
     sample.dispose();
@@ -98,6 +125,8 @@
       // The widget is there already: only what is saved beside it has changed.
       if (id && this.courseShows === id && this.widgets.length) return;
       this.courseShows = id;
+      if (!renderers.has(this)) this.disposed.connect(() => renderers.delete(this));
+      renderers.add(this);
       const showUnlessThere = () => {
         if (!this.isDisposed && !this.widgets.length) showSaved(app, tracker, rendermime, this, model);
       };
@@ -105,6 +134,14 @@
       await render.call(this, model);
       clearTimeout(late);
       showUnlessThere();
+    };
+    return (notebook) => {
+      if (notebook.isDisposed) return;
+      for (const renderer of renderers) {
+        const cell = cellOf(tracker, renderer);
+        const isOfNotebook = cell && notebook.content.widgets.includes(cell);
+        if (isOfNotebook && renderer.widgets.length) renderer.node.append(...lineFor(app, tracker, cell, ENDED));
+      }
     };
   }
 
@@ -188,10 +225,15 @@
       autoStart: true,
       requires: [IRenderMimeRegistry, INotebookTracker, base.IJupyterWidgetRegistry],
       activate: (app, rendermime, tracker) => {
-        keep(app, rendermime, tracker);
+        const sayEnded = keep(app, rendermime, tracker);
         arrangePanels(app, tracker);
-        const watch = (panel) =>
+        const watch = (panel) => {
           panel.context.saveState.connect((_, state) => state === "started" && savePictures(panel));
+          const { sessionContext } = panel;
+          sessionContext.statusChanged.connect((_, status) => OVER.includes(status) && sayEnded(panel));
+          // A hub that culls an idle kernel ends its session, too.
+          sessionContext.sessionChanged.connect((_, { newValue }) => newValue || sayEnded(panel));
+        };
         tracker.forEach(watch);
         tracker.widgetAdded.connect((_, panel) => watch(panel));
       },
