@@ -6,7 +6,7 @@ Meshes from files are converted once to the arrays that are drawn.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from io import BytesIO
 from math import pi, tan
 from pathlib import Path
@@ -190,6 +190,13 @@ class Mesh:
         self.colors = rgba(colors, count)
         self.normals = None if normals is None else float_array("normals", normals, (count, 3))
         self.lit = lit
+
+    @cached_property
+    def corners(self) -> Floats:
+        """Lowest and highest corner of the bounding box, shape (2, 3), or (0, 3) without vertices."""
+        if not len(self.vertices):
+            return np.empty((0, 3))
+        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]).astype(float)
 
 
 class Lines:

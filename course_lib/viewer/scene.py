@@ -283,7 +283,8 @@ def _middle(scene: Scene, path: str, thing: Drawable) -> str:
     if isinstance(thing, Solids):
         points = thing.placements[:, :3, 3]
     elif isinstance(thing, Mesh):
-        points = thing.vertices
+        # Robots have 100,000 vertices, and panels are updated while they move.
+        points = thing.corners
     elif isinstance(thing, Sheet):
         rows, columns = thing.cells.shape
         points = np.array([(0, 0, 0), (columns * thing.width, rows * thing.width, 0)])

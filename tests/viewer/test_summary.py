@@ -34,6 +34,21 @@ def test_each_kind_of_drawable_is_listed_with_its_count_and_position() -> None:
     ]
 
 
+def test_position_of_a_turned_mesh_is_the_center_of_its_own_box() -> None:
+    scene = Scene()
+    half = np.sqrt(0.5)
+    turn = np.array([(half, -half, 0, 0), (half, half, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)])
+    scene.set_transform("skin", turn)
+    scene.set_object("skin", Mesh([(0, 0, 0), (2, 0, 0), (0, 4, 0)], None, WHITE))
+    assert summary(scene) == ["skin: 1 triangle at (-0.71, 2.12, 0)"]
+
+
+def test_mesh_without_vertices_has_no_position() -> None:
+    scene = Scene()
+    scene.set_object("skin", Mesh(np.zeros((0, 3)), None, WHITE))
+    assert summary(scene) == ["skin: 0 triangles at nowhere"]
+
+
 def test_hidden_objects_are_omitted_from_the_summary() -> None:
     scene = Scene()
     scene.set_object("box", Solids("box", [np.eye(4)], WHITE))
