@@ -14,7 +14,6 @@ from course_lib.ros.graph.graph import EndpointInfo, NodeInfo
 from course_lib.ros.graph.topics import CLOCK, Qos, read_tick
 from course_lib.ros.messages import RosMessage, message_class, type_name
 from course_lib.ros.messages.conversions import Style, to_csv, to_yaml
-from course_lib.ros.messages.hashes import is_known, type_hash
 from course_lib.ros.time.interrupts import until_interrupted
 from course_lib.tools.sources import NODE_NAME, Listening, Source, TimedSample, own_node
 from course_lib.tools.verb import (
@@ -264,7 +263,7 @@ def describe(endpoint: EndpointInfo, node: NodeInfo, kind: str) -> str:
     profile = "\n".join(f"  {name}: {setting}" for name, setting in policies.items())
     return (
         f"Node name: {node.name}\nNode namespace: {node.namespace}\nTopic type: {endpoint.type_name}\n"
-        f"Topic type hash: {type_hash(endpoint.type_name) if is_known(endpoint.type_name) else 'INVALID'}\n"
+        f"Topic type hash: {endpoint.type_hash() or 'INVALID'}\n"
         f"Endpoint type: {kind}\nGID: {gid}\nQoS profile:\n{profile}"
     )
 

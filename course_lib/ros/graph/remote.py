@@ -406,7 +406,8 @@ class GraphServer:
 
 
 def _endpoint_row(info: EndpointInfo) -> tuple[Any, ...]:
-    return info.id, info.kind, info.node, info.topic, info.type_name, info.qos.row(), info.remote_gid
+    own = (info.id, info.kind, info.node, info.topic, info.type_name, info.qos.row())
+    return *own, info.remote_gid, info.remote_type_hash
 
 
 def _qos(values: list[Any]) -> Qos:
@@ -559,6 +560,6 @@ class RemoteGraph(Graph):
         self._channel.send(frame)
         rows = self._channel.receive()[1]
         return [
-            EndpointInfo(number, kind, node, topic, type_name, Qos(*qos), gid)
-            for number, kind, node, topic, type_name, qos, gid in rows
+            EndpointInfo(number, kind, node, topic, type_name, Qos(*qos), *remote)
+            for number, kind, node, topic, type_name, qos, *remote in rows
         ]

@@ -1,11 +1,13 @@
 """The publishers and subscriptions of a run, their QoS, and their matching by topic, type and QoS."""
 
+import re
 import struct
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeVar
 
+TYPE_HASH = re.compile(r"RIHS01_[0-9a-f]{64}")
 _INFINITE = 2**63 - 1  # [ns]
 
 
@@ -108,13 +110,23 @@ class EndpointInfo:
     topic: str
     type_name: str
     qos: Qos
-    # GID of an endpoint of a robot.
+    # GID and type hash of an endpoint of a robot, as discovery transmits them.
     remote_gid: bytes = b""
+    remote_type_hash: str = ""
 
     @property
     def gid(self) -> bytes:
         """The GID, 16 bytes. An endpoint of the kit has its id."""
         return self.remote_gid or self.id.to_bytes(16, "big")
+
+    def type_hash(self) -> str | None:
+        """Return the hash of the type, or None if the robot transmits none or the type is unknown here."""
+        # Imported late, because computing hashes loads all type definitions.
+        from course_lib.ros.messages.hashes import is_known, type_hash
+
+        if self.remote_gid:
+            return self.remote_type_hash if TYPE_HASH.fullmatch(self.remote_type_hash) else None
+        return type_hash(self.type_name) if is_known(self.type_name) else None
 
     @property
     def service(self) -> tuple[str, str] | None:

@@ -145,7 +145,7 @@ class RemoteEntities:
         elif entity.key not in self._endpoints:
             endpoint = self._endpoints[entity.key] = self._add(entity, self._node_of(entity))
             own = self._topics.publishers.get(endpoint) or self._topics.subscriptions[endpoint]
-            own.info = replace(own.info, remote_gid=entity.gid)
+            own.info = replace(own.info, remote_gid=entity.gid, remote_type_hash=entity.type_hash)
             self._on_added(entity)
 
     def publisher(self, gid: bytes) -> Publisher | None:

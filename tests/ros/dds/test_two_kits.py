@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import pytest
+from rclpy.impl.graph_queries import describe
 from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
@@ -418,6 +419,10 @@ def test_topic_with_another_definition_of_its_type_is_reported(
     kits.until(lambda: kits.lines, "a line about the type")
     (line,) = kits.lines
     assert line.startswith(f"The robot has another definition of {STRING} than this kit, so /pose ")
+    # `ros2 topic info -v` shows the robot's hash, as on the robot.
+    (info,) = student.endpoints_on("/pose")
+    assert info.type_hash() == entity.type_hash
+    assert str(describe(info, student.nodes()).topic_type_hash) == entity.type_hash
     assert student.link.is_open
 
 

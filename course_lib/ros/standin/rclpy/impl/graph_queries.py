@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from enum import IntEnum
 from typing import Any, Literal
 
-from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import EndpointInfo, NodeInfo
 from course_lib.ros.graph.topics import Qos
 from rclpy.duration import Duration, Infinite
@@ -127,22 +126,18 @@ def describe(info: EndpointInfo, nodes: Iterable[NodeInfo]) -> TopicEndpointInfo
         node_name=node.name,
         node_namespace=node.namespace,
         topic_type=info.type_name,
-        topic_type_hash=_hash_of(info.type_name),
+        topic_type_hash=_parse_hash(info.type_hash()),
         endpoint_type=kind,
         endpoint_gid=list(info.gid),
         qos_profile=profile,
     )
 
 
-def _hash_of(type_name: str) -> TypeHash:
-    """Return the hash of a type, or an invalid hash if the type is unknown here."""
-    # Imported late: few programs need hashes, and computing them loads all type definitions.
-    from course_lib.ros.messages.hashes import type_hash
-
-    try:
-        version, _, value = type_hash(type_name).removeprefix("RIHS").partition("_")
-    except CourseError:
+def _parse_hash(text: str | None) -> TypeHash:
+    """Return the hash in a text like `RIHS01_…`, or an invalid hash for None."""
+    if text is None:
         return TypeHash()
+    version, _, value = text.removeprefix("RIHS").partition("_")
     return TypeHash(int(version), bytes.fromhex(value))
 
 
