@@ -92,6 +92,15 @@ def test_only_changed_rows_are_sent(page: Page, viewer: Viewer, monkeypatch: pyt
     assert (posted[-1]["changed"], list(posted[-1]["rows"])) == ({}, ["displays/Grid#Alpha"])
 
 
+def test_rows_are_made_without_a_search_for_similar_names(
+    page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.displays.properties.nearest", lambda name, *_: pytest.fail(name))
+    viewer.add("Axes")
+    page.desk.post()
+    assert "Axes" in [row["label"] for row in page.rows()]
+
+
 def test_marker_namespace_has_a_check_box(page: Page, viewer: Viewer) -> None:
     page.ask(act="SetValue", row="displays/Marker#Namespaces#n", value=False)
     assert viewer["Marker"]["Namespaces"] == {"n": False}

@@ -228,7 +228,8 @@ def _editor(prop: Property, holder: PropertyHolder) -> Editor:
     if isinstance(prop.convert, Limited):
         low, high = (limit if isfinite(limit) else None for limit in (prop.convert.low, prop.convert.high))
         return Editor(prop.convert.editor, low, high, tuple(prop.convert.options))
-    type_name = getattr(holder, "type_name", None)
+    # Of the class: an object looks for a similar name of an attribute that it lacks, which is slow.
+    type_name = getattr(type(holder), "type_name", None)
     if prop.path[-1].endswith("Topic") and type_name:
         return Editor("topic", type=type_name)
     return Editor(next((kind for convert, kind in _EDITORS if convert is prop.convert), "text"))
