@@ -88,6 +88,9 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]], label: str) -> st
 
 # Wall-clock interval between pictures [s].
 PERIOD = 0.25
+# The interval is at least this multiple of the time that a picture takes, so that many views on a
+# slow machine leave time for nodes and cells.
+LEAST_FACTOR = 10
 
 
 class RqtView:
@@ -117,8 +120,8 @@ class RqtView:
         self.notice = HTML()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._refresh_timer: asyncio.TimerHandle | None = None
-        # Wall-clock time of the last picture [s].
-        self._drawn = 0.0
+        # Wall-clock time from which the next picture is drawn [s].
+        self._due = 0.0
         # Whether a control changes because its options were replaced, not because the user chose
         # one.
         self._is_updating_options = False
@@ -287,11 +290,11 @@ class RqtView:
         self._tick()
 
     def _tick(self) -> None:
-        """Draw at most once per PERIOD. The last change is drawn later if no other follows."""
+        """Draw the first change that is due. The last change is drawn later if no other follows."""
         # Without a page, `static` draws once.
         if self._loop is None:
             return
-        left = self._drawn + PERIOD - wall.monotonic()
+        left = self._due - wall.monotonic()
         if left <= 0:
             self._draw()
         elif self._refresh_timer is None:
@@ -300,8 +303,10 @@ class RqtView:
     def _draw(self) -> None:
         if self._refresh_timer is not None:
             self._refresh_timer.cancel()
-        self._refresh_timer, self._drawn = None, wall.monotonic()
+        start = wall.monotonic()
+        self._refresh_timer, self._due = None, start + PERIOD
         if self._stops:
             # Events of a page are not part of the program, so they must not wait for its clock.
             with time_lock.as_ordinary_thread():
                 self._act(self.refresh)
+            self._due = start + max(PERIOD, LEAST_FACTOR * (wall.monotonic() - start))

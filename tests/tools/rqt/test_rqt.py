@@ -1,5 +1,6 @@
 import asyncio
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +13,7 @@ from course_lib.ros.graph.graph import Graph
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import serialize
 from course_lib.tools.rqt.rqt import VIEWS, OpenViews, rqt
+from course_lib.tools.rqt.view import RqtView
 
 Show = Callable[..., str]
 
@@ -132,6 +134,38 @@ def test_controls_have_descriptions_and_close_ends_the_subscription(
     assert len(graph._taps) == taps + 1
     view.close()
     assert len(graph._taps) == taps
+
+
+def test_view_spends_at_most_a_tenth_of_the_time_on_its_pictures(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now, starts = 0.0, list[float]()  # [s]
+    monkeypatch.setattr("course_lib.ros.time.wall.monotonic", lambda: now)
+
+    class SlowView(RqtView):
+        name, title = "slow", "Slow"
+
+        def picture(self) -> str:
+            nonlocal now
+            starts.append(now)
+            now += 0.1
+            return ""
+
+    view = SlowView(graph, [])
+    endpoint = graph.add_publisher(graph.add_node("other", "/"), "/fast", "std_msgs/msg/Bool", Qos())
+
+    async def follow() -> None:
+        nonlocal now
+        view.widget()
+        starts.clear()
+        for _ in range(60):
+            graph.publish(endpoint, serialize(Bool()))
+            now += 0.05
+        view.close()
+
+    asyncio.run(follow())
+    assert len(starts) >= 3
+    assert min(later - earlier for earlier, later in pairwise(starts)) >= 1.0
 
 
 def test_rerun_cell_closes_its_previous_view(
