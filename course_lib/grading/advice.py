@@ -320,6 +320,8 @@ def _plain_strings(function: _Function) -> Iterator[str]:
 MAX_PLACES = 3
 BETTER = "Better: this is worth more points than before."
 _SNIPPET = re.compile(r"`([^`]+)`")
+# Messages that RViz2 displays with its default Reliable, and that sensors do not publish.
+RELIABLE_TYPES = ("visualization_msgs/msg/", "nav_msgs/msg/", "geometry_msgs/msg/", "vision_msgs/msg/")
 SILENT = "nothing was published on an expected topic"
 AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
@@ -566,6 +568,21 @@ def large_message_hint(evidence: Iterable[Evidence]) -> list[str]:
     named = [one.large_message for one in evidence if one.large_message]
     advice = "and each message must be built, sent and checked. Are that many points needed?"
     return [f"This took long: {text}, {advice}" for text in named[:1]]
+
+
+def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:
+    """Return a sentence about a topic that RViz2 would not display, because it is published as Best Effort.
+
+    Images and scans are often best effort, so that tasks with sensors intend it.
+    """
+    for sample in (sample for one in evidence for sample in one.samples):
+        if sample.qos.reliability == "best_effort" and sample.type_name.startswith(RELIABLE_TYPES):
+            return [
+                f"Here the checks accept that {sample.topic} is published with Best Effort. On ROS 2, "
+                "the displays of RViz2 request Reliable and would receive nothing: pass a number like "
+                "10 as the last argument of create_publisher."
+            ]
+    return []
 
 
 def _may_hold_nan(cdr: bytes) -> bool:

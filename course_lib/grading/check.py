@@ -13,6 +13,7 @@ from course_lib.course.state import first_lesson, save_check, student_state
 from course_lib.errors import CourseError
 from course_lib.grading.advice import (
     Advice,
+    best_effort_hint,
     large_message_hint,
     missing_return_hint,
     nan_hint,
@@ -161,7 +162,7 @@ def table_of(
         )
     if task.personal and student is None:
         notes.append(NO_ID.format(first_lesson()))
-    notes += large_message_hint(evidence)
+    notes += [*large_message_hint(evidence), *best_effort_hint(evidence)]
     return Table(result, tuple(notes), printed_lines(one.output for one in evidence))
 
 

@@ -227,6 +227,8 @@ def name_hint(error: NameError) -> str:
     singular = wanted.removesuffix("s")
     if singular != wanted and singular in frame.f_globals and wanted not in _IMPORTS:
         return f"did you mean `{singular}`?"
+    if re.fullmatch(r"week\d\d", wanted):
+        return 'the name of a task is in quotes, as in check("week01.red_cube", RedCubeNode).'
     importable = _importable(frame)
     if wanted in _ROS_1:
         return f"there is no {wanted} in ROS 2: {_ROS_1[wanted]}."
@@ -251,6 +253,8 @@ def _similar_name(wanted: str, frame: FrameType, owner: Sequence[str], importabl
     near = nearest(wanted, [*frame.f_locals, *frame.f_globals])
     if near:
         return f"did you mean `{near}`?"
+    if near := _abbreviated(wanted, frame):
+        return f"did you mean `{near}`?"
     if near := nearest(wanted, owner):
         return f"did you mean `self.{near}`?"
     if near := nearest(wanted, [*vars(builtins), *keyword.kwlist], 0.8):
@@ -264,6 +268,18 @@ def _similar_name(wanted: str, frame: FrameType, owner: Sequence[str], importabl
             f"{wanted} from?"
         )
     return ""
+
+
+def _abbreviated(wanted: str, frame: FrameType) -> str:
+    """Return the only local variable that a name abbreviates or spells out, like msg and message, or ""."""
+
+    def abbreviates(short: str, long: str) -> bool:
+        letters = iter(long)
+        return short[:1] == long[:1] and len(short) < len(long) and all(one in letters for one in short)
+
+    own = [name for name in frame.f_locals if name != "self" and frame.f_code.co_name.isidentifier()]
+    near = [name for name in own if abbreviates(wanted, name) or abbreviates(name, wanted)]
+    return near[0] if len(near) == 1 else ""
 
 
 def _function_that_sets(name: str, code: CodeType) -> str:
@@ -540,6 +556,8 @@ def module_hint(error: ModuleNotFoundError) -> str:
     kind, imported = inner.partition(".")[0], _imported_name(error)
     if kind in ("msg", "srv", "action") and (line := _import_of_interface(imported, package)):
         return f"it is elsewhere: `{line}`."
+    if Path(f"{package}.ipynb").exists():
+        return f"{package} is a notebook, and Python imports files ending in .py: copy the cell to here."
     if inner and package in sys.modules:
         holder, _, last = (error.name or "").rpartition(".")
         folders = map(Path, getattr(sys.modules.get(holder), "__path__", ()))

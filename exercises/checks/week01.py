@@ -29,12 +29,14 @@ LAMPS = (("red", RED, 1.8), ("yellow", YELLOW, 1.3), ("green", GREEN, 0.8))  # c
 SQUARE = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0))  # [m]
 
 
-def steady(*content: Check, hz: float) -> tuple[Check, ...]:
+def steady(*content: Check, hz: float, by_marker: bool = False) -> tuple[Check, ...]:
     """Return checks of content for the whole scenario; the rate [Hz], stamps and frame are formal."""
     always = expect_throughout(TOPIC, hz=hz).titled("published the whole time").worth(0)
     formal = (
         expect_frame(TOPIC, "map").titled("in the frame map"),
-        expect_rate(TOPIC, hz).titled(f"{hz:g} times a second" if hz > 1 else "once a second"),
+        expect_rate(TOPIC, hz, by_marker=by_marker).titled(
+            f"{hz:g} times a second" if hz > 1 else "once a second"
+        ),
         expect_stamps(TOPIC).titled("stamped with the time of publishing"),
     )
     return (always, *with_formal([check.requiring(always) for check in content], *formal))
@@ -128,6 +130,7 @@ TRAFFIC_LIGHT = Task(
                     for name, color, height in LAMPS
                 ),
                 hz=1.0,
+                by_marker=True,
             ),
         ),
     ),

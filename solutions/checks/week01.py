@@ -22,10 +22,12 @@ LAMPS = (((1.0, 0.0, 0.0, 1.0), 1.8), ((1.0, 1.0, 0.0, 1.0), 1.3), ((0.0, 1.0, 0
 SQUARE = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0))  # [m]
 
 
-def longer(*content: Check, hz: float, seconds: float, seed: int) -> tuple[Scenario, ...]:
+def longer(
+    *content: Check, hz: float, seconds: float, seed: int, by_marker: bool = False
+) -> tuple[Scenario, ...]:
     """Return a longer run with another seed. The requirements must hold to its end."""
     always = expect_throughout(TOPIC, hz=hz).worth(0)
-    formal = (expect_frame(TOPIC, "map"), expect_rate(TOPIC, hz), expect_stamps(TOPIC))
+    formal = (expect_frame(TOPIC, "map"), expect_rate(TOPIC, hz, by_marker=by_marker), expect_stamps(TOPIC))
     checks = with_formal([check.requiring(always) for check in content], *formal)
     return (Scenario("longer", seconds=seconds, seed=seed, checks=(always, *checks)),)
 
@@ -61,6 +63,7 @@ HIDDEN = {
             for color, height in LAMPS
         ),
         hz=1.0,
+        by_marker=True,
         seconds=10.0,  # [s]
         seed=13,
     ),

@@ -8,10 +8,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import Any
 
 import pytest
 import rclpy
 from geometry_msgs.msg import Point
+from sensor_msgs.msg import Image
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
@@ -21,6 +23,7 @@ from course_lib.grading.advice import (
     AFTER_AN_ERROR,
     Advice,
     Code,
+    best_effort_hint,
     hints_by_mistake,
     large_message_hint,
     nan_hint,
@@ -174,6 +177,26 @@ def test_messages_that_take_most_of_the_check_time_are_reported(evidence: Callab
     assert large_message_hint([evidence((1.0, "/small", small))]) == []
     (said,) = large_message_hint([evidence((1.0, "/small", small), (1.5, "/large", large))])
     assert said.startswith("This took long: a message on /large holds 2 MB")
+
+
+@pytest.mark.parametrize(
+    ("message", "reliability", "is_reported"),
+    [
+        (Marker(), "best_effort", True),
+        (Marker(), "reliable", False),
+        # The task about a camera intends it.
+        (Image(), "best_effort", False),
+    ],
+)
+def test_best_effort_markers_that_rviz2_would_not_display_are_reported(
+    evidence: Callable[..., Evidence], message: Any, reliability: str, is_reported: bool
+) -> None:
+    made = evidence((1.0, "/m", message))
+    samples = tuple(replace(one, qos=replace(one.qos, reliability=reliability)) for one in made.samples)
+    said = best_effort_hint([replace(made, samples=samples)])
+    assert [text[:70] for text in said] == [
+        "Here the checks accept that /m is published with Best Effort. On ROS 2"
+    ] * is_reported
 
 
 def test_nan_is_detected_in_doubles_floats_and_long_lists(evidence: Callable[..., Evidence]) -> None:

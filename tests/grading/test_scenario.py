@@ -182,6 +182,17 @@ def test_process_exit_is_an_error_of_the_student() -> None:
     assert evidence.errors[0].startswith("SystemExit: 3")
 
 
+@pytest.mark.parametrize(
+    ("subject", "error"),
+    [
+        ("CubeNode", "got an object of str, expected a node class: pass CubeNode without quotes"),
+        (lambda: None, "<lambda>() has made no node, expected a class: class <lambda>(Node): …"),
+    ],
+)
+def test_subject_that_makes_no_node_is_explained(subject: Any, error: str) -> None:
+    assert run(subject).errors == (error,)
+
+
 def test_passing_an_instance_instead_of_its_class_is_explained() -> None:
     class Made:
         pass

@@ -188,3 +188,27 @@ def test_stamp_difference_is_reported_in_seconds(evidence: MakeEvidence, cube: M
     )
     assert check.judge(evidence((1, "/cubes", cube(header__stamp__nanosec=520_000_000)))).score == 1
     assert check.judge(evidence((1, "/cubes", cube(header__stamp__nanosec=520_000_001)))).score == 0
+
+
+def lamps(*rows: tuple[float, int]) -> list[tuple[float, str, Any]]:
+    return [(at, "/lamps", Marker(ns="lamp", id=number)) for at, number in rows]
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ([(at, number) for at in (1, 2, 3) for number in (0, 1)], "as expected"),
+        # Two timers of the same period, which do not start together.
+        ([(at + number / 2, number) for at in (0.4, 1.4, 2.4) for number in (0, 1)], "as expected"),
+        # A node that gives each message a new id.
+        ([(1, 0), (2, 1), (3, 2)], "as expected"),
+        (
+            [(1, 0), (2, 1), (3, 0), (4, 1)],
+            "the marker lamp/0 is too slow: 0.50 Hz, expected 1.00 Hz: the markers take turns",
+        ),
+        ([(at / 2, 0) for at in range(1, 9)], "the marker lamp/0 is too fast: 2.00 Hz, expected 1.00 Hz"),
+    ],
+)
+def test_rate_of_each_marker(evidence: MakeEvidence, rows: list[tuple[float, int]], message: str) -> None:
+    check = expect_rate("/lamps", 1.0, by_marker=True)
+    assert check.judge(evidence(*lamps(*rows), seconds=max(at for at, _ in rows))).message == message

@@ -145,3 +145,23 @@ def test_nested_item_is_reported_as_an_index() -> None:
         "[0][1] of a bar is 5.00, expected 2.00: 3.00 too much; "
         "[1]['a'][0] of a bar is 4.00, expected 3.00: 1.00 too much"
     )
+
+
+@pytest.mark.parametrize(
+    ("value", "score"),
+    [
+        ([-1.2, 0.5], 1),
+        ([-1.2 + 2 * np.pi, 0.5], 1),
+        # Beyond the limit of the joint.
+        ([-1.2 - 2 * np.pi, 0.5], 0),
+        ([-1.2, 0.5 - 2 * np.pi], 0),
+        ([True, 0.5], 0),
+        ([-1.2], 0),
+        ([], 0),
+    ],
+)
+def test_joint_angle_may_differ_by_a_full_turn(
+    evidence: MakeEvidence, value: list[float], score: float
+) -> None:
+    check = expect_value([-1.2, 0.5], unit="rad", angles=(0,))
+    assert check.judge(evidence(returns=(plain(value),))).score == score

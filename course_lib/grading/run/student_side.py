@@ -23,7 +23,7 @@ from course_lib.grading.run.outcome import (
 )
 from course_lib.grading.run.submission_run import Instructions, ScenarioGraph
 from course_lib.grading.task import ON_A_GRAPH, Scenario, Task
-from course_lib.ros.graph.graph import START_NS, Graph, use_graph
+from course_lib.ros.graph.graph import START_NS, Graph, current_graph, use_graph
 from course_lib.ros.programs import import_path
 from course_lib.ros.programs.program import seeded
 from course_lib.ros.time import virtual_time
@@ -103,6 +103,7 @@ def run_node(make: Any) -> None:
     from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
     made = _callable(make, "a node class")
+    before = current_graph().nodes()
     # A function such as `main()` usually calls `rclpy.init()` itself.
     code = getattr(make, "__code__", None)
     if not (code is not None and "init" in code.co_names):
@@ -115,6 +116,9 @@ def run_node(make: Any) -> None:
             for node in nodes:
                 executor.add_node(node)
             executor.spin()
+        elif made is None and current_graph().now_ns == START_NS and current_graph().nodes() == before:
+            name = getattr(make, "__name__", "the function")
+            raise CourseError(f"{name}() has made no node, expected a class: class {name}(Node): …")
     except ExternalShutdownException:
         # The student's code called rclpy.shutdown(), which is a regular end.
         pass
@@ -126,6 +130,8 @@ def _callable(subject: Any, expected: str) -> Callable[..., Any]:
     if not callable(subject):
         name = type(subject).__name__
         instead = "" if type(subject).__module__ == "builtins" else f": pass {name} itself, without ()"
+        if isinstance(subject, str) and subject.isidentifier():
+            instead = f": pass {subject} without quotes"
         raise CourseError(f"got an object of {name}, expected {expected}{instead}")
     made: Callable[..., Any] = subject
     return made

@@ -41,7 +41,8 @@ from course_lib.ros.messages import type_name
 from course_lib.ros.programs import import_path
 from course_lib.ros.tf2 import BufferCore, Transform, TransformException
 
-PERIOD_TOLERANCE = 0.05  # relative
+# Relative. With 3 for pi, the period is 4.7 % too long.
+PERIOD_TOLERANCE = 0.02
 LEAST_TURN = math.pi  # [rad] minimum angle for a path to count as a circle
 # [rad]: with larger steps between messages, the direction of rotation is ambiguous.
 LARGEST_STEP = math.pi / 2

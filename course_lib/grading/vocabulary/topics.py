@@ -20,7 +20,7 @@ from course_lib.grading.vocabulary.check_function import (
     received_messages,
     slash_hint,
 )
-from course_lib.grading.vocabulary.markers import ADD, bound_marker
+from course_lib.grading.vocabulary.markers import ADD, bound_marker, iter_markers
 from course_lib.grading.vocabulary.values import compare
 from course_lib.ros.graph.graph import START_NS
 from course_lib.ros.messages import to_plain, type_name
@@ -139,30 +139,49 @@ def expect_rate(
     tolerance: float = 0.1,
     begin: float = 0.0,
     end: float | None = None,
+    by_marker: bool = False,
 ) -> Iterable[Problem]:
     """Expect the rate `hz` [1/s] within the relative `tolerance`, from `begin` to `end` [s].
 
-    Messages with equal times count once.
+    Messages with equal times count once. With `by_marker`, each marker needs this rate, by its ns and
+    id; markers that are published once only count as in a topic without `by_marker`.
     """
     end = evidence.seconds if end is None else end
-    times = sorted(
-        {seconds for seconds, _ in received_messages(evidence, topic) if begin <= seconds <= end}
-    )  # [s]
+    received = received_messages(evidence, topic)
+    times = sorted({seconds for seconds, _ in received if begin <= seconds <= end})  # [s]
     if not times:
         message = f"nothing was published on {topic} from {begin:g} to {end:g} s"
         return [Problem(message, FALLS_SILENT)]
     if len(times) == 1:
         message = f"{topic} was published once in {end - begin:g} s, expected {format_number(hz, 'Hz')}"
         return [Problem(message, "a topic is published only once")]
+    paths: dict[tuple[str, int], set[float]] = {}
+    for seconds, marker in iter_markers(evidence, topic) if by_marker else ():
+        if begin <= seconds <= end and marker.action == ADD:
+            paths.setdefault((marker.ns, marker.id), set()).add(seconds)
+    repeated = {key: sorted(path) for key, path in paths.items() if len(path) > 1}
+    for (ns, number), path in repeated.items():
+        if found := _rate_problems(path, f"the marker {ns}/{number}", hz, tolerance, begin, end):
+            if len(repeated) > 1 and not _rate_problems(times, topic, hz, tolerance, begin, end):
+                text = f"{found[0].message}: the markers take turns"
+                return [Problem(text, "markers take turns")]
+            return found
+    return [] if repeated else _rate_problems(times, topic, hz, tolerance, begin, end)
+
+
+def _rate_problems(
+    times: list[float], noun: str, hz: float, tolerance: float, begin: float, end: float
+) -> list[Problem]:
+    """Return the problems of the rate of sorted times [s], of which there are at least two."""
     rate = (len(times) - 1) / (times[-1] - times[0])  # [1/s]
     if not is_close(rate, hz, tolerance * hz):
         fast = rate > hz
-        message = f"{topic} is too {'fast' if fast else 'slow'}: {format_number(rate, 'Hz')}"
+        message = f"{noun} is too {'fast' if fast else 'slow'}: {format_number(rate, 'Hz')}"
         mistake = f"a topic is published too {'fast' if fast else 'slowly'}"
         return [Problem(f"{message}, expected {format_number(hz, 'Hz')}", mistake)]
     for before, after in pairwise((begin, *times, end)):
         if after - before > LONGEST_GAP / hz + 1e-6:
-            message = f"{topic} is silent from {format_number(before, 's')} to {format_number(after, 's')}"
+            message = f"{noun} is silent from {format_number(before, 's')} to {format_number(after, 's')}"
             return [Problem(message, "a topic falls silent temporarily")]
     return []
 

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from course_lib.errors import format_count
@@ -10,6 +10,7 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.run.outcome import RAISED, plain
 from course_lib.grading.vocabulary.check_function import (
     Problem,
+    are_angles_close,
     check_function,
     describe_offset,
     format_number,
@@ -34,18 +35,25 @@ def expect_value(
     unit: str = "",
     name: str = "the value",
     parts: Sequence[str] = (),
+    angles: Collection[int] = (),
 ) -> Iterable[Problem]:
     """Expect the value `expected`, submitted or returned by the call with the index `call`.
 
     Numbers, strings, and lists or dicts of them can be compared; tuples, lists and arrays with
     equal values are equal. `parts` names the items of a list, ("size", "color"); without names a
-    message has their indices.
+    message has their indices. `angles` are the indices of joint angles [rad] in a list: they are equal
+    if they differ by a full turn, and a joint turns by one turn at most in each direction.
     """
     if call >= len(evidence.returns):
         return [Problem(f"{name} is missing: nothing was returned", "a value is missing")]
     if evidence.returns[call] == RAISED:
         return [Problem(f"{name} is missing: the call raised an exception", "a value is missing")]
     value, right = evidence.returns[call], plain(expected)
+    if isinstance(value, list) and isinstance(right, list) and len(value) == len(right):
+        value = [
+            wanted if index in angles and _is_same_joint_angle(item, wanted, tolerance) else item
+            for index, (item, wanted) in enumerate(zip(value, right, strict=True))
+        ]
     if parts and isinstance(value, list) and len(value) == len(parts):
         named = zip(value, right, parts, strict=True)
         return [
@@ -87,6 +95,13 @@ def expect_length(evidence: Evidence, fewest: int, most: int) -> Iterable[Proble
     if fewest <= count <= most:
         return []
     return [Problem(f"{count} words, expected {fewest} to {most}", "the text has the wrong length")]
+
+
+def _is_same_joint_angle(value: Any, expected: float, tolerance: float) -> bool:
+    """Return whether two angles [rad] put a joint into the same place, within its limits of a turn."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) <= math.tau and are_angles_close(value, expected, tolerance)
 
 
 def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -> Iterator[Problem]:

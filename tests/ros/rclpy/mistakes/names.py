@@ -175,4 +175,19 @@ NAMES = [
         "AttributeError: 'Node' object has no attribute 'spin'",
         "write rclpy.spin(node); in a notebook spin_for(2.0, node).",
     ),
+    (
+        "def f():\n    message = String()\n    m.data = 'a'\nf()",
+        undefined("m"),
+        "did you mean `message`?",
+    ),
+    (
+        "def f():\n    msg = String()\n    message.data = 'a'\nf()",
+        undefined("message"),
+        "did you mean `msg`?",
+    ),
+    (
+        "week01.red_cube",
+        undefined("week01"),
+        'the name of a task is in quotes, as in check("week01.red_cube", RedCubeNode).',
+    ),
 ]
