@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 import rclpy
@@ -189,7 +189,10 @@ def test_messages_that_take_most_of_the_check_time_are_reported(evidence: Callab
     ],
 )
 def test_best_effort_markers_that_rviz2_would_not_display_are_reported(
-    evidence: Callable[..., Evidence], message: Any, reliability: str, is_reported: bool
+    evidence: Callable[..., Evidence],
+    message: Any,
+    reliability: Literal["reliable", "best_effort"],
+    is_reported: bool,
 ) -> None:
     made = evidence((1.0, "/m", message))
     samples = tuple(replace(one, qos=replace(one.qos, reliability=reliability)) for one in made.samples)
