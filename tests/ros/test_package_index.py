@@ -196,6 +196,51 @@ def test_scripts_installed_by_cmake_are_executables(make: Make) -> None:
     assert found.compiled == {"driver"}
 
 
+def test_executables_of_cmake_loops_and_macros_are_found(make: Make) -> None:
+    cmake = """
+macro(add_node name)
+  set(target ${name}_node)
+  add_executable(${target} src/${name}.cpp)
+endmacro()
+function(add_nodes)
+  foreach(one IN LISTS ARGN)
+    add_node(${one})
+  endforeach()
+endfunction()
+Add_Node(camera)
+add_nodes(laser imu)
+foreach(side left right)
+  foreach(part hand foot)
+    add_executable(${side}_${part} src/${part}.cpp)
+  endforeach()
+  install(PROGRAMS scripts/${side} DESTINATION lib/${PROJECT_NAME})
+endforeach()
+"""
+    make("arm", **{"CMakeLists.txt": cmake, "scripts/left": SHEBANG, "scripts/right": SHEBANG})
+    found = find_package("arm")
+    assert found is not None
+    assert found.compiled == {
+        *("camera_node", "laser_node", "imu_node"),
+        *("left_hand", "left_foot", "right_hand", "right_foot"),
+    }
+    assert set(found.executables) == {"left", "right"}
+
+
+@pytest.mark.parametrize(
+    "cmake",
+    [
+        "macro(a)\nb()\nb()\nendmacro()\nmacro(b)\na()\na()\nendmacro()\na()",
+        "set(many 1 2 3 4 5 6 7 8 9)\n" + "foreach(x ${many})\n" * 20 + "endforeach()\n" * 20,
+        "macro(a)\nforeach(x)\nfunction(b",
+    ],
+)
+def test_endless_or_malformed_cmake_file_is_read_up_to_a_limit(cmake: str, make: Make) -> None:
+    make("arm", **{"CMakeLists.txt": cmake})
+    found = find_package("arm")
+    assert found is not None
+    assert not found.compiled
+
+
 def test_scripts_of_setup_py_and_setup_cfg_are_executables(make: Make) -> None:
     setup = (
         "package_name = 'arm'\n"

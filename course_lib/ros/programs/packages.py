@@ -15,7 +15,7 @@ import shutil
 import sys
 import tempfile
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from configparser import ConfigParser
 from configparser import Error as ConfigError
 from dataclasses import dataclass, field
@@ -471,14 +471,10 @@ def _read_cmake(name: str, cmake: Path, found: BuildFiles) -> None:
         "CMAKE_PROJECT_NAME": [name],
         **{variable: [str(here)] for variable in _SOURCE_FOLDERS},
     }
-    for command, inner in _COMMAND.findall(text):
-        words = _words(inner, variables)
-        match command.lower(), words:
-            case (("set" | "foreach"), [variable, *values]):
-                variables[variable] = [value for value in values if value not in ("IN", "ITEMS", "LISTS")]
-                if command.lower() == "foreach" and "LISTS" in values:
-                    lists = values[values.index("LISTS") + 1 :]
-                    variables[variable] = [value for one in lists for value in variables.get(one, [])]
+    for command, words in _CMake(variables).run(_COMMAND.findall(text)):
+        match command, words:
+            case "set", [variable, *values]:
+                variables[variable] = values
             case "list", ["APPEND", variable, *values]:
                 variables[variable] = [*variables.get(variable, []), *values]
             case "file", ["GLOB" | "GLOB_RECURSE", variable, *patterns]:
@@ -495,6 +491,83 @@ def _read_cmake(name: str, cmake: Path, found: BuildFiles) -> None:
             case "install", ["PROGRAMS" | "FILES" | "DIRECTORY" as kind, *rest]:
                 if PurePosixPath(*_argument_after("DESTINATION", rest) or [""]) == PurePosixPath("lib", name):
                     _add_scripts(found, _installed_by_cmake(here, kind, rest))
+
+
+@dataclass(frozen=True)
+class _CMakeMacro:
+    """A macro or function that a CMakeLists.txt defines."""
+
+    parameters: list[str]
+    body: list[tuple[str, str]]
+
+
+class _CMake:
+    """Runs the commands of a CMakeLists.txt that decide which others run, up to a limit.
+
+    Conditions are not evaluated, so all branches of an `if` are read.
+
+    Attributes:
+        variables: The lists that are known, by name.
+    """
+
+    def __init__(self, variables: dict[str, list[str]]) -> None:
+        self.variables = variables
+        self._macros: dict[str, _CMakeMacro] = {}
+        self._budget = _MOST
+
+    def run(self, commands: Iterable[tuple[str, str]]) -> Iterator[tuple[str, list[str]]]:
+        """Yield commands in lower case with their arguments, also those of loops, macros and functions."""
+        rest = deque(commands)
+        while rest and self._budget > 0:
+            self._budget -= 1
+            command, inner = rest.popleft()
+            words = _words(inner, self.variables)
+            match command.lower(), words:
+                case (("macro" | "function") as kind, [name, *parameters]):
+                    self._macros[name.lower()] = _CMakeMacro(parameters, _body(rest, kind))
+                case "foreach", [variable, *values]:
+                    body = _body(rest, "foreach")
+                    for item in self._items(values):
+                        self._budget -= 1
+                        yield from self._run_with({variable: [item]}, body)
+                case name, _ if name in self._macros:
+                    # While it runs, the name is unknown, so that a recursion ends.
+                    macro = self._macros.pop(name)
+                    pairs = zip(macro.parameters, words, strict=False)
+                    arguments = {parameter: [word] for parameter, word in pairs}
+                    yield from self._run_with(arguments | {"ARGN": words[len(arguments) :]}, macro.body)
+                    self._macros[name] = macro
+                case name, _:
+                    yield name, words
+
+    def _run_with(
+        self, values: dict[str, list[str]], body: Iterable[tuple[str, str]]
+    ) -> Iterator[tuple[str, list[str]]]:
+        before = {name: self.variables[name] for name in values if name in self.variables}
+        self.variables.update(values)
+        if self._budget > 0:
+            yield from self.run(body)
+        self.variables.update(before)
+
+    def _items(self, values: list[str]) -> list[str]:
+        """Return the items of `foreach(variable values…)`."""
+        if "LISTS" in values:
+            lists = values[values.index("LISTS") + 1 :]
+            return [item for name in lists for item in self.variables.get(name, [])]
+        return [value for value in values if value not in ("IN", "ITEMS")]
+
+
+def _body(commands: "deque[tuple[str, str]]", kind: str) -> list[tuple[str, str]]:
+    """Remove and return the commands up to the end of a block: `endmacro`, `endfunction` or `endforeach`."""
+    body: list[tuple[str, str]] = []
+    depth = 1
+    while commands:
+        command, inner = commands.popleft()
+        depth += {kind: 1, f"end{kind}": -1}.get(command.lower(), 0)
+        if depth == 0:
+            break
+        body.append((command, inner))
+    return body
 
 
 def _installed_by_cmake(here: Path, kind: str, words: list[str]) -> Iterator[tuple[str, Path]]:
