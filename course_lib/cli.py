@@ -198,10 +198,10 @@ def book(out: Annotated[Path, typer.Argument(help="A new or empty folder, or a f
     """Build the course's lessons and guides as web pages, with their scenes; they need no network."""
     from course_lib.book.book import build
 
-    made = build(out, typer.echo)
-    typer.echo(f"{made.index}: {made.pages} pages")
-    typer.echo("\n".join(made.warnings), err=True, nl=bool(made.warnings))
-    raise typer.Exit(NOT_READY if made.warnings else 0)
+    built_book = build(out, typer.echo)
+    typer.echo(f"{built_book.index}: {built_book.pages} pages")
+    typer.echo("\n".join(built_book.warnings), err=True, nl=bool(built_book.warnings))
+    raise typer.Exit(NOT_READY if built_book.warnings else 0)
 
 
 # Exit code.
@@ -366,12 +366,12 @@ def collect(
 
     course = shipped_course_file()
     zone = find_zone(time_zone) if time_zone else course.zone
-    done = sort(source, out, zone, roster, id_column, times or (), exercise=exercise, layout=layout)
+    collection = sort(source, out, zone, roster, id_column, times or (), exercise=exercise, layout=layout)
     if course.zone_note and not time_zone:
         typer.echo(course.zone_note)
-    for line in (*done.refused, *done.aside, *sorted(done.notes), done.summary(out)):
+    for line in (*collection.refused, *collection.aside, *sorted(collection.notes), collection.summary(out)):
         typer.echo(line)
-    raise typer.Exit(NOT_PASSED if done.refused else 0)
+    raise typer.Exit(NOT_PASSED if collection.refused else 0)
 
 
 @staff.command()
@@ -564,8 +564,8 @@ Browser = Annotated[bool, typer.Option(help="Open a browser.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _print_version(is_requested: bool) -> None:
+    if is_requested:
         from importlib.metadata import version
 
         typer.echo(f"course_lib {version('course_lib')}, Python {sys.version.split()[0]}")
@@ -813,8 +813,8 @@ def ros(
     if installs:
         environment.install(typer.echo)
     else:
-        found = environment.find_environment()
-        typer.echo(f"{found} is in {found.folder}. Run a program on it: course run my_node.py --ros")
+        installed = environment.find_environment()
+        typer.echo(f"{installed} is in {installed.folder}. Run a program on it: course run my_node.py --ros")
 
 
 @app.command()
@@ -881,11 +881,11 @@ def main() -> None:
     # An invalid option or argument.
     except TyperException as error:
         context = getattr(error, "ctx", None)
-        what = error.format_message().rstrip(".").replace("Input should be", "expected")
+        problem = error.format_message().rstrip(".").replace("Input should be", "expected")
         # Number of words in the command's name.
         depth = 2 if arguments[:1] == ["bag"] else 1
-        words = ["course", *(word for word in arguments if not word.startswith("-"))][: depth + 1]
-        _fail(f"{what}. See: {context.command_path if context else ' '.join(words)} --help", debug)
+        command_words = ["course", *(word for word in arguments if not word.startswith("-"))][: depth + 1]
+        _fail(f"{problem}. See: {context.command_path if context else ' '.join(command_words)} --help", debug)
     except OSError as error:
         _fail(f"{error.filename}: {error.strerror}. Correct this, or choose another file or folder.", debug)
     except (KeyboardInterrupt, typer.Abort):
@@ -900,8 +900,8 @@ def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
     """
     starts = ("--", "--ros-args") if arguments[:1] == ["run"] else ("--",)
     place = next((at for at, word in enumerate(arguments) if word in starts), len(arguments))
-    rest = arguments[place:]
-    return arguments[:place], rest[rest[:1] == ["--"] :]
+    program_arguments = arguments[place:]
+    return arguments[:place], program_arguments[program_arguments[:1] == ["--"] :]
 
 
 def _fail(message: str, debug: bool) -> NoReturn:

@@ -9,9 +9,9 @@ class CourseError(Exception):
     """An error that the user can fix. The message states the input, the expectation and the next step."""
 
 
-def did_you_mean(name: str, there: Iterable[str], most: int = 1) -> str:
+def did_you_mean(name: str, there: Iterable[str], max_count: int = 1) -> str:
     """Return a suggestion of the closest names to append to a sentence without period, or ""."""
-    close = get_close_matches(name, list(there), n=most, cutoff=0.5)
+    close = get_close_matches(name, list(there), n=max_count, cutoff=0.5)
     return f". Did you mean {' or '.join(close)}?" if close else ""
 
 

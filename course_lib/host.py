@@ -45,21 +45,21 @@ def address(port: int, path: str) -> str:
     return f"{os.environ.get('JUPYTERHUB_PUBLIC_URL') or prefix}proxy/{port}/{path}"
 
 
-def announce(what: str, url: str, *, browser: bool) -> None:
+def announce(subject: str, url: str, *, browser: bool) -> None:
     """Print "what is at url", or show a link in a hub's notebook, and open a browser.
 
     On a hub no browser is opened, because the user's browser runs on another machine.
     """
     if hub_prefix() is None:
-        sys.stdout.write(f"{what} is at {url}\n")
+        sys.stdout.write(f"{subject} is at {url}\n")
         if browser:
             webbrowser.open(url)
     elif in_notebook():
         # Not at the head, because IPython is slow to import and not needed outside of notebooks.
         from IPython.display import display
 
-        link = f'{escape(what)} is <a href="{escape(url)}" target="_blank">in a tab of its own</a>.'
-        display({"text/html": link, "text/plain": f"{what} is at {url}"}, raw=True)  # type: ignore[no-untyped-call]
+        link = f'{escape(subject)} is <a href="{escape(url)}" target="_blank">in a tab of its own</a>.'
+        display({"text/html": link, "text/plain": f"{subject} is at {url}"}, raw=True)  # type: ignore[no-untyped-call]
     else:
         after = " after the name of your hub" if url.startswith("/") else ""
-        sys.stdout.write(f"{what} is at {url}{after}\n")
+        sys.stdout.write(f"{subject} is at {url}{after}\n")

@@ -72,17 +72,17 @@ def ros2(
 
 def find_usual(arguments: Sequence[str]) -> Callable[[], int] | None:
     """Return the call of a command line with usual options only; None for all others."""
-    command, *rest = arguments or [""]
-    if command == "ros2" and "--" not in rest:
-        known = _parse(rest, _ROS2, is_mixed=False)
-        return None if known is None else partial(ros2, known[1], **known[0])
-    starts = [index for index, word in enumerate(rest) if word in ("--", "--ros-args")]
-    end = starts[0] if starts else len(rest)
-    known = _parse(rest[:end], _RUN, is_mixed=True)
-    if command != "run" or known is None or not known[1]:
+    command, *remaining = arguments or [""]
+    if command == "ros2" and "--" not in remaining:
+        parsed = _parse(remaining, _ROS2, is_mixed=False)
+        return None if parsed is None else partial(ros2, parsed[1], **parsed[0])
+    starts = [index for index, word in enumerate(remaining) if word in ("--", "--ros-args")]
+    end = starts[0] if starts else len(remaining)
+    parsed = _parse(remaining[:end], _RUN, is_mixed=True)
+    if command != "run" or parsed is None or not parsed[1]:
         return None
-    for_programs = rest[end:][rest[end : end + 1] == ["--"] :]
-    return partial(run, [Path(word) for word in known[1]], for_programs, **known[0])
+    for_programs = remaining[end:][remaining[end : end + 1] == ["--"] :]
+    return partial(run, [Path(word) for word in parsed[1]], for_programs, **parsed[0])
 
 
 def call(command: Callable[[], int]) -> NoReturn:
@@ -142,14 +142,14 @@ def _parse(
     first other argument.
     """
     options: dict[str, Any] = {}
-    others: list[str] = []
+    positional: list[str] = []
     waiting = list(words)
     while waiting:
         word = waiting.pop(0)
         if not word.startswith("-"):
-            others.append(word)
+            positional.append(word)
             if not is_mixed:
-                return options, [*others, *waiting]
+                return options, [*positional, *waiting]
             continue
         name, has_value, value = word.partition("=")
         argument, convert = table.get(name, ("", False))
@@ -165,7 +165,7 @@ def _parse(
         except ValueError:
             return None
         options[argument] = [*options.get(argument, ()), converted] if argument == "files" else converted
-    return options, others
+    return options, positional
 
 
 HASH_SEED = "0"
@@ -185,15 +185,15 @@ def fix_hash_seed(arguments: list[str]) -> None:
     """
     start = next((index for index, word in enumerate(arguments) if not word.startswith("-")), 0)
     command = arguments[start:]
-    runs = any(command[: len(words)] == words for words in _RUNS)
+    runs = any(command[: len(command_words)] == command_words for command_words in _RUNS)
     runs |= command[:1] == ["ros2"] and any(word.startswith("--run") for word in command)
     if not runs or os.environ.get("PYTHONHASHSEED") == HASH_SEED:
         return
-    again = [sys.executable, "-P", "-m", "course_lib", *arguments]
+    command_line = [sys.executable, "-P", "-m", "course_lib", *arguments]
     environment = os.environ | {"PYTHONHASHSEED": HASH_SEED}
     if os.name == "posix":
         sys.stdout.flush()
-        os.execve(sys.executable, again, environment)
+        os.execve(sys.executable, command_line, environment)
     import subprocess
 
-    sys.exit(subprocess.run(again, env=environment, check=False).returncode)
+    sys.exit(subprocess.run(command_line, env=environment, check=False).returncode)

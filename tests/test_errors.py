@@ -12,7 +12,7 @@ def test_closest_name_is_appended_to_a_message(name: str, text: str) -> None:
 
 
 def test_requested_number_of_close_names_is_suggested() -> None:
-    assert did_you_mean("arm", ["arm_1", "arm_2", "leg"], most=3) == ". Did you mean arm_2 or arm_1?"
+    assert did_you_mean("arm", ["arm_1", "arm_2", "leg"], max_count=3) == ". Did you mean arm_2 or arm_1?"
 
 
 def test_count_of_one_uses_the_singular() -> None:

@@ -80,8 +80,8 @@ def _course_operators(solutions: Path) -> tuple[Operator, ...]:
 def _read(path: Path) -> tuple[Operator, ...]:
     try:
         rows = tomllib.loads(path.read_text(encoding="utf-8")).get("mutant", [])
-        read = tuple(Operator(**row) for row in rows)
-        for operator in read:
+        operators = tuple(Operator(**row) for row in rows)
+        for operator in operators:
             re.compile(operator.names)
             # This raises an error for an invalid pattern, and for an invalid reference in the
             # replacement.
@@ -90,7 +90,7 @@ def _read(path: Path) -> tuple[Operator, ...]:
         raise CourseError(
             f"{path}: {error}; expected [[mutant]] with name, pattern, replacement, names"
         ) from error
-    return read
+    return operators
 
 
 # File name suffix of alternative correct answers to all tasks.
@@ -193,8 +193,8 @@ def _variant(path: Path, task: str, row: Any) -> Variant:
         pairs = tuple(tuple(pair) for pair in row.get("change", ()))
         return Variant(task, **{**row, "change": pairs})
     except (AttributeError, TypeError, CourseError) as error:
-        named = next(iter(row.values()), task) if isinstance(row, dict) else task
-        raise CourseError(f"{location_of(path, str(named))}: {task}: {error}") from error
+        task_of_row = next(iter(row.values()), task) if isinstance(row, dict) else task
+        raise CourseError(f"{location_of(path, str(task_of_row))}: {task}: {error}") from error
 
 
 def apply_changes(variant: Variant, name: str, cells: Sequence[str]) -> dict[int, str]:
@@ -208,19 +208,19 @@ def apply_changes(variant: Variant, name: str, cells: Sequence[str]) -> dict[int
     Raises:
         CourseError: A text to replace does not occur exactly once in exactly one of these cells.
     """
-    made: dict[int, str] = {}
+    changed_cells: dict[int, str] = {}
     for old, new in variant.change:
         if old == new:
             raise CourseError(f"{old!r} is replaced by itself")
-        now = [made.get(place, cell) for place, cell in enumerate(cells)]
+        now = [changed_cells.get(place, cell) for place, cell in enumerate(cells)]
         there = [i for i, cell in enumerate(now) if old in cell and re.search(rf"\b{name}\b", cell)]
         if len(there) != 1:
             raise CourseError(f"{old!r} is in {len(there)} cells of the solution with {name}, expected 1")
         if (count := now[there[0]].count(old)) != 1:
             more = "include more of its line in the pair"
             raise CourseError(f"{old!r} occurs {count} times in the cell with {name}, expected once: {more}")
-        made[there[0]] = now[there[0]].replace(old, new)
-    return made
+        changed_cells[there[0]] = now[there[0]].replace(old, new)
+    return changed_cells
 
 
 Look = Callable[[TaskResult], Iterable[Flaw]]
@@ -258,9 +258,13 @@ def group_edits(edits: Iterable[Edit], cells: Sequence[str], week: str) -> list[
     rounds: list[list[Edit]] = []
     for edit in edits:
         for one in rounds:
-            taken = {place for other in one for place in other.cells}
+            edited_cells = {place for other in one for place in other.cells}
             tasks = {other.task for other in one}
-            if one[0].hidden == edit.hidden and edit.task not in tasks and not taken & edit.cells.keys():
+            if (
+                one[0].hidden == edit.hidden
+                and edit.task not in tasks
+                and not edited_cells & edit.cells.keys()
+            ):
                 one.append(edit)
                 break
         else:
@@ -292,9 +296,9 @@ def make_edits(
         yield Flaw("wrong", text, str(answers.path))
     for task in tasks:
         same = answers.same.get(task.id, ())
-        made = list(_mutant_edits(task, cells, among, answers.path))
-        yield from (edit for operator, edit in made if operator.name not in same)
-        for name in set(same) - {operator.name for operator, _ in made}:
+        mutants = list(_mutant_edits(task, cells, among, answers.path))
+        yield from (edit for operator, edit in mutants if operator.name not in same)
+        for name in set(same) - {operator.name for operator, _ in mutants}:
             text = f"[same] {task.id.split('.')[1]}: the task has no mutant {name!r}: remove it"
             yield Flaw("wrong", text, location_of(answers.path, name))
 
@@ -328,11 +332,11 @@ def _check_wrong_answer(variant: Variant, task: Task, place: str, result: TaskRe
             "wrong", f"{name}: expected a message with {variant.says!r}, the checks say: {reported[0]}", place
         )
     elif variant.hint:
-        (shown, *_), own = Advice().hint(task, result), task.mistakes.get(variant.hint, "")
-        if shown != f"Hint: {own}":
+        (first_hint, *_), expected_hint = Advice().hint(task, result), task.mistakes.get(variant.hint, "")
+        if first_hint != f"Hint: {expected_hint}":
             yield Flaw(
                 "wrong",
-                f"{name}: the hint shown first is {shown!r}, expected the hint of {variant.hint!r}",
+                f"{name}: the hint shown first is {first_hint!r}, expected the hint of {variant.hint!r}",
                 place,
             )
 
@@ -445,16 +449,16 @@ class Code:
 
     def needed(self, task: Task) -> frozenset[Key]:
         """Return the statements that a task's object depends on."""
-        known, waiting, found = set[str](), {task.name}, set[Key]()
+        visited_names, pending_names, keys = set[str](), {task.name}, set[Key]()
         for cell in self.cells:
-            checked = _cell(cell).checks.get(task.id)
-            waiting |= _names(checked) if checked is not None else set()
-        while waiting:
-            known |= waiting
-            new = {key for key, one in self.statements.items() if one.provided & waiting} - found
-            found |= new
-            waiting = {name for key in new for name in self.statements[key].names} - known
-        return frozenset(found)
+            check_argument = _cell(cell).checks.get(task.id)
+            pending_names |= _names(check_argument) if check_argument is not None else set()
+        while pending_names:
+            visited_names |= pending_names
+            new = {key for key, one in self.statements.items() if one.provided & pending_names} - keys
+            keys |= new
+            pending_names = {name for key in new for name in self.statements[key].names} - visited_names
+        return frozenset(keys)
 
     def with_cell(self, index: int, code: str) -> "Code":
         """Return a copy in which one cell is replaced."""
@@ -462,14 +466,14 @@ class Code:
 
     def undefined_names(self, among: Iterable[Key]) -> set[str]:
         """Return the names that these statements refer to and that no cell binds."""
-        known = ALWAYS_DEFINED.union(*(one.provided for one in self.statements.values()))
-        return {name for key in among for name in self.statements.get(key, NOTHING).names} - known
+        defined_names = ALWAYS_DEFINED.union(*(one.provided for one in self.statements.values()))
+        return {name for key in among for name in self.statements.get(key, NOTHING).names} - defined_names
 
     def undefined_attributes(self, among: Iterable[Key], attributes: Iterable[str]) -> set[str]:
         """Return the members of `attributes` that these statements read and never assign."""
-        ours = [self.statements.get(key, NOTHING) for key in among]
-        read = {name for one in ours for name in one.read}
-        return read.intersection(attributes).difference(*(one.assigned for one in ours))
+        statements = [self.statements.get(key, NOTHING) for key in among]
+        read_attributes = {name for one in statements for name in one.read}
+        return read_attributes.intersection(attributes).difference(*(one.assigned for one in statements))
 
 
 NOTHING = _Statement(frozenset(), frozenset(), frozenset(), frozenset())
@@ -500,29 +504,29 @@ def _statements(source: str) -> tuple[_Statement, ...]:
 def _statement(node: ast.stmt) -> _Statement:
     code = ast.unparse(node)
     attributes = [one for one in ast.walk(node) if isinstance(one, ast.Attribute)]
-    named = {one.name for one in ast.walk(node) if isinstance(one, ast.FunctionDef | ast.ClassDef)}
+    definitions = {one.name for one in ast.walk(node) if isinstance(one, ast.FunctionDef | ast.ClassDef)}
     return _Statement(
         _cell(code).bindings,
         _global_names(code),
         frozenset(one.attr for one in attributes if isinstance(one.ctx, ast.Load)),
-        frozenset({one.attr for one in attributes if not isinstance(one.ctx, ast.Load)} | named),
+        frozenset({one.attr for one in attributes if not isinstance(one.ctx, ast.Load)} | definitions),
     )
 
 
 def deletions(code: Code, tasks: Sequence[Task]) -> Iterator[Deletion]:
     """Yield all deletions in the statements that the tasks need."""
-    needed = {task.id: code.needed(task) for task in tasks}
+    needed_keys = {task.id: code.needed(task) for task in tasks}
     for index, source in enumerate(code.cells):
         tree = _tree(source)
         for number, statement in enumerate(tree.body):
             key = (index, number)
-            of = tuple(task for task, keys in needed.items() if key in keys)
+            of = tuple(task for task, keys in needed_keys.items() if key in keys)
             for part in _parts(source, statement) if of else ():
                 text = source[: part.first] + part.replacement + source[part.last :]
                 if _cell(text).syntax_error:
                     continue
                 less = code.with_cell(index, text)
-                static = {task: _static_crash(code, less, needed[task], part.attributes) for task in of}
+                static = {task: _static_crash(code, less, needed_keys[task], part.attributes) for task in of}
                 yield Deletion(f"without {part.name}", index, text, of, static, key)
 
 
@@ -534,16 +538,16 @@ def _static_crash(code: Code, less: Code, keys: Iterable[Key], attributes: Itera
     return ""
 
 
-def group_deletions(found: Iterable[Deletion], code: Code, tasks: Sequence[Task]) -> list[list[Deletion]]:
+def group_deletions(deletions: Iterable[Deletion], code: Code, tasks: Sequence[Task]) -> list[list[Deletion]]:
     """Group deletions that can be run together.
 
     They are in different cells, and no task of one needs a statement that another one changes.
     """
-    needed = {task.id: code.needed(task) for task in tasks}
+    needed_keys = {task.id: code.needed(task) for task in tasks}
     groups: list[list[Deletion]] = []
-    for one in found:
+    for one in deletions:
         for group in groups:
-            if not any(_conflict(one, other, needed) for other in group):
+            if not any(_conflict(one, other, needed_keys) for other in group):
                 group.append(one)
                 break
         else:
@@ -551,22 +555,22 @@ def group_deletions(found: Iterable[Deletion], code: Code, tasks: Sequence[Task]
     return groups
 
 
-def _conflict(one: Deletion, other: Deletion, needed: Mapping[str, frozenset[Key]]) -> bool:
+def _conflict(one: Deletion, other: Deletion, needed_keys: Mapping[str, frozenset[Key]]) -> bool:
     return (
         one.cell == other.cell
         or bool({*one.tasks} & {*other.tasks})
-        or any(other.statement in needed[task] for task in one.tasks)
-        or any(one.statement in needed[task] for task in other.tasks)
+        or any(other.statement in needed_keys[task] for task in one.tasks)
+        or any(one.statement in needed_keys[task] for task in other.tasks)
     )
 
 
 def rehearsal_without(group: Sequence[Deletion], code: Code, week: str, *, hidden: bool = True) -> Rehearsal:
     """Return the rehearsal of the answer with all deletions of a group."""
-    changed = code
+    remaining_code = code
     for one in group:
-        changed = changed.with_cell(one.cell, one.code)
+        remaining_code = remaining_code.with_cell(one.cell, one.code)
     tasks = tuple(task for one in group for task in one.tasks)
-    return Rehearsal(week, ", ".join(one.name for one in group), changed.cells, tasks, hidden)
+    return Rehearsal(week, ", ".join(one.name for one in group), remaining_code.cells, tasks, hidden)
 
 
 def crash_message(deletion: Deletion, result: TaskResult, tracebacks: Collection[str] = ()) -> str:
@@ -577,11 +581,11 @@ def crash_message(deletion: Deletion, result: TaskResult, tracebacks: Collection
         result: The result of one of the deletion's tasks.
         tracebacks: The tasks whose code printed a traceback.
     """
-    launched = (
+    launch_errors = (
         check.message for check in result.checks if not LAUNCH_ERRORS.isdisjoint(check.mistake.split("; "))
     )
     printed = "it prints the traceback of an exception" if result.task in tracebacks else ""
-    return next(iter((*result.errors, *launched)), "") or printed or deletion.crashes[result.task]
+    return next(iter((*result.errors, *launch_errors)), "") or printed or deletion.crashes[result.task]
 
 
 def find_false_passes(
@@ -602,25 +606,27 @@ def find_false_passes(
     # the others.
     groups = group_deletions(deletions(code, tasks), code, tasks)
     public = run([rehearsal_without(group, code, week, hidden=False) for group in groups])
-    passing = [one for group, made in zip(groups, public, strict=True) for one in _passing(group, made)]
+    passing = [one for group, result in zip(groups, public, strict=True) for one in _passing(group, result)]
     groups = group_deletions(passing, code, tasks)
     complete = run([rehearsal_without(group, code, week) for group in groups])
-    for group, made in zip(groups, complete, strict=True):
-        yield from false_passes(group, made)
+    for group, result in zip(groups, complete, strict=True):
+        yield from false_passes(group, result)
 
 
-def _passing(group: Sequence[Deletion], made: RehearsalResult) -> Iterator[Deletion]:
+def _passing(group: Sequence[Deletion], rehearsal_result: RehearsalResult) -> Iterator[Deletion]:
     """Yield the deletions with which a task passes all public checks."""
-    passed = {result.task for result in made.results if passes_public_checks(result)}
-    yield from (one for one in group if not passed.isdisjoint(one.tasks))
+    passed_tasks = {result.task for result in rehearsal_result.results if passes_public_checks(result)}
+    yield from (one for one in group if not passed_tasks.isdisjoint(one.tasks))
 
 
-def false_passes(group: Sequence[Deletion], made: RehearsalResult) -> Iterator[tuple[str, str, str]]:
+def false_passes(
+    group: Sequence[Deletion], rehearsal_result: RehearsalResult
+) -> Iterator[tuple[str, str, str]]:
     """Yield (deletion, task, exception) for each crashing answer of a group that passes all public checks."""
-    results = {result.task: result for result in made.results}
+    results = {result.task: result for result in rehearsal_result.results}
     for one in group:
         for task in one.tasks:
-            why = crash_message(one, results[task], made.tracebacks)
+            why = crash_message(one, results[task], rehearsal_result.tracebacks)
             if why and passes_public_checks(results[task]):
                 yield one.name, task, why
 
@@ -638,14 +644,14 @@ def _names(tree: ast.AST) -> set[str]:
 @lru_cache(maxsize=1000)
 def _global_names(code: str) -> frozenset[str]:
     """Return the global names that code refers to, in any scope."""
-    found, waiting = set[str](), [symtable.symtable(code, "cell", "exec")]
+    names, waiting = set[str](), [symtable.symtable(code, "cell", "exec")]
     while waiting:
         table = waiting.pop()
         waiting += table.get_children()
         is_module = table.get_type() == "module"
         symbols = table.get_symbols()
-        found |= {one.get_name() for one in symbols if one.is_referenced() and (is_module or one.is_global())}
-    return frozenset(found)
+        names |= {one.get_name() for one in symbols if one.is_referenced() and (is_module or one.is_global())}
+    return frozenset(names)
 
 
 @dataclass(frozen=True)
@@ -677,9 +683,9 @@ def _parts(source: str, tree: ast.AST) -> Iterator[_Part]:
         first, last = offset(node.lineno, node.col_offset), offset(node.end_lineno, node.end_col_offset)
         if isinstance(node, ast.Import | ast.ImportFrom) and len(node.names) > 1:
             for alias in node.names:
-                rest = [one for one in node.names if one is not alias]
+                other_aliases = [one for one in node.names if one is not alias]
                 fewer = copy.copy(node)
-                fewer.names = rest
+                fewer.names = other_aliases
                 yield _Part(f"import of {alias.name}", first, last, ast.unparse(fewer))
         if isinstance(node, ast.stmt) and not _changes_nothing(node, source[first:last]):
             for decorator in getattr(node, "decorator_list", ()):
@@ -698,7 +704,7 @@ def _parts_in_string(literal: str, at: int) -> Iterator[_Part]:
         return
     code = match["text"]
     if "f" in match["prefix"].lower():
-        code = PLACEHOLDER.sub(lambda found: "1" * len(found[0]), code)
+        code = PLACEHOLDER.sub(lambda placeholder: "1" * len(placeholder[0]), code)
     try:
         tree = ast.parse(code)
     except (SyntaxError, ValueError):

@@ -21,8 +21,8 @@ def render(kind: str, name: str, values: Mapping[str, object]) -> str:
     from jinja2 import Environment, StrictUndefined
 
     text = (HERE / kind / f"{name}.jinja").read_text(encoding="utf-8")
-    whole = Environment(undefined=StrictUndefined, keep_trailing_newline=True, autoescape=False)
-    return whole.from_string(text).render(**values)
+    environment = Environment(undefined=StrictUndefined, keep_trailing_newline=True, autoescape=False)
+    return environment.from_string(text).render(**values)
 
 
 WEEK_TEMPLATE = "week"
@@ -49,24 +49,26 @@ def new_week(week: str, title: str, course: Course) -> list[Path]:
         CourseError: The week exists already, or its name or title is invalid.
     """
     settings = course.exercises / "course.toml"
-    written = read_course_file(settings)
-    written.require_valid(week)
-    known = written.weeks
+    course_file = read_course_file(settings)
+    course_file.require_valid(week)
+    known_weeks = course_file.weeks
     if not re.fullmatch(r"week\d\d", week):
         raise CourseError(f"{week!r} is not the name of a week: expected one like week09")
-    if week in known:
-        raise CourseError(f"{week} is already in {settings}: {known[week].title!r}. Choose another week")
+    if week in known_weeks:
+        raise CourseError(
+            f"{week} is already in {settings}: {known_weeks[week].title!r}. Choose another week"
+        )
     check_title(title)
-    made = dict(_week_files(week, title, course))
-    there = [path for path in made if path.exists()]
+    new_files = dict(_week_files(week, title, course))
+    there = [path for path in new_files if path.exists()]
     if there:
         raise CourseError(f"{there[0]} already exists: move it away, or choose another week")
-    for path, data in made.items():
+    for path, data in new_files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, data)
     entry = render(WEEK_TEMPLATE, "course.toml", _values(week, title, course))
     write_atomically(settings, (settings.read_text(encoding="utf-8").rstrip() + "\n" + entry).encode())
-    return [*made, settings]
+    return [*new_files, settings]
 
 
 def check_title(title: str) -> None:
@@ -88,8 +90,10 @@ def unchanged_files(week: str, course: Course) -> list[Path]:
     # A week may have only a check file.
     except (CourseError, KeyError):
         return []
-    made = ((path, data) for path, data in _week_files(week, title, course) if path.suffix != ".ipynb")
-    return [path for path, data in made if path.is_file() and path.read_bytes() == data]
+    template_files = (
+        (path, data) for path, data in _week_files(week, title, course) if path.suffix != ".ipynb"
+    )
+    return [path for path, data in template_files if path.is_file() and path.read_bytes() == data]
 
 
 def slug(title: str) -> str:
@@ -201,7 +205,7 @@ def _course_files(root: Path, title: str) -> dict[Path, bytes]:
         "version": version,
     }
     about = {"learn": "REPLACE: what students can do then, in a few words", "minutes": 15, "week": 0}
-    made = {root / "notebooks" / "week00_start.ipynb": lesson(COURSE_TEMPLATE, values, about)}
+    contents = {root / "notebooks" / "week00_start.ipynb": lesson(COURSE_TEMPLATE, values, about)}
     for name, place in (
         ("pyproject.toml", "pyproject.toml"),
         ("README.md", "README.md"),
@@ -211,5 +215,5 @@ def _course_files(root: Path, title: str) -> dict[Path, bytes]:
         ("course.toml", "exercises/course.toml"),
         ("quiz.toml", "exercises/quizzes/week00.toml"),
     ):
-        made[root / place] = render(COURSE_TEMPLATE, name, values).encode()
-    return made
+        contents[root / place] = render(COURSE_TEMPLATE, name, values).encode()
+    return contents

@@ -103,12 +103,12 @@ def _zero_components(message: Any, *, field: str, parts: str) -> None:
 
 
 def _change_samples(samples: Sequence[Sample], change: Change) -> list[Sample]:
-    made = []
+    changed_samples = []
     for sample in samples:
         message = sample.message()
         change(message)
-        made.append(replace(sample, cdr=serialize(message)))
-    return made
+        changed_samples.append(replace(sample, cdr=serialize(message)))
+    return changed_samples
 
 
 def _last_samples(samples: Sequence[Sample]) -> list[Sample]:
@@ -209,19 +209,21 @@ def rehearse(rehearsal: Rehearsal, course: Course) -> RehearsalResult:
     files = working_files(course.solutions / f"{rehearsal.week}_solution.ipynb", cells)
     without_checks = tuple(step.without_checks() for step in steps)
     job = Job(cells, STUDENT, without_checks, catalog.course.limits, files, course.sandbox, course.refused)
-    made = unpack(run(job).evidence, steps)
-    judgement = judge(made, tasks, catalog)
+    outcome = unpack(run(job).evidence, steps)
+    judgement = judge(outcome, tasks, catalog)
     types = {
         (one.evidence.task, topic, type_name)
-        for one in made.runs
+        for one in outcome.runs
         for topic, type_name in one.evidence.topics.items()
     }
-    broken = any(check.broken for result in judgement.tasks for check in result.checks)
+    is_broken = any(check.broken for result in judgement.tasks for check in result.checks)
     # A check that raises an exception or exceeds its time limit does not show whether messages
     # matter.
-    emptied = _hollow_results(tasks, made.runs, catalog) if rehearsal.hollow and not broken else ()
-    hollow = tuple((way.name, way.remedy, result) for way, result in emptied)
-    printed = frozenset(one.evidence.task for one in made.runs if TRACEBACK in one.evidence.output)
+    hollow_results = (
+        _hollow_results(tasks, outcome.runs, catalog) if rehearsal.hollow and not is_broken else ()
+    )
+    hollow = tuple((way.name, way.remedy, result) for way, result in hollow_results)
+    printed = frozenset(one.evidence.task for one in outcome.runs if TRACEBACK in one.evidence.output)
     return RehearsalResult(
         judgement.tasks, judgement.cell_errors, hollow, tuple(sorted(types)), printed, judgement.limit
     )
@@ -234,13 +236,13 @@ def count_options(tasks: Iterable[Task]) -> int:
 
 def with_option(task: Task, row: int) -> Task:
     """Return the task with only one option for each personal value, so that all students have the same."""
-    rows, own = count_options([task]), {}
+    rows, personal_values = count_options([task]), {}
     # With more than MOST combinations, the rows are spread evenly over them.
     number = row % rows * _count_combinations(task) // rows
     for name, choices in task.personal.items():
         number, index = divmod(number, len(choices))
-        own[name] = (choices[index],)
-    return replace(task, personal=own)
+        personal_values[name] = (choices[index],)
+    return replace(task, personal=personal_values)
 
 
 def _count_combinations(task: Task) -> int:

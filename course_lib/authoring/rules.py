@@ -142,7 +142,7 @@ def overlong_cells(page: NotebookPage) -> Iterator[str]:
 
 def first_cell_flaws(page: NotebookPage) -> Iterator[str]:
     """Yield a first cell that does not load the extension, and unused imports from course_lib."""
-    first, *rest = page.code_cells or [""]
+    first, *later_cells = page.code_cells or [""]
     if first.splitlines()[:1] != ["%load_ext course_lib"]:
         yield "the first code cell must begin with: %load_ext course_lib"
     lines = [line for line in first.splitlines()[1:] if line.startswith(IMPORT)]
@@ -150,7 +150,7 @@ def first_cell_flaws(page: NotebookPage) -> Iterator[str]:
         yield f"the first code cell has {len(lines)} lines {IMPORT!r}, expected 1"
     names = [name for line in lines for name in line.removeprefix(IMPORT).split(", ")]
     for name in names:
-        if not re.search(rf"\b{re.escape(name)}\b", "\n".join(rest)):
+        if not re.search(rf"\b{re.escape(name)}\b", "\n".join(later_cells)):
             yield f"{name} is imported from course_lib, but not used"
 
 
@@ -203,11 +203,11 @@ def sentences(text: str) -> list[list[str]]:
 
 def long_sentences(page: NotebookPage) -> Iterator[str]:
     """Yield sentences that are too long, and an average length that is too high."""
-    found = sentences(page.markdown)
-    average = sum(map(len, found)) / max(len(found), 1)
+    sentences_of_page = sentences(page.markdown)
+    average = sum(map(len, sentences_of_page)) / max(len(sentences_of_page), 1)
     if average > AVERAGE_SENTENCE:
         yield f"a sentence has {average:.1f} words on average, expected at most {AVERAGE_SENTENCE}"
-    for words in found:
+    for words in sentences_of_page:
         if len(words) > LONGEST_SENTENCE:
             begin = " ".join(words[:8])
             yield f"a sentence has {len(words)} words, expected at most {LONGEST_SENTENCE}: {begin} …"
@@ -257,10 +257,10 @@ def missing_parts(page: NotebookPage) -> Iterator[str]:
 
 def missing_story(page: NotebookPage) -> Iterator[str]:
     """Yield a missing true story at the beginning, and a missing source of the story."""
-    opening, _, rest = page.markdown.partition("## Do you remember?")
+    opening, _, story_text = page.markdown.partition("## Do you remember?")
     story = opening.partition("> **A true story.**")[2]
     lines = sum(line.startswith("> ") for line in story.splitlines())
-    if not rest or lines not in STORY:
+    if not story_text or lines not in STORY:
         yield f"above '## Do you remember?': expected 3 to 10 lines of '> **A true story.** …', found {lines}"
     if not re.search(r"^> Source: \S+", story, re.MULTILINE):
         yield "the true story has no line '> Source: …'"
@@ -321,26 +321,26 @@ def wrong_minutes(page: NotebookPage) -> Iterator[str]:
 def wrong_minutes_in_metadata(page: NotebookPage) -> Iterator[str]:
     """Yield a total time in the metadata (for the table of contents) that is not the sum."""
     total = sum(map(int, MINUTES.findall(page.markdown)))
-    stored = page.notebook["metadata"].get("course", {}).get("minutes")
-    if stored != total:
-        yield f"metadata: course.minutes is {stored}, the sections sum to {total}"
+    minutes = page.notebook["metadata"].get("course", {}).get("minutes")
+    if minutes != total:
+        yield f"metadata: course.minutes is {minutes}, the sections sum to {total}"
 
 
 def wrong_predictions(page: NotebookPage) -> Iterator[str]:
     """Yield predictions that are not requested or not compared, and answers shown too early."""
     name = page.week if "your_review" not in page.path.stem else page.path.stem.replace("_your", "")
-    asked, compared = ([key for call, key in page.questions if call == c] for c in ("predict", "compare"))
+    predicted, compared = ([key for call, key in page.questions if call == c] for c in ("predict", "compare"))
     quizzes = page.exercises / "quizzes"
-    known = {f"{name}.{q.key}": q for q in _predictions(quizzes / f"{name}.toml")}
-    if asked != compared:
-        yield f"it asks to predict {asked}, but compares {compared}"
-    if set(asked) != set(known):
-        yield f"it asks to predict {sorted(asked)}, but {name}.toml has {sorted(known)}"
-    for key in (key for key in asked if key in known and "your_review" not in page.path.stem):
+    predictions = {f"{name}.{q.key}": q for q in _predictions(quizzes / f"{name}.toml")}
+    if predicted != compared:
+        yield f"it asks to predict {predicted}, but compares {compared}"
+    if set(predicted) != set(predictions):
+        yield f"it asks to predict {sorted(predicted)}, but {name}.toml has {sorted(predictions)}"
+    for key in (key for key in predicted if key in predictions and "your_review" not in page.path.stem):
         quoted = f"[\"']{re.escape(key)}[\"']"
         between = re.search(rf"predict\(\s*{quoted}.*?compare\(\s*{quoted}[^\n]*", page.code, re.DOTALL)
-        if between and known[key].right.text in between[0]:
-            yield f"a cell before the comparison shows the answer to {key}: {known[key].right.text!r}"
+        if between and predictions[key].right.text in between[0]:
+            yield f"a cell before the comparison shows the answer to {key}: {predictions[key].right.text!r}"
 
 
 def unknown_questions(page: NotebookPage) -> Iterator[str]:
@@ -351,9 +351,9 @@ def unknown_questions(page: NotebookPage) -> Iterator[str]:
         if not path.is_file():
             yield f"it asks {call}({name!r}): there is no {file}.toml"
         elif call != "quiz":
-            known = [question.key for question in _predictions(path)]
-            if key not in known:
-                suggestion = did_you_mean(key, known)
+            known_keys = [question.key for question in _predictions(path)]
+            if key not in known_keys:
+                suggestion = did_you_mean(key, known_keys)
                 problem = f"{file}.toml has no prediction with key = {key!r}{suggestion}"
                 yield f"it asks {call}({name!r}): {problem}"
 
@@ -396,36 +396,36 @@ def untaught_names(solution: Path, lessons: Sequence[Path]) -> Iterator[str]:
 def code_of(path: Path) -> str:
     """Return the code of a solution without cells tagged `solution`, which replace manual work."""
     cells = (cell for _, cell in code_cells(read_notebook(path)))
-    kept = (source(cell) for cell in cells if "solution" not in cell.get("metadata", {}).get("tags", []))
-    return "\n".join(re.sub(r"^([%!])", r"# \1", cell, flags=re.MULTILINE) for cell in kept)
+    sources = (source(cell) for cell in cells if "solution" not in cell.get("metadata", {}).get("tags", []))
+    return "\n".join(re.sub(r"^([%!])", r"# \1", cell, flags=re.MULTILINE) for cell in sources)
 
 
 def names_in_answers(code: str) -> Iterator[str]:
     """Yield the names imported from ROS and the kit, and their members, that an answer uses."""
     tree, lines = ast.parse(code), lines_of_answers(code)
-    imported = dict[str, object]()
+    imports = dict[str, object]()
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module and OURS.match(node.module):
             # An import that fails is reported when the solution is run.
             with suppress(ImportError):
                 module = importlib.import_module(node.module)
-                imported |= {a.name: getattr(module, a.name) for a in node.names if hasattr(module, a.name)}
-    members = {name for thing in imported.values() for name in dir(thing) if not name.startswith("_")}
+                imports |= {a.name: getattr(module, a.name) for a in node.names if hasattr(module, a.name)}
+    members = {name for thing in imports.values() for name in dir(thing) if not name.startswith("_")}
     for node in ast.walk(tree):
         match node:
             case ast.Attribute(attr=name) if node.lineno in lines and name in members:
                 yield name
-            case ast.Name(id=name) if node.lineno in lines and name in imported:
+            case ast.Name(id=name) if node.lineno in lines and name in imports:
                 yield name
 
 
 def lines_of_answers(code: str) -> set[int]:
     """Return the numbers of the lines between `# solution:` and its end mark."""
-    found, inside = set[int](), False
+    line_numbers, inside = set[int](), False
     for number, line in enumerate(code.splitlines(), 1):
         inside = (inside or bool(BEGIN.match(line))) and END not in line
-        found |= {number} if inside else set()
-    return found
+        line_numbers |= {number} if inside else set()
+    return line_numbers
 
 
 # The columns of the table: the heading and the requirement.
@@ -473,13 +473,13 @@ MARKER = "visualization_msgs/msg/Marker"
 def invalid_messages(task: Task, scenarios: Sequence[Scenario], path: Path) -> Iterator[Flaw]:
     """Yield a flaw for each input and each message of the expected picture that does not fit its type."""
     messages = [message for scenario in scenarios for message in scenario.inputs]
-    found = dict.fromkeys(
+    literals = dict.fromkeys(
         problem
         for row in range(count_options([task]))
         for message in (*messages, *task.ghost)
         if (problem := _problem(message, with_option(task, row)))
     )
-    for text in found:
+    for text in literals:
         yield Flaw("fields", f"{task.id}: {text}", location_of(path, _last_quoted_name(text)))
 
 
@@ -502,9 +502,9 @@ def misspelled_topics(
     for topic in dict.fromkeys(message.topic for one in scenarios for message in one.inputs):
         name = topic.strip("/").removesuffix("/set_parameters")
         parts = {name, *name.split("/")}
-        near = get_close_matches(name, names, n=1, cutoff=SIMILAR)
-        if parts.isdisjoint(names) and f"/{name}" not in IMPLICIT_TOPICS and near:
-            text = f"the solution does not use the input topic {topic!r}. Did you mean {near[0]}?"
+        similar_names = get_close_matches(name, names, n=1, cutoff=SIMILAR)
+        if parts.isdisjoint(names) and f"/{name}" not in IMPLICIT_TOPICS and similar_names:
+            text = f"the solution does not use the input topic {topic!r}. Did you mean {similar_names[0]}?"
             yield Flaw("fields", f"{task.id}: {text}", location_of(path, f'"{topic}"'))
 
 
@@ -541,18 +541,22 @@ def misspelled_names(
 
 
 def _misspelling(task: Task, origin: Origin, types: Mapping[tuple[str, str], str]) -> str:
-    given = origin.arguments
-    wanted = given.get("type")
+    arguments = origin.arguments
+    type_name = arguments.get("type")
     try:
-        if origin.check_function == "expect_topic" and isinstance(wanted, str):
-            definition(wanted)
-        elif origin.check_function in ("expect_marker", "expect_marker_count") and isinstance(wanted, str):
-            known = definition(MARKER).constants
-            if wanted not in known:
-                raise CourseError(f"a marker has no type {wanted!r}{did_you_mean(wanted, known)}")
-        elif origin.check_function == "expect_message" and (sent := types.get((task.id, given["topic"]))):
-            for dotted in given["fields"]:
-                _check_field(sent, dotted)
+        if origin.check_function == "expect_topic" and isinstance(type_name, str):
+            definition(type_name)
+        elif origin.check_function in ("expect_marker", "expect_marker_count") and isinstance(type_name, str):
+            marker_types = definition(MARKER).constants
+            if type_name not in marker_types:
+                raise CourseError(
+                    f"a marker has no type {type_name!r}{did_you_mean(type_name, marker_types)}"
+                )
+        elif origin.check_function == "expect_message" and (
+            sent_type := types.get((task.id, arguments["topic"]))
+        ):
+            for dotted in arguments["fields"]:
+                _check_field(sent_type, dotted)
     except CourseError as error:
         return f"{origin.check_function}: {error}"
     return ""
@@ -570,6 +574,6 @@ def _check_field(type_name: str, dotted: str) -> None:
             continue
         fields = {field.name: field for field in definition(at).fields} if "/" in at else {}
         if part not in fields:
-            known = did_you_mean(part, fields) or f"; it has {', '.join(fields) or 'no fields'}"
-            raise CourseError(f"{at} has no field {part!r} ({dotted!r}){known}")
+            alternatives = did_you_mean(part, fields) or f"; it has {', '.join(fields) or 'no fields'}"
+            raise CourseError(f"{at} has no field {part!r} ({dotted!r}){alternatives}")
         at = fields[part].base

@@ -111,20 +111,20 @@ class WeekRehearsals:
     def flaws(self) -> Iterator[Flaw]:
         """Run all rehearsals and yield the flaws."""
         checks = r"^check\(\s*[\"'](\w+\.\w+)[\"']"
-        checked = set(re.findall(checks, "\n".join(self._cells), re.MULTILINE))
-        known = {task.id for task in catalog_of(self._course).of_week(self._week)}
-        for name in sorted(checked - known):
-            text = f"check({name!r}, …): there is no such task{did_you_mean(name, known, 3)}"
+        checked_tasks = set(re.findall(checks, "\n".join(self._cells), re.MULTILINE))
+        known_tasks = {task.id for task in catalog_of(self._course).of_week(self._week)}
+        for name in sorted(checked_tasks - known_tasks):
+            text = f"check({name!r}, …): there is no such task{did_you_mean(name, known_tasks, 3)}"
             yield Flaw("solution", text, str(self._solution))
-        for name in sorted(known - checked):
+        for name in sorted(known_tasks - checked_tasks):
             yield Flaw("solution", f"no cell calls check({name!r}, …)", str(self._solution))
         ids = tuple(task.id for task in self._tasks)
         solution = Rehearsal(self._week, "the solution", self._cells, ids, hollow=True)
-        (made,) = self._run_rehearsals([solution])
-        self._record_checks(made.results)
-        yield from self._check_solution(made)
-        broken = any(check.broken for result in made.results for check in result.checks)
-        if made.limit == "time" or broken:
+        (rehearsal_result,) = self._run_rehearsals([solution])
+        self._record_checks(rehearsal_result.results)
+        yield from self._check_solution(rehearsal_result)
+        is_broken = any(check.broken for result in rehearsal_result.results for check in result.checks)
+        if rehearsal_result.limit == "time" or is_broken:
             # Every other answer would take as long, or fail by the same check.
             return
         edits = list(make_edits(self._tasks, self._answers, self._cells, operators(self._course.solutions)))
@@ -132,10 +132,10 @@ class WeekRehearsals:
         groups = group_edits([one for one in edits if isinstance(one, Edit)], self._cells, self._week)
         rehearsals = [*self._option_rehearsals(), *self._file_rehearsals()]
         rehearsals += [(rehearsal, partial(self._check_edits, group)) for group, rehearsal in groups]
-        done = self._run_rehearsals([rehearsal for rehearsal, _ in rehearsals])
-        for (_, look), made in zip(rehearsals, done, strict=True):
-            self._record_checks(made.results)
-            yield from look(made)
+        results = self._run_rehearsals([rehearsal for rehearsal, _ in rehearsals])
+        for (_, look), rehearsal_result in zip(rehearsals, results, strict=True):
+            self._record_checks(rehearsal_result.results)
+            yield from look(rehearsal_result)
         yield from self._find_idle_checks()
         yield from self._find_missing_answers()
         yield from self._find_crashes()
@@ -148,9 +148,9 @@ class WeekRehearsals:
         ids = tuple(task.id for task in self._tasks)
         plain = Rehearsal(self._week, "the solution", self._cells, ids, hollow=True)
         for row in range(1, count_options(self._tasks)):
-            own = [task for task in self._tasks if count_options([task]) > row]
-            some = replace(plain, tasks=tuple(task.id for task in own), option=row, hollow=False)
-            yield some, partial(self._check_option, own, row)
+            tasks = [task for task in self._tasks if count_options([task]) > row]
+            rehearsal = replace(plain, tasks=tuple(task.id for task in tasks), option=row, hollow=False)
+            yield rehearsal, partial(self._check_option, tasks, row)
         yield Rehearsal(self._week, "the stub", cells_of(self._exercise), ids), self._check_stub
 
     def _file_rehearsals(self) -> Iterator[tuple[Rehearsal, Look]]:
@@ -166,29 +166,31 @@ class WeekRehearsals:
             if not check.passed and check.mistake != NEEDS_ANOTHER:
                 self._failed.add(key)
 
-    def _check_solution(self, made: RehearsalResult) -> Iterator[Flaw]:
-        for error in made.cell_errors:
+    def _check_solution(self, rehearsal_result: RehearsalResult) -> Iterator[Flaw]:
+        for error in rehearsal_result.cell_errors:
             yield Flaw("solution", f"a cell raises {error}", str(self._solution))
-        for result in made.results:
+        for result in rehearsal_result.results:
             yield from self._check_full_marks("solution", "the solution", result, str(self._solution))
-        types = {(task, topic): type_name for task, topic, type_name in made.types}
+        types = {(task, topic): type_name for task, topic, type_name in rehearsal_result.types}
         for task in self._tasks:
             yield from misspelled_names(task, self._scenarios(task), types)
-        self._record_checks(result for _, _, result in made.hollow)
-        for way, remedy, result in made.hollow:
+        self._record_checks(result for _, _, result in rehearsal_result.hollow)
+        for way, remedy, result in rehearsal_result.hollow:
             if result.fraction > MOST:
                 earned = ", ".join(check.title for check in result.checks if check.passed and check.weight)
                 text = f"{result.task}: {way}: {result.score:g} of {result.points:g} points, for: {earned}"
                 yield Flaw("empty", f"{text}. Remedy: {remedy}", self._checks_file)
 
-    def _check_option(self, tasks: Sequence[Task], row: int, made: RehearsalResult) -> Iterator[Flaw]:
-        for task, result in zip(tasks, made.results, strict=True):
-            own = {name: choice for name, (choice,) in with_option(task, row).personal.items()}
+    def _check_option(
+        self, tasks: Sequence[Task], row: int, rehearsal_result: RehearsalResult
+    ) -> Iterator[Flaw]:
+        for task, result in zip(tasks, rehearsal_result.results, strict=True):
+            values = {name: choice for name, (choice,) in with_option(task, row).personal.items()}
             yield from self._check_full_marks(
-                "solution", f"the solution with {own}", result, str(self._solution)
+                "solution", f"the solution with {values}", result, str(self._solution)
             )
 
-    def _check_full_marks(self, aspect: str, what: str, result: TaskResult, place: str) -> Iterator[Flaw]:
+    def _check_full_marks(self, aspect: str, subject: str, result: TaskResult, place: str) -> Iterator[Flaw]:
         """Yield a flaw for a task without full marks, located at the first failing check."""
         if result.score < result.points or not result.passed:
             failing = [(key, check) for key, check in _checks_by_key(result) if not check.passed]
@@ -199,13 +201,13 @@ class WeekRehearsals:
             text = "; ".join([*result.errors[:1], *why])
             at = place if result.errors or not failing else self._location(failing[0][0])
             score = f"{result.score:g} of {result.points:g} points"
-            yield Flaw(aspect, f"{result.task}: {what} has {score}: {text}", at)
+            yield Flaw(aspect, f"{result.task}: {subject} has {score}: {text}", at)
 
     def _location(self, key: Key) -> str:
         return self._locations.get(key, self._checks_file)
 
-    def _check_stub(self, made: RehearsalResult) -> Iterator[Flaw]:
-        for result in made.results:
+    def _check_stub(self, rehearsal_result: RehearsalResult) -> Iterator[Flaw]:
+        for result in rehearsal_result.results:
             earned = [check.title for check in result.checks if check.score and check.weight]
             if result.score:
                 text = (
@@ -216,13 +218,13 @@ class WeekRehearsals:
                 text = f"{result.task}: the stub does not raise NotImplementedError: is # solution: missing?"
                 yield Flaw("stub", text, str(self._solution))
 
-    def _check_right_answer(self, made: RehearsalResult) -> Iterator[Flaw]:
+    def _check_right_answer(self, rehearsal_result: RehearsalResult) -> Iterator[Flaw]:
         path = self._answers.file(RIGHT)
-        for result in made.results:
+        for result in rehearsal_result.results:
             yield from self._check_full_marks("second", path.name, result, str(path))
 
-    def _check_wrong_answer(self, name: str, made: RehearsalResult) -> Iterator[Flaw]:
-        for result in made.results:
+    def _check_wrong_answer(self, name: str, rehearsal_result: RehearsalResult) -> Iterator[Flaw]:
+        for result in rehearsal_result.results:
             says = self._answers.files[name].get(result.task)
             place = location_of(self._answers.path, says or "")
             if says is None:
@@ -236,28 +238,28 @@ class WeekRehearsals:
                 text = f"{result.task}: {name}: expected a message with {says!r}, the checks say: "
                 yield Flaw("wrong", text + failure_text(result).splitlines()[0], place)
 
-    def _check_edits(self, group: Sequence[Edit], made: RehearsalResult) -> Iterator[Flaw]:
+    def _check_edits(self, group: Sequence[Edit], rehearsal_result: RehearsalResult) -> Iterator[Flaw]:
         """Yield the flaws of each edit in a notebook.
 
         An edit with flaws is run again on its own first, because the other edits may have affected
         it.
         """
-        for edit, result in zip(group, made.results, strict=True):
-            found, last = list(edit.look(result)), result
-            if found and len(group) > 1:
-                (alone,) = self._run_rehearsals([make_rehearsal([edit], self._cells, self._week)])
-                self._record_checks(alone.results)
-                (last,) = alone.results
-                found = list(edit.look(last))
+        for edit, result in zip(group, rehearsal_result.results, strict=True):
+            flaws, last = list(edit.look(result)), result
+            if flaws and len(group) > 1:
+                (single_result,) = self._run_rehearsals([make_rehearsal([edit], self._cells, self._week)])
+                self._record_checks(single_result.results)
+                (last,) = single_result.results
+                flaws = list(edit.look(last))
             if not edit.is_right:
                 self.kept[edit.name] = last.fraction
-            yield from found
+            yield from flaws
 
     def _find_crashes(self) -> Iterator[Flaw]:
         """Yield a flaw for each deletion with which the solution crashes but passes all public checks."""
         code = Code.read(self._solution)
-        found = find_false_passes(code, self._tasks, self._week, self._run_rehearsals)
-        for name, task, why in found:
+        false_passes = find_false_passes(code, self._tasks, self._week, self._run_rehearsals)
+        for name, task, why in false_passes:
             text = f"{task}: {name} the solution crashes ({why}), and all public checks pass"
             yield Flaw("wrong", f"{text}. Add a call or an input that needs it", str(self._solution))
 
@@ -336,16 +338,16 @@ def run_lesson(path: Path, seconds: float = SECONDS) -> list[Flaw]:
         command = [sys.executable, "-P", "-m", "course_lib", "run", path.name]
         environment = {**os.environ, "COURSE_STRICT": "0", CHOICE: course_package().name}
         try:
-            done = subprocess.run(
+            process = subprocess.run(
                 command, cwd=folder, env=environment, capture_output=True, text=True, timeout=seconds
             )
         except subprocess.TimeoutExpired:
             text = f"it does not end within {seconds:g} s: is there an infinite loop?"
             return [Flaw("lesson", text, str(path))]
-    output = COLOR.sub("", f"{done.stdout}\n{done.stderr}")
-    if done.returncode == 0 and "Traceback (most recent call last)" not in output:
+    output = COLOR.sub("", f"{process.stdout}\n{process.stderr}")
+    if process.returncode == 0 and "Traceback (most recent call last)" not in output:
         return []
-    return [Flaw("lesson", _reason(path, output, done.returncode), str(path))]
+    return [Flaw("lesson", _reason(path, output, process.returncode), str(path))]
 
 
 def _reason(path: Path, output: str, code: int) -> str:
@@ -410,21 +412,21 @@ def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -
     Raises:
         CourseError: course.toml cannot be read, or a week does not exist.
     """
-    known = weeks_of(course)
+    known_weeks = weeks_of(course)
     for week in weeks:
-        if week not in known:
-            suggestion = did_you_mean(week, known) or f", known: {', '.join(known)}"
+        if week not in known_weeks:
+            suggestion = did_you_mean(week, known_weeks) or f", known: {', '.join(known_weeks)}"
             raise CourseError(f"there is no {week} in {course.exercises / 'course.toml'}{suggestion}")
     with executors(jobs or os.cpu_count() or 1, None) as (_, pool, _):
-        for week in weeks or known:
+        for week in weeks or known_weeks:
             runs = _start_lessons(f"{week}_*.ipynb", course, pool)
             report = _verify_week(week, course, pool)
             flaws = (*report.flaws, *(flaw for run in runs for flaw in run.result()))
             yield replace(report, flaws=flaws, placeholders=_count_placeholders(week, course))
         runs = [] if weeks else _start_lessons("extra_*.ipynb", course, pool)
         ran = [flaw for run in runs for flaw in run.result()]
-    if not weeks and (found := [*page_flaws(EXTRAS, course), *_idle_mutants(course), *ran]):
-        yield WeekReport(EXTRAS, tuple(found), frozenset(ASPECTS) - OF_EXTRAS)
+    if not weeks and (flaws_of_extras := [*page_flaws(EXTRAS, course), *_idle_mutants(course), *ran]):
+        yield WeekReport(EXTRAS, tuple(flaws_of_extras), frozenset(ASPECTS) - OF_EXTRAS)
 
 
 def _start_lessons(pattern: str, course: Course, pool: Executor) -> list["Future[list[Flaw]]"]:
@@ -439,26 +441,26 @@ def _start_lessons(pattern: str, course: Course, pool: Executor) -> list["Future
 
 def weeks_of(course: Course) -> list[str]:
     """Return the weeks in course.toml, and the weeks that only have a check file."""
-    named = read_course_file(course.exercises / "course.toml")
-    written = (path.stem for path in (course.exercises / "checks").glob("week*.py"))
-    return sorted({*named.weeks, *named.faults, *written})
+    course_file = read_course_file(course.exercises / "course.toml")
+    check_files = (path.stem for path in (course.exercises / "checks").glob("week*.py"))
+    return sorted({*course_file.weeks, *course_file.faults, *check_files})
 
 
 def _verify_week(week: str, course: Course, pool: Executor) -> WeekReport:
-    found = [*page_flaws(week, course), *_check_quizzes(week, course), *_check_exercise(week, course)]
+    flaws = [*page_flaws(week, course), *_check_quizzes(week, course), *_check_exercise(week, course)]
     try:
         tasks = catalog_of(course).of_week(week)
         if not tasks:
-            return WeekReport(week, tuple(found), UNKNOWN)
-        broken = list(missing_files(week, course))
-        broken += _check_inputs(week, course)
-        if not broken:
+            return WeekReport(week, tuple(flaws), UNKNOWN)
+        flaws_of_files = list(missing_files(week, course))
+        flaws_of_files += _check_inputs(week, course)
+        if not flaws_of_files:
             rehearsals = WeekRehearsals(week, course, pool)
-            found += rehearsals.flaws()
-            return WeekReport(week, tuple(found), kept=rehearsals.kept)
+            flaws += rehearsals.flaws()
+            return WeekReport(week, tuple(flaws), kept=rehearsals.kept)
     except CourseError as error:
-        broken = [Flaw("files", str(error))]
-    return WeekReport(week, (*broken, *found), UNKNOWN)
+        flaws_of_files = [Flaw("files", str(error))]
+    return WeekReport(week, (*flaws_of_files, *flaws), UNKNOWN)
 
 
 def _check_inputs(week: str, course: Course) -> Iterator[Flaw]:
@@ -467,12 +469,12 @@ def _check_inputs(week: str, course: Course) -> Iterator[Flaw]:
     names = names_in(cells_of(solution)) if solution.is_file() else frozenset[str]()
     for task in catalog.of_week(week):
         yield from invalid_messages(task, task.scenarios, course.exercises / "checks" / f"{week}.py")
-        hidden = catalog.hidden.get(task.id, ())
+        hidden_scenarios = catalog.hidden.get(task.id, ())
         yield from invalid_messages(
-            replace(task, ghost=()), hidden, course.solutions / "checks" / f"{week}.py"
+            replace(task, ghost=()), hidden_scenarios, course.solutions / "checks" / f"{week}.py"
         )
         if task.kind == "node":
-            for scenarios, top in ((task.scenarios, course.exercises), (hidden, course.solutions)):
+            for scenarios, top in ((task.scenarios, course.exercises), (hidden_scenarios, course.solutions)):
                 yield from misspelled_topics(task, scenarios, names, top / "checks" / f"{week}.py")
 
 
@@ -497,10 +499,10 @@ def page_flaws(week: str, course: Course) -> Iterator[Flaw]:
         if path.is_file():
             yield from _apply_rules(path, course, FOR_ALL)
     if solution.is_file():
-        known = [path for path in sorted(course.lessons.glob("week*.ipynb")) if path.name[:6] <= week]
+        lessons = [path for path in sorted(course.lessons.glob("week*.ipynb")) if path.name[:6] <= week]
         # The rules report unreadable notebooks and syntax errors.
         with suppress(CourseError, SyntaxError):
-            yield from (Flaw("lesson", text, str(solution)) for text in untaught_names(solution, known))
+            yield from (Flaw("lesson", text, str(solution)) for text in untaught_names(solution, lessons))
 
 
 def _apply_rules(path: Path, course: Course, rules: Iterable[Rule]) -> Iterator[Flaw]:
@@ -546,11 +548,11 @@ def _check_exercise(week: str, course: Course) -> Iterator[Flaw]:
     if not (solution.is_file() and exercise.is_file()):
         return
     try:
-        made = notebook_text(exercise_from(read_notebook(solution)))
+        expected_text = notebook_text(exercise_from(read_notebook(solution)))
     except CourseError as error:
         yield Flaw("fresh", str(error), str(solution))
         return
-    if exercise.read_text(encoding="utf-8") != made:
+    if exercise.read_text(encoding="utf-8") != expected_text:
         how = "python -m course_lib.course.exercise writes it again"
         yield Flaw("fresh", f"it differs from the exercise that the solution generates: {how}", str(exercise))
 
@@ -560,10 +562,10 @@ def table(reports: Sequence[WeekReport]) -> "Table":
     from rich.table import Table
 
     # The padding is chosen so that the table fits into 80 columns.
-    made = Table("week", *ASPECTS, box=None, padding=(0, 1, 0, 0), pad_edge=False)
+    rows = Table("week", *ASPECTS, box=None, padding=(0, 1, 0, 0), pad_edge=False)
     for report in reports:
-        made.add_row(report.week, *(report.cell(aspect) for aspect in ASPECTS))
-    return made
+        rows.add_row(report.week, *(report.cell(aspect) for aspect in ASPECTS))
+    return rows
 
 
 def _count_placeholders(week: str, course: Course) -> dict[str, int]:
@@ -574,35 +576,39 @@ def _count_placeholders(week: str, course: Course) -> dict[str, int]:
     tops = [course.lessons, course.exercises / "quizzes", course.exercises / "mistakes", course.solutions]
     tops += [course.exercises / "checks", course.solutions / "checks", course.solutions / "answers"]
     files = [path for top in tops for path in top.glob(f"{week}*") if path.is_file()]
-    found = dict[str, int]()
+    counts = dict[str, int]()
     for path in files:
         text = path.read_text(encoding="utf-8", errors="replace")
         cells, _, metadata = text.rpartition('\n "metadata": {')
-        found[f"{path}, in its metadata"] = metadata.count(LEFT) if cells else 0
-        found[str(path)] = (cells or metadata).count(LEFT)
-        found[f"{path}, its picture, which is the template's"] = text.count(template_picture())
-    whole = (path for path in unchanged_files(week, course) if not found[str(path)])
-    found |= {f"{path}, which is the template's": 1 for path in whole}
-    return {place: count for place, count in found.items() if count}
+        counts[f"{path}, in its metadata"] = metadata.count(LEFT) if cells else 0
+        counts[str(path)] = (cells or metadata).count(LEFT)
+        counts[f"{path}, its picture, which is the template's"] = text.count(template_picture())
+    unchanged = (path for path in unchanged_files(week, course) if not counts[str(path)])
+    counts |= {f"{path}, which is the template's": 1 for path in unchanged}
+    return {place: count for place, count in counts.items() if count}
 
 
 def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
     """Return each flaw as one line, with paths relative to the course's folder, and a summary."""
     top = f"{course.exercises.parent}{os.sep}"
     flaws = [f"{report.week}, {flaw.aspect}: {flaw}" for report in reports for flaw in report.flaws]
-    found = [flaw.replace(top, "") for flaw in flaws]
-    found += _open_question_lines(reports)
-    found += [
+    output = [flaw.replace(top, "") for flaw in flaws]
+    output += _open_question_lines(reports)
+    output += [
         f"{place}: {count} {LEFT}".replace(top, "")
         for r in reports
         for place, count in r.placeholders.items()
     ]
-    found += [_kept_line(report) for report in reports if report.kept]
+    output += [_kept_line(report) for report in reports if report.kept]
     aspects: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
     requirements = [f"{aspect}: {text}" for aspect, text in aspects.items()]
-    bad = sum(bool(report.flaws) for report in reports)
-    end = f"{format_count(bad, 'week')} of {len(reports)} not ready." if bad else "Everything is correct."
-    return [*found, *["What must hold:"] * bool(requirements), *requirements, end]
+    week_count = sum(bool(report.flaws) for report in reports)
+    end = (
+        f"{format_count(week_count, 'week')} of {len(reports)} not ready."
+        if week_count
+        else "Everything is correct."
+    )
+    return [*output, *["What must hold:"] * bool(requirements), *requirements, end]
 
 
 def _open_question_lines(reports: Iterable[WeekReport]) -> list[str]:
@@ -622,9 +628,9 @@ def report_placeholders(course: Course) -> list[str]:
 
 def _kept_line(report: WeekReport) -> str:
     """Return a line with the median and the maximum of the points that wrong answers earn."""
-    most = max(report.kept, key=lambda name: report.kept[name])
+    slowest = max(report.kept, key=lambda name: report.kept[name])
     count, middle = format_count(len(report.kept), "wrong answer"), median(report.kept.values())
-    top = f"{report.kept[most]:.2f} ({most})"
+    top = f"{report.kept[slowest]:.2f} ({slowest})"
     return f"{report.week}: {count} keep {middle:.2f} of their task's points in the median, at most {top}"
 
 
@@ -637,8 +643,8 @@ MOST_SHOWN = 10
 def save_digests(course: Course, reports: Iterable[WeekReport]) -> None:
     """Save the digests of the weeks without flaws."""
     sound = [digest_of_week(course, report.week) for report in reports if not report.flaws]
-    known = [digest for digest in _read_digests(course) if digest not in sound]
-    text = json.dumps([*known, *sound][-200:], indent=0)
+    known_digests = [digest for digest in _read_digests(course) if digest not in sound]
+    text = json.dumps([*known_digests, *sound][-200:], indent=0)
     write_atomically(course.exercises.parent / DIGESTS_FILE, text.encode())
 
 
@@ -652,31 +658,31 @@ def refuse_broken(course: Course, tell: Callable[[str], object] = lambda _: None
     Raises:
         CourseError: A week has flaws.
     """
-    known = _read_digests(course)
-    changed = [week for week in weeks_of(course) if digest_of_week(course, week) not in known]
+    known_digests = _read_digests(course)
+    changed_weeks = [week for week in weeks_of(course) if digest_of_week(course, week) not in known_digests]
     reports = list[WeekReport]()
-    for number, week in enumerate(changed, 1):
-        tell(f"verifying {week} ({number} of {len(changed)}), which can take minutes …")
+    for number, week in enumerate(changed_weeks, 1):
+        tell(f"verifying {week} ({number} of {len(changed_weeks)}), which can take minutes …")
         for report in verify(course, [week]):
             reports.append(report)
             for flaw in report.flaws[:1]:
                 tell(f"{week}: {len(report.flaws)} to correct. {flaw.aspect}: {flaw}")
     save_digests(course, reports)
     reports.append(WeekReport(EXTRAS, tuple(page_flaws(EXTRAS, course))))
-    broken = [report for report in reports if report.flaws]
-    if broken:
-        problems = lines(broken, course)
-        shown = " | ".join(problems[:MOST_SHOWN])
-        raise CourseError(f"nothing was released. {shown} … To see all flaws, run: course verify")
+    broken_reports = [report for report in reports if report.flaws]
+    if broken_reports:
+        problems = lines(broken_reports, course)
+        summary = " | ".join(problems[:MOST_SHOWN])
+        raise CourseError(f"nothing was released. {summary} … To see all flaws, run: course verify")
 
 
 def digest_of_week(course: Course, week: str) -> str:
     """Return the digest of all files that a week's verification depends on, including earlier lessons."""
     lessons = [path for path in course.lessons.glob("week*") if path.name[:6] <= week]
-    own = [path for top in (course.exercises, course.solutions) for path in top.rglob(f"{week}*")]
+    files_of_week = [path for top in (course.exercises, course.solutions) for path in top.rglob(f"{week}*")]
     shared = [course.exercises / "course.toml", course.solutions / "answers" / "mutants.toml"]
     total = hashlib.sha256(f"{kit_digest()} {week}".encode())
-    for path in sorted({*lessons, *own, *shared}):
+    for path in sorted({*lessons, *files_of_week, *shared}):
         if path.is_file() and path.suffix != ".pyc":
             total.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
     return total.hexdigest()
@@ -684,6 +690,6 @@ def digest_of_week(course: Course, week: str) -> str:
 
 def _read_digests(course: Course) -> list[str]:
     with suppress(OSError, ValueError):
-        stored = read_json((course.exercises.parent / DIGESTS_FILE).read_text(encoding="utf-8"))
-        return [one for one in stored if isinstance(one, str)] if isinstance(stored, list) else []
+        digests = read_json((course.exercises.parent / DIGESTS_FILE).read_text(encoding="utf-8"))
+        return [one for one in digests if isinstance(one, str)] if isinstance(digests, list) else []
     return []

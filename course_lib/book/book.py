@@ -151,9 +151,9 @@ def write_guides(sources: Path) -> None:
     sources.mkdir(parents=True)
     if (root / "docs").is_dir():
         docs = root / "docs"
-        hidden = shutil.ignore_patterns(".*", "__pycache__")
+        ignore_hidden = shutil.ignore_patterns(".*", "__pycache__")
         try:
-            shutil.copytree(docs, sources, ignore=hidden, dirs_exist_ok=True)
+            shutil.copytree(docs, sources, ignore=ignore_hidden, dirs_exist_ok=True)
         # shutil.Error has the reasons in a list of tuples.
         except shutil.Error as error:
             raise CourseError(f"{docs} can't be copied: {error.args[0][0][2]}") from error
@@ -243,12 +243,14 @@ def make_page(lesson: Path, book: Path, work: Path) -> None:
     """
     prepare(work)
     notebook = run_lesson(lesson, book / "_extra" / SCENES, work)
-    others = {path.name for path in lesson.parent.glob("*.ipynb")} - {lesson.name}
+    other_lessons = {path.name for path in lesson.parent.glob("*.ipynb")} - {lesson.name}
     for cell in notebook["cells"]:
         if cell["cell_type"] == "markdown":
-            cell["source"] = _link_lessons(cell["source"], others)
+            cell["source"] = _link_lessons(cell["source"], other_lessons)
         if cell["cell_type"] == "code":
-            cell["outputs"] = [kept for output in cell["outputs"] for kept in _kept_outputs(output)]
+            cell["outputs"] = [
+                kept_output for output in cell["outputs"] for kept_output in _kept_outputs(output)
+            ]
         for name, kinds in cell.get("attachments", {}).items():
             data = base64.b64decode(next(iter(kinds.values())))
             write_atomically(book / LESSONS / "images" / lesson.stem / name, data)
@@ -259,20 +261,20 @@ def make_page(lesson: Path, book: Path, work: Path) -> None:
     write_atomically(book / LESSONS / lesson.name, notebook_text(notebook).encode())
 
 
-def _insert_banner(cells: list[Any], words: str) -> None:
+def _insert_banner(cells: list[Any], banner: str) -> None:
     """Insert text below the title of a lesson."""
     for cell in cells:
         if cell["source"].startswith("# "):
-            title, _, rest = cell["source"].partition("\n")
-            cell["source"] = f"{title}\n{words}{rest}"
+            title, _, remaining_text = cell["source"].partition("\n")
+            cell["source"] = f"{title}\n{banner}{remaining_text}"
             return
 
 
-def _link_lessons(text: str, others: set[str]) -> str:
+def _link_lessons(text: str, lesson_names: set[str]) -> str:
     """Turn the names of other lessons in Markdown into links to their pages."""
 
-    def link(named: re.Match[str]) -> str:
-        return f"[{named[0]}]({named[1]})" if named[1] in others else named[0]
+    def link(match: re.Match[str]) -> str:
+        return f"[{match[0]}]({match[1]})" if match[1] in lesson_names else match[0]
 
     return NAMED.sub(link, text)
 

@@ -64,17 +64,19 @@ def read_mesh(mesh: Mapping[str, Any]) -> PageMesh:
         return PageMesh(vertices, faces, normals, colors)
     corners = vertices[faces]
     across = _normalize(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-    apart = np.arange(faces.size).reshape(-1, 3)
-    return PageMesh(corners.reshape(-1, 3), apart, np.repeat(across, 3, axis=0), colors[faces].reshape(-1, 4))
+    separate_faces = np.arange(faces.size).reshape(-1, 3)
+    return PageMesh(
+        corners.reshape(-1, 3), separate_faces, np.repeat(across, 3, axis=0), colors[faces].reshape(-1, 4)
+    )
 
 
-def simplify(mesh: PageMesh, most: int) -> PageMesh:
-    """Simplify a mesh to at most `most` triangles, if possible.
+def simplify(mesh: PageMesh, max_faces: int) -> PageMesh:
+    """Simplify a mesh to at most `max_faces` triangles, if possible.
 
     Vertices in the same grid cell are merged if they have the same color and face the same side.
     """
     size = float(np.ptp(mesh.vertices, axis=0).max(initial=0.0))
-    if len(mesh.faces) <= most or not 0 < size < np.inf:
+    if len(mesh.faces) <= max_faces or not 0 < size < np.inf:
         return mesh
     shades = np.unique(np.ascontiguousarray(mesh.colors).view(np.uint32), return_inverse=True)[1].reshape(-1)
     axis = np.abs(mesh.normals).argmax(axis=1)
@@ -85,7 +87,7 @@ def simplify(mesh: PageMesh, most: int) -> PageMesh:
         key = np.rint(places * cells).astype(np.int64) @ [1, 512, 512**2] + 512**3 * sides
         _, first, to_new = np.unique(key, return_index=True, return_inverse=True)
         faces = _unique_triangles(to_new[mesh.faces])
-        if len(faces) <= most:
+        if len(faces) <= max_faces:
             break
     normals = _normalize(_means(mesh.normals, to_new))
     return PageMesh(_means(mesh.vertices, to_new), faces, normals, mesh.colors[first])
@@ -97,8 +99,8 @@ def encode(mesh: PageMesh) -> dict[str, Any]:
     Arrays are stored by column, and positions and indices as differences, because that compresses
     better.
     """
-    used, faces = np.unique(mesh.faces, return_inverse=True)
-    vertices = mesh.vertices[used]
+    used_vertices, faces = np.unique(mesh.faces, return_inverse=True)
+    vertices = mesh.vertices[used_vertices]
     corner, size = vertices.min(axis=0), np.ptp(vertices, axis=0).max()
     step = float(size) / STEPS or 1.0
     steps = np.rint((vertices - corner) / step)
@@ -112,9 +114,9 @@ def encode(mesh: PageMesh) -> dict[str, Any]:
         "corner": corner.tolist(),
         "step": step,
         "steps": _bytes(np.diff(steps, axis=0, prepend=0), np.int16),
-        "turns": _bytes(np.rint(mesh.normals[used] * TURNS), np.int8),
+        "turns": _bytes(np.rint(mesh.normals[used_vertices] * TURNS), np.int8),
         "corners": _bytes(corners, np.int16),
-        "colors": np.ascontiguousarray(mesh.colors[used]),
+        "colors": np.ascontiguousarray(mesh.colors[used_vertices]),
     }
 
 
@@ -127,8 +129,8 @@ def _unique_triangles(corners: AnyArray) -> AnyArray:
     """Return the triangles with three different vertices, without duplicates."""
     ordered = np.sort(corners, axis=1).astype(np.int64)
     _, first = np.unique(ordered @ [1, 2**20, 2**40], return_index=True)
-    whole = (np.diff(ordered[first], axis=1) > 0).all(axis=1)
-    different: AnyArray = corners[first[whole]]
+    is_proper = (np.diff(ordered[first], axis=1) > 0).all(axis=1)
+    different: AnyArray = corners[first[is_proper]]
     return different
 
 
@@ -155,24 +157,26 @@ SHARED = 5_000
 Object = dict[str, Any]
 
 
-def compact(packed: bytes) -> tuple[bytes, dict[str, bytes]]:
+def compact(scene_bytes: bytes) -> tuple[bytes, dict[str, bytes]]:
     """Move large meshes out of a packed scene or recording.
 
     Returns:
         The scene with references in place of these meshes, and the encoded meshes by name.
     """
-    content = msgpack.unpackb(packed, strict_map_key=False)
+    content = msgpack.unpackb(scene_bytes, strict_map_key=False)
     shared: dict[str, bytes] = {}
     meshes = list(_meshes(content))
-    most = FEWER_FACES if len({thing["vertices"].data for thing in meshes}) > MANY else MOST_FACES
-    for thing in meshes:
-        mesh = simplify(read_mesh(thing), most)
-        if len(encoding.pack(thing)) > SHARED and len(mesh.vertices) < MOST_CORNERS:
-            part = encoding.pack({"kind": "mesh", "lit": thing["lit"], **encode(mesh)})
+    max_faces = (
+        FEWER_FACES if len({mesh_command["vertices"].data for mesh_command in meshes}) > MANY else MOST_FACES
+    )
+    for mesh_command in meshes:
+        mesh = simplify(read_mesh(mesh_command), max_faces)
+        if len(encoding.pack(mesh_command)) > SHARED and len(mesh.vertices) < MOST_CORNERS:
+            part = encoding.pack({"kind": "mesh", "lit": mesh_command["lit"], **encode(mesh)})
             name = "mesh-" + hashlib.sha256(part).hexdigest()[:12]
             shared[name] = part
-            thing.clear()
-            thing.update(shared=name)
+            mesh_command.clear()
+            mesh_command.update(shared=name)
     return encoding.pack(content), shared
 
 
@@ -188,9 +192,9 @@ def script(content: bytes) -> bytes:
 def _meshes(content: Any) -> Iterator[Object]:
     for batch in content.get("batches", [content]):
         for command in batch.get("commands", ()):
-            thing = command.get("object")
-            if isinstance(thing, dict) and thing.get("kind") == "mesh":
-                yield thing
+            mesh_command = command.get("object")
+            if isinstance(mesh_command, dict) and mesh_command.get("kind") == "mesh":
+                yield mesh_command
 
 
 # Height of a scene in the page [px].
@@ -272,9 +276,9 @@ class Scenes:
     def add_viewer(self, viewer: Viewer) -> dict[str, Any]:
         """Start the scene of a viewer and return the HTML that its cell displays."""
         self.end()
-        name, words, recording = self._next(), viewer.summary(), viewer.film
+        name, summary, recording = self._next(), viewer.summary(), viewer.film
         self._playing = _Playing(name, viewer, recording.time, recording.time, copy_of(recording.scene))
-        return self._scene_html(name, words)
+        return self._scene_html(name, summary)
 
     def add_resting_view(self, view: RestingView) -> dict[str, Any]:
         """Save a finished view with its recording and return the HTML that its cell displays."""
@@ -324,16 +328,16 @@ class Scenes:
         self._count += 1
         return f"{self._lesson}-{self._count:02}"
 
-    def _scene_html(self, name: str, words: str, *, plays: bool = False) -> dict[str, Any]:
-        label = escape(" ".join(words.split()))
+    def _scene_html(self, name: str, summary: str, *, plays: bool = False) -> dict[str, Any]:
+        label = escape(" ".join(summary.split()))
         place = PLACE.format(
             height=HEIGHT, folder=self._link, name=name, label=label, plays=str(plays).lower()
         )
-        return {"text/html": place, "text/plain": words}
+        return {"text/html": place, "text/plain": summary}
 
 
-def _make_scripts(packed: bytes) -> _Scripts:
-    small, shared = compact(packed)
+def _make_scripts(scene_bytes: bytes) -> _Scripts:
+    small, shared = compact(scene_bytes)
     return _Scripts(script(small), shared)
 
 

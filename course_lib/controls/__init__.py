@@ -72,7 +72,7 @@ def slider(
     """
     import ipywidgets
 
-    chosen = Slider(
+    control = Slider(
         value=(low + high) / 2 if value is None else value,
         min=low,
         max=high,
@@ -88,6 +88,6 @@ def slider(
         text = on_change(new)
         label.value = "" if text is None else str(text)
 
-    chosen.observe(lambda change: show(change["new"]), "value")
-    show(chosen.value)
-    return ipywidgets.VBox([chosen, label])
+    control.observe(lambda change: show(change["new"]), "value")
+    show(control.value)
+    return ipywidgets.VBox([control, label])

@@ -137,8 +137,8 @@ class CourseFile:
             if name in (one for ids in groups.values() for one in ids):
                 raise CourseError(f"groups: {name} is the name of a group and the ID of a student in one")
         object.__setattr__(self, "groups", groups)
-        known = (*self.weeks, *self.faults)
-        if strange := [week for week in known if not re.fullmatch(r"week\d\d", week)]:
+        names = (*self.weeks, *self.faults)
+        if strange := [week for week in names if not re.fullmatch(r"week\d\d", week)]:
             raise CourseError(f"weeks: {strange[0]}, expected a name like week01")
 
     @property
@@ -174,8 +174,8 @@ class CourseFile:
         """
         self.require_valid(week)
         settings = self.weeks[week]
-        mine = [name for name, ids in self.groups.items() if student in ids]
-        of_groups = [settings.extensions[name] for name in mine if name in settings.extensions]
+        own_groups = [name for name, ids in self.groups.items() if student in ids]
+        of_groups = [settings.extensions[name] for name in own_groups if name in settings.extensions]
         local = settings.extensions.get(student) or max(of_groups, default=settings.deadline)
         return local and local.replace(tzinfo=self.zone)
 
@@ -245,8 +245,8 @@ def read_course_file(path: Path) -> CourseFile:
     try:
         text = path.read_text(encoding="utf-8")
         content = tomllib.loads(text)
-        found = _faulty_weeks(content)
-        faults = {week: _locate(path, text, error) for week, error in found.items()}
+        errors = _faulty_weeks(content)
+        faults = {week: _locate(path, text, error) for week, error in errors.items()}
         course: CourseFile = _read(CourseFile, content, faults=faults)
     except (OSError, ValueError, RecursionError) as error:
         raise CourseError(f"{path} can't be read: {error}") from error
@@ -258,14 +258,14 @@ def read_course_file(path: Path) -> CourseFile:
 def _faulty_weeks(content: Mapping[str, Any]) -> dict[str, "_MisfitError"]:
     """Return the error of each invalid week's table, and remove these tables from the content."""
     weeks: Any = content.get("weeks")
-    found = dict[str, _MisfitError]()
+    errors = dict[str, _MisfitError]()
     for week in list(weeks) if isinstance(weeks, dict) else ():
         try:
             _read(WeekSettings, weeks[week], ("weeks", week))
         except _MisfitError as error:
-            found[week] = error
+            errors[week] = error
             del weeks[week]
-    return found
+    return errors
 
 
 def shipped_course_file() -> CourseFile:
@@ -352,8 +352,8 @@ def _read(kind: Any, value: Any, keys: tuple[str, ...] = (), **found: Any) -> An
     if strange := sorted(value.keys() - hints.keys()):
         text = f"unknown key {strange[0]!r}, known: {', '.join(sorted(hints))}"
         raise _MisfitError((*keys, strange[0]), text)
-    needed = {f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING}
-    if missing := sorted(needed - value.keys()):
+    required_fields = {f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING}
+    if missing := sorted(required_fields - value.keys()):
         raise _MisfitError(keys, f"the key {missing[0]!r} is missing")
     items = {key: _read(hints[key], item, (*keys, key)) for key, item in value.items()}
     try:

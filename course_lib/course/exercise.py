@@ -36,9 +36,9 @@ def find_notebook(path: Path) -> Path:
         return with_suffix
     if not path.exists():
         folder = path.parent
-        near = [str(one) for one in (*folder.glob("*.ipynb"), *folder.glob("*/week*_exercise.ipynb"))]
-        begun = [one for one in near if Path(one).name.startswith(f"{path.name}_exercise.")]
-        if suggestion := did_you_mean(begun[0] if begun else str(path), near):
+        candidates = [str(one) for one in (*folder.glob("*.ipynb"), *folder.glob("*/week*_exercise.ipynb"))]
+        matches = [one for one in candidates if Path(one).name.startswith(f"{path.name}_exercise.")]
+        if suggestion := did_you_mean(matches[0] if matches else str(path), candidates):
             raise CourseError(f"there is no {path}{suggestion}")
     return path
 
@@ -83,9 +83,9 @@ def source(cell: Mapping[str, Any]) -> str:
 def stamp(notebook: Notebook, student: str) -> bool:
     """Store the student's ID in the notebook's metadata. Return whether the metadata changed."""
     course = notebook.setdefault("metadata", {}).setdefault("course", {})
-    changed = course.get("student") != student
+    is_changed = course.get("student") != student
     course["student"] = student
-    return bool(changed)
+    return bool(is_changed)
 
 
 def stamp_exercises(folder: Path, student: str) -> list[Path]:
@@ -147,7 +147,7 @@ def exercise_path(solution: Path) -> Path:
 
 def write_exercises() -> list[Path]:
     """Write all exercises from their solutions. Return the files that changed."""
-    changed = []
+    written_paths = []
     for solution in sorted(solutions_dir().glob("week*_solution.ipynb")):
         path = exercise_path(solution)
         try:
@@ -156,18 +156,18 @@ def write_exercises() -> list[Path]:
             raise CourseError(f"{solution}: {error}") from error
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             write_atomically(path, text.encode())
-            changed.append(path)
-    return changed
+            written_paths.append(path)
+    return written_paths
 
 
 def main() -> None:
     """Write the exercises and print the files that changed. An error is printed as one line."""
     try:
-        changed = write_exercises()
+        written_paths = write_exercises()
     except CourseError as error:
         sys.exit(f"error: {error}")
-    for made in changed:
-        print(f"wrote {made}")  # noqa: T201  this is the command's answer
+    for path in written_paths:
+        print(f"wrote {path}")  # noqa: T201  this is the command's answer
 
 
 if __name__ == "__main__":
@@ -198,8 +198,8 @@ def normalise(text: str) -> str:
 
 def current_identity() -> str | None:
     """Return the ID stored in the student's folder, or None."""
-    kept = student_state().get("identity", "student")
-    return kept if isinstance(kept, str) else None
+    identity = student_state().get("identity", "student")
+    return identity if isinstance(identity, str) else None
 
 
 def set_identity(text: str) -> str:
@@ -221,21 +221,21 @@ def personal_number(student: str | None, key: str, choices: int) -> int:
 
 def ask_identity() -> None:
     """Show a form for the ID unless one is stored. Without a page, print how to set it."""
-    known = current_identity()
-    if known:
-        text = f"Your ID is {known}. To change it: set_identity('another-id')"
+    identity = current_identity()
+    if identity:
+        text = f"Your ID is {identity}. To change it: set_identity('another-id')"
     elif in_notebook():
         text = "Type your student ID and press Enter or Keep."
     else:
         text = "No page to ask in, so your student ID is not set. Type: set_identity('your-id')"
-    show(lambda: _form(known, text), text)
+    show(lambda: _form(identity, text), text)
 
 
-def _form(known: str | None, text: str) -> Any:
+def _form(identity: str | None, text: str) -> Any:
     import ipywidgets as widgets
 
     field = widgets.Text(
-        value=known or "", description="Student ID", placeholder="20231234", continuous_update=False
+        value=identity or "", description="Student ID", placeholder="20231234", continuous_update=False
     )
     button = widgets.Button(description="Keep", tooltip="Keep this student ID", button_style="primary")
     answer = widgets.Label(value=text)

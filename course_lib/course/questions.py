@@ -120,20 +120,20 @@ def load_prediction(key: str) -> Question:
     Raises:
         CourseError: The prediction does not exist or does not have exactly one right answer.
     """
-    name, _, wanted = key.partition(".")
+    name, _, question_key = key.partition(".")
     predictions = {question.key: question for question in load_predictions(name)}
-    if wanted not in predictions:
-        known = ", ".join(f"{name}.{other}" for other in predictions) or "none"
-        raise CourseError(f"there is no prediction {key!r}. Predictions of {name}: {known}")
-    return predictions[wanted]
+    if question_key not in predictions:
+        known_keys = ", ".join(f"{name}.{other}" for other in predictions) or "none"
+        raise CourseError(f"there is no prediction {key!r}. Predictions of {name}: {known_keys}")
+    return predictions[question_key]
 
 
 def _load(name: str, kind: str) -> tuple[Question, ...]:
     folder = exercises_dir() / "quizzes"
     path = folder / f"{name}.toml"
     if not path.is_file():
-        known = ", ".join(sorted(quiz.stem for quiz in folder.glob("*.toml")))
-        raise CourseError(f"there is no quiz {name!r}. Quizzes: {known}")
+        known_quizzes = ", ".join(sorted(quiz.stem for quiz in folder.glob("*.toml")))
+        raise CourseError(f"there is no quiz {name!r}. Quizzes: {known_quizzes}")
     return read_questions(path, kind)
 
 
@@ -184,9 +184,9 @@ def predict(key: str) -> None:
         key: The prediction's key, like "week01.top".
     """
     question = load_prediction(key)
-    kept = student_state().get(SECTION, key)
+    saved_answer = student_state().get(SECTION, key)
     lines = [f"Predict: {question.text}", *(f"   ( ) {answer.text}" for answer in question.answers)]
-    show_form(lambda: _prediction_form(key, question, kept), "\n".join(lines))
+    show_form(lambda: _prediction_form(key, question, saved_answer), "\n".join(lines))
 
 
 def compare(key: str, measured: str = "") -> None:
@@ -223,11 +223,11 @@ def _comparison_after_choice(key: str, question: Question, measured: str) -> For
     """Return a form that shows a comparison as soon as a prediction is chosen."""
     import ipywidgets as widgets
 
-    shown = widgets.HTML(f"<b>{NO_PREDICTION}</b>")
+    output = widgets.HTML(f"<b>{NO_PREDICTION}</b>")
     on_answer: list[Callable[[], None]] = []
 
     def reveal() -> None:
-        shown.value = f"<pre>{escape(text())}</pre>"
+        output.value = f"<pre>{escape(text())}</pre>"
         for call in on_answer:
             call()
 
@@ -241,17 +241,21 @@ def _comparison_after_choice(key: str, question: Question, measured: str) -> For
 
     # A cell that runs again replaces its output.
     _waiting[key] = reveal
-    return Form(shown, saved, on_answer)
+    return Form(output, saved, on_answer)
 
 
-def _prediction_form(key: str, question: Question, kept: str | None) -> Form:
+def _prediction_form(key: str, question: Question, saved_answer: str | None) -> Form:
     import ipywidgets as widgets
 
     options = [answer.text for answer in question.answers]
     choice = widgets.RadioButtons(
-        options=options, value=kept if kept in options else None, layout={"width": "max-content"}
+        options=options,
+        value=saved_answer if saved_answer in options else None,
+        layout={"width": "max-content"},
     )
-    status = widgets.Label("Kept. Now run the next cell." if kept else "Choose one; it is kept, not marked.")
+    status = widgets.Label(
+        "Kept. Now run the next cell." if saved_answer else "Choose one; it is kept, not marked."
+    )
     on_answer: list[Callable[[], None]] = []
 
     def keep(change: dict[str, Any]) -> None:
@@ -264,9 +268,9 @@ def _prediction_form(key: str, question: Question, kept: str | None) -> Form:
                 reveal()
 
     def saved() -> tuple[str, str]:
-        chosen = question.answer(choice.value)
-        shown = (f"Predict: {question.text}", question, chosen, "")
-        return _as_html([shown]), _as_text([shown])
+        chosen_answer = question.answer(choice.value)
+        row = (f"Predict: {question.text}", question, chosen_answer, "")
+        return _as_html([row]), _as_text([row])
 
     choice.observe(keep, names="value")
     form = widgets.VBox([widgets.HTML(f"<b>Predict:</b> {question.text}"), choice, status])
@@ -301,22 +305,22 @@ def as_text(questions: tuple[Question, ...]) -> str:
 Shown = tuple[str, Question, Answer | None, str]
 
 
-def _as_text(shown: Iterable[Shown]) -> str:
+def _as_text(rows: Iterable[Shown]) -> str:
     lines = []
-    for title, question, chosen, below in shown:
+    for title, question, chosen, below in rows:
         lines.append(title)
         lines += [f"   ({'x' if answer is chosen else ' '}) {answer.text}" for answer in question.answers]
         lines += [f"   {below}"] * bool(below)
     return "\n".join(lines)
 
 
-def _as_html(shown: Iterable[Shown]) -> str:
+def _as_html(rows: Iterable[Shown]) -> str:
     """Return the questions as HTML without styles and scripts.
 
     Jupyter removes these from a notebook that is not trusted.
     """
     parts = []
-    for title, question, chosen, below in shown:
+    for title, question, chosen, below in rows:
         marks = (
             ("◉", f"<b>{escape(a.text)}</b>") if a is chosen else ("○", escape(a.text))
             for a in question.answers
@@ -329,35 +333,39 @@ def _as_html(shown: Iterable[Shown]) -> str:
 def _quiz_form(week: str, questions: tuple[Question, ...]) -> Form:
     import ipywidgets as widgets
 
-    kept = student_state().section(ANSWERS)
+    saved_answers = student_state().section(ANSWERS)
     on_answer: list[Callable[[], None]] = []
     boxes, choices = [], []
     for number, question in enumerate(questions, 1):
         key = f"{week}.{number}"
-        box, choice = _question(number, question, question.answer(kept.get(key)), key, on_answer)
+        box, choice = _question(number, question, question.answer(saved_answers.get(key)), key, on_answer)
         boxes.append(box)
         choices.append(choice)
 
     def saved() -> tuple[str, str]:
-        shown: list[Shown] = []
+        rows: list[Shown] = []
         for number, (question, choice) in enumerate(zip(questions, choices, strict=True), 1):
             chosen = None if choice.index is None else question.answers[choice.index]
-            shown.append((f"{number}. {question.text}", question, chosen, verdict(chosen) if chosen else ""))
-        return _as_html(shown), _as_text(shown)
+            rows.append((f"{number}. {question.text}", question, chosen, verdict(chosen) if chosen else ""))
+        return _as_html(rows), _as_text(rows)
 
     return Form(widgets.VBox(boxes), saved, on_answer)
 
 
 def _question(
-    number: int, question: Question, kept: Answer | None, key: str, on_answer: list[Callable[[], None]]
+    number: int,
+    question: Question,
+    saved_answer: Answer | None,
+    key: str,
+    on_answer: list[Callable[[], None]],
 ) -> tuple[Any, Any]:
     """Return the box of a question, and its radio buttons."""
     import ipywidgets as widgets
 
     texts = [answer.text for answer in question.answers]
-    index = question.answers.index(kept) if kept else None
+    index = question.answers.index(saved_answer) if saved_answer else None
     choice = widgets.RadioButtons(options=texts, index=index, layout={"width": "max-content"})
-    feedback = widgets.HTML(verdict(kept) if kept else "")
+    feedback = widgets.HTML(verdict(saved_answer) if saved_answer else "")
     wide = {"max_width": "52em"}
 
     def react(change: dict[str, Any]) -> None:

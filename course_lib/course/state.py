@@ -66,8 +66,8 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666) -> None:
 
 def find_student_folder(start: Path | None = None) -> Path | None:
     """Return the student's folder that contains `start` (default: the working directory), or None."""
-    here = (start or Path.cwd()).resolve()
-    return next((folder for folder in (here, *here.parents) if (folder / STATE_FOLDER).is_dir()), None)
+    top = (start or Path.cwd()).resolve()
+    return next((folder for folder in (top, *top.parents) if (folder / STATE_FOLDER).is_dir()), None)
 
 
 class State:
@@ -83,12 +83,12 @@ class State:
         if path is None:
             return dict(self._memory.get(name, {}))
         try:
-            kept = read_json(path.read_text(encoding="utf-8"))
+            content = read_json(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return {}
         except ValueError as error:
             raise CourseError(f"{path} is broken ({error}). Delete it and run the cell again.") from error
-        return kept if isinstance(kept, dict) else {}
+        return content if isinstance(content, dict) else {}
 
     def get(self, name: str, key: str, default: Any = None) -> Any:
         """Return a value of a section."""
@@ -171,10 +171,10 @@ class Packed:
     @property
     def by_outcome(self) -> dict[str, list[str]]:
         """The names of the tasks by outcome."""
-        found: dict[str, list[str]] = {}
+        tasks: dict[str, list[str]] = {}
         for name, outcome in self.tasks:
-            found.setdefault(outcome, []).append(name)
-        return found
+            tasks.setdefault(outcome, []).append(name)
+        return tasks
 
 
 def cell_digest(text: str) -> str:
@@ -243,17 +243,17 @@ def course_package() -> Path:
     Raises:
         CourseError: Several courses are installed and none is selected.
     """
-    found = _installed_courses()
-    if len(found) <= 1:
-        return next(iter(found.values()), PACKAGE)
-    chosen = [p for p in found.values() if Path.cwd().is_relative_to(p.parent)]
-    chosen += [p for name, p in found.items() if name == os.environ.get(CHOICE)]
-    if not chosen:
+    packages = _installed_courses()
+    if len(packages) <= 1:
+        return next(iter(packages.values()), PACKAGE)
+    candidates = [p for p in packages.values() if Path.cwd().is_relative_to(p.parent)]
+    candidates += [p for name, p in packages.items() if name == os.environ.get(CHOICE)]
+    if not candidates:
         raise CourseError(
-            f"several courses are installed: {', '.join(sorted(found))}. Change to the folder of "
-            f"one, or select it: export {CHOICE}={min(found)}"
+            f"several courses are installed: {', '.join(sorted(packages))}. Change to the folder of "
+            f"one, or select it: export {CHOICE}={min(packages)}"
         )
-    return chosen[0]
+    return candidates[0]
 
 
 @cache
@@ -320,10 +320,14 @@ def checkout_root() -> Path:
             to a course that is not installed.
     """
     root = course_package().parent
-    for here in (Path.cwd(), *Path.cwd().parents):
-        if here != root and (here / "exercises" / "course.toml").is_file() and (here / "solutions").is_dir():
+    for folder in (Path.cwd(), *Path.cwd().parents):
+        if (
+            folder != root
+            and (folder / "exercises" / "course.toml").is_file()
+            and (folder / "solutions").is_dir()
+        ):
             raise CourseError(
-                f"{here} is a course that is not installed; the installed one is {root}. Run here: "
+                f"{folder} is a course that is not installed; the installed one is {root}. Run here: "
                 "pip install -e . Or change to that folder."
             )
     if (root / "solutions").is_dir() and (root / "pyproject.toml").is_file():
@@ -367,18 +371,18 @@ def find_versions() -> Iterator[Finding]:
             # Requirements of other platforms and of extras do not apply.
             continue
         try:
-            installed = metadata.version(need.name)
+            version = metadata.version(need.name)
         except metadata.PackageNotFoundError:
             yield Finding(need.name, str(need.specifier), None, False)
         else:
-            yield Finding(need.name, str(need.specifier), installed, need.specifier.contains(installed))
+            yield Finding(need.name, str(need.specifier), version, need.specifier.contains(version))
 
 
 def check_versions() -> None:
     """Print Python and each package with ✔ or ✘, and how to fix each ✘."""
     findings = list(find_versions())
-    bad = [finding for finding in findings if not finding.fits]
+    unmet = [finding for finding in findings if not finding.fits]
     print(f"✔ Python {platform.python_version()} on {platform.system()} ({sys.prefix})")  # noqa: T201  output
     print("\n".join(finding.line for finding in findings))  # noqa: T201  the cell's output
-    verdict = f"{len(bad)} of {len(findings)} need to be fixed" if bad else "Everything is fine."
+    verdict = f"{len(unmet)} of {len(findings)} need to be fixed" if unmet else "Everything is fine."
     print(verdict)  # noqa: T201  the cell's output

@@ -116,8 +116,8 @@ class Refresh:
     def lines(self) -> list[str]:
         """Return the report, a line per kind of change."""
         return [
-            f"{what}: {', '.join(names)}"
-            for what, names in (
+            f"{label}: {', '.join(names)}"
+            for label, names in (
                 ("new", self.added),
                 ("updated", self.updated),
                 ("you edited these, so the new version is next to yours", self.beside),
@@ -133,10 +133,10 @@ def shipped_files() -> dict[str, Path]:
     ]
     notebooks = [*lessons, *exercises_dir().glob("week*.ipynb")]
     assets = [path for path in (exercises_dir() / "assets").rglob("*") if path.is_file()]
-    named = {path.name: path for path in notebooks}
+    by_name = {path.name: path for path in notebooks}
     released = (exercises_dir() / SOLUTIONS).glob("*.ipynb")
     in_folders = {path.relative_to(exercises_dir()).as_posix(): path for path in (*assets, *released)}
-    return dict(sorted((named | in_folders).items()))
+    return dict(sorted((by_name | in_folders).items()))
 
 
 def content_hash(path: Path) -> str:
@@ -183,16 +183,16 @@ def _refresh(folder: Path) -> Refresh:
     shipped = state.section("shipped")
     added, updated, beside = [], [], []
     for name, newest in shipped_files().items():
-        mine, release = folder / name, content_hash(newest)
-        if not mine.exists():
+        own_file, release = folder / name, content_hash(newest)
+        if not own_file.exists():
             added.append(name)
-            _write(newest, mine)
-        elif shipped.get(name) != release and (now := content_hash(mine)) != release:
+            _write(newest, own_file)
+        elif shipped.get(name) != release and (now := content_hash(own_file)) != release:
             if now == shipped.get(name):
                 updated.append(name)
-                _write(newest, mine)
+                _write(newest, own_file)
             else:
-                place = _free_name(mine)
+                place = _free_name(own_file)
                 beside.append(place.name)
                 _write(newest, place)
         state.put("shipped", name, release)
@@ -307,9 +307,9 @@ def _readme(root: Path) -> str:
 
     The README of a course's checkout is for authors. The README of the kit is also for students.
     """
-    written = root / (README if course_package() == PACKAGE else README_STUDENTS)
-    if written.is_file():
-        return written.read_text(encoding="utf-8")
+    readme = root / (README if course_package() == PACKAGE else README_STUDENTS)
+    if readme.is_file():
+        return readme.read_text(encoding="utf-8")
     title = read_course_file(root / "exercises" / "course.toml").title
     return FOR_STUDENTS.format(title=title or "Your course")
 
@@ -430,9 +430,9 @@ class Progress:
 
 def progress(week: Week, state: State) -> Progress:
     """Return the stored results and submissions of a week."""
-    kept, packed = state.section("progress"), state.get("packed", f"{week.name}_exercise")
+    saved_results, packed = state.section("progress"), state.get("packed", f"{week.name}_exercise")
     none = {"score": 0.0, "of": 1.0}
-    results = {task: kept.get(f"{week.name}.{task}", none) for task in week.settings.points}
+    results = {task: saved_results.get(f"{week.name}.{task}", none) for task in week.settings.points}
     done = tuple(t for t, result in results.items() if _is_done(state, f"{week.name}.{t}", result))
     file = last_packed(state, f"{week.name}_exercise") if packed else None
     source = Path(file.source) if file else None
@@ -497,17 +497,17 @@ def status(folder: Path | None = None, now: datetime | None = None) -> tuple[Tab
     Raises:
         CourseError: The student's folder does not exist.
     """
-    found = find_student_folder(folder) or find_student_folder(folder or DEFAULT_FOLDER)
-    if found is None:
+    root = find_student_folder(folder) or find_student_folder(folder or DEFAULT_FOLDER)
+    if root is None:
         place = folder or Path.cwd()
         raise CourseError(f"{place} contains no {DEFAULT_FOLDER}: run course lab first")
-    now, zone, state = now or datetime.now(UTC), shipped_course_file().zone, State(found)
+    now, zone, state = now or datetime.now(UTC), shipped_course_file().zone, State(root)
     table = Table(*HEADINGS, caption="Points are those of the public checks; grading adds hidden ones.")
     rows = [(week, progress(week, state)) for week in load_weeks()]
     for week, so_far in rows:
         table.add_row(*_cells(week, so_far, now, zone))
-    packed = [_describe_packed(week, so_far) for week, so_far in rows if so_far.packed]
-    return table, "\n".join([*packed, _next(rows)])
+    packed_lines = [_describe_packed(week, so_far) for week, so_far in rows if so_far.packed]
+    return table, "\n".join([*packed_lines, _next(rows)])
 
 
 def _cells(week: Week, so_far: Progress, now: datetime, zone: ZoneInfo) -> tuple[str, ...]:
@@ -516,23 +516,23 @@ def _cells(week: Week, so_far: Progress, now: datetime, zone: ZoneInfo) -> tuple
     if week.is_faulty:
         return (week.title, "", "", "", FAULTY)
     points = f"{so_far.points:g} of {sum(week.settings.points.values()):g}"
-    packed = f"{so_far.packed.astimezone(zone):%d %b %H:%M}" if so_far.packed else "not yet"
-    return (week.title, so_far.tasks, points, packed, _due(week.settings.deadline, now, zone))
+    packed_at = f"{so_far.packed.astimezone(zone):%d %b %H:%M}" if so_far.packed else "not yet"
+    return (week.title, so_far.tasks, points, packed_at, _due(week.settings.deadline, now, zone))
 
 
 def _due(deadline: datetime | None, now: datetime, zone: ZoneInfo) -> str:
     """Return the deadline in the course's local time, and the time left."""
     if deadline is None:
         return "no deadline"
-    left = deadline.replace(tzinfo=zone) - now
-    hours = left.total_seconds() / 3600
+    remaining_time = deadline.replace(tzinfo=zone) - now
+    hours = remaining_time.total_seconds() / 3600
     if hours < 0:
-        remaining = "over"
+        remaining_text = "over"
     elif hours < HOURS_SHOWN:
-        remaining = f"{hours:.0f} h left"
+        remaining_text = f"{hours:.0f} h left"
     else:
-        remaining = f"{left.days} days left"
-    return f"{deadline:%d %b %H:%M}, {remaining}"
+        remaining_text = f"{remaining_time.days} days left"
+    return f"{deadline:%d %b %H:%M}, {remaining_text}"
 
 
 def _describe_packed(week: Week, so_far: Progress) -> str:
@@ -556,8 +556,8 @@ def _next(rows: list[tuple[Week, Progress]]) -> str:
     """Return a sentence with the next step."""
     for week, so_far in rows:
         if so_far.open:
-            begun = "go on with" if so_far.done else "begin with"
-            return f"Next: {begun} {so_far.open[0]} in {week.exercise}; the lesson is {week.lesson}."
+            verb = "go on with" if so_far.done else "begin with"
+            return f"Next: {verb} {so_far.open[0]} in {week.exercise}; the lesson is {week.lesson}."
         if week.exercise and so_far.changed:
             return f"Next: hand in {week.name} again, it has changed: course submit {week.exercise}"
         if week.exercise and so_far.packed is None:
@@ -672,7 +672,7 @@ def _wait_for_server_url(process: "subprocess.Popen[bytes]") -> str | None:
         with suppress(OSError, ValueError, psutil.Error):
             url = str(read_json(facts.read_text())["url"])
             sockets = psutil.Process(process.pid).net_connections("tcp")
-            if any(found.status == psutil.CONN_LISTEN for found in sockets):
+            if any(connection.status == psutil.CONN_LISTEN for connection in sockets):
                 return url
         time.sleep(0.1)
     return None
@@ -711,13 +711,13 @@ def lab(
         next_step = f"Open {CONTENTS_FILE} of it in JupyterLab."
         say("\n".join([f"Your course folder: {folder}", *report, next_step]))
     else:
-        chosen = free_port(FIRST_PORT if port is None else port)
-        if port not in (None, chosen):
-            report.append(f"Port {port} is taken, using {chosen}.")
+        server_port = free_port(FIRST_PORT if port is None else port)
+        if port not in (None, server_port):
+            report.append(f"Port {port} is taken, using {server_port}.")
         say("\n".join([f"Your course folder: {folder}", *report, "Starting JupyterLab …"]))
         signal.signal(signal.SIGTERM, signal.default_int_handler)
         try:
-            with server(folder, chosen) as (process, address):
+            with server(folder, server_port) as (process, address):
                 say(f"Open this address in a browser:\n\n    {address}\n\nStop with Ctrl+C.")
                 if browser and can_open_browser():
                     webbrowser.open(address)

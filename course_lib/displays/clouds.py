@@ -122,11 +122,11 @@ def channels_of(message: Any) -> tuple[dict[str, AnyArray], list[str]]:
 
 def finite(channels: dict[str, AnyArray]) -> dict[str, AnyArray]:
     """Remove the points whose coordinates are not finite."""
-    known = [np.isfinite(channels[axis]) for axis in _XYZ if axis in channels]
-    if not known or all(axis.all() for axis in known):
+    finite_axes = [np.isfinite(channels[axis]) for axis in _XYZ if axis in channels]
+    if not finite_axes or all(axis.all() for axis in finite_axes):
         return channels
-    kept = np.logical_and.reduce(known)
-    return {name: channel[kept] for name, channel in channels.items()}
+    is_finite = np.logical_and.reduce(finite_axes)
+    return {name: channel[is_finite] for name, channel in channels.items()}
 
 
 class Transformer(NamedTuple):
@@ -139,11 +139,11 @@ class Transformer(NamedTuple):
     colors: Callable[[Cloud, PropertyHolder], tuple[Reals, Bounds]]
 
 
-def best_transformer(cloud: Cloud, wanted: str) -> str:
+def best_transformer(cloud: Cloud, preferred: str) -> str:
     """Return the transformer that RViz uses: the chosen one if the cloud supports it, else RGB8."""
     able = {name for name, transformer in TRANSFORMERS.items() if transformer.supports(cloud)}
-    if wanted in able:
-        return wanted
+    if preferred in able:
+        return preferred
     return "RGB8" if "RGB8" in able else max(able, key=lambda name: (TRANSFORMERS[name].score, name))
 
 
@@ -151,9 +151,9 @@ def rainbow(value: npt.ArrayLike) -> Float32s:
     """Return colors from red at 1 through green to violet at 0, shape (N, 3)."""
     hue = np.clip(np.nan_to_num(np.asarray(value, np.float32)), 0, 1) * 5 + 1
     part = np.minimum(hue.astype(int), 5)
-    rest = hue - part
+    remainder = hue - part
     rgb: Float32s = _RAINBOW[part - 1]
-    falls = np.where(part % 2 == 1, 1 - rest, rest)
+    falls = np.where(part % 2 == 1, 1 - remainder, remainder)
     rgb[np.arange(len(rgb)), _CHANGING[part - 1]] = np.where(hue >= 6, 0, falls)
     return rgb
 
@@ -165,18 +165,18 @@ def _intensity(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
     if name not in cloud.channels:
         return np.ones((len(cloud.positions), 3), np.float32), {}
     values = cloud.channels[name].astype(np.float32)
-    found = {}
+    bounds = {}
     if holder["Autocompute Intensity Bounds"]:
         low, high = _bounds(values, 999999.0)
-        found = {"Min Intensity": low, "Max Intensity": high}
+        bounds = {"Min Intensity": low, "Max Intensity": high}
     else:
         low, high = holder["Min Intensity"], holder["Max Intensity"]
     share = (values - low) / ((high - low) or 1e20)
     if holder["Use rainbow"]:
-        return rainbow(share if holder["Invert Rainbow"] else 1 - share), found
+        return rainbow(share if holder["Invert Rainbow"] else 1 - share), bounds
     share = np.clip(np.nan_to_num(share), 0, 1)[:, None]
     dark, bright = (np.array(holder[label]) / 255 for label in ("Min Color", "Max Color"))
-    return (bright * share + dark * (1 - share)).astype(np.float32), found
+    return (bright * share + dark * (1 - share)).astype(np.float32), bounds
 
 
 def _axis(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
@@ -185,13 +185,13 @@ def _axis(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
     if holder["Use Fixed Frame"]:
         row = cloud.transform_cloud_to_fixed[axis]
         values = (points @ row[:3] + row[3]).astype(np.float32)
-    found = {}
+    bounds = {}
     if holder["Autocompute Value Bounds"]:
         low, high = _bounds(values, 9999.0)
-        found = {f"Autocompute Value Bounds/{name} Value": v for name, v in (("Min", low), ("Max", high))}
+        bounds = {f"Autocompute Value Bounds/{name} Value": v for name, v in (("Min", low), ("Max", high))}
     else:
         low, high = holder["Min Value"], holder["Max Value"]
-    return rainbow(1 - (values - low) / ((high - low) or 0.001)), found
+    return rainbow(1 - (values - low) / ((high - low) or 0.001)), bounds
 
 
 def _flat(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
@@ -202,15 +202,15 @@ def _flat(cloud: Cloud, holder: PropertyHolder) -> tuple[Float32s, Bounds]:
 def _rgb8(cloud: Cloud, holder: PropertyHolder) -> tuple[Reals, Bounds]:
     name = "rgb" if "rgb" in cloud.channels else "rgba"
     channel = np.ascontiguousarray(cloud.channels[name])
-    packed = channel.view(channel.dtype.str.replace("f", "u")).astype("<u4")
-    bgra = packed.view(np.uint8).reshape(-1, 4)
+    color_words = channel.view(channel.dtype.str.replace("f", "u")).astype("<u4")
+    bgra = color_words.view(np.uint8).reshape(-1, 4)
     return bgra[:, [2, 1, 0] if name == "rgb" else [2, 1, 0, 3]] / np.float32(255), {}
 
 
 def _bounds(values: Float32s, limit: float) -> tuple[float, float]:
     """Return minimum and maximum as RViz computes them, starting from and clipped to a limit."""
-    known = values[~np.isnan(values)]
-    low, high = min(known.min(initial=limit), limit), max(known.max(initial=-limit), -limit)
+    numbers = values[~np.isnan(values)]
+    low, high = min(numbers.min(initial=limit), limit), max(numbers.max(initial=-limit), -limit)
     return max(float(low), -limit), min(float(high), limit)
 
 
@@ -297,8 +297,8 @@ class CloudDisplay(TopicDisplay):
         """Draw new clouds and remove expired ones."""
         super().update()
         if self._stale:
-            for shown in self._displayed:
-                self._draw(shown)
+            for displayed in self._displayed:
+                self._draw(displayed)
         self._stale = False
         if self._new or self["Decay Time"] > 0:
             while self._displayed and self._is_old(self._displayed[0].cloud):
@@ -307,7 +307,7 @@ class CloudDisplay(TopicDisplay):
             if cloud is self._new[-1] or not self._is_old(cloud):
                 self._show(cloud)
         self._new = []
-        count = sum(len(shown.cloud.positions) for shown in self._displayed)
+        count = sum(len(displayed.cloud.positions) for displayed in self._displayed)
         text = f"Showing [{count}] points from [{len(self._displayed)}] messages"
         self.statuses.set("ok", "Points", text)
 
@@ -318,19 +318,19 @@ class CloudDisplay(TopicDisplay):
 
     def _show(self, cloud: Cloud) -> None:
         self._number += 1
-        shown = DisplayedCloud(cloud, f"{self.path}/clouds/{self._number}")
-        self._displayed.append(shown)
-        self.context.scene.set_transform(shown.path, cloud.transform_cloud_to_fixed)
-        self._draw(shown)
+        displayed = DisplayedCloud(cloud, f"{self.path}/clouds/{self._number}")
+        self._displayed.append(displayed)
+        self.context.scene.set_transform(displayed.path, cloud.transform_cloud_to_fixed)
+        self._draw(displayed)
 
-    def _draw(self, shown: DisplayedCloud) -> None:
+    def _draw(self, displayed: DisplayedCloud) -> None:
         style = self["Style"]
         in_pixels = style == "Points"
         size = (self["Size (Pixels)" if in_pixels else "Size (m)"],) * 3
-        colors = self._colors(shown.cloud)
+        colors = self._colors(displayed.cloud)
         grow = not in_pixels and bool(self._values.get("Auto Size"))
-        drawn = Points(shown.cloud.positions, colors, size, in_pixels, STYLES[style], grow)
-        self.context.scene.set_object(shown.path, drawn)
+        drawable = Points(displayed.cloud.positions, colors, size, in_pixels, STYLES[style], grow)
+        self.context.scene.set_object(displayed.path, drawable)
 
     def _colors(self, cloud: Cloud) -> Float32s:
         """Return RGBA of each point, shape (N, 4). Only the channel rgba provides alpha."""
@@ -470,8 +470,8 @@ def _project_scan(scan: Any, first: Transform, last: Transform) -> dict[str, Any
         beam = np.flatnonzero((ranges < scan.range_max) & (ranges >= scan.range_min))
     angles = scan.angle_min + beam * scan.angle_increment
     points = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles]) * ranges[beam, None]
-    placed = _transform_by_time(points, beam / max(len(ranges) - 1, 1), first, last).astype(np.float32)
-    channels: dict[str, AnyArray] = dict(zip("xyz", placed.T, strict=True))
+    transformed = _transform_by_time(points, beam / max(len(ranges) - 1, 1), first, last).astype(np.float32)
+    channels: dict[str, AnyArray] = dict(zip("xyz", transformed.T, strict=True))
     if len(scan.intensities) == len(ranges):
         channels["intensity"] = np.asarray(scan.intensities, np.float32)[beam]
     return channels
@@ -486,8 +486,8 @@ def _transform_by_time(points: Matrix, share: Matrix, first: Transform, last: Tr
     start = Transform(first.parent, first.child, 0, *first.pose)
     end = Transform(last.parent, last.child, NS, *last.pose)
     matrices = np.array([interpolate(start, end, round(part * NS)).matrix() for part in share])
-    placed: Matrix = (matrices[:, :3, :3] @ points[:, :, None])[..., 0] + matrices[:, :3, 3]
-    return placed
+    transformed: Matrix = (matrices[:, :3, :3] @ points[:, :, None])[..., 0] + matrices[:, :3, 3]
+    return transformed
 
 
 def _scalar_properties(
@@ -508,8 +508,8 @@ def _scalar_properties(
         "Min Intensity": lowest,
         "Max Intensity": highest,
     }
-    changed = (replace(prop, default=defaults.get(prop.label, prop.default)) for prop in CLOUD_PROPERTIES)
-    return (*FILTER_PROPERTIES, *changed)
+    properties = (replace(prop, default=defaults.get(prop.label, prop.default)) for prop in CLOUD_PROPERTIES)
+    return (*FILTER_PROPERTIES, *properties)
 
 
 class ScalarDisplay(CloudDisplay):
@@ -525,8 +525,8 @@ class ScalarDisplay(CloudDisplay):
         if transform is None:
             return
         channels = {axis: np.zeros(1, np.float32) for axis in "xyz"}
-        measured = np.array([getattr(message, self.field)], np.float64)
-        self.keep(Cloud({**channels, self.field: measured}, transform, self.context.now_ns))
+        values = np.array([getattr(message, self.field)], np.float64)
+        self.keep(Cloud({**channels, self.field: values}, transform, self.context.now_ns))
 
 
 class TemperatureDisplay(ScalarDisplay):
@@ -637,10 +637,10 @@ def project_depths(depth: Float32s, info: Any) -> Float32s:
 
 def _depth_channels(points: Float32s, rgb: Pixels) -> dict[str, AnyArray]:
     """Return the channels of the finite points, with their colors packed as RGB."""
-    known = np.isfinite(points).all(axis=-1)
-    parts = rgb[known].astype(np.uint32)
-    packed = parts[:, 0] << 16 | parts[:, 1] << 8 | parts[:, 2]
-    return dict(zip("xyz", points[known].T, strict=True)) | {"rgb": packed.view(np.float32)}
+    is_finite = np.isfinite(points).all(axis=-1)
+    parts = rgb[is_finite].astype(np.uint32)
+    packed_colors = parts[:, 0] << 16 | parts[:, 1] << 8 | parts[:, 2]
+    return dict(zip("xyz", points[is_finite].T, strict=True)) | {"rgb": packed_colors.view(np.float32)}
 
 
 class Shadows:
@@ -670,10 +670,10 @@ class Shadows:
         self._points[self._seen < now - timeout] = np.nan
         depth, before = points[..., 2], self._points[..., 2]
         hides = np.isnan(depth) | (depth < before - np.float32(_SHADOW))
-        hidden, hidden_rgb = self._points[hides], self._rgb[hides]
+        hidden_points, hidden_rgb = self._points[hides], self._rgb[hides]
         self._points[~hides], self._rgb[~hides], self._seen[~hides] = points[~hides], rgb[~hides] // 2, now
         return (
-            np.concatenate([points.reshape(-1, 3), hidden]),
+            np.concatenate([points.reshape(-1, 3), hidden_points]),
             np.concatenate([rgb.reshape(-1, 3), hidden_rgb]),
         )
 
@@ -749,8 +749,8 @@ class DepthCloudDisplay(CloudDisplay):
     def qos(self) -> Qos:
         """Return the quality of service that both image subscriptions request."""
         policy = self["Reliability Policy"]
-        asked = {} if policy == "System Default" else {"reliability": policy.lower().replace(" ", "_")}
-        return Qos(depth=self["Queue Size"], **asked)
+        reliability = {} if policy == "System Default" else {"reliability": policy.lower().replace(" ", "_")}
+        return Qos(depth=self["Queue Size"], **reliability)
 
     def make_subscriptions(self) -> tuple[Subscription, ...]:
         """Subscribe to depths and camera info, and to colors if they have a topic."""
@@ -771,8 +771,10 @@ class DepthCloudDisplay(CloudDisplay):
 
     def _images(self, topic: str, take: Any) -> Subscription:
         hint = self[_HINTS[topic]]
-        packed = hint != "raw"
-        return self.subscription(self[topic] + f"/{hint}" * packed, PACKED if packed else IMAGE, take)
+        is_compressed = hint != "raw"
+        return self.subscription(
+            self[topic] + f"/{hint}" * is_compressed, PACKED if is_compressed else IMAGE, take
+        )
 
     def _on_info(self, message: Any) -> None:
         self._info = message

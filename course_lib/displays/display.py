@@ -61,10 +61,10 @@ class RvizNode:
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> int:
         """Return the endpoint of a publisher; it is created on first use."""
-        wanted = (topic, type_name, qos)
-        if wanted not in self._publishers:
-            self._publishers[wanted] = self._graph.add_publisher(self._id(), *wanted)
-        return self._publishers[wanted]
+        key = (topic, type_name, qos)
+        if key not in self._publishers:
+            self._publishers[key] = self._graph.add_publisher(self._id(), *key)
+        return self._publishers[key]
 
     def withdraw(self, topic: str, type_name: str, qos: Qos) -> None:
         """Remove a publisher, if it exists."""
@@ -108,8 +108,8 @@ class RvizNode:
 
     def _client(self, name: str, kind: Any) -> int:
         """Add both endpoints of a client, and return the endpoint that sends requests."""
-        (asked, answered) = (f"{prefix}{name}{suffix}" for prefix, suffix in SERVICE_TOPICS)
-        client = self._graph.add_publisher(self._id(), asked, type_name(kind.Request), _SERVICE)
+        (request_topic, reply_topic) = (f"{prefix}{name}{suffix}" for prefix, suffix in SERVICE_TOPICS)
+        client = self._graph.add_publisher(self._id(), request_topic, type_name(kind.Request), _SERVICE)
 
         def take(data: bytes, source_ns: int, received_ns: int) -> None:
             addressee, number = SERVICE_HEADER.unpack_from(data)
@@ -117,7 +117,7 @@ class RvizNode:
                 response = deserialize(data[SERVICE_HEADER.size :], kind.Response)
                 self._waiting.pop(number)(response)
 
-        self._graph.add_subscription(self._id(), 0, answered, type_name(kind.Response), _SERVICE, take)
+        self._graph.add_subscription(self._id(), 0, reply_topic, type_name(kind.Response), _SERVICE, take)
         return client
 
 
@@ -356,9 +356,9 @@ class Group:
             if isinstance(member, Group):
                 yield from member.groups()
 
-    def find_group_of(self, wanted: Union[Display, "Group"]) -> "Group":
+    def find_group_of(self, member: Union[Display, "Group"]) -> "Group":
         """Return the group that directly contains a member of the tree."""
-        return next(group for group in self.groups() if any(m is wanted for m in group.members))
+        return next(group for group in self.groups() if any(m is member for m in group.members))
 
 
 def is_deliverable(sample: Sample, subscription: Subscription, match_qos: bool) -> bool:
@@ -394,8 +394,10 @@ def qos_properties(default: str = "", label: str = "Topic") -> tuple[Property, .
 
 def qos_of(holder: PropertyHolder, label: str = "Topic") -> Qos:
     """Return the quality of service described by the properties below a topic."""
-    chosen = {field: holder[f"{label}/{field.title()} Policy"] for field in _POLICIES}
-    policies = {f: word.lower().replace(" ", "_") for f, word in chosen.items() if word != "System Default"}
+    policy_words = {field: holder[f"{label}/{field.title()} Policy"] for field in _POLICIES}
+    policies = {
+        f: word.lower().replace(" ", "_") for f, word in policy_words.items() if word != "System Default"
+    }
     return Qos(depth=holder[f"{label}/Depth"], **policies)
 
 
@@ -547,16 +549,18 @@ class TopicDisplay(Display):
         # any more when newer messages are shown: the publisher has been corrected, or replaced.
         if self._processed_ns - self._dropped_ns >= OUTDATED_AFTER:
             self.statuses.hint("Dropped")
-        still = [m for received_ns, m in self._waiting if self._processed_ns - received_ns < OUTDATED_AFTER]
+        remaining = [
+            m for received_ns, m in self._waiting if self._processed_ns - received_ns < OUTDATED_AFTER
+        ]
         problem = None
-        if still:
+        if remaining:
             # A message that only waits for the next transform is normal. It gets a hint if its
             # frame is unknown, or if its stamp is far from the current time.
-            header = still[0].header
+            header = remaining[0].header
             distance_ns = abs(self.context.now_ns - nanoseconds(header.stamp))
             if self.context.frames.transform(header.frame_id) is None or distance_ns > HINT_AFTER:
-                problem = self.transform_problem(still[-1])
-        hint = [f"{format_count(len(still), 'message')} waiting for tf2. {problem}"] if problem else []
+                problem = self.transform_problem(remaining[-1])
+        hint = [f"{format_count(len(remaining), 'message')} waiting for tf2. {problem}"] if problem else []
         self.statuses.hint("Waiting", *hint)
 
     def _drop(self, message: Any, reason: str) -> None:
@@ -637,8 +641,12 @@ class DrawnDisplay(TopicDisplay):
     def draw(self) -> None:
         """Put the drawables into the scene, replacing earlier ones."""
         scene, node, drawables = self.context.scene, f"{self.path}/drawn", self.drawables()
-        old = scene.find(node)
-        for name in {path.rpartition("/")[2] for path in old.children} - drawables.keys() if old else ():
+        previous_node = scene.find(node)
+        for name in (
+            {path.rpartition("/")[2] for path in previous_node.children} - drawables.keys()
+            if previous_node
+            else ()
+        ):
             scene.delete(f"{node}/{name}")
         for name, drawable in drawables.items():
             scene.set_object(f"{node}/{name}", drawable)

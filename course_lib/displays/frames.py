@@ -30,9 +30,9 @@ def frame_name(frame: str) -> str:
         CourseError: It is not a string; `map` without quotes is a built-in function.
     """
     if not isinstance(frame, str):
-        given = getattr(frame, "__name__", repr(frame))
+        type_text = getattr(frame, "__name__", repr(frame))
         raise CourseError(
-            f'the fixed frame {given} is not a string. Write its name in quotes: fixed_frame="map"'
+            f'the fixed frame {type_text} is not a string. Write its name in quotes: fixed_frame="map"'
         )
     return frame.removeprefix("/")
 
@@ -85,20 +85,20 @@ class Frames:
         error = self.buffer.can_transform(self.fixed_frame, frame, stamp_ns)
         if error is None:
             return None
-        known = self.buffer.frames()
-        if self.fixed_frame not in known:
+        frames = self.buffer.frames()
+        if self.fixed_frame not in frames:
             return f"For frame [{frame}]: Fixed Frame [{self.fixed_frame}] does not exist"
-        if frame not in known:
+        if frame not in frames:
             return f"For frame [{frame}]: Frame [{frame}] does not exist"
         return f"No transform to fixed frame [{self.fixed_frame}]. TF error: [{error}]"
 
     def global_status(self) -> tuple[Level, str]:
         """Return RViz's status of the fixed frame."""
-        known = self.buffer.frames()
-        if self.fixed_frame in known:
+        frames = self.buffer.frames()
+        if self.fixed_frame in frames:
             return "ok", "OK"
         problem = f"Frame [{self.fixed_frame}] does not exist"
-        return ("error", problem) if known else ("warn", f"No tf data.  Actual error: {problem}")
+        return ("error", problem) if frames else ("warn", f"No tf data.  Actual error: {problem}")
 
 
 def nanoseconds(time: Any) -> int:

@@ -74,9 +74,9 @@ class Range:
 
     def add(self, values: AnyArray, window: int) -> tuple[float, float]:
         """Add the values of one image, and return the medians over the last `window` images."""
-        known = values[np.isfinite(values)]
+        finite_values = values[np.isfinite(values)]
         # RViz's initial values.
-        low, high = float(known.min(initial=65535)), float(known.max(initial=0))
+        low, high = float(finite_values.min(initial=65535)), float(finite_values.max(initial=0))
         if window < 2:
             return low, high
         return _median(self._lows, low, window), _median(self._highs, high, window)
@@ -136,8 +136,8 @@ def zoom_image(pixels: Pixels, zoom: float) -> Pixels:
     row, column = (np.floor(place).astype(int) for place in places)
     inside = [(index >= 0) & (index < n) for index, n in zip((row, column), pixels.shape[:2], strict=True)]
     picked = pixels[row.clip(0, len(pixels) - 1)][:, column.clip(0, pixels.shape[1] - 1)]
-    shown: Pixels = picked * (inside[0][:, None] & inside[1])[..., None].astype(np.uint8)
-    return shown
+    zoomed: Pixels = picked * (inside[0][:, None] & inside[1])[..., None].astype(np.uint8)
+    return zoomed
 
 
 def _scale_to_bytes(values: AnyArray, limits: Limits) -> Bytes:
@@ -154,12 +154,12 @@ def rows_of(message: Any, kind: str, count: int) -> AnyArray:
     """Return the values of each pixel, shape (height, width, count). Rows may be padded."""
     dtype = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
     height, width = message.height, message.width
-    used = width * count * dtype.itemsize
-    step = message.step or used
-    if not height or not width or step < used or len(message.data) < step * (height - 1) + used:
+    row_bytes = width * count * dtype.itemsize
+    step = message.step or row_bytes
+    if not height or not width or step < row_bytes or len(message.data) < step * (height - 1) + row_bytes:
         raise ValueError(
             f"the image has {len(message.data)} bytes; {width} x {height} pixels of "
-            f"{message.encoding} with step {message.step} take {max(step, used) * height}."
+            f"{message.encoding} with step {message.step} take {max(step, row_bytes) * height}."
         )
     strides = (step, count * dtype.itemsize, dtype.itemsize)
     return np.ndarray((height, width, count), dtype, memoryview(message.data), 0, strides)
@@ -223,8 +223,8 @@ class PictureDisplay(TopicDisplay):
 
     def make_subscriptions(self) -> tuple[Subscription, ...]:
         """Subscribe to the topic, whose last component may be the compression."""
-        packed = self["Topic"].rpartition("/")[2] == "compressed"
-        return (self.subscription(self["Topic"], PACKED if packed else IMAGE, self.receive),)
+        is_compressed = self["Topic"].rpartition("/")[2] == "compressed"
+        return (self.subscription(self["Topic"], PACKED if is_compressed else IMAGE, self.receive),)
 
     def process(self, message: Any) -> None:
         """Keep an image for the next frame. If several arrive, RViz shows the last one."""
@@ -238,8 +238,10 @@ class PictureDisplay(TopicDisplay):
             return
         self.statuses.delete("Image")
         try:
-            packed = hasattr(message, "format")
-            pixels = decode_compressed(message, self.limits) if packed else rgb_of(message, self.limits)
+            is_compressed = hasattr(message, "format")
+            pixels = (
+                decode_compressed(message, self.limits) if is_compressed else rgb_of(message, self.limits)
+            )
         except UnsupportedEncodingError as error:
             self.statuses.set("error", "Image", str(error))
         except ValueError as error:
@@ -312,9 +314,11 @@ class CameraDisplay(PictureDisplay):
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
         """Set properties from a layout, where Visibility has a Value among the displays."""
-        seen = config.get("Visibility")
-        if isinstance(seen, Mapping):
-            flat = {name: on for name, on in seen.items() if name != "Value" and not isinstance(on, Mapping)}
+        visibility = config.get("Visibility")
+        if isinstance(visibility, Mapping):
+            flat = {
+                name: on for name, on in visibility.items() if name != "Value" and not isinstance(on, Mapping)
+            }
             config = {**config, "Visibility": {"Value": flat}}
         return super().load(config)
 
@@ -352,11 +356,13 @@ class CameraDisplay(PictureDisplay):
     def _inset(self, pixels: Pixels, camera: Camera, columns_per_row: float) -> Inset:
         rendering, p = self["Image Rendering"], self._info.p
         over = 0.0 if rendering == _BACK else self["Overlay Alpha"]
-        hidden = tuple(f"displays/{node_name(name)}" for name, on in self["Visibility"].items() if not on)
+        hidden_paths = tuple(
+            f"displays/{node_name(name)}" for name, on in self["Visibility"].items() if not on
+        )
         # Pixels need not be square.
         aspect = columns_per_row * p[5] / p[0]
         zoomed_in = zoom_image(pixels, self["Zoom Factor"])
-        return Inset(zoomed_in, aspect, camera, rendering != _OVER, over, hidden)
+        return Inset(zoomed_in, aspect, camera, rendering != _OVER, over, hidden_paths)
 
     def _on_info(self, message: Any) -> None:
         self._info = message
@@ -380,13 +386,13 @@ class CameraDisplay(PictureDisplay):
         fy, cy, ty = self._info.p[[5, 6, 7]]
         if fx <= 0 or fy <= 0:
             return None
-        right, down, ahead, place = transform_optical_to_fixed[:3].T
+        right, down, forward, place = transform_optical_to_fixed[:3].T
         # For stereo, the position is relative to the left camera.
         eye = place - right * tx / fx + down * ty / fy
         zoom = self["Zoom Factor"]
         return Camera(
             eye=tuple(eye),
-            target=tuple(eye + ahead),
+            target=tuple(eye + forward),
             up=tuple(-down),
             vertical_fov=2 * atan(height / 2 / fy / zoom),
             shift=((cx - width / 2) / height * fy / fx * zoom, (cy - height / 2) / height * zoom),

@@ -212,13 +212,13 @@ class MarkerClient:
             self._set_status("ok", f"Pushing update with sequence number {update.seq_num}")
             self._actions.follow(update)
 
-    def _missing(self, things: Iterable[Any]) -> tuple[str, bool]:
+    def _missing(self, items: Iterable[Any]) -> tuple[str, bool]:
         """Return why tf2 cannot place markers or poses: an error, and whether to wait for transforms."""
         waits = False
         headers = []
-        for thing in things:
-            headers.append(thing.header)
-            controls = getattr(thing, "controls", ())
+        for item in items:
+            headers.append(item.header)
+            controls = getattr(item, "controls", ())
             headers += [m.header for control in controls for m in control.markers if m.header.frame_id]
         for header in headers:
             error = self._problem(header)
@@ -275,13 +275,13 @@ class SceneControl:
 
     def drawn(self, pose: Matrix, camera: Matrix) -> Matrix:
         """Return the pose of its markers, shape (4, 4)."""
-        placed = pose.copy()
+        drawn_pose = pose.copy()
         is_apart = (
             self.message.orientation_mode == VIEW_FACING and self.message.independent_marker_orientation
         )
         if not is_apart:
-            placed[:3, :3] = self.orientation(pose, camera)
-        return placed
+            drawn_pose[:3, :3] = self.orientation(pose, camera)
+        return drawn_pose
 
 
 class SceneMarker:
@@ -323,7 +323,7 @@ class SceneMarker:
 
     def show(self, message: Message) -> None:
         """Draw a message, replacing an earlier one."""
-        turned = {control.message.name: control.turned for control in self.controls}
+        angles = {control.message.name: control.turned for control in self.controls}
         self.message = message
         self._context.scene.delete(self.path)
         self._set_pose(message.header, message.pose)
@@ -331,13 +331,13 @@ class SceneMarker:
         scene.set_object(f"{self.path}/axes", axes(message.scale, 0.05 * message.scale))
         above = f"{self.path}/controls"
         self.controls = [
-            self._draw_control(control, f"{above}/{node_name(control.name)}", turned.get(control.name, 0.0))
+            self._draw_control(control, f"{above}/{node_name(control.name)}", angles.get(control.name, 0.0))
             for control in message.controls
         ]
         self.controls.append(self._draw_control(title(message), f"{self.path}/title", 0.0))
-        held = {control.message.name: control for control in self.controls[:-1]}
+        controls_by_name = {control.message.name: control for control in self.controls[:-1]}
         if self._pressed_control is not None:
-            self._pressed_control = held.get(self._pressed_control.message.name)
+            self._pressed_control = controls_by_name.get(self._pressed_control.message.name)
         text = f"Locked to frame {self._frame}" if self._locked else "Position is fixed."
         self._statuses.set("ok", message.name, text)
         self._follow(changed=True)
@@ -364,10 +364,10 @@ class SceneMarker:
         local = pointer.transformed_to(inward)
         grab = self._pose[:3, 3] if point is None else _transform_point(inward, point)
         self._camera = local.axes
-        turned = control.orientation(self._pose, local.axes) @ control.axes
+        axes = control.orientation(self._pose, local.axes) @ control.axes
         mode = control.message.interaction_mode
         self._pressed_control = control
-        self._drag = Drag(mode, turned, grab, self._pose, local, self._pose)
+        self._drag = Drag(mode, axes, grab, self._pose, local, self._pose)
         if self.shows_aids and mode in _HELPED and control.message.orientation_mode != VIEW_FACING:
             ends = np.outer((1, -1), control.axes[:, 0] * _AID)
             self._context.scene.set_object(f"{control.path}/aid", Lines(ends, (1.0, 1.0, 1.0, 1.0)))
@@ -406,8 +406,8 @@ class SceneMarker:
     def choose(self, entry: int) -> None:
         """Report the choice of a menu entry."""
         name, point = self._asked
-        known = next((c for c in self.controls if c.message.name == name), self.controls[-1])
-        self.report(MENU_SELECT, known, point, menu_entry_id=entry)
+        control = next((c for c in self.controls if c.message.name == name), self.controls[-1])
+        self.report(MENU_SELECT, control, point, menu_entry_id=entry)
 
     def report(self, event: int, control: SceneControl, point: Floats | None, menu_entry_id: int = 0) -> None:
         """Send feedback, in the reference frame if the marker is locked to it, else in the fixed frame."""
@@ -432,10 +432,10 @@ class SceneMarker:
             _write_point(feedback.mouse_point, _transform_point(inward, point))
         self._send(feedback)
 
-    def _draw_control(self, message: Message, path: str, turned: float) -> SceneControl:
+    def _draw_control(self, message: Message, path: str, angle: float) -> SceneControl:
         """Draw a control."""
         scene = self._context.scene
-        control = SceneControl(message, path, rotation_of(message.orientation), turned)
+        control = SceneControl(message, path, rotation_of(message.orientation), angle)
         for number, part in enumerate(part for part in message.markers if part.type in DRAW):
             node = f"{path}/{number}"
             # A marker with a frame of its own stays where that frame is now.
@@ -495,8 +495,8 @@ class SceneMarker:
 
 def _transform_point(transform: Matrix, point: Floats) -> Floats:
     """Transform a point."""
-    moved: Floats = transform[:3, :3] @ point + transform[:3, 3]
-    return moved
+    transformed: Floats = transform[:3, :3] @ point + transform[:3, 3]
+    return transformed
 
 
 def _write_point(point: Message, numbers: Floats) -> None:
@@ -616,9 +616,9 @@ class InteractiveMarkersDisplay(Display):
         entries = {} if marker is None else {one.id: one for one in marker.message.menu_entries}
         if marker is None or entry not in entries:
             raise CourseError("This entry is no longer in the menu.")
-        chosen = entries[entry]
-        if chosen.command_type in _COMMANDS:
-            command = f"{_COMMANDS[chosen.command_type]} {chosen.command}"
+        chosen_entry = entries[entry]
+        if chosen_entry.command_type in _COMMANDS:
+            command = f"{_COMMANDS[chosen_entry.command_type]} {chosen_entry.command}"
             return f"RViz2 would run a command. Run it in a cell: %{command}"
         marker.choose(entry)
         return ""
@@ -735,15 +735,15 @@ def _pointer(order: UseControl) -> Pointer:
 def _items(entries: Iterable[Message]) -> Iterator[MenuItem]:
     """Yield the entries of a menu, each one before its submenu."""
     entries = list(entries)
-    known = {0}
+    visited = {0}
     parents = {entry.parent_id for entry in entries}
 
     def below(parent: int, depth: int) -> Iterator[MenuItem]:
-        for entry in (entry for entry in entries if entry.parent_id == parent and entry.id not in known):
-            known.add(entry.id)
-            box, words = _BOXES.get(entry.title[:3], ""), entry.title
-            shown = f"{box}{words[3:]}" if box else f"\u3000{words}"
-            yield MenuItem(entry.id, "\u3000" * depth + shown, entry.id in parents)
+        for entry in (entry for entry in entries if entry.parent_id == parent and entry.id not in visited):
+            visited.add(entry.id)
+            box, title = _BOXES.get(entry.title[:3], ""), entry.title
+            label = f"{box}{title[3:]}" if box else f"\u3000{title}"
+            yield MenuItem(entry.id, "\u3000" * depth + label, entry.id in parents)
             yield from below(entry.id, depth + 1)
 
     return below(0, 0)

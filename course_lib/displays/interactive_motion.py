@@ -68,10 +68,10 @@ def complete(marker: Message, transparent: bool) -> None:
 
 def title(marker: Message) -> Message:
     """Return the control that shows the description of an interactive marker."""
-    words = _text_marker(marker.description, 0.15 * marker.scale)
-    words.pose.position.z = 1.4 * marker.scale
+    text_marker = _text_marker(marker.description, 0.15 * marker.scale)
+    text_marker.pose.position.z = 1.4 * marker.scale
     control = make("visualization_msgs/msg/InteractiveMarkerControl")
-    control.orientation_mode, control.always_visible, control.markers = VIEW_FACING, True, [words]
+    control.orientation_mode, control.always_visible, control.markers = VIEW_FACING, True, [text_marker]
     return control
 
 
@@ -103,8 +103,8 @@ def _ring(marker: Message, control: Message) -> Iterable[Message]:
     corners, shades = _PIECES.get(control.interaction_mode, _plain)()
     angles = np.arange(_STEPS) * (2 * math.pi / _STEPS)
     circle = np.column_stack([np.zeros(_STEPS), 0.5 * np.cos(angles), 0.5 * np.sin(angles)])
-    both = np.stack([circle, (1 + _WIDTH) * circle])
-    ring.points = _points(both[corners[:, 0], corners[:, 1] % _STEPS])
+    circles = np.stack([circle, (1 + _WIDTH) * circle])
+    ring.points = _points(circles[corners[:, 0], corners[:, 1] % _STEPS])
     c = ring.color
     ring.colors = [
         make("std_msgs/msg/ColorRGBA", r=c.r * shade, g=c.g * shade, b=c.b * shade, a=1.0) for shade in shades
@@ -116,9 +116,9 @@ def _button(marker: Message, control: Message) -> Iterable[Message]:
     """Yield the description of a menu, above the marker."""
     control.orientation_mode, control.independent_marker_orientation = VIEW_FACING, False
     size = 0.25 * marker.scale
-    words = _text_marker(control.description, size)
-    words.pose.position.x, words.pose.position.z = -0.1 * size, 1.2 * marker.scale - 0.1 * size
-    yield words
+    text_marker = _text_marker(control.description, size)
+    text_marker.pose.position.x, text_marker.pose.position.z = -0.1 * size, 1.2 * marker.scale - 0.1 * size
+    yield text_marker
 
 
 # Corners of triangles as (circle, step), with the inner circle 0 and the outer 1, and a shade per
@@ -166,8 +166,8 @@ def _handle(kind: int, control: Message, scale: tuple[float, ...]) -> Message:
     return marker
 
 
-def _text_marker(words: str, size: float) -> Message:
-    marker = make("visualization_msgs/msg/Marker", type=_TEXT, text=words)
+def _text_marker(text: str, size: float) -> Message:
+    marker = make("visualization_msgs/msg/Marker", type=_TEXT, text=text)
     marker.scale.x = marker.scale.y = marker.scale.z = size
     marker.color.r = marker.color.g = marker.color.b = marker.color.a = 1.0
     return marker
@@ -188,8 +188,8 @@ _TURN = 2 * 3.14 / 300
 @lru_cache(maxsize=8)
 def axes_of(camera: Camera) -> Matrix:
     """Return the axes of a camera's image as rows: right, up and ahead, shape (3, 3)."""
-    right, up, behind = camera.view_matrix()[:3, :3]
-    axes = np.array([right, up, -behind])
+    right, up, backward = camera.view_matrix()[:3, :3]
+    axes = np.array([right, up, -backward])
     axes.setflags(write=False)
     return axes
 
@@ -218,8 +218,8 @@ class Pointer:
     @property
     def at(self) -> Floats:
         """The position of the pointer in the image, right and up, in pixels from a fixed point."""
-        right, up, ahead = self.axes @ (self.origin if self.flat else self.direction)
-        return np.array([right, up]) / (self.pixel if self.flat else self.pixel * ahead)
+        right, up, depth = self.axes @ (self.origin if self.flat else self.direction)
+        return np.array([right, up]) / (self.pixel if self.flat else self.pixel * depth)
 
     def shifted(self, right: float, up: float) -> "Pointer":
         """Return the pointer moved by some pixels."""
@@ -232,22 +232,22 @@ class Pointer:
     def intersect_plane(self, point: Floats, normal: Floats) -> Floats | None:
         """Return the intersection of the ray with a plane, or None."""
         slope = float(normal @ self.direction)
-        far = float(normal @ (point - self.origin)) / slope if abs(slope) > _TINY else -1.0
-        return self.origin + far * self.direction if far >= 0 else None
+        distance = float(normal @ (point - self.origin)) / slope if abs(slope) > _TINY else -1.0
+        return self.origin + distance * self.direction if distance >= 0 else None
 
     def nearest_on_line(self, point: Floats, direction: Floats) -> Floats | None:
         """Return the point of a line that appears nearest to the pointer; None for a line along the ray."""
         depth = 1.0 if self.flat else float(self.axes[2] @ (point - self.origin))
         if depth < _TINY:
             return None
-        seen = self.axes @ (point - self.origin)
+        start_in_view = self.axes @ (point - self.origin)
         along = self.axes @ direction
-        slope = along[:2] - (0 if self.flat else seen[:2] * along[2] / depth)
+        slope = along[:2] - (0 if self.flat else start_in_view[:2] * along[2] / depth)
         slope /= depth * self.pixel
         if slope @ slope < 1e-6:
             return None
         ray = self.axes @ self.direction
-        start = seen[:2] / (depth * self.pixel) - (0 if self.flat else ray[:2] / ray[2] / self.pixel)
+        start = start_in_view[:2] / (depth * self.pixel) - (0 if self.flat else ray[:2] / ray[2] / self.pixel)
         nearest = self.shifted(*(start - slope * (start @ slope) / (slope @ slope)))
         return nearest._crossing(point, direction)
 
@@ -257,11 +257,11 @@ class Pointer:
         bottom = 1.0 - across * across
         if bottom < _TINY:
             return None
-        apart = point - self.origin
-        far = (float(apart @ self.direction) * across - float(apart @ direction)) / bottom
-        found = point + far * direction
-        ahead = float(self.axes[2] @ (found - self.origin))
-        return found if self.flat or ahead > 0 else None
+        offset = point - self.origin
+        distance = (float(offset @ self.direction) * across - float(offset @ direction)) / bottom
+        crossing = point + distance * direction
+        depth = float(self.axes[2] @ (crossing - self.origin))
+        return crossing if self.flat or depth > 0 else None
 
 
 @dataclass(frozen=True)
@@ -292,8 +292,8 @@ class Drag:
         if (shift, ctrl) != (self.shift, self.ctrl):
             # Another key changes the kind of motion, so the drag starts again at the current pose.
             grab = self.grab + self.pose[:3, 3] - self.start[:3, 3]
-            found = pointer.intersect_plane(grab, pointer.axes[2])
-            grab = grab if found is None else found
+            hit = pointer.intersect_plane(grab, pointer.axes[2])
+            grab = grab if hit is None else hit
             drag = replace(self, grab=grab, start=self.pose, pointer=pointer, shift=shift, ctrl=ctrl)
         return _MOVES[drag.mode](drag, pointer) if drag.mode in _MOVES else drag
 
@@ -302,13 +302,13 @@ Move: TypeAlias = Callable[[Drag, Pointer], Drag]
 
 
 def _move_axis(drag: Drag, pointer: Pointer) -> Drag:
-    found = pointer.nearest_on_line(drag.grab, drag.axes[:, 0])
-    return drag if found is None else _shift(drag, found - drag.grab)
+    nearest = pointer.nearest_on_line(drag.grab, drag.axes[:, 0])
+    return drag if nearest is None else _shift(drag, nearest - drag.grab)
 
 
 def _move_plane(drag: Drag, pointer: Pointer) -> Drag:
-    found = pointer.intersect_plane(drag.grab, drag.axes[:, 0])
-    return drag if found is None else _shift(drag, found - drag.grab)
+    hit = pointer.intersect_plane(drag.grab, drag.axes[:, 0])
+    return drag if hit is None else _shift(drag, hit - drag.grab)
 
 
 def _shift(drag: Drag, step: Floats) -> Drag:
@@ -321,10 +321,10 @@ def _shift(drag: Drag, step: Floats) -> Drag:
 def _rotate_axis(drag: Drag, pointer: Pointer) -> Drag:
     axis, at = drag.axes[:, 0], drag.start[:3, 3]
     center = at + axis * (axis @ (drag.grab - at))
-    found = pointer.intersect_plane(center, axis)
-    if found is None:
+    hit = pointer.intersect_plane(center, axis)
+    if hit is None:
         return drag
-    angle = _angle(drag.grab - center, found - center, axis)
+    angle = _angle(drag.grab - center, hit - center, axis)
     return replace(drag, pose=_rotate(drag.start, axis, angle), turned=angle)
 
 
@@ -333,21 +333,21 @@ def _move_rotate(drag: Drag, pointer: Pointer) -> Drag:
     axis, at, start = drag.axes[:, 0], drag.pose[:3, 3], drag.start[:3, 3]
     offset = rotation(axis, drag.turned) @ (drag.grab - start)
     center = at + axis * (axis @ offset)
-    found = pointer.intersect_plane(center, axis)
-    if found is None or (far := float(np.linalg.norm(found - center))) < _CENTER:
+    hit = pointer.intersect_plane(center, axis)
+    if hit is None or (distance := float(np.linalg.norm(hit - center))) < _CENTER:
         return drag
     before = at + offset - center
-    angle = _angle(before, found - center, axis)
+    angle = _angle(before, hit - center, axis)
     pose = _rotate(drag.pose, axis, angle)
-    pose[:3, 3] += (found - center) * (1 - np.linalg.norm(before) / far)
+    pose[:3, 3] += (hit - center) * (1 - np.linalg.norm(before) / distance)
     return replace(drag, pose=pose, turned=drag.turned + angle)
 
 
 def _move_3d(drag: Drag, pointer: Pointer) -> Drag:
     """Move the marker parallel to the image; with Shift along the line of sight."""
     if not drag.shift:
-        found = pointer.intersect_plane(drag.grab, pointer.axes[2])
-        return drag if found is None else _shift(drag, found - drag.grab)
+        hit = pointer.intersect_plane(drag.grab, pointer.axes[2])
+        return drag if hit is None else _shift(drag, hit - drag.grab)
     right, up = pointer.at - drag.pointer.at
     pose = drag.pose.copy()
     pose[:3, 3] += _z_scale(drag) * (right if abs(right) > abs(up) else up) * drag.pointer.direction
@@ -368,9 +368,9 @@ def _z_scale(drag: Drag) -> float:
 def _rotate_3d(drag: Drag, pointer: Pointer) -> Drag:
     """Rotate the marker about the axes of the image; with Shift about the line of sight."""
     step_right, step_up = (pointer.at - drag.pointer.at) * _TURN
-    right, up, ahead = pointer.axes
+    right, up, forward = pointer.axes
     if drag.shift:
-        pose = _rotate(drag.pose, ahead, -step_up if abs(step_up) > abs(step_right) else step_right)
+        pose = _rotate(drag.pose, forward, -step_up if abs(step_up) > abs(step_right) else step_right)
     else:
         pose = _rotate(_rotate(drag.pose, right, -step_up), up, step_right)
     return replace(drag, pose=pose, pointer=pointer)
@@ -397,28 +397,28 @@ def _angle(before: Floats, after: Floats, axis: Floats) -> float:
 
 def _rotate(pose: Matrix, axis: Floats, angle: float) -> Matrix:
     """Rotate a pose about its own position."""
-    turned = pose.copy()
-    turned[:3, :3] = rotation(axis, angle) @ pose[:3, :3]
-    return turned
+    rotated_pose = pose.copy()
+    rotated_pose[:3, :3] = rotation(axis, angle) @ pose[:3, :3]
+    return rotated_pose
 
 
 def rotation(axis: Floats, angle: float) -> Matrix:
     """Return the rotation by an angle about a unit axis, shape (3, 3)."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    turned: Matrix = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-    return turned
+    matrix: Matrix = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return matrix
 
 
-def facing(control: Matrix, camera: Matrix, turned: float) -> Matrix:
+def facing(control: Matrix, camera: Matrix, angle: float) -> Matrix:
     """Return the orientation of a control that faces the viewer: x ahead, z up in the image.
 
     Args:
         control: The control's own orientation, shape (3, 3).
         camera: The camera axes; rows are right, up and ahead, shape (3, 3).
-        turned: The rotation about the line of sight by dragging [rad].
+        angle: The rotation about the line of sight by dragging [rad].
     """
-    _, up, ahead = camera
-    wanted = np.column_stack([ahead, np.cross(up, ahead), up])
-    faced: Matrix = rotation(ahead, turned) @ wanted @ control.T
+    _, up, forward = camera
+    target_axes = np.column_stack([forward, np.cross(up, forward), up])
+    faced: Matrix = rotation(forward, angle) @ target_axes @ control.T
     return faced

@@ -40,14 +40,14 @@ class Parsed:
         self.remaining -= 1 + len(path)
         if self.remaining < 0:
             line, column = node.start_mark.line + 1, node.start_mark.column + 1
-            what = "with its aliases (*name) expanded, the file has too many values for a layout"
+            problem = "with its aliases (*name) expanded, the file has too many values for a layout"
             raise CourseError(
-                f"line {line}, column {column}: {what}. RViz does not write aliases: remove them."
+                f"line {line}, column {column}: {problem}. RViz does not write aliases: remove them."
             )
         self.places[path] = (node.start_mark.line + 1, node.start_mark.column + 1)
         if node.id == "mapping":
-            named = {str(key.value): value for key, value in node.value}
-            return {name: self.take(value, (*path, name)) for name, value in named.items()}
+            nodes_by_name = {str(key.value): value for key, value in node.value}
+            return {name: self.take(value, (*path, name)) for name, value in nodes_by_name.items()}
         if node.id == "sequence":
             return [self.take(value, (*path, index)) for index, value in enumerate(node.value)]
         return None if not node.style and node.value in _NULLS else node.value
@@ -68,8 +68,10 @@ def parse_yaml(text: str) -> Parsed:
         parsed.value = None if node is None else parsed.take(node)
     except yaml.MarkedYAMLError as error:
         mark, problem = error.problem_mark or error.context_mark, error.problem or error.context
-        named = f"found character {text[mark.index : mark.index + 1]!r} that"
-        raise _syntax_error(mark.line, mark.column, problem.replace("found character that", named)) from None
+        description = f"found character {text[mark.index : mark.index + 1]!r} that"
+        raise _syntax_error(
+            mark.line, mark.column, problem.replace("found character that", description)
+        ) from None
     except yaml.reader.ReaderError as error:
         before = text[: error.position]
         character = f"the character {error.character!r} is not allowed"
@@ -85,10 +87,10 @@ def yaml_text(value: Any) -> str:
     import yaml
 
     options = {"default_flow_style": False, "sort_keys": False, "allow_unicode": True, "width": 10**9}
-    written: str = yaml.dump(_to_strings(value), Dumper=_rviz_dumper(), **options)
+    text: str = yaml.dump(_to_strings(value), Dumper=_rviz_dumper(), **options)
     # yaml-cpp writes an empty map on the next line.
     empty = re.compile(r"^([ -]*)(\S.*:) \{\}$", re.M)
-    return empty.sub(lambda found: f"{found[0][:-3]}\n{' ' * len(found[1])}  {{}}", written)
+    return empty.sub(lambda match: f"{match[0][:-3]}\n{' ' * len(match[1])}  {{}}", text)
 
 
 @cache
@@ -274,16 +276,22 @@ class _Parts:
         value = self._parsed.value
         for index, key in enumerate(path):
             value = value[key] if isinstance(key, int) else value.get(key)
-            wanted = kind if index == len(path) - 1 else (list if isinstance(path[index + 1], int) else dict)
-            if not isinstance(value, wanted):
+            expected_type = (
+                kind if index == len(path) - 1 else (list if isinstance(path[index + 1], int) else dict)
+            )
+            if not isinstance(value, expected_type):
                 if value is not None:
-                    self._problem(path[: index + 1], value, wanted)
+                    self._problem(path[: index + 1], value, expected_type)
                 return kind()
         return value
 
-    def _problem(self, path: tuple[str | int, ...], value: Any, wanted: type) -> None:
+    def _problem(self, path: tuple[str | int, ...], value: Any, expected_type: type) -> None:
         line, column = self._parsed.places.get(path, (1, 1))
-        form = "a map (lines like 'Name: value')" if wanted is dict else "a list (lines that begin with '- ')"
+        form = (
+            "a map (lines like 'Name: value')"
+            if expected_type is dict
+            else "a list (lines that begin with '- ')"
+        )
         name = path[-1] if isinstance(path[-1], str) else f"{str(path[-2]).removesuffix('s')} {path[-1] + 1}"
         text = f"line {line}, column {column}: {name!r} is {str(value)[:40]!r}, expected {form}."
         if text not in self._problems:

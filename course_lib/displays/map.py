@@ -112,8 +112,8 @@ class MapDisplay(DrawnDisplay):
         self._map, info = message, message.info
         self._cells = np.array(message.data, np.int8).view(np.uint8).reshape(info.height, info.width)
         origin = tuple(pose_numbers([info.origin])[0].tolist())
-        measured = (float(info.resolution), info.width, info.height, origin[:3], origin[3:])
-        self._values |= dict(zip(_MEASURED, measured, strict=True))
+        map_info = (float(info.resolution), info.width, info.height, origin[:3], origin[3:])
+        self._values |= dict(zip(_MEASURED, map_info, strict=True))
         self._place()
         self.draw()
 
@@ -137,8 +137,8 @@ class MapDisplay(DrawnDisplay):
             return
         header, frames = self._map.header, self.context.frames
         stamp_ns = nanoseconds(header.stamp) if self["Use Timestamp"] else 0
-        known = frames.transform(header.frame_id, stamp_ns) is not None
-        transform = self.transform_at(header, stamp_ns=stamp_ns if known else 0)
+        has_stamp = frames.transform(header.frame_id, stamp_ns) is not None
+        transform = self.transform_at(header, stamp_ns=stamp_ns if has_stamp else 0)
         node = f"{self.path}/drawn"
         self.context.scene.set_visible(node, transform is not None)
         if transform is not None:

@@ -203,20 +203,20 @@ def mesh(marker: Any) -> MarkerDrawing:
     if not uri:
         return MarkerDrawing()
     try:
-        own = load_mesh(resolve(uri))
+        loaded = load_mesh(resolve(uri))
     except CourseError:
         return rejected_drawing(f"Mesh resource marker [{label(marker)}] could not load [{uri}]")
     color, scale = rgba(marker.color), scale_of(marker)
     colors = color
     if marker.mesh_use_embedded_materials:
-        colors = own.colors.astype(float)
+        colors = loaded.colors.astype(float)
         if color.any():
             # RViz blends the mesh's own colors halfway towards the marker's color.
             colors += (color - colors) * min(color[3], 0.5)
             colors[..., 3] = color[3]
     # Nonuniform scaling changes normals.
-    normals = own.normals if scale.min() == scale.max() > 0 else None
-    return MarkerDrawing({"mesh": Mesh(own.vertices * scale, own.faces, colors, normals)})
+    normals = loaded.normals if scale.min() == scale.max() > 0 else None
+    return MarkerDrawing({"mesh": Mesh(loaded.vertices * scale, loaded.faces, colors, normals)})
 
 
 def triangles(marker: Any) -> MarkerDrawing:
@@ -286,15 +286,15 @@ class Rule(NamedTuple):
 
 def hints(marker: Any) -> tuple[str, ...]:
     """Return the hints about a marker."""
-    words = {"m": marker, "q": marker.pose.orientation, "n": len(marker.points)}
-    return tuple(rule.text.format(**words) for rule in _RULES if rule.holds(marker))
+    format_values = {"m": marker, "q": marker.pose.orientation, "n": len(marker.points)}
+    return tuple(rule.text.format(**format_values) for rule in _RULES if rule.holds(marker))
 
 
 def _uses_own_color(marker: Any) -> bool:
     """Return whether the marker's own color is used."""
-    own = marker.type == _MESH and marker.mesh_use_embedded_materials
+    uses_mesh_material = marker.type == _MESH and marker.mesh_use_embedded_materials
     each = marker.type in (*_LISTS, _TRIANGLES) and bool(marker.colors) and _colors_fit(marker)
-    return not own and not each
+    return not uses_mesh_material and not each
 
 
 def _colors_fit(marker: Any) -> bool:
@@ -414,13 +414,13 @@ class MarkerStore:
         """Queue the messages of a MarkerArray. Duplicate markers are an error, but both are drawn."""
         name = "Duplicate Marker Check"
         self._statuses.delete(name)
-        seen: set[Key] = set()
+        keys: set[Key] = set()
         for ns, number in ((marker.ns, marker.id) for marker in array.markers):
-            if (ns, number) in seen:
+            if (ns, number) in keys:
                 problem = "Multiple Markers in the same MarkerArray message had the same ns and id"
                 self._statuses.set("error", name, f"{problem}: ({ns}, {number})")
                 break
-            seen.add((ns, number))
+            keys.add((ns, number))
         self.add(array.markers)
 
     def update(self) -> None:
@@ -518,10 +518,10 @@ class MarkerStore:
             return DisplayedMarker(marker, before.drawn, path, received_ns, before.shown)
         if before:
             scene.delete(before.path)
-        drawn = DRAW[marker.type](marker) if marker.type in DRAW else MarkerDrawing()
-        for part, drawable in drawn.drawables.items():
+        drawing = DRAW[marker.type](marker) if marker.type in DRAW else MarkerDrawing()
+        for part, drawable in drawing.drawables.items():
             scene.set_object(f"{path}/{part}", drawable)
-        return DisplayedMarker(marker, drawn, path, received_ns)
+        return DisplayedMarker(marker, drawing, path, received_ns)
 
     def _node(self, marker: Any) -> str:
         """Return the path of a marker, below its frame if it is locked to it."""
@@ -638,8 +638,8 @@ class _Markers(TopicDisplay):
 
     def rows(self) -> list[StatusRow]:
         """Return the statuses, with hints about markers whose frame has moved."""
-        behind = self.markers.moved_frame_hints() if self.enabled else ()
-        return super().rows() + [StatusRow(self.name, name, "hint", text) for name, text in behind]
+        frame_hints = self.markers.moved_frame_hints() if self.enabled else ()
+        return super().rows() + [StatusRow(self.name, name, "hint", text) for name, text in frame_hints]
 
     def reset(self) -> None:
         """Remove all markers."""

@@ -35,10 +35,14 @@ class KnownAttributes:
     def _instead(self, name: str) -> str:
         """Return an expression for the property that a misspelled attribute means, or ""."""
         kind = type(self)
-        names = [known for known in dir(kind) if not known.startswith("_")]
-        settable = [known for known in names if getattr(getattr(kind, known, None), "fset", None) is not None]
-        near = nearest(name, settable, 0.6)
-        return f"{self._expression()}.{near}" if near else ""
+        names = [attribute for attribute in dir(kind) if not attribute.startswith("_")]
+        settable = [
+            attribute
+            for attribute in names
+            if getattr(getattr(kind, attribute, None), "fset", None) is not None
+        ]
+        similar = nearest(name, settable, 0.6)
+        return f"{self._expression()}.{similar}" if similar else ""
 
 
 Color: TypeAlias = tuple[int, int, int]  # RGB, 0..255
@@ -104,10 +108,10 @@ def integer(low: int, high: int = 2**31 - 1) -> Limited:
     """Return a conversion to an integer, clipped to `low` and `high` as in RViz."""
 
     def convert(value: Any) -> int:
-        whole = int(value) if isinstance(value, int) else int(float(value))
-        if isinstance(value, bool) or whole != float(value):
+        number = int(value) if isinstance(value, int) else int(float(value))
+        if isinstance(value, bool) or number != float(value):
             raise ValueError
-        return min(max(whole, low), high)
+        return min(max(number, low), high)
 
     return Limited(_with_expectation("an integer", convert), "integer", low, high)
 
@@ -210,12 +214,12 @@ class PropertyHolder(KnownAttributes):
 
     def shrink(self, label: str) -> None:
         """Remove the properties that were added below a label."""
-        own = type(self).properties
-        self.properties = tuple(p for p in self.properties if p in own or p.path[0] != label)
+        class_properties = type(self).properties
+        self.properties = tuple(p for p in self.properties if p in class_properties or p.path[0] != label)
 
     def __getitem__(self, label: str) -> Any:
-        known = label in self._values
-        return self._values[label if known else self._property(label).label]
+        is_exact = label in self._values
+        return self._values[label if is_exact else self._property(label).label]
 
     # Hidden from mypy, for which every attribute would exist.
     if not TYPE_CHECKING:
@@ -283,25 +287,25 @@ class PropertyHolder(KnownAttributes):
         return wrong
 
     def _property(self, label: str) -> Property:
-        wanted = _plain(label)
-        exact = [prop for prop in self.properties if _plain(prop.label) == wanted]
-        by_end = [prop for prop in self.properties if _plain(prop.path[-1]) == wanted]
-        found = exact or by_end
-        if len(found) == 1:
-            return found[0]
-        if found:
-            raise CourseError(f"{self}: {label!r} may be {' or '.join(repr(p.label) for p in found)}.")
+        plain_label = _plain(label)
+        exact = [prop for prop in self.properties if _plain(prop.label) == plain_label]
+        by_end = [prop for prop in self.properties if _plain(prop.path[-1]) == plain_label]
+        matches = exact or by_end
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            raise CourseError(f"{self}: {label!r} may be {' or '.join(repr(p.label) for p in matches)}.")
         labels = [prop.label for prop in self.properties]
-        near = get_close_matches(label, labels, 3, 0.4) or labels
-        raise CourseError(f"{self} has no property {label!r}, but {', '.join(map(repr, near))}.")
+        similar = get_close_matches(label, labels, 3, 0.4) or labels
+        raise CourseError(f"{self} has no property {label!r}, but {', '.join(map(repr, similar))}.")
 
 
-def _with_expectation(what: str, convert: Convert) -> Convert:
+def _with_expectation(expectation: str, convert: Convert) -> Convert:
     def checked(value: Any) -> Any:
         try:
             return convert(value)
         except (TypeError, ValueError, OverflowError):
-            raise ValueError(what) from None
+            raise ValueError(expectation) from None
 
     return checked
 

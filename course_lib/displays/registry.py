@@ -127,23 +127,27 @@ class FailedDisplay(Display):
             f"<br>According to the loaded plugin descriptions the class {self.required} with base class type "
             f"rviz_common::Display does not exist. Declared types are  {' '.join(sorted(REGISTRY))}",
         )
-        near = get_close_matches(
+        similar = get_close_matches(
             short_name(self.required), [short_name(name) for name in sorted(REGISTRY)], 1, 0.8
         )
         ros_1 = f"{self.required} is ROS 1's name. " if self.required.startswith("rviz/") else ""
-        self.statuses.hint("Class", *(f"{ros_1}RViz2 has the class {full_name(name)}." for name in near))
+        self.statuses.hint("Class", *(f"{ros_1}RViz2 has the class {full_name(name)}." for name in similar))
 
 
 def make_display(context: Context, class_name: str, name: str, path: str) -> Display:
     """Create a display by its class name, ``rviz_default_plugins/Marker``."""
-    known = REGISTRY.get(class_name)
-    return known(context, name, path) if known else FailedDisplay(context, name, path, class_name)
+    display_class = REGISTRY.get(class_name)
+    return (
+        display_class(context, name, path)
+        if display_class
+        else FailedDisplay(context, name, path, class_name)
+    )
 
 
 def full_name(class_name: str) -> str:
     """Return a class name with its package, which may be omitted."""
-    known = (name for name in REGISTRY if short_name(name) == class_name)
-    return class_name if "/" in class_name else next(known, f"{PACKAGE}/{class_name}")
+    full_names = (name for name in REGISTRY if short_name(name) == class_name)
+    return class_name if "/" in class_name else next(full_names, f"{PACKAGE}/{class_name}")
 
 
 def known_name(class_name: str) -> str:
@@ -159,10 +163,10 @@ def known_name(class_name: str) -> str:
         )
     required = full_name(class_name)
     if required not in REGISTRY:
-        known = [short_name(name) for name in REGISTRY]
-        same = [name for name in known if name.lower() == short_name(class_name).lower()]
-        near = ", ".join(same or get_close_matches(short_name(class_name), known, 3) or known)
-        raise CourseError(f"There is no display {class_name!r}; use one of {near}.")
+        names = [short_name(name) for name in REGISTRY]
+        same = [name for name in names if name.lower() == short_name(class_name).lower()]
+        suggestions = ", ".join(same or get_close_matches(short_name(class_name), names, 3) or names)
+        raise CourseError(f"There is no display {class_name!r}; use one of {suggestions}.")
     return required
 
 

@@ -127,7 +127,7 @@ def _end_ns(recording: Recording, at: float | None) -> int:
 
 def _likely_fixed_frame(session: RvizSession, recording: Recording) -> str:
     """Return the most frequent root frame of the markers, else of the transforms, else ``map``."""
-    parents, used = dict[str, str](), list[str]()
+    parents, marker_frames = dict[str, str](), list[str]()
     for sample in recording.samples:
         message: Any = None
         if sample.type_name in (TF, *_DISPLAYS):
@@ -140,8 +140,8 @@ def _likely_fixed_frame(session: RvizSession, recording: Recording) -> str:
             parents |= {t.child_frame_id: t.header.frame_id for t in message.transforms}
         else:
             markers = [message] if sample.type_name == MARKER else message.markers
-            used += [marker.header.frame_id for marker in markers if marker.action == ADD]
-    roots = Counter(_root(frame, parents) for frame in used or parents)
+            marker_frames += [marker.header.frame_id for marker in markers if marker.action == ADD]
+    roots = Counter(_root(frame, parents) for frame in marker_frames or parents)
     return roots.most_common(1)[0][0] if roots else "map"
 
 

@@ -171,27 +171,27 @@ class DrawnLink:
         self._trail: deque[Matrix] = deque(maxlen=_TRAIL_STEPS)
         self._shapes = {"visual": link.visuals, "collision": link.collisions}
 
-    def show(self, wanted: LinkSettings) -> None:
+    def show(self, settings: LinkSettings) -> None:
         """Show the requested parts, and hide the others."""
-        if wanted == self._settings:
+        if settings == self._settings:
             return
-        self._settings = wanted
-        for kind, shown in wanted.shown.items():
+        self._settings = settings
+        for kind, is_shown in settings.shown.items():
             node = f"{self._path}/{kind}"
-            look = (wanted.alpha, wanted.lost) if kind in self._shapes else None
-            if not wanted.seen:
-                self.shapes.check(self._shapes.get(kind, ()) if shown else ())
-            elif shown and self._drawn_settings.get(kind, ()) != look:
+            look = (settings.alpha, settings.lost) if kind in self._shapes else None
+            if not settings.seen:
+                self.shapes.check(self._shapes.get(kind, ()) if is_shown else ())
+            elif is_shown and self._drawn_settings.get(kind, ()) != look:
                 self._drawn_settings[kind] = look
                 self._scene.delete(node)
-                for name, (drawable, transform) in self._drawables(kind, wanted):
+                for name, (drawable, transform) in self._drawables(kind, settings):
                     self._scene.set_object(f"{node}/{name}", drawable)
                     self._scene.set_transform(f"{node}/{name}", transform)
                 if self._transform is not None and kind != "trail":
                     self._scene.set_transform(node, self._transform)
             if kind in self._drawn_settings:
-                self._scene.set_visible(node, shown)
-        if not wanted.shown["trail"]:
+                self._scene.set_visible(node, is_shown)
+        if not settings.shown["trail"]:
             self._trail.clear()
 
     def place(self, transform_link_to_fixed: Matrix) -> None:
@@ -215,13 +215,13 @@ class DrawnLink:
                     f"{self._path}/trail", Lines(np.array(trail), _TRAIL_COLOR, _TRAIL_WIDTH)
                 )
 
-    def _drawables(self, kind: str, wanted: LinkSettings) -> Iterable[tuple[str, tuple[Drawable, Matrix]]]:
+    def _drawables(self, kind: str, settings: LinkSettings) -> Iterable[tuple[str, tuple[Drawable, Matrix]]]:
         for index, shape in enumerate(self._shapes.get(kind, ())):
-            drawable = self.shapes.drawn(shape, wanted.alpha, wanted.lost)
+            drawable = self.shapes.drawn(shape, settings.alpha, settings.lost)
             if drawable is not None:
                 scale = shape.size if shape.kind == "mesh" else (1.0, 1.0, 1.0)
-                placed: Matrix = shape.transform_shape_to_link @ np.diag([*scale, 1.0])
-                yield str(index), (drawable, placed)
+                transform: Matrix = shape.transform_shape_to_link @ np.diag([*scale, 1.0])
+                yield str(index), (drawable, transform)
         body = self._body
         other = {"mass": body and mass(body), "inertia": body and inertia(body), "axes": _AXES}.get(kind)
         if other:
@@ -281,8 +281,8 @@ class RobotModelDisplay(TopicDisplay):
     def qos(self) -> Qos:
         """Return the requested quality of service: transient local, until a policy is changed."""
         policies = [prop for prop in self.properties if prop.label.startswith(f"{_TOPIC}/")]
-        changed = any(self[prop.label] != prop.default for prop in policies)
-        return super().qos() if changed else Qos(depth=1, durability="transient_local")
+        is_changed = any(self[prop.label] != prop.default for prop in policies)
+        return super().qos() if is_changed else Qos(depth=1, durability="transient_local")
 
     def on_changed(self, label: str) -> None:
         """Restart with another description; other properties take effect in the next frame."""
@@ -344,20 +344,20 @@ class RobotModelDisplay(TopicDisplay):
             else:
                 self.statuses.set("ok", frame, "Transform OK")
                 link.place(transform)
-            here = f"Links/{link.name}"
-            ticked = self[here] if link.has_geometry else True
-            shown = {kind: ticked and self[label] for kind, label in _SWITCHES.items()}
-            shown |= {kind: ticked and self[f"{here}/{label}"] for kind, label in _OF_LINKS.items()}
-            alpha = self["Alpha"] * self[f"{here}/Alpha"]
-            link.show(LinkSettings(shown, alpha, transform is None, self.context.is_seen))
+            row = f"Links/{link.name}"
+            ticked = self[row] if link.has_geometry else True
+            visibility = {kind: ticked and self[label] for kind, label in _SWITCHES.items()}
+            visibility |= {kind: ticked and self[f"{row}/{label}"] for kind, label in _OF_LINKS.items()}
+            alpha = self["Alpha"] * self[f"{row}/Alpha"]
+            link.show(LinkSettings(visibility, alpha, transform is None, self.context.is_seen))
         if self._problems() != before:
             self._report_problems()
 
     @property
     def _file(self) -> Path | None:
         """The file of the description."""
-        named = self["Description File"]
-        return Path(named) if named and self["Description Source"] == "File" else None
+        path = self["Description File"]
+        return Path(path) if path and self["Description Source"] == "File" else None
 
     def _load(self) -> None:
         """Create the links of the description, replacing earlier ones."""
@@ -383,12 +383,12 @@ class RobotModelDisplay(TopicDisplay):
         ]
         rows: list[Property] = []
         for link in self._links:
-            here, names = f"Links/{link.name}", ("Links", link.name)
+            row, names = f"Links/{link.name}", ("Links", link.name)
             # A link without geometry has no check box.
             if link.has_geometry:
-                rows.append(Property(here, True, flag, names))
-            rows.append(Property(f"{here}/Alpha", 1.0, number(0.0, 1.0), (*names, "Alpha")))
-            rows += [Property(f"{here}/{it}", False, flag, (*names, it)) for it in _OF_LINKS.values()]
+                rows.append(Property(row, True, flag, names))
+            rows.append(Property(f"{row}/Alpha", 1.0, number(0.0, 1.0), (*names, "Alpha")))
+            rows += [Property(f"{row}/{it}", False, flag, (*names, it)) for it in _OF_LINKS.values()]
         wrong = self.grow(*rows)
         self.statuses.hint("Links", *wrong)
         self.statuses.hint("URDF", *(problem for link in links for problem in link.problems))
@@ -424,11 +424,11 @@ def draw_still(scene: Scene, path: str, robot: Robot, configuration: Configurati
     poses = _poses(robot, configuration)
     scene.delete(path)
     for link in links_of(robot.urdf):
-        drawn = DrawnLink(scene, f"{path}/{node_name(link.name)}", link, robot.path)
-        drawn.place(poses[link.name])
-        drawn.show(_SEEN)
-        if drawn.shapes.errors:
-            raise CourseError(f"{robot.name!r} cannot be drawn: {'; '.join(drawn.shapes.errors)}")
+        drawn_link = DrawnLink(scene, f"{path}/{node_name(link.name)}", link, robot.path)
+        drawn_link.place(poses[link.name])
+        drawn_link.show(_SEEN)
+        if drawn_link.shapes.errors:
+            raise CourseError(f"{robot.name!r} cannot be drawn: {'; '.join(drawn_link.shapes.errors)}")
 
 
 def _poses(robot: Robot, configuration: Configuration) -> dict[str, Floats]:
@@ -450,8 +450,8 @@ def _poses_by_pinocchio(robot: Robot, configuration: Floats) -> dict[str, Floats
     # Circle points and quaternions that are only approximately normalized are accepted.
     pinocchio.framesForwardKinematics(model, data, pinocchio.normalize(model, configuration))
     frames, body = zip(model.frames, data.oMf, strict=True), pinocchio.FrameType.BODY
-    found = {frame.name: pose.homogeneous for frame, pose in frames if frame.type == body}
-    rest = link_poses(robot, robot.rest.positions)
-    root = found.get(robot.tree.root, np.eye(4))
+    body_poses = {frame.name: pose.homogeneous for frame, pose in frames if frame.type == body}
+    rest_poses = link_poses(robot, robot.rest.positions)
+    root = body_poses.get(robot.tree.root, np.eye(4))
     # Models may lack links.
-    return {link: root @ pose for link, pose in rest.items()} | found
+    return {link: root @ pose for link, pose in rest_poses.items()} | body_poses

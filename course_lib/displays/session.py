@@ -232,10 +232,10 @@ class RvizSession:
 
     def add_group(self, name: str, group: Group | None = None) -> Group:
         """Add a group of displays to another one, or to the root of the tree."""
-        added = Group(name)
-        (group or self.tree).members.append(added)
+        new_group = Group(name)
+        (group or self.tree).members.append(new_group)
         self._notify()
-        return added
+        return new_group
 
     def apply(self, layout: Layout) -> None:
         """Apply a layout, replacing all displays."""
@@ -401,10 +401,10 @@ class RvizSession:
         with contained(display.statuses, "Statuses"):
             rows = list(display.rows())
             topics = {subscription.topic for subscription in display.subscriptions}
-            wanted = {subscription.type_name for subscription in display.subscriptions}
-            others = sorted(topic for topic, type_name in self.types.items() if type_name in wanted)
-            if topics and not topics & self.types.keys() and others:
-                others_text = ", ".join(others)
+            types = {subscription.type_name for subscription in display.subscriptions}
+            other_topics = sorted(topic for topic, type_name in self.types.items() if type_name in types)
+            if topics and not topics & self.types.keys() and other_topics:
+                others_text = ", ".join(other_topics)
                 text = (
                     f"no message has arrived on {min(topics)}; messages of its type arrive on {others_text}."
                 )
@@ -420,12 +420,12 @@ class RvizSession:
 
     def deliver_latched(self, subscriptions: Iterable[Subscription]) -> None:
         """Deliver messages kept by publishers to transient-local subscriptions; add a hint for others."""
-        kept = list(self.latched())
+        samples = list(self.latched())
         late_joining = [s for s in subscriptions if s.qos.durability == "transient_local"]
-        for sample in kept:
+        for sample in samples:
             self._deliver(sample, late_joining)
         for missing in (s for s in subscriptions if s not in late_joining):
-            if any(sample.topic == missing.topic for sample in kept):
+            if any(sample.topic == missing.topic for sample in samples):
                 text = (
                     f"{missing.topic} was published before this display existed, and its publisher keeps "
                     "messages for late-joining subscriptions; set Durability Policy to Transient Local."

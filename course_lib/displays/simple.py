@@ -102,7 +102,7 @@ class PoseWithCovarianceDisplay(DrawnDisplay):
         """Return arrows or axes at the poses, and their covariances."""
         if not self.kept:
             return {}
-        shapes = draw_shapes([kept.pose for kept in self.kept], self, self.shape_prefix)
+        shapes = draw_shapes([message.pose for message in self.kept], self, self.shape_prefix)
         return shapes | draw_covariances(list(self.kept), self)
 
 
@@ -367,8 +367,8 @@ class ScrewDisplay(DrawnDisplay):
     def process(self, message: Any) -> None:
         """Keep the vectors, shape (2, 3), with the transform of their frame. A wrench may use NaN for 0."""
         field, *names = self.path_to_vectors
-        both = [getattr(getattr(message, field), name) for name in names]
-        vectors = np.array([(v.x, v.y, v.z) for v in both])
+        pair = [getattr(getattr(message, field), name) for name in names]
+        vectors = np.array([(v.x, v.y, v.z) for v in pair])
         if not np.isfinite(vectors).all():
             if not self._values.get("Accept NaN Values"):
                 self.statuses.set("error", "Topic", INVALID)
@@ -387,22 +387,22 @@ class ScrewDisplay(DrawnDisplay):
         drawables: dict[str, Drawable] = {}
         for row, label in enumerate(self.labels):
             scale, rgba = self[f"{label} Arrow Scale"], rgba_of(self, f"{label} Color")
-            shown = [
+            visible_arrows = [
                 (transform, vectors[row] / size, size * scale)
                 for transform, vectors in self.kept
                 if (size := float(np.linalg.norm(vectors[row])))
                 and (size * scale > self["Arrow Width"] or not hides)
             ]
-            if not shown:
+            if not visible_arrows:
                 continue
             poses = [
                 transform @ placement(rotation_to(direction) @ ALONG_X.T, (length, width, width), np.zeros(3))
-                for transform, direction, length in shown
+                for transform, direction, length in visible_arrows
             ]
             arrows = draw_arrows(poses, *_UNIT_ARROW, rgba=rgba)
             drawables |= {f"{label} {name}": drawable for name, drawable in arrows.items()}
             if label == self.labels[1]:
-                tips, circles = zip(*(_circle_around(*arrow, width) for arrow in shown), strict=True)
+                tips, circles = zip(*(_circle_around(*arrow, width) for arrow in visible_arrows), strict=True)
                 drawables["tips"] = Solids("cone", tips, rgba)
                 line_width = abs(width) * 0.05
                 drawables |= {f"circle {i}": Lines(c, rgba, line_width) for i, c in enumerate(circles)}
@@ -445,12 +445,12 @@ def _circle_around(
         x, y, _ = direction
         cross = np.array([[0, 0, x], [0, 0, y], [-x, -y, 0]])
         rotation = np.eye(3) + cross + cross @ cross / (1 + direction[2])
-    turned = transform @ placement(rotation, 1.0, (0.0, 0.0, 0.0))
+    arrow_pose = transform @ placement(rotation, 1.0, (0.0, 0.0, 0.0))
     radius, height = length / 4, length / 2
     circle = np.column_stack([radius * np.cos(_ARC), radius * np.sin(_ARC), np.full(len(_ARC), height)])
     cone = placement(ALONG_X, (0.2 * width, 0.2 * width, 0.1 * width), (0.05 * width, 0.0, 0.0))
-    tip = turned @ placement(_ALONG_Y, 1.0, (radius, 0.0, height)) @ cone
-    return tip, circle @ turned[:3, :3].T + turned[:3, 3]
+    tip = arrow_pose @ placement(_ALONG_Y, 1.0, (radius, 0.0, height)) @ cone
+    return tip, circle @ arrow_pose[:3, :3].T + arrow_pose[:3, 3]
 
 
 # Minimum radius [m], and minimum fraction of the limit.
@@ -570,11 +570,11 @@ class EffortDisplay(DrawnDisplay):
         self.statuses.hint("URDF", *(f"RViz's log: {text}" for text in lacking))
         self._joints = {name: turning[name] for name in sorted(turning) if turning[name].effort is not None}
         for name, joint in self._joints.items():
-            here, names = f"Joints/{name}", ("Joints", name)
+            row, names = f"Joints/{name}", ("Joints", name)
             self.grow(
-                Property(here, True, flag, names),
-                Property(f"{here}/Effort", 0.0, read_only, (*names, "Effort")),
-                Property(f"{here}/Max Effort", joint.effort, read_only, (*names, "Max Effort")),
+                Property(row, True, flag, names),
+                Property(f"{row}/Effort", 0.0, read_only, (*names, "Effort")),
+                Property(f"{row}/Max Effort", joint.effort, read_only, (*names, "Max Effort")),
             )
 
     def _joint_effort(self, name: str, effort: float, stamp_ns: int) -> JointEffort | None:

@@ -168,15 +168,17 @@ def describe(error: Exception) -> str:
     text = text if len(text) <= LONGEST else f"{text[:LONGEST]} …"
     if isinstance(error, CourseError):
         return text
-    named = f"{type(error).__name__}: {text}" if text else type(error).__name__
-    own = line_of_traceback(error.__traceback__)
-    if own:
-        return f"{named} ({own})"
-    _warn(error, named)
-    return f"{named}. This is an error of the viewer, not of your program; everything else is still shown."
+    error_text = f"{type(error).__name__}: {text}" if text else type(error).__name__
+    own_line = line_of_traceback(error.__traceback__)
+    if own_line:
+        return f"{error_text} ({own_line})"
+    _warn(error, error_text)
+    return (
+        f"{error_text}. This is an error of the viewer, not of your program; everything else is still shown."
+    )
 
 
-def _warn(error: Exception, named: str) -> None:
+def _warn(error: Exception, error_text: str) -> None:
     """Issue a warning with the innermost line of the kit, once per line and exception type."""
     lines = [(frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__)]
     file, line = next(((f, n) for f, n in reversed(lines) if f.startswith(KIT)), ("", 0))
@@ -188,7 +190,8 @@ def _warn(error: Exception, named: str) -> None:
         f"course_lib/{Path(file).relative_to(KIT).as_posix()}, line {line}" if file else "an unknown place"
     )
     warnings.warn(
-        f"A display failed with {named}, in {where}. This is an error of the kit: please report it with this "
+        f"A display failed with {error_text}, in {where}. This is an error of the kit: please "
+        "report it with this "
         "line. Your program continues, and the status of the display says what is missing.",
         DisplayFaultWarning,
         stacklevel=4,

@@ -203,17 +203,17 @@ class DrawnFrame:
         self._visible_parts: dict[str, bool] = {}
         self._placed: tuple[Matrix | None, Matrix | None] = (None, None)
 
-    def show(self, wanted: Mapping[str, bool], look: Appearance) -> None:
+    def show(self, visible_parts: Mapping[str, bool], look: Appearance) -> None:
         """Show the requested parts, and hide the others."""
         look = Appearance(max(floor(look.age * _STEPS) / _STEPS, 1 / 3), look.scale)
         for part in PARTS:
-            if wanted[part] and self._drawn_appearances.get(part) != look:
+            if visible_parts[part] and self._drawn_appearances.get(part) != look:
                 self._drawn_appearances[part] = look
                 self._placed = (None, None)
                 self._draw(part, look)
-            if part in self._drawn_appearances and self._visible_parts.get(part, True) != wanted[part]:
-                self._visible_parts[part] = wanted[part]
-                self._scene.set_visible(self.nodes[part], wanted[part])
+            if part in self._drawn_appearances and self._visible_parts.get(part, True) != visible_parts[part]:
+                self._visible_parts[part] = visible_parts[part]
+                self._scene.set_visible(self.nodes[part], visible_parts[part])
 
     def place(self, transform: Matrix, transform_parent: Matrix | None, scale: float) -> None:
         """Move the frame; both transforms are to the fixed frame."""
@@ -227,15 +227,15 @@ class DrawnFrame:
             self._place_arrow(transform[:3, 3], transform_parent[:3, 3], scale)
 
     def _draw(self, part: str, look: Appearance) -> None:
-        put, node = self._scene.set_object, self.nodes[part]
+        set_object, node = self._scene.set_object, self.nodes[part]
         if part == "axes":
-            put(node, axes(look.scale * _LENGTH, look.scale * _WIDTH, _fade(AXIS_COLORS, look.age)))
+            set_object(node, axes(look.scale * _LENGTH, look.scale * _WIDTH, _fade(AXIS_COLORS, look.age)))
         elif part == "names":
             height = look.scale * _NAME_HEIGHT
-            put(node, Text(self._frame, height, _fade(_WHITE, look.age), below=True))
+            set_object(node, Text(self._frame, height, _fade(_WHITE, look.age), below=True))
         else:
-            put(f"{node}/shaft", Solids("cylinder", [np.eye(4)], _fade(_SHAFT_COLOR, look.age)))
-            put(f"{node}/head", Solids("cone", [np.eye(4)], _fade(_HEAD_COLOR, look.age)))
+            set_object(f"{node}/shaft", Solids("cylinder", [np.eye(4)], _fade(_SHAFT_COLOR, look.age)))
+            set_object(f"{node}/head", Solids("cone", [np.eye(4)], _fade(_HEAD_COLOR, look.age)))
 
     def _place_arrow(self, start: Matrix, end: Matrix, scale: float) -> None:
         length = float(np.linalg.norm(end - start))
@@ -244,12 +244,12 @@ class DrawnFrame:
         direction = (end - start) / length
         # RViz shortens the head of a short arrow in the same way.
         head = _HEAD_LENGTH * scale * (length if length < _HEAD_LENGTH * scale else 1.0)
-        turned, node = rotation_to(direction), self.nodes["arrows"]
+        rotation, node = rotation_to(direction), self.nodes["arrows"]
         sizes = ((_SHAFT * scale, length - head), (_HEAD * scale, head))
         centers = ((length - head) / 2, length - head / 2)
         for part, (width, along), center in zip(("shaft", "head"), sizes, centers, strict=True):
-            placed = placement(turned, (width, width, along), start + direction * center)
-            self._scene.set_transform(f"{node}/{part}", placed)
+            transform = placement(rotation, (width, width, along), start + direction * center)
+            self._scene.set_transform(f"{node}/{part}", transform)
 
 
 def _fade(color: Matrix, age: float) -> Matrix:
@@ -335,9 +335,9 @@ class TfDisplay(Display):
         if last_ns is not None and now_ns - last_ns < self["Update Interval"] * NS:
             return
         self._updated_ns = now_ns
-        wanted, unwanted = self["Filter (whitelist)"], self["Filter (blacklist)"]
-        names = [name for name in self.context.frames.buffer.frames() if re.search(wanted, name)]
-        names = [name for name in names if not (unwanted and re.search(unwanted, name))]
+        whitelist, blacklist = self["Filter (whitelist)"], self["Filter (blacklist)"]
+        names = [name for name in self.context.frames.buffer.frames() if re.search(whitelist, name)]
+        names = [name for name in names if not (blacklist and re.search(blacklist, name))]
         for name in self._frames.keys() - set(names):
             for node in self._frames.pop(name).nodes.values():
                 self.context.scene.delete(node)
@@ -349,57 +349,59 @@ class TfDisplay(Display):
         if name not in self._frames:
             self._frames[name] = DrawnFrame(self.context.scene, self.path, name)
             self._grow(name)
-        drawn, transform = self._frames[name], frames.transform(name)
+        drawn_frame, transform = self._frames[name], frames.transform(name)
         look = Appearance(self._age(name, transform) / self["Frame Timeout"], self["Marker Scale"])
         if transform is None:
             self.statuses.set("warn", name, f"No transform from [{name}] to [{frames.fixed_frame}]")
         elif look.age <= 1:
             self.statuses.set("ok", name, "Transform OK")
         if transform is None or look.age > 1:
-            drawn.show(dict.fromkeys(PARTS, False), look)
+            drawn_frame.show(dict.fromkeys(PARTS, False), look)
             return
         parent = frames.buffer.parent(name)
         there = frames.transform(parent) if parent else None
-        wanted = {part: self[f"Show {part.title()}"] and self[f"Frames/{name}"] for part in PARTS}
-        wanted["arrows"] &= there is not None and np.linalg.norm(there - transform, axis=0)[3] > _SHORTEST
-        drawn.show(wanted, look)
-        drawn.place(transform, there, look.scale)
+        visible_parts = {part: self[f"Show {part.title()}"] and self[f"Frames/{name}"] for part in PARTS}
+        visible_parts["arrows"] &= (
+            there is not None and np.linalg.norm(there - transform, axis=0)[3] > _SHORTEST
+        )
+        drawn_frame.show(visible_parts, look)
+        drawn_frame.place(transform, there, look.scale)
 
     def _grow(self, name: str) -> None:
-        here, names = f"Frames/{name}", ("Frames", name)
-        if any(prop.label == here for prop in self.properties):
+        row, names = f"Frames/{name}", ("Frames", name)
+        if any(prop.label == row for prop in self.properties):
             # The frame was filtered out before and has its properties already.
             return
-        measured = (
-            Property(f"{here}/{label}", partial(self._frame_value, name, label), read_only, (*names, label))
+        rows = (
+            Property(f"{row}/{label}", partial(self._frame_value, name, label), read_only, (*names, label))
             for label in _MEASURED
         )
-        self.grow(Property(here, True, flag, names), *measured)
+        self.grow(Property(row, True, flag, names), *rows)
 
     def _age(self, name: str, transform: Matrix | None) -> float:
         """Return the time since a frame received its transform, [s]; static transforms do not age."""
         now_ns, frames, latest = self.context.now_ns, self.context.frames, self._latest.get(name)
         if latest is None or latest.transform is not transform:
-            known = transform is not None
-            stamp_ns = frames.buffer.lookup(frames.fixed_frame, name).stamp_ns if known else 0
+            is_known = transform is not None
+            stamp_ns = frames.buffer.lookup(frames.fixed_frame, name).stamp_ns if is_known else 0
             same = latest is not None and latest.stamp_ns == stamp_ns
             latest = self._latest[name] = _LatestTransform(
                 transform, stamp_ns, latest.received_ns if latest and same else now_ns
             )
         return (now_ns - latest.received_ns) / NS if latest.stamp_ns else 0.0
 
-    def _frame_value(self, name: str, what: str) -> Any:
+    def _frame_value(self, name: str, label: str) -> Any:
         """Return a value that RViz shows below a frame; quaternions are (x, y, z, w)."""
         frames = self.context.frames
         parent = frames.buffer.parent(name) or ""
-        if what == "Parent":
+        if label == "Parent":
             return parent
         try:
-            target = parent if what.startswith("Relative") else frames.fixed_frame
+            target = parent if label.startswith("Relative") else frames.fixed_frame
             transform = frames.buffer.lookup(target, name)
         except TransformException:
             return ""
-        numbers = transform.translation if what.endswith("Position") else transform.rotation
+        numbers = transform.translation if label.endswith("Position") else transform.rotation
         return tuple(round(number, 6) for number in numbers)
 
     def _tree(self) -> dict[str, Any]:

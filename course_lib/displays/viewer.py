@@ -116,11 +116,13 @@ class Viewer(KnownAttributes):
         Raises:
             CourseError: The class or property does not exist, or a value is invalid.
         """
-        wanted = known_name(class_name)
+        full_class_name = known_name(class_name)
         if topic is not None:
-            properties[getattr(REGISTRY[wanted], "topic_label", "Topic")] = topic
+            properties[getattr(REGISTRY[full_class_name], "topic_label", "Topic")] = topic
         holder = self.session.group(group) if group else None
-        return self.session.add(wanted, name or short_name(wanted), {}, group=holder, **properties)
+        return self.session.add(
+            full_class_name, name or short_name(full_class_name), {}, group=holder, **properties
+        )
 
     def remove(self, display: Display) -> None:
         """Remove a display."""
@@ -137,8 +139,8 @@ class Viewer(KnownAttributes):
         return super()._instead(name) or self.options._instead(name)
 
     def __repr__(self) -> str:
-        shown = ", ".join(display.name for display in self.displays) or "no display"
-        return f"<Viewer of {self.fixed_frame} with {shown}>"
+        names = ", ".join(display.name for display in self.displays) or "no display"
+        return f"<Viewer of {self.fixed_frame} with {names}>"
 
     def __getitem__(self, name: str) -> Display:
         """Return the first display with a name."""

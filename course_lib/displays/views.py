@@ -87,10 +87,12 @@ class ViewController(PropertyHolder):
 
     def target_frame_hints(self, frames: Frames) -> tuple[str, ...]:
         """Return a hint about an unknown target frame, which RViz does not report."""
-        name, known = self["Target Frame"], frames.buffer.frames()
+        name, frame_names = self["Target Frame"], frames.buffer.frames()
         if name == FIXED_FRAME or frames.transform(name) is not None:
             return ()
-        suggestion = did_you_mean(name, known) or f"; tf2 has {', '.join(sorted(known)) or 'no frame'}."
+        suggestion = (
+            did_you_mean(name, frame_names) or f"; tf2 has {', '.join(sorted(frame_names)) or 'no frame'}."
+        )
         return (
             f"tf2 has no transform to the view's Target Frame {name!r}, so the view does not move"
             f"{suggestion}",
@@ -107,8 +109,8 @@ class ViewController(PropertyHolder):
 
     def return_home(self) -> None:
         """Restore the defaults, like RViz's key Z."""
-        kept = ("Target Frame", "Near Clip Distance", "Invert Z Axis")
-        self._values |= {p.label: p.default for p in self.properties if p.label not in kept}
+        kept_labels = ("Target Frame", "Near Clip Distance", "Invert Z Axis")
+        self._values |= {p.label: p.default for p in self.properties if p.label not in kept_labels}
         self.on_change()
 
     def set_from_camera(self, camera: Camera) -> None:
@@ -126,16 +128,18 @@ class ViewController(PropertyHolder):
         self.camera(frames)
         self.set_from_camera(other.camera(frames))
 
-    def _keep_position(self, moved: Floats) -> None:
+    def _keep_position(self, shift: Floats) -> None:
         """Keep the camera's position when the target frame changes."""
         for label in ("Focal Point", "Position"):
             if label in self._values:
-                self._values[label] = point(np.add(self[label], moved))
+                self._values[label] = point(np.add(self[label], shift))
 
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
         raise NotImplementedError
 
-    def _values_for(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+    def _values_for(
+        self, camera: Camera, forward: Floats, transform_target_to_fixed: Matrix
+    ) -> dict[str, Any]:
         """Return the property values for a camera, the inverse of `_camera`."""
         raise NotImplementedError
 
@@ -177,20 +181,26 @@ class Orbit(ViewController):
     turns = False
 
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
-        turned, sign = self._target_rotation(transform_target_to_fixed), self._sign()
-        away = turned @ direction(sign * self["Yaw"], sign * self["Pitch"])
-        lifted = self._upward_shift(away, self["Distance"])
-        focus = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Focal Point"]) + lifted
-        eye = focus + self["Distance"] * away
+        rotation, sign = self._target_rotation(transform_target_to_fixed), self._sign()
+        outward = rotation @ direction(sign * self["Yaw"], sign * self["Pitch"])
+        lifted = self._upward_shift(outward, self["Distance"])
+        focus = transform_target_to_fixed[:3, 3] + rotation @ np.array(self["Focal Point"]) + lifted
+        eye = focus + self["Distance"] * outward
         return Camera(point(eye), point(focus), (0.0, 0.0, sign), near=self["Near Clip Distance"])
 
-    def _values_for(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
-        turned, sign = self._target_rotation(transform_target_to_fixed), self._sign()
-        distance = float(np.linalg.norm(ahead))
-        x, y, z = away = turned.T @ -ahead / distance
-        focus = camera.target - self._upward_shift(turned @ away, distance) - transform_target_to_fixed[:3, 3]
+    def _values_for(
+        self, camera: Camera, forward: Floats, transform_target_to_fixed: Matrix
+    ) -> dict[str, Any]:
+        rotation, sign = self._target_rotation(transform_target_to_fixed), self._sign()
+        distance = float(np.linalg.norm(forward))
+        x, y, z = outward = rotation.T @ -forward / distance
+        focus = (
+            camera.target
+            - self._upward_shift(rotation @ outward, distance)
+            - transform_target_to_fixed[:3, 3]
+        )
         yaw, pitch = sign * atan2(y, x) % (2 * pi), sign * asin(min(max(z, -1.0), 1.0))
-        return {"Distance": distance, "Yaw": yaw, "Pitch": pitch, "Focal Point": point(turned.T @ focus)}
+        return {"Distance": distance, "Yaw": yaw, "Pitch": pitch, "Focal Point": point(rotation.T @ focus)}
 
     def _target_rotation(self, transform_target_to_fixed: Matrix) -> Floats:
         x, y = transform_target_to_fixed[:2, 0]
@@ -200,10 +210,10 @@ class Orbit(ViewController):
     def _sign(self) -> float:
         return -1.0 if self["Invert Z Axis"] else 1.0
 
-    def _upward_shift(self, away: Floats, distance: float) -> Floats:
+    def _upward_shift(self, outward: Floats, distance: float) -> Floats:
         """Return the upward shift of the camera in the image."""
         up = np.array([0.0, 0.0, self._sign()])
-        picture_up = up - away * (away @ up)
+        picture_up = up - outward * (outward @ up)
         lifted: Floats = picture_up * distance * self.lift / max(float(np.linalg.norm(picture_up)), 1e-9)
         return lifted
 
@@ -223,14 +233,14 @@ class XYOrbit(Orbit):
         super().mimic(other, frames)
         camera = other.camera(frames)
         eye = np.subtract(camera.eye, self._target[:3, 3])
-        _, up, back = camera.view_matrix()[:3, :3]
-        if camera.orthographic_scale is None and eye[2] * back[2] > 0 and eye[2] * up[2] > 0:
+        _, up, backward = camera.view_matrix()[:3, :3]
+        if camera.orthographic_scale is None and eye[2] * backward[2] > 0 and eye[2] * up[2] > 0:
             # The distances to the ground, ahead and below, [m].
-            far, down = eye[2] / back[2], eye[2] / up[2]
-            distance = far * down / (self.lift * far + down)
-            focus = (eye - self.lift * distance * up - distance * back) * [1, 1, 0]
-            turned = self._target_rotation(self._target)
-            self._values |= {"Distance": float(distance), "Focal Point": point(turned.T @ focus)}
+            distance_backward, distance_down = eye[2] / backward[2], eye[2] / up[2]
+            distance = distance_backward * distance_down / (self.lift * distance_backward + distance_down)
+            focus = (eye - self.lift * distance * up - distance * backward) * [1, 1, 0]
+            rotation = self._target_rotation(self._target)
+            self._values |= {"Distance": float(distance), "Focal Point": point(rotation.T @ focus)}
         elif camera.orthographic_scale is None:
             self.return_home()
 
@@ -274,14 +284,16 @@ class TopDownOrtho(ViewController):
             orthographic_scale=self["Scale"],
         )
 
-    def _values_for(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
+    def _values_for(
+        self, camera: Camera, forward: Floats, transform_target_to_fixed: Matrix
+    ) -> dict[str, Any]:
         right_x, right_y, _ = camera.view_matrix()[0, :3]
         x, y, _ = camera.target - transform_target_to_fixed[:3, 3]
         scale = camera.orthographic_scale or self["Scale"]
         return {"Scale": scale, "Angle": atan2(right_y, right_x), "X": x, "Y": y}
 
-    def _keep_position(self, moved: Floats) -> None:
-        self._values |= {"X": self["X"] + float(moved[0]), "Y": self["Y"] + float(moved[1])}
+    def _keep_position(self, shift: Floats) -> None:
+        self._values |= {"X": self["X"] + float(shift[0]), "Y": self["Y"] + float(shift[1])}
 
 
 _AXES = {
@@ -306,15 +318,17 @@ class FPS(ViewController):
     )
 
     def _camera(self, transform_target_to_fixed: Matrix) -> Camera:
-        turned = self._target_rotation(transform_target_to_fixed)
-        eye = transform_target_to_fixed[:3, 3] + turned @ np.array(self["Position"])
-        target = eye + turned @ direction(self["Yaw"], -self["Pitch"])
-        return Camera(point(eye), point(target), point(turned[:, 2]), near=self["Near Clip Distance"])
+        rotation = self._target_rotation(transform_target_to_fixed)
+        eye = transform_target_to_fixed[:3, 3] + rotation @ np.array(self["Position"])
+        target = eye + rotation @ direction(self["Yaw"], -self["Pitch"])
+        return Camera(point(eye), point(target), point(rotation[:, 2]), near=self["Near Clip Distance"])
 
-    def _values_for(self, camera: Camera, ahead: Floats, transform_target_to_fixed: Matrix) -> dict[str, Any]:
-        turned = self._target_rotation(transform_target_to_fixed)
-        position = point(turned.T @ (camera.eye - transform_target_to_fixed[:3, 3]))
-        return {"Position": position, **_angles(turned.T @ ahead)}
+    def _values_for(
+        self, camera: Camera, forward: Floats, transform_target_to_fixed: Matrix
+    ) -> dict[str, Any]:
+        rotation = self._target_rotation(transform_target_to_fixed)
+        position = point(rotation.T @ (camera.eye - transform_target_to_fixed[:3, 3]))
+        return {"Position": position, **_angles(rotation.T @ forward)}
 
     def _target_rotation(self, transform_target_to_fixed: Matrix) -> Floats:
         """Return the rotation of the view with the target frame, shape (3, 3)."""
@@ -344,9 +358,9 @@ class FrameAligned(FPS):
 
     def on_changed(self, label: str) -> None:
         """Look along the chosen axis, or determine the axis from yaw and pitch."""
-        ahead = _AXES.get(self["Point towards"])
-        if label == "Point towards" and ahead:
-            self._values |= {"Position": (0.0, 0.0, 0.0), **_angles(np.array(ahead))}
+        axis = _AXES.get(self["Point towards"])
+        if label == "Point towards" and axis:
+            self._values |= {"Position": (0.0, 0.0, 0.0), **_angles(np.array(axis))}
         elif label in ("Yaw", "Pitch"):
             self._name_axis()
         super().on_changed(label)
@@ -361,20 +375,20 @@ class FrameAligned(FPS):
         return replace(super().hands(), aligned=True, locked=self["Lock Camera"])
 
     def _name_axis(self) -> None:
-        ahead = direction(self["Yaw"], -self["Pitch"])
-        near = (name for name, axis in _AXES.items() if ahead @ axis > 0.999)
-        self._values["Point towards"] = next(near, "arbitrary")
+        forward = direction(self["Yaw"], -self["Pitch"])
+        axis_names = (name for name, axis in _AXES.items() if forward @ axis > 0.999)
+        self._values["Point towards"] = next(axis_names, "arbitrary")
 
     def _target_rotation(self, transform_target_to_fixed: Matrix) -> Floats:
         return transform_target_to_fixed[:3, :3]
 
-    def _keep_position(self, moved: Floats) -> None:
+    def _keep_position(self, shift: Floats) -> None:
         """Do nothing: the camera moves with the new frame."""
 
 
-def _angles(ahead: Floats) -> dict[str, float]:
+def _angles(forward: Floats) -> dict[str, float]:
     """Return yaw and downward pitch of a direction, [rad]."""
-    x, y, z = ahead / np.linalg.norm(ahead)
+    x, y, z = forward / np.linalg.norm(forward)
     return {
         "Yaw": atan2(y, x) % (2 * pi),
         "Pitch": min(max(-asin(min(max(z, -1.0), 1.0)), -PITCH_LIMIT), PITCH_LIMIT),
@@ -393,14 +407,14 @@ VIEWS: dict[str, type[ViewController]] = {
 
 def view_of(config: Mapping[str, Any]) -> "tuple[ViewController, *tuple[str, ...]]":
     """Return the view configured in a layout, followed by error messages."""
-    wanted = text_at(config, "Class") or Orbit.class_name
-    package, _, short = wanted.rpartition("/")
+    class_name = text_at(config, "Class") or Orbit.class_name
+    package, _, short = class_name.rpartition("/")
     # ROS 1 calls the package `rviz`.
-    known = short in VIEWS and package in ("", "rviz", "rviz_default_plugins")
-    view = VIEWS[short]() if known else FailedView()
+    is_known = short in VIEWS and package in ("", "rviz", "rviz_default_plugins")
+    view = VIEWS[short]() if is_known else FailedView()
     view.name = text_at(config, "Name") or view.name
-    unknown = f"{wanted} is not one of {', '.join(VIEWS)}: Orbit is used, and the settings are kept."
-    return view, *(() if known else (unknown,)), *view.load(config)
+    unknown = f"{class_name} is not one of {', '.join(VIEWS)}: Orbit is used, and the settings are kept."
+    return view, *(() if is_known else (unknown,)), *view.load(config)
 
 
 # Half the height of a picture at a distance of 1 m.
@@ -462,16 +476,16 @@ class Framing:
             if not new and (is_first or not is_opened):
                 return False
             below = (self._scene.find(path) for path in self._drawn)
-            drawn = [inner for node in below if node is not None for inner in node.subtree()]
-            shown = [node.path for node in drawn if node.object and self._scene.visible(node.path)]
-            bounds = bounds_of(self._scene, shown)
+            nodes = [inner for node in below if node is not None for inner in node.subtree()]
+            visible_paths = [node.path for node in nodes if node.object and self._scene.visible(node.path)]
+            bounds = bounds_of(self._scene, visible_paths)
         if bounds is None:
             # Only overlays were drawn before, so the next drawable is the first one with a position.
             self._drawn.difference_update(new)
             return False
         corners = _corners(_with_origin(bounds))
         if not is_first and _distance(
-            corners, camera, np.array(camera.target), filled=1.0
+            corners, camera, np.array(camera.target), filled_share=1.0
         ) <= _focal_distance(camera):
             return False
         values = _values(corners, view)
@@ -483,8 +497,8 @@ class Framing:
 def _with_origin(bounds: Floats) -> Floats:
     """Return the box with the origin, unless the drawn things are small and far away from it."""
     low, high = bounds
-    far = np.linalg.norm(np.maximum(0, np.maximum(low, -high)))
-    if np.linalg.norm(high - low) < _FAR_AWAY * far:
+    distance = np.linalg.norm(np.maximum(0, np.maximum(low, -high)))
+    if np.linalg.norm(high - low) < _FAR_AWAY * distance:
         return bounds
     return np.stack([np.minimum(low, -_AROUND_ORIGIN), np.maximum(high, _AROUND_ORIGIN)])
 
@@ -498,16 +512,16 @@ def _values(corners: Floats, view: Orbit) -> dict[str, Any]:
     """Return the properties with which an Orbit of the fixed frame shows all corners."""
     focus = np.round((corners.min(axis=0) + corners.max(axis=0)) / 2, 2)
     camera = Camera(tuple(focus + direction(view["Yaw"], view["Pitch"])), tuple(focus))
-    distance = _distance(corners, camera, focus, filled=_FILLED)
+    distance = _distance(corners, camera, focus, filled_share=_FILLED)
     x, y, z = (focus + 0.0).tolist()
     return {"Distance": min(max(round(distance, 1), _NEAREST), _FARTHEST), "Focal Point": (x, y, z)}
 
 
-def _distance(corners: Floats, camera: Camera, focus: Floats, filled: float) -> float:
+def _distance(corners: Floats, camera: Camera, focus: Floats, filled_share: float) -> float:
     """Return the distance [m] to a focal point from which all corners are in the picture."""
-    right, up, near = ((corners - focus) @ camera.view_matrix()[:3, :3].T).T
-    needed = np.maximum(np.abs(up), np.abs(right) / _ASPECT) / (_SLOPE * filled)
-    return float((needed + near).max())
+    right, up, depths = ((corners - focus) @ camera.view_matrix()[:3, :3].T).T
+    distances = np.maximum(np.abs(up), np.abs(right) / _ASPECT) / (_SLOPE * filled_share)
+    return float((distances + depths).max())
 
 
 def _focal_distance(camera: Camera) -> float:

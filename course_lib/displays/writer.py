@@ -42,8 +42,10 @@ def document(session: RvizSession) -> dict[str, Any]:
         "Saved": [view_config(view) for view in session.saved_views] or None,
     }
     # Tools keep the order of the loaded layout; without a layout, all tools are written.
-    ours = {tool.class_name: _with_properties(tool, {"Class": tool.class_name}) for tool in session.tools}
-    tools = [ours.pop(text_at(config, "Class"), config) for config in session.layout.tools]
+    tool_configs = {
+        tool.class_name: _with_properties(tool, {"Class": tool.class_name}) for tool in session.tools
+    }
+    tools = [tool_configs.pop(text_at(config, "Class"), config) for config in session.layout.tools]
     result: dict[str, Any] = _sort_keys(
         {
             "Panels": [{"Class": f"rviz_common/{name}", "Name": name} for name in _PANELS],
@@ -56,7 +58,7 @@ def document(session: RvizSession) -> dict[str, Any]:
                 "Value": True,
                 **manager,
                 "Displays": [member_config(member) for member in session.tree.members] or None,
-                "Tools": tools or [*ours.values()],
+                "Tools": tools or [*tool_configs.values()],
                 "Global Options": _options(session.options),
                 "Views": {**_map(manager, "Views"), **views},
             },
@@ -76,15 +78,15 @@ def _options(options: Options) -> dict[str, Any]:
 def member_config(member: Display | Group) -> dict[str, Any]:
     """Return the configuration of a display or group."""
     if isinstance(member, Group):
-        named = {"Class": GROUP, "Name": member.name, "Enabled": member.ticked}
+        entries_of_group = {"Class": GROUP, "Name": member.name, "Enabled": member.ticked}
         displays = [member_config(inner) for inner in member.members]
-        return {**member.config, **named, "Displays": displays or None}
-    known = {"Name": member.name, "Enabled": member["Enabled"]}
+        return {**member.config, **entries_of_group, "Displays": displays or None}
+    entries = {"Name": member.name, "Enabled": member["Enabled"]}
     if isinstance(member, FailedDisplay):
-        return {**member.config, **(known if "Enabled" in member.config else {"Name": member.name})}
+        return {**member.config, **(entries if "Enabled" in member.config else {"Name": member.name})}
     if len(member.properties) > 1:
-        known["Value"] = member["Enabled"]
-    return _with_properties(member, {"Class": member.class_name, **known})
+        entries["Value"] = member["Enabled"]
+    return _with_properties(member, {"Class": member.class_name, **entries})
 
 
 def view_config(view: ViewController) -> dict[str, Any]:
@@ -95,9 +97,9 @@ def view_config(view: ViewController) -> dict[str, Any]:
     return _with_properties(view, {"Class": view.class_name, "Name": view.name, "Value": label})
 
 
-def _with_properties(holder: _Configured, known: Mapping[str, Any]) -> dict[str, Any]:
+def _with_properties(holder: _Configured, entries: Mapping[str, Any]) -> dict[str, Any]:
     """Return the configuration of an object with properties, merged over its loaded one."""
-    config: dict[str, Any] = {**holder.config, **known}
+    config: dict[str, Any] = {**holder.config, **entries}
     parents = {prop.path[:-1] for prop in holder.properties}
     for prop in holder.properties:
         if prop.is_read_only:

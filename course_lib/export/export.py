@@ -109,39 +109,43 @@ def _modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[s
     """Return the modules, and the reason for each class that is not an executable."""
     code = statements(read_cells(file))
     if any(one.cell.marked for one in code):
-        kept, left_out = [s for s in code if s.cell.marked], [s for s in code if not s.cell.marked]
+        exported, left_out = [s for s in code if s.cell.marked], [s for s in code if not s.cell.marked]
     else:
-        kept, left_out = code, []
-    roots = node_classes(kept, nodes)
-    modules = [_module(root, roots, kept, left_out) for root in roots]
-    found = {m.class_name: why for m in modules if (why := obstacles(m, modules, kept, named=bool(nodes)))}
-    started = [module for module in modules if module.class_name not in found]
-    if not started or (found and nodes):
-        reasons = "; ".join(f"{name}() {why}" for name, why in found.items())
+        exported, left_out = code, []
+    roots = node_classes(exported, nodes)
+    modules = [_module(root, roots, exported, left_out) for root in roots]
+    reasons_by_class = {
+        m.class_name: why for m in modules if (why := obstacles(m, modules, exported, named=bool(nodes)))
+    }
+    started = [module for module in modules if module.class_name not in reasons_by_class]
+    if not started or (reasons_by_class and nodes):
+        reasons = "; ".join(f"{name}() {why}" for name, why in reasons_by_class.items())
         raise CourseError(
             f"Nothing can start this: {reasons}. Give defaults, or make them parameters: "
             "self.declare_parameter(…)."
         )
-    used = {one for module in started for part in module.parts for one in part.bindings}
-    alone = [replace(m, main=Main.NONE) for m in modules if m.class_name in found.keys() - used]
-    for name, count in Counter(module.name for module in [*started, *alone]).items():
+    bindings = {one for module in started for part in module.parts for one in part.bindings}
+    helper_modules = [
+        replace(m, main=Main.NONE) for m in modules if m.class_name in reasons_by_class.keys() - bindings
+    ]
+    for name, count in Counter(module.name for module in [*started, *helper_modules]).items():
         if count > 1:
             raise CourseError(f"{count} classes would become the module {name}.py. Rename all but one.")
-    return [*started, *alone], found
+    return [*started, *helper_modules], reasons_by_class
 
 
 def _module(
-    root: Statement, roots: Sequence[Statement], kept: Sequence[Statement], left_out: Sequence[Statement]
+    root: Statement, roots: Sequence[Statement], exported: Sequence[Statement], left_out: Sequence[Statement]
 ) -> NodeModule:
     assert isinstance(root.node, ast.ClassDef)
-    parts = collect_needed(root, kept, left_out)
+    parts = collect_needed(root, exported, left_out)
     classes = frozenset().union(*(one.bindings for one in roots))
     main = next(
-        (s for s in reversed(kept) if "main" in s.bindings and s.later & classes == root.bindings), None
+        (s for s in reversed(exported) if "main" in s.bindings and s.later & classes == root.bindings), None
     )
     if main is None:
         return NodeModule(root.node, parts, Main.MADE)
-    of_main = collect_needed(main, kept, left_out)
+    of_main = collect_needed(main, exported, left_out)
     parts = sorted({one.order: one for one in (*parts, *of_main)}.values(), key=lambda one: one.order)
     return NodeModule(root.node, parts, Main.OWN)
 
@@ -150,9 +154,9 @@ def _file_texts(
     file: Path, package: str, modules: Sequence[NodeModule], extra: Sequence[Path]
 ) -> dict[str, str]:
     """Return the contents of all files by path, except the extra files."""
-    imported = set[str]().union(*(module.imported() for module in modules))
+    imports = set[str]().union(*(module.imported() for module in modules))
     started = [module for module in modules if module.main is not Main.NONE]
-    depends, exec_depends = dependencies(imported, package)
+    depends, exec_depends = dependencies(imports, package)
     user = getpass.getuser()
     text = PackageText(
         package,
@@ -188,10 +192,12 @@ def _launch_files(package: str, modules: Sequence[NodeModule], given: dict[str, 
     if values and "config" not in given:
         files[f"config/{config}"] = parameters_text(values)
     if "rviz" not in given:
-        shown = {topic: kind for module in modules for topic, kind in displays(module.node).items()}
-        used = Counter(frame for module in modules for frame in frames(module.node))
-        fixed_frame = used.most_common(1)[0][0] if used else "map"
-        files[f"rviz/{layout}"] = filled("layout.rviz", fixed_frame=fixed_frame, displays=shown)
+        displays_by_topic = {
+            topic: kind for module in modules for topic, kind in displays(module.node).items()
+        }
+        frame_counts = Counter(frame for module in modules for frame in frames(module.node))
+        fixed_frame = frame_counts.most_common(1)[0][0] if frame_counts else "map"
+        files[f"rviz/{layout}"] = filled("layout.rviz", fixed_frame=fixed_frame, displays=displays_by_topic)
     if "launch" not in given:
         names = {"package": package, "parameters": config, "layout": layout}
         executables = [module.name for module in modules]
@@ -202,15 +208,15 @@ def _launch_files(package: str, modules: Sequence[NodeModule], given: dict[str, 
 def _write(files: dict[str, bytes], target: Path) -> None:
     """Write the files into a temporary folder, then rename it. Other existing files are kept."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as aside:
-        draft = Path(aside, "new")
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as temporary_folder:
+        draft = Path(temporary_folder, "new")
         if target.exists():
             shutil.copytree(target, draft)
         for path, data in files.items():
             (draft / path).parent.mkdir(parents=True, exist_ok=True)
             (draft / path).write_bytes(data)
         if target.exists():
-            os.rename(target, Path(aside, "old"))
+            os.rename(target, Path(temporary_folder, "old"))
         os.rename(draft, target)
 
 
@@ -273,10 +279,10 @@ def _check_manifest(file: Path, name: str) -> Iterator[str]:
             yield f"package.xml: <{tag}>"
     if (root.findtext("export/build_type") or "").strip() != "ament_python":
         yield "package.xml: <export><build_type>ament_python</build_type></export>"
-    named = {(one.text or "").strip() for one in root if one.tag.endswith("depend")}
-    ros, others = dependencies(_imports(file.parent / name), name)
-    for tag, names in (("depend", ros), ("exec_depend", others)):
-        yield from (f"package.xml: <{tag}>{one}</{tag}>" for one in names if one not in named)
+    declared = {(one.text or "").strip() for one in root if one.tag.endswith("depend")}
+    ros, python_packages = dependencies(_imports(file.parent / name), name)
+    for tag, names in (("depend", ros), ("exec_depend", python_packages)):
+        yield from (f"package.xml: <{tag}>{one}</{tag}>" for one in names if one not in declared)
 
 
 def _check_setup(file: Path, name: str) -> Iterator[str]:
@@ -319,7 +325,7 @@ def _advise(text: str) -> Iterator[str]:
 
 
 def _imports(folder: Path) -> set[str]:
-    found = set[str]()
+    names = set[str]()
     for file in folder.rglob("*.py"):
         try:
             tree = parse_python(file.read_text(encoding="utf-8"))
@@ -327,7 +333,7 @@ def _imports(folder: Path) -> set[str]:
             raise CourseError(f"{file}, line {error.lineno}: {error.msg}. Correct it first.") from error
         for node in ast.walk(tree):
             if isinstance(node, ast.Import):
-                found |= {alias.name.partition(".")[0] for alias in node.names}
+                names |= {alias.name.partition(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and not node.level:
-                found.add((node.module or "").partition(".")[0])
-    return found
+                names.add((node.module or "").partition(".")[0])
+    return names

@@ -116,7 +116,7 @@ def statements(cells: Sequence[Cell]) -> list[Statement]:
     Raises:
         CourseError: A cell is not valid Python.
     """
-    found: list[Statement] = []
+    collected: list[Statement] = []
     for cell in cells:
         try:
             nodes = parse_python(cell.source).body
@@ -132,8 +132,8 @@ def statements(cells: Sequence[Cell]) -> list[Statement]:
             # An assignment like X = X + 1 needs the previous X.
             elif not isinstance(node, ast.Assign):
                 now -= bindings
-            found.append(Statement(len(found), cell, node, text, bindings, changes, now, later))
-    return found
+            collected.append(Statement(len(collected), cell, node, text, bindings, changes, now, later))
+    return collected
 
 
 def _split_imports(source: str, nodes: Sequence[ast.stmt]) -> Iterator[tuple[ast.stmt, str]]:
@@ -237,14 +237,14 @@ def dependencies(imported: Iterable[str], package: str) -> tuple[list[str], list
     Raises:
         CourseError: The code imports course_lib, which is not installed on robots.
     """
-    others = set(imported) - set(sys.stdlib_module_names) - {package, ""}
-    if "course_lib" in others:
+    third_party = set(imported) - set(sys.stdlib_module_names) - {package, ""}
+    if "course_lib" in third_party:
         raise CourseError(
             "The nodes use course_lib, which robots do not have. Remove Viewer, spin_for and "
             "check from the code that the nodes use."
         )
-    ros = others & set(provided_packages())
-    return sorted(ros), sorted(_ROSDEP.get(name, f"python3-{name.lower()}") for name in others - ros)
+    ros = third_party & set(provided_packages())
+    return sorted(ros), sorted(_ROSDEP.get(name, f"python3-{name.lower()}") for name in third_party - ros)
 
 
 class Main(Enum):
@@ -271,8 +271,8 @@ class NodeModule:
     @property
     def name(self) -> str:
         """The name of the module and its executable, like tf_publisher for TFPublisher."""
-        words = re.sub(r"([A-Z]+)([A-Z][a-z])", r"\1_\2", self.class_name)
-        return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", words).lower()
+        split_name = re.sub(r"([A-Z]+)([A-Z][a-z])", r"\1_\2", self.class_name)
+        return re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", split_name).lower()
 
     @property
     def summary(self) -> str:
@@ -283,9 +283,9 @@ class NodeModule:
     def imported(self) -> set[str]:
         """Return the top-level packages that the module imports."""
         tree = ast.parse(self.text())
-        found = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
-        found |= {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-        return {name.partition(".")[0] for name in found}
+        names = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
+        names |= {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+        return {name.partition(".")[0] for name in names}
 
     def text(self) -> str:
         """Return the source of the module."""
@@ -359,10 +359,10 @@ def node_classes(code: Sequence[Statement], names: Sequence[str]) -> list[Statem
             raise CourseError(
                 f"There is no class {name!r} to export; there is: {', '.join(classes) or 'none'}."
             )
-    chosen = [classes[name] for name in names or classes if names or _is_node(classes[name], classes)]
-    if not chosen:
+    selected = [classes[name] for name in names or classes if names or _is_node(classes[name], classes)]
+    if not selected:
         raise CourseError("There is no class that derives from rclpy's Node. Choose a class: --node MyClass")
-    return sorted(chosen, key=lambda one: one.order)
+    return sorted(selected, key=lambda one: one.order)
 
 
 def collect_needed(
@@ -378,21 +378,21 @@ def collect_needed(
     Raises:
         CourseError: A name is undefined, or only defined in a cell that is left out.
     """
-    chosen = {root.order: root} | {one.order: one for one in code if one.text.startswith("from __future__")}
+    needed = {root.order: root} | {one.order: one for one in code if one.text.startswith("from __future__")}
     # These imports have a side effect: they register message types in tf2.
-    chosen |= {one.order: one for one in code if one.text in _REGISTERING}
+    needed |= {one.order: one for one in code if one.text in _REGISTERING}
     to_do, last = [root], len(code) + len(left_out)
     while to_do:
         one = to_do.pop()
-        found = [_find_binding(name, one, code, left_out, at=one.order) for name in sorted(one.now)]
-        found += [_find_binding(name, one, code, left_out, at=last) for name in sorted(one.later)]
+        givers = [_find_binding(name, one, code, left_out, at=one.order) for name in sorted(one.now)]
+        givers += [_find_binding(name, one, code, left_out, at=last) for name in sorted(one.later)]
         if not one.is_import:
-            found += [s for s in code if s.changes & one.bindings and not isinstance(one.node, ast.ClassDef)]
-        for giver in found:
-            if giver is not None and giver.order not in chosen:
-                chosen[giver.order] = giver
+            givers += [s for s in code if s.changes & one.bindings and not isinstance(one.node, ast.ClassDef)]
+        for giver in givers:
+            if giver is not None and giver.order not in needed:
+                needed[giver.order] = giver
                 to_do.append(giver)
-    return [chosen[order] for order in sorted(chosen)]
+    return [needed[order] for order in sorted(needed)]
 
 
 def _is_node(one: Statement, classes: dict[str, Statement]) -> bool:
@@ -416,14 +416,15 @@ def _find_binding(
         return before[-1] if before else givers[0]
     if name in _ALWAYS_THERE or name in user.bindings:
         return None
-    who = f"{', '.join(sorted(user.bindings)) or 'a statement'} (cell {user.cell.number}) uses {name!r}"
+    usage = f"{', '.join(sorted(user.bindings)) or 'a statement'} (cell {user.cell.number}) uses {name!r}"
     elsewhere = next((one for one in left_out if name in one.bindings), None)
     if elsewhere is not None:
         raise CourseError(
-            f"{who}, which cell {elsewhere.cell.number} defines, but that cell is not exported. Mark it with "
+            f"{usage}, which cell {elsewhere.cell.number} defines, but that cell is not exported. "
+            "Mark it with "
             "# export in its first line."
         )
-    raise CourseError(f"{who}, which is not defined. Define or import it in a cell that is exported.")
+    raise CourseError(f"{usage}, which is not defined. Define or import it in a cell that is exported.")
 
 
 def node_name(node: ast.ClassDef) -> str | None:
@@ -434,25 +435,25 @@ def node_name(node: ast.ClassDef) -> str | None:
 
 def parameters(node: ast.ClassDef) -> dict[str, Any]:
     """Return the parameters that a class declares with a literal default."""
-    found = {}
+    values = {}
     for call in _calls(node, "declare_parameter"):
         default = call.args[1] if len(call.args) > 1 else None
         value = None if default is None else _literal(default)
         if call.args and isinstance(name := _literal(call.args[0]), str) and value not in (None, []):
-            found[name] = value
-    return found
+            values[name] = value
+    return values
 
 
 def displays(node: ast.ClassDef) -> dict[str, str]:
     """Return RViz's display class for each topic that a class publishes, if RViz has one."""
-    found = {}
+    class_names = {}
     for call in _calls(node, "create_publisher"):
         if len(call.args) > 1 and isinstance(topic := _literal(call.args[1]), str):
             kind = call.args[0]
             name = kind.attr if isinstance(kind, ast.Attribute) else getattr(kind, "id", "")
             if name in _DISPLAYS:
-                found[topic if topic.startswith("/") else f"/{topic}"] = _DISPLAYS[name]
-    return found
+                class_names[topic if topic.startswith("/") else f"/{topic}"] = _DISPLAYS[name]
+    return class_names
 
 
 def frames(node: ast.ClassDef) -> list[str]:

@@ -77,7 +77,7 @@ def _rules(students: Sequence[str], calls: Sequence[str], domain: int) -> list[d
     questions = [latched, *(f"{domain}/{name}/*/*" for name in calls)]
     clients = [_tokens(domain, "SC", name.replace("/", "%")) for name in calls]
     listeners = [_tokens(domain, "NN"), _tokens(domain, "MS"), *clients]
-    others = [
+    read_topics = [
         key
         for one in DOMAINS
         if one != domain
@@ -88,7 +88,7 @@ def _rules(students: Sequence[str], calls: Sequence[str], domain: int) -> list[d
         _rule("hear", ["egress"], MESSAGES, EVERYWHERE),
         _rule("ask", ["ingress"], ["query"], questions),
         _rule("listen", ["ingress"], ["liveliness_token"], listeners),
-        _rule("others", ["ingress"], MESSAGES, others),
+        _rule("others", ["ingress"], MESSAGES, read_topics),
         *(_rule(f"own {name}", ["ingress"], MESSAGES, _student_keys(domain, name)) for name in students),
         _rule("robot", ["ingress"], MESSAGES, EVERYWHERE),
         _rule("asked", ["egress"], ["query"], questions),
@@ -158,17 +158,19 @@ def load_users(folder: Path, roster: Path | None, id_column: str, place: str) ->
         id_column: The heading of the IDs; "" to find the column.
         place: The address for students, which is listed together with the token.
     """
-    known: dict[str, str] = {}
+    tokens: dict[str, str] = {}
     if (folder / TOKENS).exists():
         with (folder / TOKENS).open(encoding="utf-8", newline="") as file:
-            kept = {row.get("student", ""): row.get("token", "") for row in csv.DictReader(file)}
-        known = {
-            student: token for student, token in kept.items() if re.fullmatch(r"[\w-]{16,}", token or "")
+            stored_tokens = {row.get("student", ""): row.get("token", "") for row in csv.DictReader(file)}
+        tokens = {
+            student: token
+            for student, token in stored_tokens.items()
+            if re.fullmatch(r"[\w-]{16,}", token or "")
         }
-    before = [student for student in known if student != THE_ROBOT]
+    before = [student for student in tokens if student != THE_ROBOT]
     ids = [THE_ROBOT, *(read_class(roster, id_column) if roster else before or [GUEST])]
     names = _ros_names(ids)
-    users = [Access(one, names[one], known.get(one) or secrets.token_urlsafe(18)) for one in ids]
+    users = [Access(one, names[one], tokens.get(one) or secrets.token_urlsafe(18)) for one in ids]
     text = io.StringIO(newline="")
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(("student", "name", "token", "address"))
@@ -179,17 +181,17 @@ def load_users(folder: Path, roster: Path | None, id_column: str, place: str) ->
     return users
 
 
-def find_student(users: Sequence[Access], who: str) -> Access:
+def find_student(users: Sequence[Access], query: str) -> Access:
     """Return the student with an ID or a name.
 
     Raises:
         CourseError: The student does not exist.
     """
-    wanted = who.strip().casefold()
+    folded_query = query.strip().casefold()
     for user in users:
-        if user.name != ROBOT and wanted in (user.student.casefold(), user.name):
+        if user.name != ROBOT and folded_query in (user.student.casefold(), user.name):
             return user
-    raise CourseError(f"--driver {who}: no such student. The column `student` of {TOKENS} lists all IDs.")
+    raise CourseError(f"--driver {query}: no such student. The column `student` of {TOKENS} lists all IDs.")
 
 
 def _ros_names(ids: Iterable[str]) -> dict[str, str]:

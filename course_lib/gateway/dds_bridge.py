@@ -129,9 +129,9 @@ class DdsBridge:
     def run(self, seconds: float) -> None:
         """Run the queued actions of the links for `seconds`, and subscribe to the needed topics."""
         end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0:
+        while (remaining_seconds := end - time.monotonic()) > 0:
             try:
-                self._robot.actions.get(timeout=left)()
+                self._robot.actions.get(timeout=remaining_seconds)()
             except Empty:
                 break
             self._follow_demand()
@@ -146,17 +146,17 @@ class DdsBridge:
 
         Called in Zenoh's threads.
         """
-        known = self._commands.get((topic, type_name))
-        if known is not None and known.type_hash in ("", command_hash):
+        command = self._commands.get((topic, type_name))
+        if command is not None and command.type_hash in ("", command_hash):
             return True
-        taken = sorted(kind for name, kind in tuple(self._commands) if name == topic)
-        if known is not None:
-            what = f"the robot has another definition of {type_name}"
-        elif taken:
-            what = f"the robot takes {' and '.join(taken)} there"
+        accepted_types = sorted(kind for name, kind in tuple(self._commands) if name == topic)
+        if command is not None:
+            reason = f"the robot has another definition of {type_name}"
+        elif accepted_types:
+            reason = f"the robot takes {' and '.join(accepted_types)} there"
         else:
-            what = "the robot has no subscription to it"
-        self._report_once(f"{what} {topic}", f"Commands on {topic} of {type_name} are held back: {what}.")
+            reason = "the robot has no subscription to it"
+        self._report_once(f"{reason} {topic}", f"Commands on {topic} of {type_name} are held back: {reason}.")
         return False
 
     def publish(self, topic: str, type_name: str, cdr: bytes) -> None:
@@ -215,11 +215,11 @@ class DdsBridge:
     def _add_command_topic(self, entity: Entity, known_hash: str) -> None:
         """Declare the publisher of a command in advance, because the first one would be lost."""
         key = entity.topic, entity.type_name
-        known = self._commands.get(key)
-        if known is None:
-            own = self._robot.endpoint(self._own_node, "publisher", *key, COMMAND_QOS, known_hash)
-            known = CommandTopic(self._robot.publisher(own), "")
-        self._commands[key] = CommandTopic(known.publisher, entity.type_hash)
+        command = self._commands.get(key)
+        if command is None:
+            endpoint = self._robot.endpoint(self._own_node, "publisher", *key, COMMAND_QOS, known_hash)
+            command = CommandTopic(self._robot.publisher(endpoint), "")
+        self._commands[key] = CommandTopic(command.publisher, entity.type_hash)
 
     def _offer(self, service: str) -> None:
         """Offer an allowed service on the Zenoh side once, for its first server.
@@ -228,8 +228,10 @@ class DdsBridge:
         """
         declared = next(iter(self._servers[service].values()))
         if service not in self._clients:
-            own = self._robot.endpoint(self._own_node, "client", service, declared.type_name, declared.qos)
-            self._clients[service] = self._robot.client(own)
+            endpoint = self._robot.endpoint(
+                self._own_node, "client", service, declared.type_name, declared.qos
+            )
+            self._clients[service] = self._robot.client(endpoint)
         self._offered[service] = self._class.service(declared, partial(self._on_request, service))
 
     def _on_request(self, service: str, cdr: bytes, send_reply: SendReply) -> None:

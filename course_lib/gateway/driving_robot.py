@@ -68,12 +68,12 @@ class Base(Node):
 
     def on_command(self, command: Twist) -> None:
         """Store a command, limited to the base's maximum speeds. Ignore it if it is not finite."""
-        asked = (command.linear.x, command.linear.y, command.angular.z)
-        if not all(map(math.isfinite, asked)):
-            self.get_logger().error(f"A command with numbers that are not finite is ignored: {asked}.")
+        velocities = (command.linear.x, command.linear.y, command.angular.z)
+        if not all(map(math.isfinite, velocities)):
+            self.get_logger().error(f"A command with numbers that are not finite is ignored: {velocities}.")
             return
         limits = (MAX_LINEAR, MAX_LINEAR, MAX_ANGULAR)
-        x, y, yaw = (max(-most, min(most, one)) for one, most in zip(asked, limits, strict=True))
+        x, y, yaw = (max(-limit, min(limit, one)) for one, limit in zip(velocities, limits, strict=True))
         self.command.linear.x, self.command.linear.y, self.command.angular.z = x, y, yaw
         self.age = 0.0
 
@@ -82,20 +82,20 @@ class Base(Node):
         if self.age >= TIMEOUT:
             self.command = Twist()
         self.age += BASE_PERIOD
-        ahead, left = self.command.linear.x * BASE_PERIOD, self.command.linear.y * BASE_PERIOD
-        self.x += math.cos(self.yaw) * ahead - math.sin(self.yaw) * left
-        self.y += math.sin(self.yaw) * ahead + math.cos(self.yaw) * left
+        forward_step, left_step = self.command.linear.x * BASE_PERIOD, self.command.linear.y * BASE_PERIOD
+        self.x += math.cos(self.yaw) * forward_step - math.sin(self.yaw) * left_step
+        self.y += math.sin(self.yaw) * forward_step + math.cos(self.yaw) * left_step
         self.yaw += self.command.angular.z * BASE_PERIOD
-        moved = transform(self, "odom", "base_link")
-        moved.transform.translation.x, moved.transform.translation.y = self.x, self.y
-        moved.transform.rotation.z, moved.transform.rotation.w = (
+        odom_to_base = transform(self, "odom", "base_link")
+        odom_to_base.transform.translation.x, odom_to_base.transform.translation.y = self.x, self.y
+        odom_to_base.transform.rotation.z, odom_to_base.transform.rotation.w = (
             math.sin(self.yaw / 2),
             math.cos(self.yaw / 2),
         )
-        self.broadcaster.sendTransform(moved)
-        odometry = Odometry(header=moved.header, child_frame_id="base_link")
+        self.broadcaster.sendTransform(odom_to_base)
+        odometry = Odometry(header=odom_to_base.header, child_frame_id="base_link")
         odometry.pose.pose.position.x, odometry.pose.pose.position.y = self.x, self.y
-        odometry.pose.pose.orientation = moved.transform.rotation
+        odometry.pose.pose.orientation = odom_to_base.transform.rotation
         odometry.twist.twist = self.command
         self.odometry_publisher.publish(odometry)
 
@@ -125,17 +125,17 @@ class LaserScanner(Node):
 def distance(x: float, y: float, angle: float) -> float:
     """Return the distance from a point to the first wall or column in a direction [m]."""
     along_x, along_y = math.cos(angle), math.sin(angle)
-    found = math.inf
+    nearest = math.inf
     for place, along in ((x, along_x), (y, along_y)):
         if abs(along) > 1e-9:
             to_wall = (math.copysign(HALF_ROOM, along) - place) / along
-            found = min(found, to_wall if to_wall > 0 else math.inf)
+            nearest = min(nearest, to_wall if to_wall > 0 else math.inf)
     for column_x, column_y, radius in COLUMNS:
-        ahead = (column_x - x) * along_x + (column_y - y) * along_y
+        forward_distance = (column_x - x) * along_x + (column_y - y) * along_y
         beside = (column_x - x) * along_y - (column_y - y) * along_x
-        if ahead > 0 and abs(beside) < radius:
-            found = min(found, ahead - math.sqrt(radius**2 - beside**2))
-    return max(found, 0.0)
+        if forward_distance > 0 and abs(beside) < radius:
+            nearest = min(nearest, forward_distance - math.sqrt(radius**2 - beside**2))
+    return max(nearest, 0.0)
 
 
 class Description(Node):

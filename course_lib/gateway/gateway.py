@@ -281,32 +281,32 @@ class Gateway:
 
     def connected_students(self) -> dict[str, set[str]]:
         """Return the Zenoh IDs of the connected kits by the student's name."""
-        found: dict[str, set[str]] = {}
+        sessions: dict[str, set[str]] = {}
         for reply in self.class_side.liveliness().get(f"{PRESENCE}/*/*", timeout=1.0):
             if reply.ok is not None:
                 _, name, zid = str(reply.ok.key_expr).split("/")
-                found.setdefault(name, set()).add(zid)
-        return found
+                sessions.setdefault(name, set()).add(zid)
+        return sessions
 
     def links(self) -> tuple[list[str], list[str]]:
         """Return the addresses of connected peers on the students' side and on the robot's side."""
-        own = {str(self.class_side.zid()), str(self.robot_side.zid())}
+        own_ids = {str(self.class_side.zid()), str(self.robot_side.zid())}
         if self._bridge is not None:
-            return _links(self.class_side, own), [self.settings.robot] * self._bridge.is_up()
-        return _links(self.class_side, own), _links(self.robot_side, own)
+            return _links(self.class_side, own_ids), [self.settings.robot] * self._bridge.is_up()
+        return _links(self.class_side, own_ids), _links(self.robot_side, own_ids)
 
     def _on_command(self, sample: "zenoh.Sample") -> None:
         """Forward a command of the driver, and count all others. Called by Zenoh's threads."""
         # A put may have wildcards in its key.
-        found = COMMAND.fullmatch(str(sample.key_expr))
+        match = COMMAND.fullmatch(str(sample.key_expr))
         payload = bytes(sample.payload)
         # A delete has no payload.
-        if found is None or not payload:
+        if match is None or not payload:
             return
-        name, topic = found["name"], found["topic"]
+        name, topic = match["name"], match["topic"]
         with self._lock:
             is_driver = self.driver is not None and self.driver.name == name
-            stream = self._stream(topic, found["dds"], found["hash"]) if is_driver else None
+            stream = self._stream(topic, match["dds"], match["hash"]) if is_driver else None
             if stream is None:
                 self.held[name] += 1
                 return
@@ -360,14 +360,16 @@ def _bridge(settings: Settings, inner: str, report: Callable[[str], None]) -> "D
     return DdsBridge(settings.robot, inner, settings.domain, *names, report)
 
 
-def _links(session: "zenoh.Session", own: set[str]) -> list[str]:
+def _links(session: "zenoh.Session", own_ids: set[str]) -> list[str]:
     """Return the remote addresses of a router's links from its admin space."""
-    found = []
+    addresses = []
     for reply in session.get(f"@/{session.zid()}/router", timeout=1.0):
         if reply.ok is not None:
             sessions = read_json(bytes(reply.ok.payload))["sessions"]
-            found += [link["dst"] for one in sessions if one["peer"] not in own for link in one["links"]]
-    return found
+            addresses += [
+                link["dst"] for one in sessions if one["peer"] not in own_ids for link in one["links"]
+            ]
+    return addresses
 
 
 # Interval between updates of the page [s].
@@ -540,26 +542,26 @@ def _override(place: str, *more: str) -> str:
     return "export ZENOH_CONFIG_OVERRIDE='" + ";".join([f'connect/endpoints=["{place}"]', *more]) + "'"
 
 
-def _serve(gateway: Gateway, wanted: Path, write: Write) -> None:
-    """Run the gateway until an interrupt. The file `wanted` contains the driver's name."""
+def _serve(gateway: Gateway, driver_file: Path, write: Write) -> None:
+    """Run the gateway until an interrupt. The file `driver_file` contains the driver's name."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    asked, linked = "", False
+    driver_text, is_linked = "", False
     robot = "robot" if is_over_dds(gateway.settings.robot) else "robot's router"
     try:
         while True:
             gateway.stop_if_silent()
-            text = wanted.read_text(encoding="utf-8").strip() if wanted.exists() else asked
-            if text != asked:
-                asked = text
+            text = driver_file.read_text(encoding="utf-8").strip() if driver_file.exists() else driver_text
+            if text != driver_text:
+                driver_text = text
                 try:
                     gateway.set_driver(None if text == NOBODY else find_student(gateway.users, text))
                 except CourseError as error:
                     write(f"{error} The driver stays.")
                 else:
                     write(f"{text} drives.")
-            if linked != gateway.is_robot_connected():
-                linked = not linked
-                write(f"The {robot} is linked." if linked else f"The link to the {robot} is lost.")
+            if is_linked != gateway.is_robot_connected():
+                is_linked = not is_linked
+                write(f"The {robot} is linked." if is_linked else f"The link to the {robot} is lost.")
             gateway.wait(TURN)
     except KeyboardInterrupt:
         write("Stopped.")

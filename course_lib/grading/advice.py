@@ -48,16 +48,16 @@ def find_slip(source: str) -> str:
     """Return a sentence about the first slip in the code, or ""."""
     tree = parse(source)
     for outer in ast.walk(tree):
-        own = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
+        attributes = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
         functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
         for function in functions:
             if isinstance(function, _Function):
-                for slip in _slips(function, own):
+                for slip in _slips(function, attributes):
                     return slip
     return ""
 
 
-def _slips(function: _Function, own: set[str]) -> Iterator[str]:
+def _slips(function: _Function, attributes: set[str]) -> Iterator[str]:
     for block in _blocks(function):
         yield from _idle_statements(block)
         yield from _recreations(block)
@@ -68,7 +68,7 @@ def _slips(function: _Function, own: set[str]) -> Iterator[str]:
     yield from _shared_defaults(function)
     if function.args.args[:1] and function.args.args[0].arg == "self":
         yield from _sleeps(function)
-    yield from _lost_locals(function, own)
+    yield from _lost_locals(function, attributes)
     yield from _plain_strings(function)
 
 
@@ -152,11 +152,11 @@ def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
                 yield f"{_quote(statement)} creates a second {kind}: what was set before is in the first."
             is_filled[name] = False
             continue
-        for known in list(is_filled):
-            if _sets_field(statement, known):
-                is_filled[known] = True
-            elif _uses(statement, known):
-                del is_filled[known]
+        for filled_name in list(is_filled):
+            if _sets_field(statement, filled_name):
+                is_filled[filled_name] = True
+            elif _uses(statement, filled_name):
+                del is_filled[filled_name]
 
 
 def _find_published(statement: ast.AST) -> str:
@@ -179,8 +179,8 @@ def _late_assignments(block: Sequence[ast.stmt]) -> Iterator[str]:
                 break
             if _sets_field(after, name):
                 later.append(after)
-        again = any(_find_published(one) == name for one in block[index + 1 :])
-        if name and created and later and not again:
+        is_recreated = any(_find_published(one) == name for one in block[index + 1 :])
+        if name and created and later and not is_recreated:
             yield (
                 f"{_quote(later[0])} comes after {_quote(statement)}: a message is sent as it is at that "
                 "moment. Set everything before."
@@ -204,7 +204,7 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
                         f"{_quote(later)} is after the loop and gets only the last {name}: move it into the "
                         "loop."
                     )
-        emptied = [
+        emptied_names = [
             one.targets[0].id
             for one in loop.body
             if isinstance(one, ast.Assign)
@@ -212,7 +212,7 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
             and isinstance(one.value, ast.List)
             and not one.value.elts
         ]
-        for name in emptied:
+        for name in emptied_names:
             if any(_uses(one, name) for one in block[index + 1 :]):
                 yield f'"{name} = []" in the loop empties the list for each item: move it before the loop.'
 
@@ -286,11 +286,11 @@ def _attributes_of_self(cls: ast.ClassDef) -> set[str]:
     }
 
 
-def _lost_locals(function: _Function, own: set[str]) -> Iterator[str]:
+def _lost_locals(function: _Function, attributes: set[str]) -> Iterator[str]:
     names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
-    read = {node.id for node in names if isinstance(node.ctx, ast.Load)}
+    read_names = {node.id for node in names if isinstance(node.ctx, ast.Load)}
     for node in names:
-        if isinstance(node.ctx, ast.Store) and node.id in own - read:
+        if isinstance(node.ctx, ast.Store) and node.id in attributes - read_names:
             yield (
                 f"{node.id} = … in {function.name} sets a variable that ends with the method. To "
                 f"keep it, write self.{node.id} = …"
@@ -358,8 +358,8 @@ class Advice:
                 skipped.
         """
         causes = [_strip_location(result.errors[0])] if result.errors else _first_cause(result)
-        passed = sum(check.passed for check in result.checks)
-        now, before = _Standing(tuple(causes), passed, result.fraction), self._before.get(task.id)
+        passed_count = sum(check.passed for check in result.checks)
+        now, before = _Standing(tuple(causes), passed_count, result.fraction), self._before.get(task.id)
         self._before[task.id] = now
         code = Code(source)
         texts = [_hint_by_cause(task, cause) for cause in causes]
@@ -368,12 +368,14 @@ class Advice:
         elif causes[:1] == [SILENT]:
             texts = [_missing_call(code, result) or task.mistakes.get(SILENT) or _why_silent(code), *texts]
         slip = "" if result.errors else find_slip(source)
-        found = slip or next((text for text in texts if text and not code.does(text)), "")
-        lines = [f"Hint: {found}"] if found else []
+        best_hint = slip or next((text for text in texts if text and not code.does(text)), "")
+        lines = [f"Hint: {best_hint}"] if best_hint else []
         if before is not None and (now.passed, now.fraction) > (before.passed, before.fraction):
             of = f"{now.passed} of {len(result.checks)}"
             better = (
-                f"Better: {of} checks pass now, {before.passed} before." if passed > before.passed else BETTER
+                f"Better: {of} checks pass now, {before.passed} before."
+                if passed_count > before.passed
+                else BETTER
             )
             return [better, *lines]
         if before == now or not lines:
@@ -439,8 +441,10 @@ class Code:
         `cube.pose.position.z = 0.5`.
         """
         tree = parse(snippet)
-        wanted = [_expressions(statement, whole=True) for statement in getattr(tree, "body", ())]
-        return bool(wanted) and all(any(self._has_expression(part) for part in parts) for parts in wanted)
+        expressions = [_expressions(statement, whole=True) for statement in getattr(tree, "body", ())]
+        return bool(expressions) and all(
+            any(self._has_expression(part) for part in parts) for parts in expressions
+        )
 
     def _has_expression(self, part: str) -> bool:
         return part in self._expressions or (
@@ -450,17 +454,17 @@ class Code:
 
 def _expressions(tree: ast.AST, *, whole: bool = False) -> set[str]:
     """Return the normalized source of each expression and assignment in a tree, or of one statement."""
-    found = set()
+    texts = set()
     for node in [tree] if whole else ast.walk(tree):
         if isinstance(node, ast.Assign):
-            found |= {f"{ast.unparse(target)} = {ast.unparse(node.value)}" for target in node.targets}
+            texts |= {f"{ast.unparse(target)} = {ast.unparse(node.value)}" for target in node.targets}
         elif isinstance(node, ast.keyword) and node.arg:
-            found.add(f"{node.arg} = {ast.unparse(node.value)}")
+            texts.add(f"{node.arg} = {ast.unparse(node.value)}")
         elif isinstance(node, ast.Expr):
-            found.add(ast.unparse(node.value))
+            texts.add(ast.unparse(node.value))
         elif isinstance(node, ast.expr | ast.stmt):
-            found.add(ast.unparse(node))
-    return found
+            texts.add(ast.unparse(node))
+    return texts
 
 
 def _missing_call(code: Code, result: TaskResult) -> str:
@@ -547,15 +551,15 @@ def nan_hint(evidence: Iterable[Evidence]) -> list[str]:
             last = [to_plain(message) for _, message in one.messages(topic)[-1:]]
             places += (f"{place} on {topic}" for place in _nan_locations(last[0] if last else None, ""))
         places += (place for value in one.returns for place in _nan_locations(value, "the returned value"))
-    found = list(dict.fromkeys(places))[:MAX_PLACES]
+    named_places = list(dict.fromkeys(places))[:MAX_PLACES]
     cause = "a division 0 / 0, a root of a negative number, or a value that was never set?"
-    return [f"NaN (not a number): {', '.join(found)}. Is it {cause}"] if found else []
+    return [f"NaN (not a number): {', '.join(named_places)}. Is it {cause}"] if named_places else []
 
 
 def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
     """Return a sentence about the first topic that the code subscribes to with another type, or []."""
     warnings = (re.search(r"Incompatible type on topic '(\S+)'", one.output) for one in evidence)
-    topics = [found[1] for found in warnings if found]
+    topics = [matches[1] for matches in warnings if matches]
     return [
         f"Nothing arrives from {topic}: the type in create_subscription is not the one that is published "
         "there. Which type does the task name?"
@@ -565,9 +569,9 @@ def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
 
 def large_message_hint(evidence: Iterable[Evidence]) -> list[str]:
     """Return a sentence about the topic whose messages are so large that they take most of the time."""
-    named = [one.large_message for one in evidence if one.large_message]
+    descriptions = [one.large_message for one in evidence if one.large_message]
     advice = "and each message must be built, sent and checked. Are that many points needed?"
-    return [f"This took long: {text}, {advice}" for text in named[:1]]
+    return [f"This took long: {text}, {advice}" for text in descriptions[:1]]
 
 
 def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:

@@ -174,5 +174,5 @@ def _example(catalog: Catalog, subject: Any) -> str:
     """Return an example call, for the task whose object was passed in place of the id if there is one."""
     name = getattr(subject, "__name__", "")
     tasks = list(catalog.tasks.values())
-    found = [task for task in tasks if task.name == name] or tasks
-    return _call_text(found[0]) if found else 'check("week01.task", MyNode)'
+    matching = [task for task in tasks if task.name == name] or tasks
+    return _call_text(matching[0]) if matching else 'check("week01.task", MyNode)'

@@ -38,23 +38,24 @@ def check_file(path: Path) -> bool:
         raise CourseError(
             f"{path} belongs to {week}, but course.toml has no [weeks.{week}]; it has {', '.join(weeks)}"
         )
-    own = current_identity()
-    student = notebook.student or own
+    identity = current_identity()
+    student = notebook.student or identity
     steps, files = plan_scenarios(tasks, catalog, hidden=False), working_files(path, notebook.cells)
-    made = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits, files))
-    judgement = judge(made, tasks, catalog)
+    exercise_run = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits, files))
+    judgement = judge(exercise_run, tasks, catalog)
     causes = Causes(judgement.cell_errors, notebook.cells)
     parts: list[object] = [*causes.lines()]
     advice = Advice()
     for task, result in zip(tasks, judgement.tasks, strict=True):
         remember(task, result, notebook.cells)
-        evidence = [one.evidence for one in made.runs if one.evidence.task == task.id]
+        evidence = [one.evidence for one in exercise_run.runs if one.evidence.task == task.id]
         follows = causes.is_only_cause(result)
         table = table_of(task, result, evidence, student, advice)
         parts.append(NOT_CHECKED.format(task) if follows else table)
-    if own and student != own:
+    if identity and student != identity:
         parts.append(
-            f"{path.name} has the student ID {student}, but yours is {own}. Run set_identity('{own}') in it."
+            f"{path.name} has the student ID {student}, but yours is {identity}. Run "
+            f"set_identity('{identity}') in it."
         )
     print(*parts, sep="\n\n")  # noqa: T201
     return all(result.passed for result in judgement.tasks)
@@ -77,33 +78,33 @@ class Causes:
     def __init__(self, errors: Sequence[str], cells: Sequence[str]) -> None:
         self._kept: list[str] = []
         self._followers = 0
-        made = [CodeCell(number, text, True).bindings for number, text in enumerate(cells, 1)]
+        bindings_by_cell = [CodeCell(number, text, True).bindings for number, text in enumerate(cells, 1)]
         unknown = (_UNKNOWN_NAME.match(error) for error in errors)
         names = dict.fromkeys(found[1] for found in unknown if found)
-        self._defined = frozenset[str]().union(*made)
+        self._defined = frozenset[str]().union(*bindings_by_cell)
         self._undefined = [name for name in names if name not in self._defined]
         self._cell_missing = len(self._undefined) >= MANY
-        lost = set[str]()
+        lost_names = set[str]()
         for error in errors:
             found, place = _UNKNOWN_NAME.match(error), _PLACE.search(error)
             number = int(place[1]) if place else 0
-            if found and found[1] in lost:
+            if found and found[1] in lost_names:
                 self._followers += 1
             else:
                 self._kept.append(error)
-            lost |= made[number - 1] if 0 < number <= len(made) else set()
+            lost_names |= bindings_by_cell[number - 1] if 0 < number <= len(bindings_by_cell) else set()
             if found:
-                lost |= set(self._undefined) if self._cell_missing else {found[1]}
+                lost_names |= set(self._undefined) if self._cell_missing else {found[1]}
 
     def lines(self) -> list[str]:
         """Return the first errors, and the number of errors that follow from them."""
-        found = list(self._kept)
+        causes = list(self._kept)
         if self._cell_missing:
             names = ", ".join(self._undefined)
-            found.append(f"No cell imports or defines {names}: is the cell with the imports missing?")
+            causes.append(f"No cell imports or defines {names}: is the cell with the imports missing?")
         if self._followers:
-            found.append(f"{format_count(self._followers, 'more cell')} cannot run for the same reason.")
-        return found
+            causes.append(f"{format_count(self._followers, 'more cell')} cannot run for the same reason.")
+        return causes
 
     def is_only_cause(self, result: TaskResult) -> bool:
         """Return whether these errors are the only reason why the task failed."""

@@ -50,8 +50,8 @@ class StartedNode:
     def options(self) -> dict[str, str]:
         """The program's own arguments as a dict from option to value."""
         end = self.words.index("--ros-args") if "--ros-args" in self.words else len(self.words)
-        own = self.words[:end]
-        return dict(zip(own[::2], own[1::2], strict=False))
+        words = self.words[:end]
+        return dict(zip(words[::2], words[1::2], strict=False))
 
 
 @dataclass(frozen=True)
@@ -126,8 +126,8 @@ def _encode_node(node: StartedNode) -> list[Any]:
 
 
 def _decode_node(value: Any) -> StartedNode:
-    package, executable, words, death = value
-    return StartedNode(str(package), str(executable), tuple(map(str, words)), str(death))
+    package, executable, arguments, death = value
+    return StartedNode(str(package), str(executable), tuple(map(str, arguments)), str(death))
 
 
 Found = TypeVar("Found")
@@ -315,17 +315,17 @@ def all_checks(checks: Sequence[Check]) -> tuple[Check, ...]:
     The weight of a check that others require is the sum of its own and theirs, because without it
     they score nothing.
     """
-    found: dict[Callable[[Evidence], Verdict], Check] = {}
+    checks_by_judge: dict[Callable[[Evidence], Verdict], Check] = {}
 
     def add(check: Check, weight: float) -> None:
-        known = found.get(check.judge)
-        found[check.judge] = replace(check, weight=weight + (known.weight if known else 0.0))
+        existing = checks_by_judge.get(check.judge)
+        checks_by_judge[check.judge] = replace(check, weight=weight + (existing.weight if existing else 0.0))
         for required in check.requires:
             add(required, weight)
 
     for check in checks:
         add(check, check.weight)
-    return tuple(found.values())
+    return tuple(checks_by_judge.values())
 
 
 def with_formal(content: Sequence[Check], *formal: Check) -> tuple[Check, ...]:
@@ -335,8 +335,8 @@ def with_formal(content: Sequence[Check], *formal: Check) -> tuple[Check, ...]:
         content: The first one checks the shape; the formal checks require it.
         formal: Together they get a tenth of the total weight, whatever their own weights.
     """
-    whole = sum(check.weight for check in content)
-    each = whole * FORMAL_SHARE / (1 - FORMAL_SHARE) / max(len(formal), 1)
+    total_weight = sum(check.weight for check in content)
+    each = total_weight * FORMAL_SHARE / (1 - FORMAL_SHARE) / max(len(formal), 1)
     return (*content, *(check.requiring(content[0]).worth(each) for check in formal))
 
 

@@ -94,7 +94,13 @@ class Trial:
 
 
 def run_preflight(
-    exercises: Iterable[str], course: Course, out: Path, away: Executor, here: Executor, *, may_run: bool
+    exercises: Iterable[str],
+    course: Course,
+    out: Path,
+    runner: Executor,
+    judge_executor: Executor,
+    *,
+    may_run: bool,
 ) -> list[str]:
     """Run and judge the solution and the stub of each exercise like submissions, reusing earlier evidence.
 
@@ -102,8 +108,8 @@ def run_preflight(
         exercises: The exercises to be graded, "week01_exercise", ….
         course: The course, with solutions and hidden checks.
         out: The folder of records, which keeps the evidence.
-        away: The executor that runs submissions.
-        here: The executor that judges them.
+        runner: The executor that runs submissions.
+        judge_executor: The executor that judges them.
         may_run: Whether trials without evidence are run; otherwise they are skipped.
 
     Returns:
@@ -115,25 +121,30 @@ def run_preflight(
     """
     names = sorted(exercises)
     solutions = {name: course.solutions / f"{name.split('_')[0]}_solution.ipynb" for name in names}
-    found = {name: path for name, path in solutions.items() if path.is_file()}
+    present = {name: path for name, path in solutions.items() if path.is_file()}
     notes = [
-        f"Not tested: {name}, because {solutions[name]} does not exist" for name in names if name not in found
+        f"Not tested: {name}, because {solutions[name]} does not exist"
+        for name in names
+        if name not in present
     ]
-    trials = [trial for name, path in found.items() for trial in _trials(name, path, course)]
+    trials = [trial for name, path in present.items() for trial in _trials(name, path, course)]
     if may_run and trials:
-        kept = _run(trials, out, away)
+        evidence_paths = _run(trials, out, runner)
     else:
-        kept = {trial: path for trial in trials if (path := _find_earlier(trial, out)) is not None}
-        left = (f"{trial.name} of {trial.exercise}" for trial in trials if trial not in kept)
-        notes += [f"Not tested: {what}, because --rejudge runs nothing" for what in left]
-    judged = {trial: here.submit(judge_trial, trial, course, path) for trial, path in kept.items()}
-    wrong = {trial: reason for trial, future in judged.items() if (reason := future.result())}
+        evidence_paths = {trial: path for trial in trials if (path := _find_earlier(trial, out)) is not None}
+        untested = (f"{trial.name} of {trial.exercise}" for trial in trials if trial not in evidence_paths)
+        notes += [f"Not tested: {description}, because --rejudge runs nothing" for description in untested]
+    futures = {
+        trial: judge_executor.submit(judge_trial, trial, course, path)
+        for trial, path in evidence_paths.items()
+    }
+    wrong = {trial: reason for trial, future in futures.items() if (reason := future.result())}
     for trial in wrong:
         # The machine may have been the cause, so the trial is run again next time.
-        kept[trial].unlink()
+        evidence_paths[trial].unlink()
     if wrong:
         raise CourseError(_failure_message(wrong, course))
-    tried = ", ".join(sorted({trial.exercise for trial in kept}))
+    tried = ", ".join(sorted({trial.exercise for trial in evidence_paths}))
     return [*notes, *[f"Solution and stub of {tried}: full marks and no marks, as required."] * bool(tried)]
 
 
@@ -142,22 +153,22 @@ def installed_kit() -> tuple[str, str]:
     return str(Path(course_lib.__file__).parent), kit_digest()
 
 
-def judge_trial(trial: Trial, course: Course, stored: Path) -> str:
+def judge_trial(trial: Trial, course: Course, evidence_file: Path) -> str:
     """Judge stored evidence with the current checks, and return an error message if the mark is wrong."""
     catalog = catalog_of(course)
     tasks = catalog.of_week(trial.exercise.split("_")[0])
-    evidence = unpack(stored.read_bytes(), plan_scenarios(tasks, catalog, hidden=True))
+    evidence = unpack(evidence_file.read_bytes(), plan_scenarios(tasks, catalog, hidden=True))
     judgement = judge(evidence, tasks, catalog)
-    marked = [task for task in judgement.tasks if not task.rubric]
+    marked_tasks = [task for task in judgement.tasks if not task.rubric]
     is_solution = trial.name == "solution"
-    wrong = [r for r in marked if (r.score < r.points if is_solution else r.score > 0)]
+    wrong = [r for r in marked_tasks if (r.score < r.points if is_solution else r.score > 0)]
     if not wrong:
         return ""
-    got, most = sum(r.score for r in marked), sum(r.points for r in marked)
+    score, max_score = sum(r.score for r in marked_tasks), sum(r.points for r in marked_tasks)
     expected = "all" if is_solution else "none"
-    mark = f"the {trial.name} {trial.path} gets {got:g} of {most:g} points, expected {expected}"
-    shown = [_summarize(result, is_solution=is_solution) for result in wrong[:MOST_SHOWN]]
-    return ". ".join([mark, *judgement.cell_errors[:is_solution], *shown])
+    mark = f"the {trial.name} {trial.path} gets {score:g} of {max_score:g} points, expected {expected}"
+    summaries = [_summarize(result, is_solution=is_solution) for result in wrong[:MOST_SHOWN]]
+    return ". ".join([mark, *judgement.cell_errors[:is_solution], *summaries])
 
 
 def _trials(exercise: str, solution: Path, course: Course) -> Iterator[Trial]:
@@ -178,29 +189,31 @@ def _trials(exercise: str, solution: Path, course: Course) -> Iterator[Trial]:
         yield Trial(exercise, name, path, job)
 
 
-def _run(trials: Iterable[Trial], out: Path, away: Executor) -> dict[Trial, Path]:
+def _run(trials: Iterable[Trial], out: Path, runner: Executor) -> dict[Trial, Path]:
     """Run the trials that have no evidence from this machine, and return the path of each evidence."""
     # Evidence depends on the machine and the kit, besides the job.
-    ours, digest = installed_kit()
+    own_location, digest = installed_kit()
     try:
-        theirs, other = away.submit(installed_kit).result()
+        runner_location, other = runner.submit(installed_kit).result()
     except (ImportError, AttributeError) as error:
         # The kit on the worker is older than this function.
-        theirs, other = f"another place ({error})", ""
+        runner_location, other = f"another place ({error})", ""
     if other != digest:
         raise CourseError(
-            f"nothing is graded: submissions would be run by the kit in {theirs}, which is not the version "
-            f"in {ours} that judges them. Install the same version there: pip install -e {Path(ours).parent}"
+            f"nothing is graded: submissions would be run by the kit in {runner_location}, which "
+            "is not the version "
+            f"in {own_location} that judges them. Install the same version there: pip install -e "
+            f"{Path(own_location).parent}"
         )
     system = (platform.node(), platform.platform(), sys.version, sys.prefix)
     machine = repr((digest, system, os.geteuid(), shutil.which("bwrap")))
-    kept = {trial: out / FOLDER / f"{trial.key(machine)}.msgpack.gz" for trial in trials}
-    started = [(path, away.submit(run, t.job)) for t, path in kept.items() if not path.is_file()]
+    evidence_paths = {trial: out / FOLDER / f"{trial.key(machine)}.msgpack.gz" for trial in trials}
+    started = [(path, runner.submit(run, t.job)) for t, path in evidence_paths.items() if not path.is_file()]
     for path, future in started:
         evidence = future.result().evidence
         with writing(out):
             write_atomically(path, evidence)
-    return kept
+    return evidence_paths
 
 
 def _find_earlier(trial: Trial, out: Path) -> Path | None:
@@ -266,14 +279,14 @@ def grade(
     """
     course = course or this_course()
     course = replace(course, sandbox=need, handed_in=(submissions, out))
-    found = _find(submissions, course)
-    line = plan_attempts(found, course, only)
+    found_submissions = _find(submissions, course)
+    line = plan_attempts(found_submissions, course, only)
     with lock_folder(out):
         with writing(out):
-            store_places(out, submissions, found)
+            store_places(out, submissions, found_submissions)
         work = _find_pending(line, course, out, resume=resume, rejudge=rejudge)
         rows = _grade_with_progress(work, jobs or os.cpu_count() or 1, dask)
-        _finish(rows, work, found)
+        _finish(rows, work, found_submissions)
     return all(row.status in GRADED for row in rows)
 
 
@@ -309,13 +322,16 @@ def _find(submissions: Path, course: Course) -> list[Submission]:
         deadline = settings.deadline(week, one.student) if week in settings.weeks else None
         return settings.late.is_accepted(one.received.days_late(deadline, settings.late))
 
-    found = find_submissions(
+    all_submissions = find_submissions(
         submissions, settings.counts, settings.zone, with_refused=True, is_accepted=is_accepted
     )
     for line in skipped_files(submissions):
         say(line)
     # Paths in results are relative to the folder of submissions, so that both can be moved.
-    return [replace(one, path=one.path.relative_to(submissions)) for one in resolve_ids(found, submissions)]
+    return [
+        replace(one, path=one.path.relative_to(submissions))
+        for one in resolve_ids(all_submissions, submissions)
+    ]
 
 
 def _find_pending(
@@ -363,17 +379,17 @@ def _grade_with_progress(work: Pending, jobs: int, dask: str | None) -> list[Gra
 def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[GradebookRow]:
     """Run the missing jobs; judge, mark and report each student as soon as their evidence is stored."""
     course, out = work.course, work.out
-    with executors(jobs, dask if work.missing else None) as (away, here, window):
+    with executors(jobs, dask if work.missing else None) as (runner, judge_executor, window):
         if work.missing:
-            for note in away.submit(prepare, course.sandbox, course.refused).result():
+            for note in runner.submit(prepare, course.sandbox, course.refused).result():
                 say(note)
         exercises = {one.exercise for one in work.line if one.jobs}
-        for note in run_preflight(exercises, course, out, away, here, may_run=not work.rejudge):
+        for note in run_preflight(exercises, course, out, runner, judge_executor, may_run=not work.rejudge):
             say(note)
-        ran = flow(away, run, ((key, [job]) for key, job in work.missing.items()), window)
+        ran = flow(runner, run, ((key, [job]) for key, job in work.missing.items()), window)
         ready = _await_evidence(work, ran)
         calls = ((one, (one, faults, course, out, work.resume)) for one, faults in ready)
-        for one, future in flow(here, judge_mark_report, calls, window):
+        for one, future in flow(judge_executor, judge_mark_report, calls, window):
             try:
                 yield future.result()
             except OutError:
@@ -428,19 +444,23 @@ def judge_mark_report(
         OutError: The folder can't be written.
     """
     stored, catalog = _read_stored(attempts, out) if resume else None, catalog_of(course)
-    kept = stored if stored and stored.digest == attempts.digest else None
+    previous = stored if stored and stored.digest == attempts.digest else None
     fresh: dict[str, Judgement | Fault | None] = {}
-    result = kept
+    result = previous
     if result is None:
         # Changed dates affect the mark only, so a judgement by the same checks is reused.
-        known = {stored.submission.key: stored.judgement} if stored and stored.rules == attempts.rules else {}
+        known_judgements = (
+            {stored.submission.key: stored.judgement} if stored and stored.rules == attempts.rules else {}
+        )
         fresh = {
             one.key: _judge_one(one, faults, course, out)
             for one in attempts.submissions
-            if not known.get(one.key)
+            if not known_judgements.get(one.key)
         }
-        judged = [fresh[one.key] if one.key in fresh else known[one.key] for one in attempts.submissions]
-        result = mark(attempts.submissions, judged, catalog.course, attempts.digest, attempts.rules)
+        judgements = [
+            fresh[one.key] if one.key in fresh else known_judgements[one.key] for one in attempts.submissions
+        ]
+        result = mark(attempts.submissions, judgements, catalog.course, attempts.digest, attempts.rules)
     marks = read_marks(marks_path(out, attempts.student, attempts.exercise))
     with writing(out):
         for key, judgement in fresh.items():
@@ -454,7 +474,7 @@ def judge_mark_report(
             # The marks are valid without a report, and must not be lost with it.
             problem = f"{NO_REPORT}: {type(error).__name__}: {error}"
             result = replace(result, notes=(*result.notes, problem))
-        if result is not kept:
+        if result is not previous:
             result.write(out)
     return MarkedResult(result, tuple(marks)).row
 
@@ -466,25 +486,25 @@ def _judge_one(submission: Submission, faults: Faults, course: Course, out: Path
     try:
         catalog = catalog_of(course)
         tasks = catalog.of_week(submission.exercise.split("_")[0])
-        stored = evidence_path(out, submission.key).read_bytes()
-        return judge(unpack(stored, plan_scenarios(tasks, catalog, hidden=True)), tasks, catalog)
+        packed_evidence = evidence_path(out, submission.key).read_bytes()
+        return judge(unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)), tasks, catalog)
     except Exception as error:
         # Checks do not raise here, so this is an error of the kit, not of the student.
         return Fault.of(error)
 
 
-def _finish(rows: Sequence[GradebookRow], work: Pending, found: Sequence[Submission]) -> None:
+def _finish(rows: Sequence[GradebookRow], work: Pending, found_submissions: Sequence[Submission]) -> None:
     """Compare the submissions of the class, write the tables of results, and print a summary."""
     out, catalog = work.out, catalog_of(work.course)
     zone = catalog.course.zone
     with writing(out):
-        compare_class(found, out, work.course.exercises, zone, catalog.tasks.values())
+        compare_class(found_submissions, out, work.course.exercises, zone, catalog.tasks.values())
     for last in (one.submissions[-1] for one in work.line):
         for note in last.notes:
             say(f"{last.student}  {last.exercise}  note: {note}")
     with writing(out):
-        marked = write_tables(out, zone)
-    results = [one.result for one in marked]
+        marked_results = write_tables(out, zone)
+    results = [one.result for one in marked_results]
     for lines in (task_lines, broken_check_lines, lost_report_lines):
         for line in lines(results):
             say(line)
@@ -492,8 +512,8 @@ def _finish(rows: Sequence[GradebookRow], work: Pending, found: Sequence[Submiss
     say(f"{format_count(len(rows), 'submission')}: {counts(rows) or 'nothing to do'}.")
     for isolation, number in isolations.most_common():
         say(f"Isolation of {number}: {isolation}.")
-    for concern in review_reasons(marked, out):
+    for concern in review_reasons(marked_results, out):
         say(f"Please review: {concern.line(out)}")
-    for line in missing_file_lines(results, found, *work.course.handed_in):
+    for line in missing_file_lines(results, found_submissions, *work.course.handed_in):
         say(line)
     say(f"Wrote {out / 'gradebook.csv'} and {out / 'reports/index.html'}")

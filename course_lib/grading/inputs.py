@@ -42,8 +42,8 @@ def my_values(task_id: str) -> Mapping[str, Any]:
     """
     if _values is not None:
         if task_id not in _values:
-            known, near = ", ".join(_values), did_you_mean(task_id, _values)
-            raise CourseError(f"there is no task {task_id!r} in this exercise, only {known}{near}")
+            task_ids, suggestion = ", ".join(_values), did_you_mean(task_id, _values)
+            raise CourseError(f"there is no task {task_id!r} in this exercise, only {task_ids}{suggestion}")
         return PersonalValues(task_id, _values[task_id])
     from course_lib.grading.task import shipped_catalog
 
@@ -58,9 +58,9 @@ class PersonalValues(dict[str, Any]):
         self._task_id = task_id
 
     def __missing__(self, name: str) -> Any:
-        known = ", ".join(map(repr, self))
+        names = ", ".join(map(repr, self))
         raise CourseError(
-            f"{self._task_id} has no value {name!r}, only {known}{did_you_mean(str(name), self)}"
+            f"{self._task_id} has no value {name!r}, only {names}{did_you_mean(str(name), self)}"
         )
 
 
@@ -80,12 +80,12 @@ def build(message: Message, personal: Mapping[str, Any]) -> Any:
     from course_lib.ros.messages import message_class
     from course_lib.ros.messages.conversions import set_fields
 
-    made = message_class(message.type_name)()
+    built = message_class(message.type_name)()
     try:
-        set_fields(made, resolve(message.fields, personal))
+        set_fields(built, resolve(message.fields, personal))
     except (AssertionError, AttributeError, TypeError, ValueError) as error:
         raise CourseError(f"the message for {message.topic} ({message.type_name}): {error}") from error
-    return made
+    return built
 
 
 @dataclass(frozen=True)
@@ -143,8 +143,8 @@ def detections(found: Iterable[Found], at: float, frame: str = "base_link", *, d
 
 def pose(parent: str, child: str, translation: Vector, yaw: float = 0.0) -> dict[str, Any]:
     """Return a transform from child to parent for `transforms`: translation [m], yaw about z [rad]."""
-    placed = {"translation": xyz(translation), "rotation": turned(yaw)}
-    return {"parent": parent, "child_frame_id": child, "transform": placed}
+    placement = {"translation": xyz(translation), "rotation": turned(yaw)}
+    return {"parent": parent, "child_frame_id": child, "transform": placement}
 
 
 def transforms(poses: Iterable[Mapping[str, Any]], at: float) -> Message:
@@ -182,15 +182,15 @@ def scan(
 
     It is published `at` [s] after the start, and stamped `delay` [s] earlier.
     """
-    measured = list(ranges)
+    readings = list(ranges)
     fields = {
         "header": header(at - delay, frame),
         "angle_min": first,
-        "angle_max": first + step * (len(measured) - 1),
+        "angle_max": first + step * (len(readings) - 1),
         "angle_increment": step,
         "range_min": 0.1,  # [m]
         "range_max": 30.0,  # [m]
-        "ranges": measured,
+        "ranges": readings,
     }
     return Message(topic, "sensor_msgs/msg/LaserScan", fields, at=at)
 
@@ -274,10 +274,10 @@ def _parameter(value: Any) -> Mapping[str, Any]:
     return {"type": number, field: value}
 
 
-def _detection(found: Found) -> Mapping[str, Any]:
-    center = {"position": xyz(found.center), "orientation": turned(found.yaw)}
+def _detection(box: Found) -> Mapping[str, Any]:
+    center = {"position": xyz(box.center), "orientation": turned(box.yaw)}
     return {
-        "id": str(found.track),
-        "bbox": {"center": center, "size": xyz(found.size)},
-        "results": [{"hypothesis": {"class_id": found.label, "score": found.confidence}}],
+        "id": str(box.track),
+        "bbox": {"center": center, "size": xyz(box.size)},
+        "results": [{"hypothesis": {"class_id": box.label, "score": box.confidence}}],
     }

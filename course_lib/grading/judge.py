@@ -284,11 +284,11 @@ class _Judge:
 def _location(check: Check, error: Exception) -> str:
     """Return the location of an exception in a check, "week01.py line 12: ", or ""."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if Path(frame.filename).parent.name == "checks"]
-    if own:
+    check_frames = [frame for frame in frames if Path(frame.filename).parent.name == "checks"]
+    if check_frames:
         # Three path components identify the check file; results contain no absolute paths of this
         # machine.
-        return f"{'/'.join(Path(own[-1].filename).parts[-3:])} line {own[-1].lineno}: "
+        return f"{'/'.join(Path(check_frames[-1].filename).parts[-3:])} line {check_frames[-1].lineno}: "
     code = getattr(check.judge, "__code__", None)
     if check.origin is None and code is not None:
         return f"{'/'.join(Path(code.co_filename).parts[-3:])} line {code.co_firstlineno}: "

@@ -91,7 +91,7 @@ def revision_of(marks: Iterable[HandMark], task: str, sha256: str) -> str:
 def add_marks(
     path: Path,
     task: TaskResult,
-    given: Sequence[MarkEntry],
+    entries: Sequence[MarkEntry],
     *,
     sha256: str,
     by: str = "",
@@ -102,7 +102,7 @@ def add_marks(
     Args:
         path: OUT/marks/STUDENT/EXERCISE.json.
         task: The judged task.
-        given: Points for the task, or for rows of its rubric.
+        entries: Points for the task, or for rows of its rubric.
         sha256: Digest of the submission.
         by: The grader; default: the user of the machine.
         revision: Revision of the marks that the grader has seen; None skips the comparison.
@@ -112,19 +112,19 @@ def add_marks(
         CourseError: The row does not exist, or has fewer points.
     """
     with lock_marks(path.parents[2]):
-        kept = read_marks(path)
-        mine = [mark for mark in kept if mark.task == task.task]
+        stored_marks = read_marks(path)
+        marks_of_task = [mark for mark in stored_marks if mark.task == task.task]
         by = by or getpass.getuser()
-        new = [replace(_hand_mark(task, one, mine, by), sha256=sha256) for one in given]
-        if revision is not None and revision != revision_of(mine, task.task, sha256):
-            if list(map(_without_time, mine[-len(new) :])) == list(map(_without_time, new)):
+        new = [replace(_hand_mark(task, one, marks_of_task, by), sha256=sha256) for one in entries]
+        if revision is not None and revision != revision_of(marks_of_task, task.task, sha256):
+            if list(map(_without_time, marks_of_task[-len(new) :])) == list(map(_without_time, new)):
                 # The page sent the marks again, because the first answer was lost.
-                return mine[-len(new) :]
-            who = f"{mine[-1].by if mine else 'somebody'} has marked"
+                return marks_of_task[-len(new) :]
+            cause = f"{marks_of_task[-1].by if marks_of_task else 'somebody'} has marked"
             if not revision.startswith(f"{sha256[:8]}-"):
-                who = "the student has changed"
-            raise MarksConflictError(f"{who} {task.task} in the meantime")
-        _write(path, [*kept, *new])
+                cause = "the student has changed"
+            raise MarksConflictError(f"{cause} {task.task} in the meantime")
+        _write(path, [*stored_marks, *new])
     return new
 
 
@@ -143,21 +143,21 @@ def _write(path: Path, marks: Sequence[HandMark]) -> None:
             os.close(handle)
 
 
-def _hand_mark(task: TaskResult, given: MarkEntry, before: Sequence[HandMark], by: str) -> HandMark:
-    row = _find_row(task.rubric, given.row) if given.row else None
-    text, most = (row.text, row.points) if row else ("", task.points)
+def _hand_mark(task: TaskResult, entry: MarkEntry, before: Sequence[HandMark], by: str) -> HandMark:
+    row = _find_row(task.rubric, entry.row) if entry.row else None
+    text, max_points = (row.text, row.points) if row else ("", task.points)
     before, at = standing_marks(before), datetime.now(UTC).isoformat(timespec="seconds")
-    if given.withdraw:
+    if entry.withdraw:
         if not any(text in ("", mark.row) for mark in before):
             raise CourseError(f"no mark by hand for {text or task.task or task.title} to withdraw")
         return HandMark(task.task, None, text, "", by, at, withdrawn=True)
-    if given.points is not None and not 0 <= given.points <= most:
+    if entry.points is not None and not 0 <= entry.points <= max_points:
         raise CourseError(
-            f"{given.points:g} points for {text or task.task or task.title}: expected 0 to {most:g}"
+            f"{entry.points:g} points for {text or task.task or task.title}: expected 0 to {max_points:g}"
         )
     last = next((mark.comment for mark in reversed(before) if mark.row == text), "")
-    comment = last if given.comment is None else given.comment
-    return HandMark(task.task, given.points, text, comment, by, at)
+    comment = last if entry.comment is None else entry.comment
+    return HandMark(task.task, entry.points, text, comment, by, at)
 
 
 def _without_time(mark: HandMark) -> HandMark:
@@ -166,18 +166,18 @@ def _without_time(mark: HandMark) -> HandMark:
 
 def apply_marks(result: TaskResult, marks: Iterable[HandMark], sha256: str) -> TaskResult:
     """Return a task with graders' points: the last one for the whole task, or the sum over all rows."""
-    mine = [mark for mark in standing_marks(marks) if mark.task == result.task]
-    by_row = {mark.row: mark.comment for mark in mine}
+    marks_of_task = [mark for mark in standing_marks(marks) if mark.task == result.task]
+    by_row = {mark.row: mark.comment for mark in marks_of_task}
     comments = tuple(f"{row}: {comment}".lstrip(": ") for row, comment in by_row.items() if comment)
-    given = {mark.row: mark.points for mark in mine if mark.points is not None}
-    if not given:
+    points_by_row = {mark.row: mark.points for mark in marks_of_task if mark.points is not None}
+    if not points_by_row:
         return replace(result, comments=comments)
-    of_this = {mark.row: mark.is_of(sha256) for mark in mine if mark.points is not None}
-    if has_task_mark(mine):
-        return replace(result, manual=given[""], comments=comments, is_current=of_this[""])
-    if missing := [row.text for row in result.rubric if row.text not in given]:
+    of_this = {mark.row: mark.is_of(sha256) for mark in marks_of_task if mark.points is not None}
+    if has_task_mark(marks_of_task):
+        return replace(result, manual=points_by_row[""], comments=comments, is_current=of_this[""])
+    if missing := [row.text for row in result.rubric if row.text not in points_by_row]:
         return replace(result, comments=(*comments, f"still to be marked: {', '.join(missing)}"))
-    share = sum(given[row.text] for row in result.rubric) / sum(row.points for row in result.rubric)
+    share = sum(points_by_row[row.text] for row in result.rubric) / sum(row.points for row in result.rubric)
     result = replace(result, is_current=all(of_this[row.text] for row in result.rubric))
     return replace(result, manual=round(result.points * share, 2), comments=comments)
 
@@ -195,8 +195,8 @@ def has_task_mark(marks: Sequence[HandMark]) -> bool:
 
 def _find_row(rubric: Sequence[Row], name: str) -> Row:
     numbers = {str(number): row for number, row in enumerate(rubric, 1)}
-    named = (row for row in rubric if row.text.casefold().startswith(name.casefold()))
-    if row := numbers.get(name) or next(named, None):
+    matching = (row for row in rubric if row.text.casefold().startswith(name.casefold()))
+    if row := numbers.get(name) or next(matching, None):
         return row
     rows = "; ".join(f"{number} {row.text} ({row.points:g})" for number, row in enumerate(rubric, 1))
     raise CourseError(f"--row {name}: the rubric has {rows or 'no rows: leave out --row'}")
@@ -208,7 +208,7 @@ COLUMNS = ("student", "exercise", *MARK_COLUMNS, "status", "reason", "message")
 
 def mark(
     attempts: Sequence[Submission],
-    judged: Sequence[Judgement | Fault | None],
+    judgements: Sequence[Judgement | Fault | None],
     course: CourseFile,
     digest: str,
     rules: str = "",
@@ -217,12 +217,14 @@ def mark(
 
     Args:
         attempts: The submissions, oldest first.
-        judged: The judgement of each, a fault if it has none, or None if it is rejected.
+        judgements: The judgement of each, a fault if it has none, or None if it is rejected.
         course: Deadlines and late policy.
         digest: Digest of everything that the result depends on.
         rules: Digest of the rules by which they are judged.
     """
-    results = [_make_result(one, judgement, course) for one, judgement in zip(attempts, judged, strict=True)]
+    results = [
+        _make_result(one, judgement, course) for one, judgement in zip(attempts, judgements, strict=True)
+    ]
     best = max(results, key=_rank)
     finals = [one.mark.final if one.mark else None for one in results]
     tried = tuple(
@@ -250,24 +252,24 @@ def _rank(result: Result) -> float:
     return result.mark.final if result.mark else -1.0
 
 
-def _make_result(submission: Submission, judged: Judgement | Fault | None, course: CourseFile) -> Result:
+def _make_result(submission: Submission, judgement: Judgement | Fault | None, course: CourseFile) -> Result:
     notes = tuple(submission.notes)
-    if judged is None:
+    if judgement is None:
         reason = submission.reason or ("wrong exercise" if submission.sha256 else "unreadable")
         return Result(submission, "rejected", reason, submission.problem, notes=notes)
-    if isinstance(judged, Fault):
-        return Result(submission, "grader_error", judged.kind, judged.text, notes=notes)
+    if isinstance(judgement, Fault):
+        return Result(submission, "grader_error", judgement.kind, judgement.text, notes=notes)
     late, received = course.late, submission.received
     deadline = course.deadline(submission.exercise.split("_")[0], submission.student)
-    broken = [f"a check raised an error: {check}" for check in judged.broken]
+    broken_checks = [f"a check raised an error: {check}" for check in judgement.broken]
     return Result(
         submission,
-        "limit" if judged.limit else "graded",
-        judged.limit,
-        judgement=judged,
+        "limit" if judgement.limit else "graded",
+        judgement.limit,
+        judgement=judgement,
         days_late=received.days_late(deadline, late),
         late=late,
-        notes=(*notes, *received.contradictions(deadline, late), *broken),
+        notes=(*notes, *received.contradictions(deadline, late), *broken_checks),
         remark=received.remark(deadline, late),
     )
 
@@ -331,13 +333,15 @@ class MarkedResult:
     @cached_property
     def row(self) -> GradebookRow:
         """The line of the gradebook."""
-        result, submission, whole = self.result, self.result.submission, task_mark(self.marks)
+        result, submission, exercise_mark = self.result, self.result.submission, task_mark(self.marks)
         row = GradebookRow(self.student, self.exercise, None, result.status, result.reason, result.message)
         if not self.tasks:
-            if whole is None:
+            if exercise_mark is None:
                 return row
-            points = whole.points or 0.0
-            message = ": ".join(filter(None, ("marked by a grader without a gradable file", whole.comment)))
+            points = exercise_mark.points or 0.0
+            message = ": ".join(
+                filter(None, ("marked by a grader without a gradable file", exercise_mark.comment))
+            )
             return replace(
                 row,
                 mark=Mark(points, float(POINTS_PER_WEEK), 0, 0.0, points),
@@ -346,15 +350,16 @@ class MarkedResult:
             )
         full = sum(task.score >= task.points for task in self.tasks)
         message = f"{full} of {len(self.tasks)} tasks have full marks"
-        if again := ", ".join(task.task for task in self.tasks if not task.is_current):
-            message += f"; {again}: marked in another submission: mark it again"
+        if outdated := ", ".join(task.task for task in self.tasks if not task.is_current):
+            message += f"; {outdated}: marked in another submission: mark it again"
         message = "; ".join(filter(None, (message, result.remark, result.rejection_reason)))
-        if whole:
+        if exercise_mark:
             message += (
-                f"; {whole.points or 0:g} points were given without a file before: withdraw them with "
+                f"; {exercise_mark.points or 0:g} points were given without a file before: "
+                "withdraw them with "
                 "--without-file --withdraw, or remove the file and its result"
             )
-        is_waiting = whole is not None or any(task.needs_hand_mark for task in self.tasks)
+        is_waiting = exercise_mark is not None or any(task.needs_hand_mark for task in self.tasks)
         reason = row.reason
         if submission.id_flag == MISMATCH:
             reason = ", ".join(filter(None, (reason, MISMATCH)))

@@ -111,8 +111,8 @@ class Received:
         if self.source != RECEIPT_TIME and self.receipt is not None:
             by_receipt = count_days_late(self.receipt, deadline, policy)
             if (by_receipt > 0) != (days > 0):
-                late = format_count(by_receipt, "day")
-                notes.append(f"according to its receipt, which is not trusted, it is {late} late")
+                days_text = format_count(by_receipt, "day")
+                notes.append(f"according to its receipt, which is not trusted, it is {days_text} late")
         return notes
 
 
@@ -273,8 +273,10 @@ class TaskResult:
     @property
     def fraction(self) -> float:
         """The weighted mean of the checks' scores."""
-        whole = sum(check.weight for check in self.checks)
-        return sum(check.weight * check.score for check in self.checks) / whole if whole else 0.0
+        total_weight = sum(check.weight for check in self.checks)
+        return (
+            sum(check.weight * check.score for check in self.checks) / total_weight if total_weight else 0.0
+        )
 
     @property
     def score(self) -> float:
@@ -440,8 +442,8 @@ class Result:
         content = to_plain(self)
         for name in ("notebook", "files"):
             del content["submission"][name]
-        judged = content["judgement"]["tasks"] if self.judgement else ()
-        for task, plain in zip(self.tasks, judged, strict=True):
+        task_contents = content["judgement"]["tasks"] if self.judgement else ()
+        for task, plain in zip(self.tasks, task_contents, strict=True):
             # For other programs; the kit computes the score itself.
             plain["score"] = task.score
             # Measured times vary, but equal submissions must get equal files.
@@ -513,16 +515,16 @@ def read_stored_result(path: Path) -> Result:
 
 def _from_version_1(content: Mapping[str, Any]) -> dict[str, Any]:
     """Convert the content of a result's file of version 0.3 to the current structure."""
-    when = {new: content.get(old) for new, old in OLD_RECEIVED.items()}
+    when = {new: content.get(old_name) for new, old_name in OLD_RECEIVED.items()}
     when["handed_in_as"] = content.get("handed_in_as", "")
     submission = {name: content[name] for name in OLD_SUBMISSION if name in content}
     submission |= {"path": content.get("file"), "received": when}
-    late = {name: content[name] for name in OLD_LATE if name in content}
+    late_policy = {name: content[name] for name in OLD_LATE if name in content}
     attempts = [
         {"key": one["key"], "received": when, "id_flag": one.get("id_flag", ""), "final": one["final"]}
         for one in content.get("attempts", ())
     ]
-    new = {**content, "submission": submission, "late": late, "attempts": attempts, "version": 1}
+    new = {**content, "submission": submission, "late": late_policy, "attempts": attempts, "version": 1}
     if "tasks" in content:
         new["judgement"] = {name: content[name] for name in OLD_JUDGEMENT if name in content}
     return new

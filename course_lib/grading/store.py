@@ -180,19 +180,20 @@ def lock_folder(out: Path, waiting: Callable[[str], None] | None = None) -> Iter
             try:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:
-                who = (out / LOCK).read_text() or "another process"
+                holder = (out / LOCK).read_text() or "another process"
                 if waiting is None:
                     raise CourseError(
-                        f"{out} is in use by {who}: wait until it ends, then try again"
+                        f"{out} is in use by {holder}: wait until it ends, then try again"
                     ) from error
                 waiting(
-                    f"{out} is in use by {who}: waiting until it ends. Ctrl+C cancels; nothing is stored yet."
+                    f"{out} is in use by {holder}: waiting until it ends. Ctrl+C cancels; nothing "
+                    "is stored yet."
                 )
                 fcntl.flock(file, fcntl.LOCK_EX)
             file.truncate(0)
             file.write(f"process {os.getpid()} on {platform.node()}")
             file.flush()
-            for draft in (path for kept in KEPT for path in (out / kept).rglob(".*") if path.is_file()):
+            for draft in (path for folder in KEPT for path in (out / folder).rglob(".*") if path.is_file()):
                 # A grader that was killed can leave half-written files.
                 draft.unlink()
         yield

@@ -88,8 +88,8 @@ def resolve(value: Any, personal: Mapping[str, Any]) -> Any:
     if isinstance(value, My):
         if value.name not in personal:
             raise CourseError(f"my({value.name!r}) is not in the task's personal table: {sorted(personal)}")
-        own = personal[value.name]
-        return own if value.times is None else own * value.times
+        personal_value = personal[value.name]
+        return personal_value if value.times is None else personal_value * value.times
     if isinstance(value, (list, tuple)):
         return type(value)(resolve(item, personal) for item in value)
     if isinstance(value, Mapping):
@@ -213,11 +213,13 @@ class Task:
         check_scenarios(self.id, self.scenarios)
         for check in (one for scenario in self.scenarios for one in scenario.checks):
             if check.origin and check.origin.check_function.startswith("expect_launch_"):
-                what = f"{self.id}, kind {self.kind!r}: {check.origin.check_function} at {check.origin.place}"
-                _require(self.kind == "launch", f"{what} needs kind 'launch', which runs the launch file")
+                subject = (
+                    f"{self.id}, kind {self.kind!r}: {check.origin.check_function} at {check.origin.place}"
+                )
+                _require(self.kind == "launch", f"{subject} needs kind 'launch', which runs the launch file")
         for name, options in self.personal.items():
-            what = f"{self.id}: personal {name!r}: {options!r}, expected a tuple of options"
-            _require(isinstance(options, tuple) and options, f"{what} (mind the last comma)")
+            subject = f"{self.id}: personal {name!r}: {options!r}, expected a tuple of options"
+            _require(isinstance(options, tuple) and options, f"{subject} (mind the last comma)")
         _require_tuple(f"{self.id}: ghost", self.ghost, Message)
         _require_tuple(f"{self.id}: rubric", self.rubric, Row)
         _require(
@@ -249,14 +251,14 @@ def _require(condition: object, message: str) -> None:
         raise CourseError(message)
 
 
-def _require_number(what: str, value: Any) -> None:
-    _require(isinstance(value, Real), f"{what}: {value!r}, expected a number of seconds")
+def _require_number(subject: str, value: Any) -> None:
+    _require(isinstance(value, Real), f"{subject}: {value!r}, expected a number of seconds")
 
 
-def _require_tuple(what: str, value: Any, item_type: type) -> None:
+def _require_tuple(subject: str, value: Any, item_type: type) -> None:
     if not isinstance(value, tuple) or not all(isinstance(item, item_type) for item in value):
         raise CourseError(
-            f"{what}: {value!r}, expected a tuple of {item_type.__name__} (mind the last comma)"
+            f"{subject}: {value!r}, expected a tuple of {item_type.__name__} (mind the last comma)"
         )
 
 
@@ -367,13 +369,13 @@ def _load_week(exercises: Path, course: CourseFile, week: str) -> dict[str, Task
     settings = course.weeks[week]
     names = {f"{week}.{name}" for name in (*settings.points, *settings.bonus)}
     path = exercises / "checks" / f"{week}.py"
-    found = _run_check_file(path).get("TASKS")
-    if not isinstance(found, tuple) or not all(isinstance(task, Task) for task in found):
+    tasks_of_file = _run_check_file(path).get("TASKS")
+    if not isinstance(tasks_of_file, tuple) or not all(isinstance(task, Task) for task in tasks_of_file):
         raise CourseError(f"{path}: TASKS: expected a tuple of Task (mind the last comma)")
-    ids = sorted(task.id for task in found)
+    ids = sorted(task.id for task in tasks_of_file)
     if ids != sorted(names):
         raise CourseError(f"{path} has the tasks {ids}, but course.toml has points for {sorted(names)}")
-    tasks = {task.id: task for task in found}
+    tasks = {task.id: task for task in tasks_of_file}
     return tasks | _load_hints(exercises / "mistakes" / f"{week}.toml", tasks)
 
 
@@ -439,9 +441,9 @@ def _location(path: Path, error: Exception) -> str:
 def _names_in(path: Path) -> set[str]:
     """Return the names that a check file imports, assigns or defines."""
     nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
-    imported = {
+    imports = {
         a.asname or a.name for n in nodes if isinstance(n, ast.ImportFrom | ast.Import) for a in n.names
     }
     assigned = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     defined = {n.name for n in nodes if isinstance(n, ast.FunctionDef | ast.ClassDef)}
-    return imported | assigned | defined
+    return imports | assigned | defined

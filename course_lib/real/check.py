@@ -122,20 +122,28 @@ def compare(in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> list[TopicCom
 
 
 def _compare_topic(topic: str, in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> TopicComparison:
-    ours, theirs = ([serialize(_without_stamps(one)) for one in side] for side in (in_kit, in_ros))
+    kit_messages, ros_messages = (
+        [serialize(_without_stamps(one)) for one in side] for side in (in_kit, in_ros)
+    )
     best: list[tuple[bytes, bytes]] = []
     different: list[tuple[bytes, bytes]] = []
     limit = max(MAX_OFFSET, *(_count_first(side) for side in (in_kit, in_ros)))
     for offset in sorted(range(-limit, limit + 1), key=abs):
-        pairs = list(zip(ours[max(0, offset) :], theirs[max(0, -offset) :], strict=False))
+        pairs = list(zip(kit_messages[max(0, offset) :], ros_messages[max(0, -offset) :], strict=False))
         # An offset must not be selected because it leaves few messages to compare.
-        is_long = 2 * len(pairs) >= min(len(ours), len(theirs))
-        found = _differences(pairs)
+        is_long = 2 * len(pairs) >= min(len(kit_messages), len(ros_messages))
+        field_differences = _differences(pairs)
         # The share of different pairs, because later offsets have fewer pairs.
-        if pairs and is_long and (not best or len(found) * len(best) < len(different) * len(pairs)):
-            best, different = pairs, found
+        if (
+            pairs
+            and is_long
+            and (not best or len(field_differences) * len(best) < len(different) * len(pairs))
+        ):
+            best, different = pairs, field_differences
     field = _different_field(*different[0], in_kit[0].type_name) if different else ""
-    return TopicComparison(topic, len(ours), len(theirs), len(best), len(best) - len(different), field)
+    return TopicComparison(
+        topic, len(kit_messages), len(ros_messages), len(best), len(best) - len(different), field
+    )
 
 
 def _count_first(samples: Sequence[Sample]) -> int:
@@ -147,11 +155,11 @@ def _differences(pairs: Sequence[tuple[bytes, bytes]]) -> list[tuple[bytes, byte
     return [pair for pair in pairs if pair[0] != pair[1]]
 
 
-def _different_field(ours: bytes, theirs: bytes, type_name: str) -> str:
+def _different_field(kit_cdr: bytes, ros_cdr: bytes, type_name: str) -> str:
     from course_lib.ros.messages import deserialize
 
     kit, ros = (
-        dict(_flatten(to_plain(deserialize(cdr, message_class(type_name))))) for cdr in (ours, theirs)
+        dict(_flatten(to_plain(deserialize(cdr, message_class(type_name))))) for cdr in (kit_cdr, ros_cdr)
     )
     names = [name for name in {**kit, **ros} if kit.get(name) != ros.get(name)]
     return names[0] if names else ""
@@ -265,9 +273,9 @@ def results_on_ros(path: Path, environment: RealEnvironment) -> Iterator[RealRes
     code = statements(read_cells(path))
     nodes = [task for task in tasks if task.kind == "node"]
     steps = plan_scenarios(nodes, catalog, hidden=False)
-    made = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits))
+    result = run_scenarios(Job(notebook.cells, student, steps, catalog.course.limits))
     for task in tasks:
-        in_kit = [run.evidence for run in made.runs if run.evidence.task == task.id]
+        in_kit = [run.evidence for run in result.runs if run.evidence.task == task.id]
         yield _check(task, code, in_kit, catalog, environment, student)
 
 
@@ -321,9 +329,9 @@ def _module_text(task: Task, code: Sequence[Statement], catalog: Catalog, studen
     if root is None:
         raise CourseError(f"no cell defines {task.name}.")
     parts = [part for part in collect_needed(root, code, []) if part.text != MY_VALUES]
-    used = [part.text for part in parts if part.is_import and "course_lib" in part.text]
-    if used:
-        raise CourseError(f"{task.name} uses course_lib ({used[0]}), which robots do not have.")
+    kit_imports = [part.text for part in parts if part.is_import and "course_lib" in part.text]
+    if kit_imports:
+        raise CourseError(f"{task.name} uses course_lib ({kit_imports[0]}), which robots do not have.")
     text = "\n\n".join(part.text for part in parts)
     return CALL.sub(lambda call: repr(dict(personal_values(catalog.task(call[1]), student))), text) + "\n"
 
@@ -372,8 +380,8 @@ class ScenarioOnRos:
         self._input_node = graph.add_node(INPUT_NODE, "/")
         graph.tap(self._record)
         inputs = [self._publisher(graph, message) for message in self._scenario.inputs]
-        asked = {one.topic for one in self._scenario.inputs if one.type_name == SET_PARAMETERS}
-        for service in asked:
+        services = {one.topic for one in self._scenario.inputs if one.type_name == SET_PARAMETERS}
+        for service in services:
             self._watch_rejections(graph, service)
         begin_ns = graph.now_ns
         try:

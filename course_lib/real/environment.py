@@ -64,8 +64,8 @@ class RealEnvironment:
         """The versions of the installed distributions by name."""
         if self._packages_folder is None:
             return {}
-        found = metadata.distributions(path=[str(self._packages_folder)])
-        return {one.metadata["Name"].replace("_", "-"): one.version for one in found}
+        packages = metadata.distributions(path=[str(self._packages_folder)])
+        return {one.metadata["Name"].replace("_", "-"): one.version for one in packages}
 
     @property
     def packages(self) -> list[str]:
@@ -75,9 +75,9 @@ class RealEnvironment:
     def problem(self) -> str:
         """Return the first pinned package that is missing or has a different version, or ""."""
         for name, version in pins().items():
-            found = self.versions.get(name)
-            if found != version:
-                return f"{name} {found or 'is missing'}, expected {version}"
+            installed = self.versions.get(name)
+            if installed != version:
+                return f"{name} {installed or 'is missing'}, expected {version}"
         return ""
 
     def __str__(self) -> str:
@@ -95,8 +95,8 @@ def pins() -> dict[str, str]:
 def why_not_supported() -> str:
     """Return why the real rclpy cannot be installed on this computer, or ""."""
     if sys.platform != "linux" or platform.machine() != "x86_64":
-        here = f"{platform.system()} on {platform.machine()}"
-        return f"there are wheels for Linux on x86-64 only, and this is {here}"
+        platform_name = f"{platform.system()} on {platform.machine()}"
+        return f"there are wheels for Linux on x86-64 only, and this is {platform_name}"
     if platform.libc_ver()[0] != "glibc":
         return "the wheels need glibc, which this Linux does not have"
     if sys.version_info[:2] > NEWEST_PYTHON:
@@ -118,18 +118,18 @@ def find_environment() -> RealEnvironment:
     Raises:
         CourseError: It does not exist, or its versions are not the pinned ones.
     """
-    named = os.environ.get(PYTHON)
-    python = Path(named) if named else default_folder() / "bin" / "python"
+    configured = os.environ.get(PYTHON)
+    python = Path(configured) if configured else default_folder() / "bin" / "python"
     if not python.exists():
-        if named:
-            raise CourseError(f"{PYTHON} is {named}, where there is no Python. Correct it, or unset it.")
+        if configured:
+            raise CourseError(f"{PYTHON} is {configured}, where there is no Python. Correct it, or unset it.")
         reason = why_not_supported()
         if reason:
             raise CourseError(f"The real ROS 2 cannot be installed here: {reason}.")
         raise CourseError(f"The real ROS 2 is not installed ({SIZE}). Install it: {INSTALL}")
     environment = RealEnvironment(python)
     if problem := environment.problem():
-        fix = f"point {PYTHON} elsewhere" if named else f"install it anew: {INSTALL}"
+        fix = f"point {PYTHON} elsewhere" if configured else f"install it anew: {INSTALL}"
         raise CourseError(f"{environment.folder} lacks the tested ROS 2: {problem}. Therefore {fix}.")
     return environment
 
@@ -172,10 +172,10 @@ def _create(folder: Path) -> None:
 
 
 def _run(command: list[str], problem: str) -> None:
-    done = subprocess.run(command, capture_output=True, text=True, env=clean_variables(), check=False)
-    if done.returncode:
-        lines = [line for line in (done.stderr or done.stdout).splitlines() if line.strip()]
-        raise CourseError(f"{problem} ({lines[-1].strip() if lines else f'exit code {done.returncode}'})")
+    process = subprocess.run(command, capture_output=True, text=True, env=clean_variables(), check=False)
+    if process.returncode:
+        lines = [line for line in (process.stderr or process.stdout).splitlines() if line.strip()]
+        raise CourseError(f"{problem} ({lines[-1].strip() if lines else f'exit code {process.returncode}'})")
 
 
 def clean_variables() -> dict[str, str]:

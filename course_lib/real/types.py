@@ -44,32 +44,32 @@ def types_of(package: str) -> dict[str, dict[str, Any]]:
 
     For services and actions, which consist of messages, only kind, module and hash are returned.
     """
-    found: dict[str, dict[str, Any]] = {}
+    descriptions: dict[str, dict[str, Any]] = {}
     for name in (name for name in type_names() if name.startswith(f"{package}/")):
-        found[name] = _describe(name)
+        descriptions[name] = _describe(name)
         for end, kind in ((_SERVICE, "service"), (_ACTION, "action")):
             if name.endswith(end):
-                whole = name.removesuffix(end)
+                base_name = name.removesuffix(end)
                 # Only the hashes of an action's services are used in communication, not a hash of
                 # the action.
-                found[whole] = {
+                descriptions[base_name] = {
                     "kind": kind,
-                    "module": module_of_type(whole),
-                    "hash": type_hash(whole if kind == "service" else name),
+                    "module": module_of_type(base_name),
+                    "hash": type_hash(base_name if kind == "service" else name),
                 }
-    return found
+    return descriptions
 
 
 def _add_own_packages(programs: Iterable[Path]) -> list[str]:
     """Add the packages of the workspace and those in the programs' folders. Return the problems."""
-    known = {name.partition("/")[0] for name in field_definitions()}
+    ros_packages = {name.partition("/")[0] for name in field_definitions()}
     folders = {name: folder for name, folder in packages().items() if has_interfaces(folder)}
     for parent in {program.resolve().parent for program in programs}:
         folders |= {one.name: one for one in parent.iterdir() if one.is_dir() and has_interfaces(one)}
     problems = []
     for name, folder in folders.items():
         try:
-            if name not in known:
+            if name not in ros_packages:
                 add_package(folder, name)
         except CourseError as error:
             problems.append(f"{name} cannot be imported: {error}")
@@ -80,8 +80,8 @@ def _describe(name: str) -> dict[str, Any]:
     about = definition(name)
     texts = message_class(name).get_fields_and_field_types()
     defaults = {field.name: _default(field) for field in about.fields if field.default is not None}
-    whole = name.removesuffix("_Request").removesuffix("_Response")
-    hashed = whole if whole != name else name
+    base_name = name.removesuffix("_Request").removesuffix("_Response")
+    hashed = base_name if base_name != name else name
     return {
         "module": module_of_type(name),
         "fields": texts,

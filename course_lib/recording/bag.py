@@ -138,8 +138,8 @@ class BagWriter:
         self._writer.close()
         # rosbags writes its own name instead of the ROS distribution.
         about = self._metadata.read_text(encoding="utf-8")
-        named = about.replace("ros_distro: rosbags", "ros_distro: jazzy")
-        self._metadata.write_text(named, encoding="utf-8")
+        text = about.replace("ros_distro: rosbags", "ros_distro: jazzy")
+        self._metadata.write_text(text, encoding="utf-8")
 
     def abort(self) -> None:
         """Stop writing and leave an incomplete bag."""
@@ -172,9 +172,9 @@ def data_files(bag: Path) -> list[Path]:
     """List the files with messages of a bag, which may be a single file."""
     if is_data_file(bag):
         return [bag]
-    found = (path for path in bag.iterdir() if is_data_file(path))
+    paths = (path for path in bag.iterdir() if is_data_file(path))
     # By length first, so that bag_10 follows bag_9.
-    return sorted(found, key=lambda path: (len(path.name), path.name))
+    return sorted(paths, key=lambda path: (len(path.name), path.name))
 
 
 def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
@@ -265,8 +265,8 @@ def _sqlite(path: Path) -> Iterator[Sample]:
     # Otherwise SQLite rejects a file that is shorter than its header states.
     database.execute("PRAGMA writable_schema = ON")
     topics = {}
-    for topic, name, type_name, offered in database.execute(_TOPICS):
-        topics[topic] = name, type_name, from_bag(parse_qos(offered))
+    for topic, name, type_name, qos_text in database.execute(_TOPICS):
+        topics[topic] = name, type_name, from_bag(parse_qos(qos_text))
     for stamp_ns, topic, cdr in database.execute(_MESSAGES):
         name, type_name, qos = topics[topic]
         yield Sample(stamp_ns, name, type_name, cdr, qos, node=0)
@@ -294,15 +294,15 @@ def write_bag(recording: Recording, folder: str | Path, *, force: bool = False) 
     check_free(target, force)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as aside:
-            with BagWriter(Path(aside, NAME)) as writer:
+        with TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as temporary_folder:
+            with BagWriter(Path(temporary_folder, NAME)) as writer:
                 for topic in recording.topics():
                     writer.add(topic.name, topic.type_name, topic.offered)
                 for sample in recording.samples:
                     writer.write(sample.topic, sample.type_name, sample.stamp_ns, sample.cdr)
             if target.exists():
-                os.replace(target, Path(aside, "replaced"))
-            os.replace(Path(aside, NAME), target)
+                os.replace(target, Path(temporary_folder, "replaced"))
+            os.replace(Path(temporary_folder, NAME), target)
     except OSError as error:
         raise CourseError(
             f"Can't write the bag {folder}: {error.strerror}. Choose another folder."
@@ -346,8 +346,8 @@ def _read_files(path: Path, reason: str) -> Recording:
     text = f"The bag {path} is damaged or was cut off: {(reason or damage).rstrip('.')}"
     if not samples:
         raise CourseError(text)
-    whole = format_count(len(samples), "message")
-    sys.stderr.write(f"warning: {text}. Read from its beginning, up to the damage: {whole}.\n")
+    message_count = format_count(len(samples), "message")
+    sys.stderr.write(f"warning: {text}. Read from its beginning, up to the damage: {message_count}.\n")
     return Recording(tuple(samples))
 
 
@@ -366,9 +366,9 @@ def _check_bag(path: Path) -> None:
         raise CourseError(f"There is no bag {path}. `course run FILE.py --bag {path}` records one.")
     if is_data_file(path) or (path.is_dir() and ((path / METADATA).is_file() or data_files(path))):
         return
-    what = "a folder" if path.is_dir() else "a file"
+    kind = "a folder" if path.is_dir() else "a file"
     raise CourseError(
-        f"{path} is {what} but not a bag. Give the folder of a bag, which contains {METADATA}, or one of its "
+        f"{path} is {kind} but not a bag. Give the folder of a bag, which contains {METADATA}, or one of its "
         "files, .mcap or .db3."
     )
 
@@ -376,9 +376,11 @@ def _check_bag(path: Path) -> None:
 def _samples(reader: "Reader") -> list[Sample]:
     # Connections of rosbag2 bags, whose ext has the QoS.
     connections: list[Any] = reader.connections
-    offered = {one.id: from_bag(one.ext.offered_qos_profiles) for one in connections}
+    qos_profiles = {one.id: from_bag(one.ext.offered_qos_profiles) for one in connections}
     return [
-        Sample(stamp_ns, connection.topic, connection.msgtype, bytes(cdr), offered[connection.id], node=0)
+        Sample(
+            stamp_ns, connection.topic, connection.msgtype, bytes(cdr), qos_profiles[connection.id], node=0
+        )
         for connection, stamp_ns, cdr in reader.messages()
     ]
 
@@ -396,9 +398,13 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
     """
     recording = read_bag(folder)
     about = bag_metadata(Path(folder))
-    named = [Path(folder, name) for name in about.get("relative_file_paths", ())]
+    listed_files = [Path(folder, name) for name in about.get("relative_file_paths", ())]
     # The files may have been renamed, so that they differ from the names in the metadata.
-    files = named if named and all(path.is_file() for path in named) else data_files(Path(folder))
+    files = (
+        listed_files
+        if listed_files and all(path.is_file() for path in listed_files)
+        else data_files(Path(folder))
+    )
     kind = about.get("storage_identifier", "mcap" if files[0].suffix == ".mcap" else "sqlite3")
     rows = [
         ("Files:", f"\n{' ' * _LABEL}".join(path.name for path in files)),
@@ -439,8 +445,8 @@ def bag_metadata(folder: Path) -> dict[str, Any]:
 def topic_counts(about: dict[str, Any], recording: Recording) -> dict[tuple[str, str], int]:
     """Count the messages by topic and type, including topics without messages, in the order of the file."""
     counts = {(topic.name, topic.type_name): topic.count for topic in recording.topics()}
-    listed = [topic["topic_metadata"] for topic in about.get("topics_with_message_count", ())]
-    topics = dict.fromkeys([*((topic["name"], topic["type"]) for topic in listed), *counts])
+    topic_metadata = [topic["topic_metadata"] for topic in about.get("topics_with_message_count", ())]
+    topics = dict.fromkeys([*((topic["name"], topic["type"]) for topic in topic_metadata), *counts])
     return {key: counts.get(key, 0) for key in topics}
 
 

@@ -39,10 +39,10 @@ def cross_matrices(vector: Floats) -> Matrix:
 
 def inverse(transform: Matrix) -> Matrix:
     """Return the inverse of a rigid transform, shape (4, 4)."""
-    back = np.eye(4)
-    back[:3, :3] = transform[:3, :3].T
-    back[:3, 3] = -transform[:3, :3].T @ transform[:3, 3]
-    return back
+    inverted = np.eye(4)
+    inverted[:3, :3] = transform[:3, :3].T
+    inverted[:3, 3] = -transform[:3, :3].T @ transform[:3, 3]
+    return inverted
 
 
 def motion_of(twist: Floats) -> Matrix:
@@ -167,23 +167,28 @@ def motions_of(tree: Urdf) -> Motions:
     """Return the arrays of a tree's joints."""
     joints = tuple(tree.joints_from_root())
     number = {joint.child: index for index, joint in enumerate(joints)}
-    still = np.array([joint.transform_joint_to_parent for joint in joints]).reshape(-1, 4, 4)
+    zero_transforms = np.array([joint.transform_joint_to_parent for joint in joints]).reshape(-1, 4, 4)
     turns = np.array([joint.kind in ("revolute", "continuous") for joint in joints], dtype=bool)
     slide = np.array([joint.kind == "prismatic" for joint in joints], dtype=bool)
     axes = np.array([_unit(joint.axis) for joint in joints]).reshape(-1, 3) * (turns | slide)[:, None]
-    about, along = still[:, :3, :3] @ cross_matrices(axes), still[:, :3, :3] @ axes[:, :, None]
+    about, along = (
+        zero_transforms[:, :3, :3] @ cross_matrices(axes),
+        zero_transforms[:, :3, :3] @ axes[:, :, None],
+    )
     sines, cosines, slides = np.zeros((3, len(joints), 4, 4))
     sines[turns, :3, :3] = about[turns]
     cosines[turns, :3, :3] = (about @ cross_matrices(axes))[turns]
     slides[slide, :3, 3] = along[slide, :, 0]
     above = tuple(number.get(joint.parent, -1) for joint in joints)
     numbers = {joint.name: index for index, joint in enumerate(joints)}
-    at_0 = np.array([np.roll(mat2quat(transform[:3, :3]), -1) for transform in still]).reshape(-1, 4)
-    turned = np.empty_like(at_0)
-    turned[:, :3] = at_0[:, 3:] * axes + np.cross(at_0[:, :3], axes)
-    turned[:, 3] = -np.sum(at_0[:, :3] * axes, axis=1)
-    quaternions = np.array([at_0, turned])
-    return Motions(joints, numbers, above, still, sines, cosines, slides, quaternions, turns, axes)
+    at_0 = np.array([np.roll(mat2quat(transform[:3, :3]), -1) for transform in zero_transforms]).reshape(
+        -1, 4
+    )
+    quarter_turns = np.empty_like(at_0)
+    quarter_turns[:, :3] = at_0[:, 3:] * axes + np.cross(at_0[:, :3], axes)
+    quarter_turns[:, 3] = -np.sum(at_0[:, :3] * axes, axis=1)
+    quaternions = np.array([at_0, quarter_turns])
+    return Motions(joints, numbers, above, zero_transforms, sines, cosines, slides, quaternions, turns, axes)
 
 
 def _unit(axis: Sequence[float]) -> Floats:
@@ -251,10 +256,10 @@ def joint_poses(tree: Urdf, positions: Mapping[str, float]) -> dict[str, Floats]
     p = np.array([*positions.values()], dtype=float)[:, None]
     p[~np.isfinite(p)] = np.nan
     half = np.where(motions.turns[rows, None], p / 2, 0.0)
-    at_0, turned = motions.quaternions[:, rows]
+    at_0, quarter_turns = motions.quaternions[:, rows]
     poses = np.empty((len(rows), 7))
     poses[:, :3] = motions.still[rows, :3, 3] + p * motions.slides[rows, :3, 3]
-    poses[:, 3:] = match_matrix_signs(np.cos(half) * at_0 + np.sin(half) * turned)
+    poses[:, 3:] = match_matrix_signs(np.cos(half) * at_0 + np.sin(half) * quarter_turns)
     return dict(zip(positions, poses, strict=True))
 
 
@@ -306,13 +311,13 @@ def joints_for(
     for _ in range(STARTS):
         positions, gap = _iterate(arm, goal, positions)
         if np.abs(gap).max() < ACCURACY:
-            found = zip(arm.motions.joints, map(float, positions), strict=True)
-            return {joint.name: position for joint, position in found if joint.kind in MOVING}
+            named_positions = zip(arm.motions.joints, map(float, positions), strict=True)
+            return {joint.name: position for joint, position in named_positions if joint.kind in MOVING}
         tries.append(gap)
         positions[arm.driven] = random.uniform(lower, upper)
         positions = arm.with_mimic_joints(positions)
-    near = min(tries, key=lambda gap: float(np.linalg.norm(gap)))
-    meters, degrees = np.linalg.norm(near[:3]), np.degrees(np.linalg.norm(near[3:]))
+    smallest_gap = min(tries, key=lambda gap: float(np.linalg.norm(gap)))
+    meters, degrees = np.linalg.norm(smallest_gap[:3]), np.degrees(np.linalg.norm(smallest_gap[3:]))
     place = ", ".join(f"{value:.2f}" for value in goal[:3, 3])
     raise CourseError(
         f"{link} cannot be brought to ({place}) m in {robot.tree.root}, with this rotation: the best pose "
@@ -362,13 +367,13 @@ class Arm:
 
     def jacobian(self, poses: Matrix) -> Matrix:
         """Return the Jacobian: the link's twist, in the link's frame, per joint velocity, shape (6, n)."""
-        found, turns = np.zeros((6, len(self.motions.joints))), self.motions.turns[self.chain, None]
+        jacobian, turns = np.zeros((6, len(self.motions.joints))), self.motions.turns[self.chain, None]
         axes = (poses[1:, :3, :3] @ self.motions.axes[self.chain, :, None])[:, :, 0]
         arms = poses[-1, :3, 3] - poses[1:, :3, 3]
         ways = np.where(turns, (cross_matrices(axes) @ arms[:, :, None])[:, :, 0], axes)
-        found[:3, self.chain] = (ways @ poses[-1, :3, :3]).T
-        found[3:, self.chain] = (np.where(turns, axes, 0.0) @ poses[-1, :3, :3]).T
-        return found
+        jacobian[:3, self.chain] = (ways @ poses[-1, :3, :3]).T
+        jacobian[3:, self.chain] = (np.where(turns, axes, 0.0) @ poses[-1, :3, :3]).T
+        return jacobian
 
 
 def arm_of(robot: Robot, link: str) -> Arm:
@@ -385,8 +390,10 @@ def arm_of(robot: Robot, link: str) -> Arm:
         at = motions.above[at]
     limits = np.array([_limits(joint) for joint in motions.joints]).reshape(-1, 2)
     factors, offsets = _mimic_matrices(robot.tree, motions)
-    driven = [int(one) for number in chain for one in np.flatnonzero(factors[number])]
-    return Arm(motions, chain, list(dict.fromkeys(driven)), limits[:, 0], limits[:, 1], factors, offsets)
+    driven_joints = [int(one) for number in chain for one in np.flatnonzero(factors[number])]
+    return Arm(
+        motions, chain, list(dict.fromkeys(driven_joints)), limits[:, 0], limits[:, 1], factors, offsets
+    )
 
 
 def _mimic_matrices(tree: Urdf, motions: Motions) -> tuple[Matrix, Floats]:

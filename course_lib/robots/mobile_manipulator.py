@@ -78,11 +78,15 @@ class OmniBase(Node):
         self.create_timer(self._period, self._update)
 
     def _on_command(self, twist: Twist) -> None:
-        asked = np.array([twist.linear.x, twist.linear.y, twist.angular.z])
-        if np.isfinite(asked).all():
-            self._speed, self._hold, self._goal = np.clip(asked, -MAX_SPEED, MAX_SPEED), self._timeout, None
+        velocity = np.array([twist.linear.x, twist.linear.y, twist.angular.z])
+        if np.isfinite(velocity).all():
+            self._speed, self._hold, self._goal = (
+                np.clip(velocity, -MAX_SPEED, MAX_SPEED),
+                self._timeout,
+                None,
+            )
         else:
-            self.get_logger().error(f"A command with numbers that are not finite is ignored: {asked}.")
+            self.get_logger().error(f"A command with numbers that are not finite is ignored: {velocity}.")
 
     def _on_goal(self, goal: PoseStamped) -> None:
         frame, place, turn = goal.header.frame_id, goal.pose.position, goal.pose.orientation
@@ -113,12 +117,12 @@ class OmniBase(Node):
         z, w = match_matrix_signs(np.array([[0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]]))[
             0, 2:
         ].tolist()
-        moved = TransformStamped(child_frame_id="base_link")
-        moved.header.frame_id, moved.header.stamp = "odom", self.get_clock().now().to_msg()
-        moved.transform.translation.x, moved.transform.translation.y = x, y
-        moved.transform.rotation.z, moved.transform.rotation.w = z, w
-        self._broadcaster.sendTransform(moved)
-        odometry = Odometry(header=moved.header, child_frame_id="base_link")
+        odom_transform = TransformStamped(child_frame_id="base_link")
+        odom_transform.header.frame_id, odom_transform.header.stamp = "odom", self.get_clock().now().to_msg()
+        odom_transform.transform.translation.x, odom_transform.transform.translation.y = x, y
+        odom_transform.transform.rotation.z, odom_transform.transform.rotation.w = z, w
+        self._broadcaster.sendTransform(odom_transform)
+        odometry = Odometry(header=odom_transform.header, child_frame_id="base_link")
         pose, twist = odometry.pose.pose, odometry.twist.twist
         pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w = x, y, z, w
         twist.linear.x, twist.linear.y, twist.angular.z = map(float, self._speed)
@@ -131,9 +135,9 @@ def _speed_to(gap: Matrix, period: float) -> Floats:
     It is at most the speed that reaches the goal in one period [s].
     """
     way = twist_of(gap)[_PLANE]
-    far = np.maximum(np.abs(way), 1e-12)
+    distance = np.maximum(np.abs(way), 1e-12)
     # Rates relative to the remaining distance [1/s].
-    fastest = np.minimum(MAX_SPEED, np.sqrt(2 * BRAKES * far)) / far
+    fastest = np.minimum(MAX_SPEED, np.sqrt(2 * BRAKES * distance)) / distance
     speed: Floats = way * min(*fastest, 1 / period)
     return speed
 

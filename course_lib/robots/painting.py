@@ -75,9 +75,9 @@ class Wall:
             Shape (2, 2), or an empty array.
         """
         start, way = piece[0], piece[1] - piece[0]
-        away = start[0] - self.x
+        offset = start[0] - self.x
         # The crossings with both limits of the reach, as fractions of the segment.
-        crossings = [(side - away) / (way[0] or 1e-12) for side in (-reach, reach)]
+        crossings = [(side - offset) / (way[0] or 1e-12) for side in (-reach, reach)]
         first, last = np.clip(sorted(crossings), 0.0, 1.0)
         portions = [first, last] if first < last else []
         return np.array([(start + portion * way)[1:] for portion in portions])
@@ -158,14 +158,16 @@ class PaintNode(Node):
         self._track.append((now, self._base_position("map", "base_link")))
         while now - self._track[0][0] > WINDOW:
             self._track.popleft()
-        moved = sum(float(np.linalg.norm(b - a)) for (_, a), (_, b) in pairwise(self._track)) > LONGEST_WAY
-        if moved:
+        has_moved = (
+            sum(float(np.linalg.norm(b - a)) for (_, a), (_, b) in pairwise(self._track)) > LONGEST_WAY
+        )
+        if has_moved:
             self._track.clear()
-        return moved
+        return has_moved
 
     def _base_position(self, frame: str, link: str) -> Floats:
-        found = self._buffer.lookup_transform(frame, link, Time()).transform.translation
-        return np.array([found.x, found.y, found.z])
+        translation = self._buffer.lookup_transform(frame, link, Time()).transform.translation
+        return np.array([translation.x, translation.y, translation.z])
 
     def _publish(self) -> None:
         stripe = Marker(id=len(self.stripes) - 1, type=Marker.LINE_STRIP, action=Marker.ADD)

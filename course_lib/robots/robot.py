@@ -60,11 +60,11 @@ def resolve(uri: str, near: Path | None = None) -> Path:
         candidates = [Path("/", parts.netloc, inside)]
     else:
         candidates = [folder / inside for folder in _package_folders(parts.netloc, near)]
-    found = next((path for path in candidates if path.is_file()), None)
-    if found is None:
+    existing = next((path for path in candidates if path.is_file()), None)
+    if existing is None:
         where = f": {_package_location(parts.netloc)}" if parts.scheme == "package" else "."
         raise CourseError(f"The file {uri} does not exist. Correct the address{where}")
-    return found
+    return existing
 
 
 def _package_folders(name: str, near: Path | None) -> Iterator[Path]:
@@ -75,14 +75,15 @@ def _package_folders(name: str, near: Path | None) -> Iterator[Path]:
     # An untrusted address must not reach files in the working folder.
     index = packages(in_working_folder="file" in _schemes)
     workspace = workspace_of(near) if near is not None else None
-    for known in (index, packages_below(workspace) if workspace else {}):
-        if name in known:
-            yield known[name]
-            if known[name].parent.name != "share":
-                yield share_folder(name, known[name])
-    named = [Path(root) for root in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if root]
+    for folders_by_name in (index, packages_below(workspace) if workspace else {}):
+        if name in folders_by_name:
+            yield folders_by_name[name]
+            if folders_by_name[name].parent.name != "share":
+                yield share_folder(name, folders_by_name[name])
+    search_path = [Path(root) for root in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if root]
     yield from (
-        root / name for root in named + _installed_data() + (list(near.resolve().parents[1:]) if near else [])
+        root / name
+        for root in search_path + _installed_data() + (list(near.resolve().parents[1:]) if near else [])
     )
 
 
@@ -451,15 +452,18 @@ def _line_of_error(text: str, message: str) -> str:
     names = ["".join(groups) for groups in re.findall(r"\[([^\[\]]+)\]|'([^']+)'", message)]
     # The name of a broken or missing file is more specific than the robot's name in the same
     # message.
-    wanted = [f"/{file}" for file in files] or [f"{quote}{name}{quote}" for name in names for quote in "\"'"]
+    quoted_names = [f"/{file}" for file in files] or [
+        f"{quote}{name}{quote}" for name in names for quote in "\"'"
+    ]
     lines = list(enumerate(text.splitlines(), start=1))
-    return next((f", line {number}" for word in wanted for number, line in lines if word in line), "")
+    return next((f", line {number}" for word in quoted_names for number, line in lines if word in line), "")
 
 
-def _reject_arguments(what: str, arguments: Mapping[str, object]) -> None:
+def _reject_arguments(subject: str, arguments: Mapping[str, object]) -> None:
     if arguments:
         raise CourseError(
-            f"{what} has no arguments, but {', '.join(arguments)} was given. Only xacro files take arguments."
+            f"{subject} has no arguments, but {', '.join(arguments)} was given. Only xacro files "
+            "take arguments."
         )
 
 
@@ -476,8 +480,8 @@ def _from_example_robot_data(name: str) -> Robot:
         return whole().collision_model, whole().visual_model
 
     moving = [joint.name for joint in parse_urdf(text).joints.values() if joint.kind in MOVING]
-    rest = rest_posture(model, moving)
-    return Robot(name, text, path, lambda: (whole().model, whole().q0), shapes, rest)
+    rest_pose = rest_posture(model, moving)
+    return Robot(name, text, path, lambda: (whole().model, whole().q0), shapes, rest_pose)
 
 
 def from_text(text: str, path: Path | None = None) -> Robot:
@@ -495,12 +499,14 @@ def from_text(text: str, path: Path | None = None) -> Robot:
         pinocchio = import_pinocchio("pinocchio")
         kinds = (pinocchio.GeometryType.COLLISION, pinocchio.GeometryType.VISUAL)
         # Pinocchio finds packages only by the names of their folders, so it gets paths.
-        found = text
+        resolved = text
         for uri in _meshes(text):
             for quote in "\"'":
-                found = found.replace(f"{quote}{uri}{quote}", f"{quote}{resolve(uri, path)}{quote}")
+                resolved = resolved.replace(f"{quote}{uri}{quote}", f"{quote}{resolve(uri, path)}{quote}")
         try:
-            one, other = (pinocchio.buildGeomFromUrdfString(model, found, kind, None, []) for kind in kinds)
+            one, other = (
+                pinocchio.buildGeomFromUrdfString(model, resolved, kind, None, []) for kind in kinds
+            )
         except (ValueError, RuntimeError) as error:
             raise CourseError(f"The shapes of {tree.name!r} cannot be loaded: {error}") from error
         return one, other

@@ -90,11 +90,13 @@ class JointStatePublisher(Node):
                 self.declare_parameter(name, value)
         # As in ROS, all parameters are read once: later changes have no effect.
         self._parameters_at_start = {name: self.get_parameter(name).value for name in ("rate", *_DEFAULTS)}
-        given = {name: parameter.value for name, parameter in self.get_parameters_by_prefix("zeros").items()}
+        zeros_from_parameters = {
+            name: parameter.value for name, parameter in self.get_parameters_by_prefix("zeros").items()
+        }
         self.joints: dict[str, FreeJoint] = {}
         # Called after the robot has changed.
         self.on_robot: list[Callable[[], None]] = []
-        self._zeros = {**(zeros or {}), **given}
+        self._zeros = {**(zeros or {}), **zeros_from_parameters}
         # The joint that each joint follows, in the order of the file.
         self._follows: dict[str, Mimic] = {}
         try:
@@ -126,8 +128,10 @@ class JointStatePublisher(Node):
             if not dot or "." in joint:
                 raise CourseError(f"Invalid dependent_joint name '{name}'")
             if part not in _DEPENDENT:
-                allowed = ", ".join(f"'{word}'" for word in _DEPENDENT)
-                raise CourseError(f"Invalid dependent_joint name '{part}' (allowed values are {allowed})")
+                allowed_keys = ", ".join(f"'{word}'" for word in _DEPENDENT)
+                raise CourseError(
+                    f"Invalid dependent_joint name '{part}' (allowed values are {allowed_keys})"
+                )
             if f"{joint}.parent" not in names:
                 raise CourseError("All dependent_joints must at least have a parent")
 
@@ -195,22 +199,22 @@ class JointStatePublisher(Node):
         for joint in self.joints.values() if delta > 0 else ():
             _move(joint, delta)
         for kind in _KINDS:
-            known = {
+            known_values = {
                 name: value for name, one in self.joints.items() if (value := getattr(one, kind)) is not None
             }
             # Dependent joints have positions even if the position of no other joint is known.
-            if known or (kind == "position" and len(self.joints) < len(self._follows)):
-                values = [_mimic_value(kind, follow, known) for follow in self._follows.values()]
+            if known_values or (kind == "position" and len(self.joints) < len(self._follows)):
+                values = [_mimic_value(kind, follow, known_values) for follow in self._follows.values()]
                 setattr(state, kind, values)
         if state.name:
             self._publisher.publish(state)
 
 
-def _mimic_value(kind: str, follow: Mimic, known: Mapping[str, float]) -> float:
+def _mimic_value(kind: str, follow: Mimic, known_values: Mapping[str, float]) -> float:
     """Return the position, velocity or effort of a joint that follows another one or itself."""
-    if follow.joint not in known:
+    if follow.joint not in known_values:
         return 0.0
-    value = float(known[follow.joint])
+    value = float(known_values[follow.joint])
     if kind == "position":
         return value * follow.factor + follow.offset
     return value * follow.factor if kind == "velocity" else value
@@ -329,8 +333,8 @@ class RobotStatePublisher(Node):
         if not text:
             raise CourseError("robot_description parameter must not be empty")
         self._tree = parse_urdf(text)
-        named = sorted(self._tree.joints.items())
-        self._mimics = [(name, joint.mimic) for name, joint in named if joint.mimic]
+        named_joints = sorted(self._tree.joints.items())
+        self._mimics = [(name, joint.mimic) for name, joint in named_joints if joint.mimic]
         self._description.publish(String(data=text))
         self.get_logger().info("Robot initialized")
         # KDL supports neither planar joints, which are treated as fixed, nor floating joints, which
@@ -397,12 +401,12 @@ class RobotStatePublisher(Node):
     def _transforms(self, positions: dict[str, float], stamp: TimeMsg) -> TFMessage:
         prefix, message = self._value("frame_prefix"), TFMessage()
         for name, pose in sorted(joint_poses(self._tree, positions).items()):
-            joint, moved = self._tree.joints[name], TransformStamped()
-            moved.header.stamp = stamp
-            moved.header.frame_id, moved.child_frame_id = prefix + joint.parent, prefix + joint.child
-            place, turn = moved.transform.translation, moved.transform.rotation
+            joint, transform = self._tree.joints[name], TransformStamped()
+            transform.header.stamp = stamp
+            transform.header.frame_id, transform.child_frame_id = prefix + joint.parent, prefix + joint.child
+            place, turn = transform.transform.translation, transform.transform.rotation
             place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = pose.tolist()
-            message.transforms.append(moved)
+            message.transforms.append(transform)
         return message
 
 

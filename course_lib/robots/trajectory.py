@@ -74,17 +74,19 @@ def sample(waypoints: Sequence[Waypoint], seconds: float) -> Floats:
 @lru_cache(maxsize=64)
 def _spline(start: Waypoint, end: Waypoint) -> tuple[Floats, ...]:
     """Return the coefficients of the polynomials between two waypoints, and of their two derivatives."""
-    given = min(len(start.state), len(end.state))
-    ends = np.vstack([start.state[:given], end.state[:given]])
-    powers: Floats = _fit(given, end.seconds - start.seconds) @ ends
+    known_count = min(len(start.state), len(end.state))
+    ends = np.vstack([start.state[:known_count], end.state[:known_count]])
+    powers: Floats = _fit(known_count, end.seconds - start.seconds) @ ends
     return powers, polyder(powers).astype(float), polyder(powers, 2).astype(float)
 
 
 @lru_cache(maxsize=64)
-def _fit(given: int, duration: float) -> Floats:
+def _fit(known_count: int, duration: float) -> Floats:
     """Return the matrix from the derivatives at both ends to the polynomial's coefficients."""
-    monomials = np.eye(2 * given)
-    ends = [polyval(end, polyder(monomials, order)) for end in (0.0, duration) for order in range(given)]
+    monomials = np.eye(2 * known_count)
+    ends = [
+        polyval(end, polyder(monomials, order)) for end in (0.0, duration) for order in range(known_count)
+    ]
     return np.linalg.inv(ends)
 
 
@@ -383,9 +385,11 @@ class JointTrajectoryController(Node):
     def _begin(self, start: Time, waypoints: Sequence[Waypoint], now: Time) -> None:
         """Follow waypoints from the current state. A start of 0 means now."""
         self._start_ns, self._new = start.nanoseconds or now.nanoseconds, None
-        still: Floats = np.zeros_like(self._joints.positions)
-        here = Waypoint((now.nanoseconds - self._start_ns) / 1e9, np.vstack([self._state(), still]))
-        self._waypoints = [here, *waypoints]
+        zero_velocity: Floats = np.zeros_like(self._joints.positions)
+        start_point = Waypoint(
+            (now.nanoseconds - self._start_ns) / 1e9, np.vstack([self._state(), zero_velocity])
+        )
+        self._waypoints = [start_point, *waypoints]
 
     def _state(self) -> Floats:
         return np.array([self._joints.positions, self._joints.velocities])

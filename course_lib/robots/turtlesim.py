@@ -90,10 +90,10 @@ class Canvas:
 
     def color_at(self, place: Point) -> Sequence[int]:
         """Return the RGB color of the canvas at a position; white without a line."""
-        found = self._image.getpixel(_pixel(place))
+        pixel = self._image.getpixel(_pixel(place))
         # The image is not a palette image, so a pixel is a tuple.
-        assert isinstance(found, tuple)
-        return found[:3]
+        assert isinstance(pixel, tuple)
+        return pixel[:3]
 
 
 def _pixel(place: Point) -> tuple[int, int]:
@@ -237,13 +237,13 @@ class Turtle:
             say("Rotation goal canceled")
             self._end(ServerGoalHandle.canceled)
             return
-        remaining = _normalize_angle(_normalize_angle(goal.request.theta) - self.theta)
-        goal.publish_feedback(RotateAbsolute.Feedback(remaining=remaining))
-        if abs(remaining) < NEAR:
+        remaining_angle = _normalize_angle(_normalize_angle(goal.request.theta) - self.theta)
+        goal.publish_feedback(RotateAbsolute.Feedback(remaining=remaining_angle))
+        if abs(remaining_angle) < NEAR:
             say("Rotation goal completed successfully")
             self._end(ServerGoalHandle.succeed)
         else:
-            self._turn = math.copysign(TURN, remaining)
+            self._turn = math.copysign(TURN, remaining_angle)
             self._commanded_ns = self._node.get_clock().now().nanoseconds
 
     def _end(self, how: Callable[[ServerGoalHandle], None]) -> None:
@@ -410,9 +410,9 @@ class DrawSquare(Node):
 
     def _aim(self, pose: Pose) -> Pose:
         """Set the next goal: the end of an edge, or a quarter of a turn."""
-        ahead = 0.0 if self._turns else EDGE
+        distance = 0.0 if self._turns else EDGE
         theta = math.remainder(pose.theta + self._turns * math.pi / 2, math.tau)
-        x, y = pose.x + math.cos(pose.theta) * ahead, pose.y + math.sin(pose.theta) * ahead
+        x, y = pose.x + math.cos(pose.theta) * distance, pose.y + math.sin(pose.theta) * distance
         self._goal = goal = Pose(x=x, y=y, theta=theta)
         self.get_logger().info(f"New goal [{goal.x:f} {goal.y:f}, {goal.theta:f}]")
         return goal
@@ -450,8 +450,8 @@ class TurtleTeleop(Node):
     def _scale(self, kind: str) -> float:
         return float(self.get_parameter(f"scale_{kind}").value)
 
-    def _remember(self, sent: "Future[Any]") -> None:
-        self._goal = sent.result()
+    def _remember(self, goal_future: "Future[Any]") -> None:
+        self._goal = goal_future.result()
 
 
 def _twist(forward: float, turn: float) -> Twist:

@@ -238,7 +238,7 @@ def links_of(text: str) -> list[Link]:
     """
     robot = _root(text)
     # As in urdfdom, the first material of a name is used for all materials of this name.
-    named: dict[str, Material] = {}
+    materials: dict[str, Material] = {}
     global_problems = list[str]()
     for element in robot.findall("material"):
         material = _material(element, global_problems)
@@ -246,26 +246,26 @@ def links_of(text: str) -> list[Link]:
             # urdfdom keeps the name, with the color that a material has before it is read.
             material = _BLACK
         if material is not None:
-            named.setdefault(element.get("name", ""), material)
+            materials.setdefault(element.get("name", ""), material)
     for element in robot.findall("link/visual/material"):
         material = _material(element, [])
         if material is not None:
-            named.setdefault(element.get("name", ""), material)
-    links = [_link(element, named) for element in robot.findall("link")]
+            materials.setdefault(element.get("name", ""), material)
+    links = [_link(element, materials) for element in robot.findall("link")]
     if links and global_problems:
         links[0] = replace(links[0], problems=(*global_problems, *links[0].problems))
     return links
 
 
-def _link(link: ET.Element, named: Mapping[str, Material]) -> Link:
+def _link(link: ET.Element, materials: Mapping[str, Material]) -> Link:
     problems = list[str]()
     visuals, collisions = (tuple(_geometries(link, kind, problems)) for kind in ("visual", "collision"))
     name, inertial, material = link.get("name", ""), link.find("inertial"), None
     painted = link.find("visual[1]/material")
     for element in link.findall("visual/material"):
-        given = _material(element, problems)
+        material_of_tag = _material(element, problems)
         if element is painted:
-            material = named.get(element.attrib["name"]) if element.get("name") else given
+            material = materials.get(element.attrib["name"]) if element.get("name") else material_of_tag
     mass = None if inertial is None else _inertial(inertial, name, problems)
     return Link(name, visuals, collisions, material, mass, tuple(problems))
 
@@ -283,24 +283,24 @@ def _geometries(link: ET.Element, kind: str, problems: list[str]) -> Iterator[Ge
             problems.append(f"Could not parse {kind} element for Link [{link.get('name', '')}]: {error}")
 
 
-def _geometry(kind: str, given: Mapping[str, str], placed: Matrix) -> Geometry:
+def _geometry(kind: str, attributes: Mapping[str, str], transform: Matrix) -> Geometry:
     """Return a shape, or raise a _MalformedError with urdfdom's message."""
     if kind not in _NEEDED:
         raise _MalformedError(f"Unknown geometry type '{kind}'")
-    needed, complaint = _NEEDED[kind]
-    if not given.keys() >= needed:
+    required, complaint = _NEEDED[kind]
+    if not attributes.keys() >= required:
         raise _MalformedError(complaint)
     size: tuple[float, ...]
     if kind == "box":
-        size = _vector(given["size"])
+        size = _vector(attributes["size"])
     elif kind == "mesh":
-        size = _vector(given.get("scale", "1 1 1"))
+        size = _vector(attributes.get("scale", "1 1 1"))
     else:
-        diameter = 2 * _number("radius", given)
-        size = (diameter, diameter, diameter if kind == "sphere" else _number("length", given))
+        diameter = 2 * _number("radius", attributes)
+        size = (diameter, diameter, diameter if kind == "sphere" else _number("length", attributes))
     if not all(map(isfinite, size)):
         raise _MalformedError(f"The size of this {kind} is too large.")
-    return Geometry(kind, placed, size, given["filename"] if kind == "mesh" else "")  # type: ignore[arg-type]
+    return Geometry(kind, transform, size, attributes["filename"] if kind == "mesh" else "")  # type: ignore[arg-type]
 
 
 # The required attributes of each shape, and urdfdom's error for a missing one.
@@ -358,19 +358,19 @@ def _inertial(element: ET.Element, link: str, problems: list[str]) -> Inertial |
 def _origin(element: ET.Element) -> Matrix:
     """Return transform_element_to_link, shape (4, 4)."""
     origin = element.find("origin")
-    given = {} if origin is None else origin.attrib
+    attributes = {} if origin is None else origin.attrib
     transform = np.eye(4)
-    transform[:3, :3] = euler2mat(*_vector(given.get("rpy", "0 0 0")))
-    transform[:3, 3] = _vector(given.get("xyz", "0 0 0"))
-    if "quat_xyzw" in given:
-        x, y, z, w = _numbers(given["quat_xyzw"], 4)
+    transform[:3, :3] = euler2mat(*_vector(attributes.get("rpy", "0 0 0")))
+    transform[:3, 3] = _vector(attributes.get("xyz", "0 0 0"))
+    if "quat_xyzw" in attributes:
+        x, y, z, w = _numbers(attributes["quat_xyzw"], 4)
         transform[:3, :3] = quat2mat((w, x, y, z))
     return transform
 
 
-def _number(name: str, given: Mapping[str, str]) -> float:
+def _number(name: str, attributes: Mapping[str, str]) -> float:
     """Return the number in an attribute, or 0 if it is missing."""
-    text = given.get(name, "0")
+    text = attributes.get(name, "0")
     if not is_number(text):
         raise _MalformedError(f"{name} [{text}] is not a valid float")
     return float(text)
@@ -453,11 +453,11 @@ class Urdf:
         below: dict[str, list[Joint]] = {}
         for joint in sorted(self.joints.values(), key=lambda joint: joint.name, reverse=True):
             below.setdefault(joint.parent, []).append(joint)
-        found, waiting = list[Joint](), below.get(self.root, []).copy()
+        joints, waiting = list[Joint](), below.get(self.root, []).copy()
         while waiting:
-            found.append(waiting.pop())
-            waiting += below.pop(found[-1].child, [])
-        return found
+            joints.append(waiting.pop())
+            waiting += below.pop(joints[-1].child, [])
+        return joints
 
 
 @lru_cache(maxsize=32)
@@ -495,12 +495,12 @@ def _root(text: str) -> ET.Element:
 
 def _joint(element: ET.Element) -> Joint:
     def of(tag: str) -> Mapping[str, str]:
-        found = element.find(tag)
-        return {} if found is None else found.attrib
+        tag_element = element.find(tag)
+        return {} if tag_element is None else tag_element.attrib
 
-    wanted = ("lower", "upper", "soft_lower_limit", "soft_upper_limit")
-    given = {**of("limit"), **of("safety_controller")}
-    limits = {key: float(given[key]) for key in wanted if key in given}
+    limit_names = ("lower", "upper", "soft_lower_limit", "soft_upper_limit")
+    limit_values = {**of("limit"), **of("safety_controller")}
+    limits = {key: float(limit_values[key]) for key in limit_names if key in limit_values}
     mimic = of("mimic")
     follow = (
         Mimic(mimic["joint"], float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0)))

@@ -67,9 +67,9 @@ _OF_RCLPY = "OfRclpy"
 
 def add_hint(error: BaseException) -> None:
     """Add a line "hint: ..." to an exception that is a common mistake, at most once."""
-    found = hint(error)
-    if found and not getattr(error, "__notes__", None):
-        error.add_note(f"hint: {found}")
+    text = hint(error)
+    if text and not getattr(error, "__notes__", None):
+        error.add_note(f"hint: {text}")
 
 
 def hint(error: BaseException) -> str:
@@ -97,8 +97,8 @@ def hint(error: BaseException) -> str:
         or _table_hint(error, text)
     ):
         return found
-    if isinstance(error, ModuleNotFoundError) and (imported := _imported_interfaces(error)):
-        package, kind = imported
+    if isinstance(error, ModuleNotFoundError) and (interface_package := _imported_interfaces(error)):
+        package, kind = interface_package
         return f"put the folder {package} with its {kind} beside the program, or into the workspace's src."
     if isinstance(error, ImportError):
         return import_hint(error)
@@ -114,27 +114,29 @@ def hint(error: BaseException) -> str:
     return ""
 
 
-def _field_hint(types: Sequence[str], wanted: str) -> str:
+def _field_hint(types: Sequence[str], attribute: str) -> str:
     """Return the hint for a field or a constant that a message does not have."""
     definitions = [definition(name) for name in types]
     names = [n for one in definitions for n in (*one.constants, *(field.name for field in one.fields))]
     show = f"`%ros2 interface show {types[0]}` lists its fields."
-    if is_angle(wanted) and {"x", "y", "z", "w"} <= set(names):
+    if is_angle(attribute) and {"x", "y", "z", "w"} <= set(names):
         turn = "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`"
         return f"a quaternion holds no angle: a turn by yaw about z is {turn}."
     lists = [f.name for one in definitions for f in one.fields if f.container != "scalar"]
-    if wanted in dir(list) and len(lists) == 1:
-        return f"did you mean `{lists[0]}.{wanted}`? {show}"
-    if wanted == "to_msg":
+    if attribute in dir(list) and len(lists) == 1:
+        return f"did you mean `{lists[0]}.{attribute}`? {show}"
+    if attribute == "to_msg":
         return f"this is a message already: leave out .to_msg(). {show}"
     constants = [name for one in definitions for name in one.constants]
-    if wanted.isupper() and (near := near_field(wanted, constants)):
-        return f"did you mean `{near}`? {show}"
-    direct = [name for name in synonyms(wanted) if name in names]
-    inner = [path for word in (wanted, *synonyms(wanted)) for name in types for path in _paths_to(name, word)]
-    exact = [path for path in inner if path.endswith(f".{wanted}")]
-    near = next(iter([*exact, *direct, *inner]), "") or near_field(wanted, names)
-    return f"did you mean `{near}`? {show}" if near else show
+    if attribute.isupper() and (similar := near_field(attribute, constants)):
+        return f"did you mean `{similar}`? {show}"
+    direct = [name for name in synonyms(attribute) if name in names]
+    inner = [
+        path for word in (attribute, *synonyms(attribute)) for name in types for path in _paths_to(name, word)
+    ]
+    exact = [path for path in inner if path.endswith(f".{attribute}")]
+    similar = next(iter([*exact, *direct, *inner]), "") or near_field(attribute, names)
+    return f"did you mean `{similar}`? {show}" if similar else show
 
 
 def _is_message(thing: object) -> bool:
@@ -182,10 +184,10 @@ def _value_hint(error: BaseException, text: str) -> str:
     The text of ROS states the type that the field needs, but not the value.
     """
     frame = frame_of(error)
-    needed = re.search(r"field must be (?:of type|a sub message of type) '(\w+)'", text)
-    if frame is None or needed is None or "value" not in frame.f_locals:
+    match = re.search(r"field must be (?:of type|a sub message of type) '(\w+)'", text)
+    if frame is None or match is None or "value" not in frame.f_locals:
         return ""
-    value, kind = frame.f_locals["value"], needed[1]
+    value, kind = frame.f_locals["value"], match[1]
     name = type(value).__name__
     is_number = kind in ("float", "int")
     if value is None and is_number:
@@ -236,8 +238,8 @@ def _table_hint(error: BaseException, text: str) -> str:
 
 def _loop_hint(error: BaseException, text: str) -> str:
     """Return the hint for a message that is used as a list, or ""."""
-    found = re.match(r"'(\w+)' object is not iterable", text)
-    if found is None or not isinstance(error, TypeError):
+    match = re.match(r"'(\w+)' object is not iterable", text)
+    if match is None or not isinstance(error, TypeError):
         return ""
     frame, trace = frame_of(error), error.__traceback__
     while trace is not None and trace.tb_next is not None:
@@ -246,11 +248,11 @@ def _loop_hint(error: BaseException, text: str) -> str:
         code = (one for one in dis.get_instructions(frame.f_code) if one.offset == trace.tb_lasti)
         if any(one.opname.startswith(("BINARY_OP", "INPLACE_ADD")) for one in code):
             return "+= adds all items of a list. `items.append(item)` adds a single item."
-    types = _types_in_error(f"'{found[1]}' object has no attribute")
+    types = _types_in_error(f"'{match[1]}' object has no attribute")
     lists = [f.name for name in types[:1] for f in definition(name).fields if f.container != "scalar"]
     if types and len(lists) == 1:
-        return f"a {found[1]} is not a list, but has one: loop over its field {lists[0]}."
-    return f"a {found[1]} is a single object: read its fields by their names." if types else ""
+        return f"a {match[1]} is not a list, but has one: loop over its field {lists[0]}."
+    return f"a {match[1]} is a single object: read its fields by their names." if types else ""
 
 
 def _list_hint(error: BaseException, text: str) -> str:
@@ -292,9 +294,14 @@ def _missing_self_hint(error: NameError, text: str) -> str:
     code = frame.f_code
     if not code.co_name.isidentifier():
         return "only methods have self: outside of the class use the name of your node."
-    given = code.co_varnames[: code.co_argcount]
-    kept = given[1:] if given and given[0] in ("this", "node", "robot") else given
-    return f"write self as the method's first parameter: `def {code.co_name}({', '.join(('self', *kept))})`."
+    parameters = code.co_varnames[: code.co_argcount]
+    remaining_parameters = (
+        parameters[1:] if parameters and parameters[0] in ("this", "node", "robot") else parameters
+    )
+    return (
+        "write self as the method's first parameter: `def "
+        f"{code.co_name}({', '.join(('self', *remaining_parameters))})`."
+    )
 
 
 def _imported_interfaces(error: ModuleNotFoundError) -> tuple[str, str] | None:
@@ -328,13 +335,13 @@ def _text(error: BaseException) -> str:
 
 def _types_in_error(text: str) -> list[str]:
     """Return the message types with the class name in an attribute error."""
-    named = re.match(r"(?:type object )?'(\w+)' (?:object )?has no attribute", text)
-    found = [name for name in type_names() if named and name.endswith(f"/{named[1]}")]
+    match = re.match(r"(?:type object )?'(\w+)' (?:object )?has no attribute", text)
+    types = [name for name in type_names() if match and name.endswith(f"/{match[1]}")]
     # example_interfaces repeats the types of std_msgs, which are more likely to be meant.
-    return sorted(found, key=lambda name: name.startswith("example_interfaces/"))
+    return sorted(types, key=lambda name: name.startswith("example_interfaces/"))
 
 
-def _paths_to(name: str, wanted: str) -> list[str]:
+def _paths_to(name: str, attribute: str) -> list[str]:
     """Return the paths to a field inside of a message's fields, like "results[0].hypothesis.score".
 
     The shortest paths come first. Fields of the header are no candidates deep inside.
@@ -350,8 +357,8 @@ def _paths_to(name: str, wanted: str) -> list[str]:
         ]
         level = [(path, field.base) for path, field in inside]
         paths += [
-            f"{path}{wanted}"
+            f"{path}{attribute}"
             for path, one in level
-            if any(field.name == wanted for field in definition(one).fields)
+            if any(field.name == attribute for field in definition(one).fields)
         ]
     return paths

@@ -41,5 +41,5 @@ def mark(error: BaseException, mistake: Mistake, *, depth: int = 1) -> None:
 
 def mistake_of(error: BaseException) -> Mistake | None:
     """Return the mark of an exception, or None."""
-    found = vars(error).get(_MARK)
-    return found if isinstance(found, Mistake) else None
+    mark = vars(error).get(_MARK)
+    return mark if isinstance(mark, Mistake) else None

@@ -180,12 +180,12 @@ _ROS_1 = {
 }
 
 
-def nearest(wanted: str, names: Iterable[str], cutoff: float = 0.75) -> str:
+def nearest(missing: str, names: Iterable[str], cutoff: float = 0.75) -> str:
     """Return the name that differs only in case and underscores, otherwise the most similar name, or ""."""
-    known = [name for name in dict.fromkeys(names) if name != wanted and not name.startswith("_")]
-    plain = wanted.lower().replace("_", "")
-    same = [name for name in known if name.lower().replace("_", "") == plain]
-    return next(iter([*same, *get_close_matches(wanted, known, 1, cutoff)]), "")
+    candidates = [name for name in dict.fromkeys(names) if name != missing and not name.startswith("_")]
+    plain = missing.lower().replace("_", "")
+    same = [name for name in candidates if name.lower().replace("_", "") == plain]
+    return next(iter([*same, *get_close_matches(missing, candidates, 1, cutoff)]), "")
 
 
 def frame_of(error: BaseException) -> FrameType | None:
@@ -206,66 +206,66 @@ def line_of_student(error: BaseException) -> str:
 
 def name_hint(error: NameError) -> str:
     """Return the hint for a name that is undefined or has no value yet, or "" if no name is similar."""
-    found = re.search(r"(?:name|variable) '(\w+)'", str(error))
+    match = re.search(r"(?:name|variable) '(\w+)'", str(error))
     frame = frame_of(error)
-    if found is None or frame is None:
+    if match is None or frame is None:
         return ""
-    wanted = found[1]
+    missing = match[1]
     owner = _attributes(frame.f_locals.get("self"))
-    if wanted in owner and not (isinstance(error, UnboundLocalError) and _is_set_before(error, wanted)):
-        return f"did you mean `self.{wanted}`?"
+    if missing in owner and not (isinstance(error, UnboundLocalError) and _is_set_before(error, missing)):
+        return f"did you mean `self.{missing}`?"
     if isinstance(error, UnboundLocalError):
-        if callable(frame.f_globals.get(wanted)) or isinstance(frame.f_globals.get(wanted), ModuleType):
-            return f"{wanted} = … in this function hides the {wanted} defined above: choose another name."
-        if wanted in frame.f_globals:
+        if callable(frame.f_globals.get(missing)) or isinstance(frame.f_globals.get(missing), ModuleType):
+            return f"{missing} = … in this function hides the {missing} defined above: choose another name."
+        if missing in frame.f_globals:
             return (
-                f"a function that assigns {wanted} has a {wanted} of its own. Keep the value in "
-                f"the node, as `self.{wanted}`, or write `global {wanted}` first."
+                f"a function that assigns {missing} has a {missing} of its own. Keep the value in "
+                f"the node, as `self.{missing}`, or write `global {missing}` first."
             )
-        return f"give {wanted} a value before this line, on every way that leads here."
+        return f"give {missing} a value before this line, on every way that leads here."
     # One letter too many, like Points, is more likely than a class of the kit that no cell imports.
-    singular = wanted.removesuffix("s")
-    if singular != wanted and singular in frame.f_globals and wanted not in _IMPORTS:
+    singular = missing.removesuffix("s")
+    if singular != missing and singular in frame.f_globals and missing not in _IMPORTS:
         return f"did you mean `{singular}`?"
-    if re.fullmatch(r"week\d\d", wanted):
+    if re.fullmatch(r"week\d\d", missing):
         return 'the name of a task is in quotes, as in check("week01.red_cube", RedCubeNode).'
     importable = _importable(frame)
-    if wanted in _ROS_1:
-        return f"there is no {wanted} in ROS 2: {_ROS_1[wanted]}."
-    if inner := _function_that_sets(wanted, frame.f_code):
-        return f"{wanted} is set in the function {inner}, and exists only there: return it from {inner}."
-    if wanted in importable:
-        return f"import it: `{importable[wanted]}`; in a notebook run the first cells again."
-    return _similar_name(wanted, frame, owner, importable)
+    if missing in _ROS_1:
+        return f"there is no {missing} in ROS 2: {_ROS_1[missing]}."
+    if inner := _function_that_sets(missing, frame.f_code):
+        return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
+    if missing in importable:
+        return f"import it: `{importable[missing]}`; in a notebook run the first cells again."
+    return _similar_name(missing, frame, owner, importable)
 
 
-def _similar_name(wanted: str, frame: FrameType, owner: Sequence[str], importable: Mapping[str, str]) -> str:
+def _similar_name(missing: str, frame: FrameType, owner: Sequence[str], importable: Mapping[str, str]) -> str:
     """Return the hint for a name that no import defines, with the most similar name that exists."""
     for name, module in frame.f_globals.items():
         if (
             isinstance(module, ModuleType)
             and name in ("math", "np", "numpy", "rclpy")
-            and hasattr(module, wanted)
+            and hasattr(module, missing)
         ):
-            return f"did you mean `{name}.{wanted}`?"
-    if found_constant := _constant_of(wanted, frame.f_globals):
+            return f"did you mean `{name}.{missing}`?"
+    if found_constant := _constant_of(missing, frame.f_globals):
         return f"did you mean `{found_constant}`?"
-    near = nearest(wanted, [*frame.f_locals, *frame.f_globals])
-    if near:
-        return f"did you mean `{near}`?"
-    if near := _abbreviated(wanted, frame):
-        return f"did you mean `{near}`?"
-    if near := nearest(wanted, owner):
-        return f"did you mean `self.{near}`?"
-    if near := nearest(wanted, [*vars(builtins), *keyword.kwlist], 0.8):
-        return f"did you mean `{near}`?"
+    similar = nearest(missing, [*frame.f_locals, *frame.f_globals])
+    if similar:
+        return f"did you mean `{similar}`?"
+    if similar := _abbreviated(missing, frame):
+        return f"did you mean `{similar}`?"
+    if similar := nearest(missing, owner):
+        return f"did you mean `self.{similar}`?"
+    if similar := nearest(missing, [*vars(builtins), *keyword.kwlist], 0.8):
+        return f"did you mean `{similar}`?"
     # Names of two letters, like re, are similar to any name of three.
-    if near := nearest(wanted, [name for name in importable if len(name) > 2], 0.8):
-        return f"did you mean {near}? Then import it: `{importable[near]}`."
-    if given := _parameters(frame.f_code):
+    if similar := nearest(missing, [name for name in importable if len(name) > 2], 0.8):
+        return f"did you mean {similar}? Then import it: `{importable[similar]}`."
+    if parameters := _parameters(frame.f_code):
         return (
-            f"{frame.f_code.co_name} gets {given}, and knows what the cells above define. Where is "
-            f"{wanted} from?"
+            f"{frame.f_code.co_name} gets {parameters}, and knows what the cells above define. Where is "
+            f"{missing} from?"
         )
     return ""
 
@@ -316,11 +316,11 @@ def _parameters(code: CodeType) -> str:
 
 def parameter_hint(error: BaseException) -> str:
     """Return a question with the declared parameter closest to a missing one, or ""."""
-    found = re.search(r"undeclared parameter\(s\): (\w+)$", str(error))
+    match = re.search(r"undeclared parameter\(s\): (\w+)$", str(error))
     holders = (frame.f_locals.get("self") for frame, _ in walk_tb(error.__traceback__))
     node = next((one for one in holders if hasattr(one, "get_parameters_by_prefix")), None)
-    near = nearest(found[1], node.get_parameters_by_prefix("")) if found and node is not None else ""
-    return f"did you mean {near!r}? It is declared." if near else ""
+    similar = nearest(match[1], node.get_parameters_by_prefix("")) if match and node is not None else ""
+    return f"did you mean {similar!r}? It is declared." if similar else ""
 
 
 def key_hint(error: BaseException) -> str:
@@ -329,14 +329,14 @@ def key_hint(error: BaseException) -> str:
     The exception does not contain its dictionary, so those within reach of the line are searched.
     """
     frame = frame_of(error)
-    wanted = error.args[0] if isinstance(error, KeyError) and error.args else None
-    if frame is None or not isinstance(wanted, str):
+    missing_key = error.args[0] if isinstance(error, KeyError) and error.args else None
+    if frame is None or not isinstance(missing_key, str):
         return ""
-    own = getattr(frame.f_locals.get("self"), "__dict__", {})
-    reached = [*frame.f_locals.values(), *own.values(), *frame.f_globals.values()]
+    attributes = getattr(frame.f_locals.get("self"), "__dict__", {})
+    reached = [*frame.f_locals.values(), *attributes.values(), *frame.f_globals.values()]
     keys = [key for one in reached if type(one) is dict for key in one if isinstance(key, str)]
-    near = nearest(wanted, keys)
-    return f"did you mean {near!r}?" if near else ""
+    similar = nearest(missing_key, keys)
+    return f"did you mean {similar!r}?" if similar else ""
 
 
 def attribute_hint(error: AttributeError) -> str:
@@ -355,12 +355,15 @@ def attribute_hint(error: AttributeError) -> str:
     if own_classes:
         # For a student's own node class, its own attributes and ROS's methods are suggested. ROS's
         # properties, like `publishers`, are too similar to names that students choose.
-        own = [*getattr(error.obj, "__dict__", ()), *(name for one in own_classes for name in vars(one))]
+        attributes = [
+            *getattr(error.obj, "__dict__", ()),
+            *(name for one in own_classes for name in vars(one)),
+        ]
         methods = [name for name in _attributes(cls) if callable(getattr(cls, name, None))]
-        names = [name for name in [*own, *methods] if not name.startswith("_")]
+        names = [name for name in [*attributes, *methods] if not name.startswith("_")]
     else:
         names = _attributes(error.obj)
-    near = nearest(error.name, names)
+    similar = nearest(error.name, names)
     if own_classes:
         # The name `self.publish` resembles `publisher` more than its intended meaning.
         values = getattr(error.obj, "__dict__", {}).items()
@@ -371,18 +374,20 @@ def attribute_hint(error: AttributeError) -> str:
         ]
         if holders:
             return f"did you mean `self.{holders[0]}.{error.name}`?"
-        own_names = list(dict.fromkeys(name for name in names if name in own))
+        own_names = list(dict.fromkeys(name for name in names if name in attributes))
         in_init = frame is not None and frame.f_code.co_name == "__init__"
-        if not near and own_names and in_init and hasattr(cls, "create_timer"):
+        if not similar and own_names and in_init and hasattr(cls, "create_timer"):
             return f"{cls.__name__} has {join(own_names[:6])}. Which of them do you mean, or is one missing?"
-    if not near and isinstance(error.obj, ModuleType) and error.obj.__name__ in _interfaces():
-        near = nearest(error.name, _interfaces()[error.obj.__name__], 0.6)
+    if not similar and isinstance(error.obj, ModuleType) and error.obj.__name__ in _interfaces():
+        similar = nearest(error.name, _interfaces()[error.obj.__name__], 0.6)
     longer = [name for name in names if name.startswith(f"{error.name}_")]
     if own_classes and not longer and len(error.name) > 2:
         # An abbreviation of one of the student's own names: `self.pub` for `self.publisher`.
-        longer = list(dict.fromkeys(name for name in names if name in own and name.startswith(error.name)))
-    near = near or (longer[0] if len(longer) == 1 else "")
-    return f"did you mean `{near}`?" if near else ""
+        longer = list(
+            dict.fromkeys(name for name in names if name in attributes and name.startswith(error.name))
+        )
+    similar = similar or (longer[0] if len(longer) == 1 else "")
+    return f"did you mean `{similar}`?" if similar else ""
 
 
 def _method_outside(name: str, cls: type) -> str:
@@ -406,16 +411,18 @@ def join(names: Sequence[str]) -> str:
 
 def keyword_hint(error: BaseException) -> str:
     """Return a question with the argument closest to one that a function does not have, or ""."""
-    found = re.match(
+    match = re.match(
         r"(?:\w+\.)*?(\w+)(?:\.__init__)?\(\) got an unexpected keyword argument '(\w+)'", str(error)
     )
     frame = frame_of(error)
-    if found is None or frame is None:
+    if match is None or frame is None:
         return ""
     # The kit's base class that rejects the argument is not the class that the student called.
-    own = frame.f_locals.get("self")
-    is_in_kit = own is not None and frame.f_code.co_filename.startswith(_KIT_FOLDER)
-    function = type(own) if is_in_kit and ".__init__()" in str(error) else _reachable_object(frame, found[1])
+    instance = frame.f_locals.get("self")
+    is_in_kit = instance is not None and frame.f_code.co_filename.startswith(_KIT_FOLDER)
+    function = (
+        type(instance) if is_in_kit and ".__init__()" in str(error) else _reachable_object(frame, match[1])
+    )
     if not isinstance(function, FunctionType | MethodType | type):
         return ""
     try:
@@ -423,44 +430,44 @@ def keyword_hint(error: BaseException) -> str:
     except (TypeError, ValueError):
         return ""
     names = [name for name in parameters if name != "self" and not name.startswith("_")]
-    near = nearest(found[2], names, 0.6) or next((one for one in names if one.startswith(found[2])), "")
-    if found[2] == "queue_size" and "qos_profile" in names:
+    similar = nearest(match[2], names, 0.6) or next((one for one in names if one.startswith(match[2])), "")
+    if match[2] == "queue_size" and "qos_profile" in names:
         return "queue_size is from ROS 1: write the number alone, like 10, as the last argument."
-    if near:
-        return f"did you mean `{near}`?"
-    return f"{found[1]} takes {join(names)}." if 0 < len(names) <= 8 else ""
+    if similar:
+        return f"did you mean `{similar}`?"
+    return f"{match[1]} takes {join(names)}." if 0 < len(names) <= 8 else ""
 
 
 def surplus_hint(error: BaseException) -> str:
     """Return the hint for a method that gets more values than it takes, although self is its first name."""
-    found = re.match(
+    match = re.match(
         r"(?:.*\.)?(\w+)\.(\w+)\(\) takes \d+ positional arguments? but (\d+) (?:was|were) given", str(error)
     )
     frame = frame_of(error)
-    if found is None or frame is None:
+    if match is None or frame is None:
         return ""
-    cls, name = _reachable_object(frame, found[1]), found[2]
+    cls, name = _reachable_object(frame, match[1]), match[2]
     method = getattr(cls, name, None) if isinstance(cls, type) else _reachable_object(frame, name)
     code = getattr(method, "__code__", None)
     if not isinstance(code, CodeType) or code.co_varnames[:1] != ("self",) or name == "__init__":
         return ""
     names = list(code.co_varnames[1 : code.co_argcount])
-    given = f"the call passes {format_count(int(found[3]) - 1, 'value')}"
+    passed_text = f"the call passes {format_count(int(match[3]) - 1, 'value')}"
     owner = "self." if isinstance(cls, type) and isinstance(frame.f_locals.get("self"), cls) else ""
     call = f"{owner}{name}({', '.join(names)})"
-    return f"{name} takes {join(names) or 'nothing'} besides self, and {given}: write {call}."
+    return f"{name} takes {join(names) or 'nothing'} besides self, and {passed_text}: write {call}."
 
 
 def _reachable_object(frame: FrameType, name: str) -> Any:
     """Return the object of a name: a variable, a method of self, or of an object in reach of the line."""
-    own = frame.f_locals.get("self")
+    instance = frame.f_locals.get("self")
     for one in (frame.f_locals, frame.f_globals, vars(builtins)):
         if name in one:
             return one[name]
     holders = [
-        own,
+        instance,
         *frame.f_locals.values(),
-        *getattr(own, "__dict__", {}).values(),
+        *getattr(instance, "__dict__", {}).values(),
         *frame.f_globals.values(),
     ]
     methods = (getattr(type(one), name, None) for one in holders if one is not None)
@@ -469,34 +476,34 @@ def _reachable_object(frame: FrameType, name: str) -> Any:
 
 def constructor_hint(error: BaseException) -> str:
     """Return a question with the field closest to one that a message's constructor rejects, or ""."""
-    found = re.match(r"Invalid arguments passed to constructor: (\w+)", str(error))
+    match = re.match(r"Invalid arguments passed to constructor: (\w+)", str(error))
     frame = frame_of(error)
-    own = frame.f_locals.get("self", frame.f_locals.get("_self")) if frame is not None else None
-    if found is None or own is None or not hasattr(type(own), "get_fields_and_field_types"):
+    instance = frame.f_locals.get("self", frame.f_locals.get("_self")) if frame is not None else None
+    if match is None or instance is None or not hasattr(type(instance), "get_fields_and_field_types"):
         return ""
-    fields = list(own.get_fields_and_field_types())
-    near = near_field(found[1], fields)
-    kind = type(own).__name__
-    return f"did you mean `{near}`?" if near else f"the fields of {kind} are {join(fields)}."
+    fields = list(instance.get_fields_and_field_types())
+    similar = near_field(match[1], fields)
+    kind = type(instance).__name__
+    return f"did you mean `{similar}`?" if similar else f"the fields of {kind} are {join(fields)}."
 
 
-def near_field(wanted: str, names: Sequence[str]) -> str:
+def near_field(missing: str, names: Sequence[str]) -> str:
     """Return the field or constant of a message that a name stands for, or "".
 
     The candidates are names that differ in case only, everyday words for a field, similar names,
     and names that contain the word.
     """
-    plain = wanted.lower().replace("_", "")
-    same = [name for name in names if name.lower().replace("_", "") == plain and name != wanted]
-    meant = [name for name in _SYNONYMS.get(wanted.lower(), ()) if name in names]
-    close = get_close_matches(wanted, names)
-    longer = [name for name in names if len(wanted) > 2 and wanted.lower() in name.lower().split("_")]
+    plain = missing.lower().replace("_", "")
+    same = [name for name in names if name.lower().replace("_", "") == plain and name != missing]
+    meant = [name for name in _SYNONYMS.get(missing.lower(), ()) if name in names]
+    close = get_close_matches(missing, names)
+    longer = [name for name in names if len(missing) > 2 and missing.lower() in name.lower().split("_")]
     return next(iter([*same, *meant, *close, *longer]), "")
 
 
-def synonyms(wanted: str) -> tuple[str, ...]:
+def synonyms(name: str) -> tuple[str, ...]:
     """Return the names of fields for which a word of everyday speech stands."""
-    return _SYNONYMS.get(wanted.lower(), ())
+    return _SYNONYMS.get(name.lower(), ())
 
 
 def is_angle(name: str) -> bool:
@@ -562,27 +569,27 @@ def module_hint(error: ModuleNotFoundError) -> str:
         holder, _, last = (error.name or "").rpartition(".")
         folders = map(Path, getattr(sys.modules.get(holder), "__path__", ()))
         submodules = [p.stem for folder in folders for p in folder.iterdir() if p.suffix in ("", ".py")]
-        near = nearest(last, submodules)
-        return f"did you mean `import {holder}.{near}`?" if near else ""
+        similar = nearest(last, submodules)
+        return f"did you mean `import {holder}.{similar}`?" if similar else ""
     # A package like my_msgs is more likely a student's own than a misspelled one. The standard library
     # has hundreds of short names.
     cutoff = 0.85 if package.endswith(("_msgs", "_srvs", "_interfaces")) else 0.8
-    near = nearest(package, _packages(), cutoff) or nearest(package, sys.stdlib_module_names, 0.85)
-    return f"did you mean {near}?" if near else ""
+    similar = nearest(package, _packages(), cutoff) or nearest(package, sys.stdlib_module_names, 0.85)
+    return f"did you mean {similar}?" if similar else ""
 
 
 @cache
 def _interfaces() -> Mapping[str, Mapping[str, Sequence[str]]]:
     """Return the names of interfaces by package and kind: ["std_srvs"]["srv"] has "Trigger"."""
-    found: dict[str, dict[str, list[str]]] = {}
+    names_by_package: dict[str, dict[str, list[str]]] = {}
     for type_name in type_names():
         package, kind, name = type_name.split("/")
         # The types of a service or an action begin with its name: Trigger_Request.
-        whole = name if kind == "msg" else name.partition("_")[0]
-        names = found.setdefault(package, {}).setdefault(kind, [])
-        if whole not in names:
-            names.append(whole)
-    return found
+        base_name = name if kind == "msg" else name.partition("_")[0]
+        names = names_by_package.setdefault(package, {}).setdefault(kind, [])
+        if base_name not in names:
+            names.append(base_name)
+    return names_by_package
 
 
 def _import_of_interface(name: str, package: str) -> str:
@@ -592,25 +599,25 @@ def _import_of_interface(name: str, package: str) -> str:
     return next((f"from {p}.{kind} import {name}" for p, kind in places), "")
 
 
-def _interface_module_hint(package: str, inner: str, imported: str) -> str:
+def _interface_module_hint(package: str, inner: str, name_in_import: str) -> str:
     """Return the hint for a module that a package of interfaces does not have, or "".
 
     Args:
         package: The package.
         inner: The rest of the module's name, "mgs" or "msg.String".
-        imported: The name that was to be imported from the module, or "".
+        name_in_import: The name that was to be imported from the module, or "".
     """
     kinds = _interfaces().get(package)
     if kinds is None:
         return ""
     kind, _, name = inner.partition(".")
     if name and kind in kinds:
-        near = name if name in kinds[kind] else nearest(name, kinds[kind])
-        return f"write `from {package}.{kind} import {near}`." if near else ""
-    if imported and (line := _import_of_interface(imported, package)):
+        similar = name if name in kinds[kind] else nearest(name, kinds[kind])
+        return f"write `from {package}.{kind} import {similar}`." if similar else ""
+    if name_in_import and (line := _import_of_interface(name_in_import, package)):
         return f"it is elsewhere: `{line}`."
-    near = nearest(kind, kinds, 0.5) or next(iter(kinds))
-    return f"did you mean `import {package}.{near}`?"
+    similar = nearest(kind, kinds, 0.5) or next(iter(kinds))
+    return f"did you mean `import {package}.{similar}`?"
 
 
 def _imported_name(error: BaseException) -> str:
@@ -640,49 +647,49 @@ def import_from(package: str, name: str) -> str:
 
 def import_hint(error: ImportError) -> str:
     """Return a question with the name closest to one that cannot be imported, or ""."""
-    found = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", str(error))
-    if found is None:
+    match = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", str(error))
+    if match is None:
         return ""
-    wanted, module = found[1], found[2]
+    missing, module = match[1], match[2]
     package, _, kind = module.partition(".")
     if found_file := _hiding_file_hint(package):
         return found_file
-    if package in _interfaces() and (interface := _interface_hint(wanted, package, kind)):
+    if package in _interfaces() and (interface := _interface_hint(missing, package, kind)):
         return interface
     if module.partition(".")[0] in ("launch", "launch_ros"):
-        line = _IN_LAUNCH_FILES.get(wanted) or _IMPORTS.get(wanted)
+        line = _IN_LAUNCH_FILES.get(missing) or _IMPORTS.get(missing)
     else:
-        line = _IMPORTS.get(wanted) or _LAUNCH_IMPORTS.get(wanted)
+        line = _IMPORTS.get(missing) or _LAUNCH_IMPORTS.get(missing)
     if line:
         return f"it is elsewhere: `{line}`."
-    imported = sys.modules.get(module)
-    submodules = [found.name for found in iter_modules(getattr(imported, "__path__", None) or [])]
-    near = nearest(wanted, [*_attributes(imported), *submodules])
-    return f"did you mean {near}? `from {module} import {near}`" if near else ""
+    imported_module = sys.modules.get(module)
+    submodules = [match.name for match in iter_modules(getattr(imported_module, "__path__", None) or [])]
+    similar = nearest(missing, [*_attributes(imported_module), *submodules])
+    return f"did you mean {similar}? `from {module} import {similar}`" if similar else ""
 
 
-def _interface_hint(wanted: str, package: str, kind: str) -> str:
+def _interface_hint(missing: str, package: str, kind: str) -> str:
     """Return the hint for a name that a package of interfaces, or its module of a kind, does not have."""
     kinds = _interfaces()[package]
-    line = _import_of_interface(wanted, package)
+    line = _import_of_interface(missing, package)
     # turtlesim has a Color, but a marker has a ColorRGBA.
     if line and not line.startswith(tuple(f"from {one}." for one in (package, *_COMMON))):
         for holder in (package, *_COMMON):
             for one, names in _interfaces()[holder].items():
-                longer = [name for name in names if name.startswith(wanted)] if one == kind else []
+                longer = [name for name in names if name.startswith(missing)] if one == kind else []
                 if len(longer) == 1:
                     return f"did you mean {longer[0]}? `from {holder}.{one} import {longer[0]}`"
     if line:
         return f"it is elsewhere: `{line}`." if kind else f"write `{line}`."
-    if not kind and (near := nearest(wanted, kinds, 0.6)):
-        return f"did you mean {near}? `from {package} import {near}`"
+    if not kind and (similar := nearest(missing, kinds, 0.6)):
+        return f"did you mean {similar}? `from {package} import {similar}`"
     modules = {kind: kinds[kind]} if kind in kinds else kinds
     places = [(package, one, names) for one, names in modules.items()]
     # A name of another package must be more similar.
     places += [(p, one, names) for p, other in _interfaces().items() for one, names in other.items()]
     for number, (holder, one, names) in enumerate(places):
-        if near := nearest(wanted, names, 0.75 if number < len(modules) else 0.85):
-            return f"did you mean {near}? `from {holder}.{one} import {near}`"
+        if similar := nearest(missing, names, 0.75 if number < len(modules) else 0.85):
+            return f"did you mean {similar}? `from {holder}.{one} import {similar}`"
     return ""
 
 
@@ -691,12 +698,12 @@ def call_with_fields(name: str) -> str:
 
     The result is "" if no type has this name. Of several types, one of a common package is chosen.
     """
-    found = [one for one in type_names() if one.endswith(f"/msg/{name}")]
-    if not found:
+    types = [one for one in type_names() if one.endswith(f"/msg/{name}")]
+    if not types:
         return ""
-    common = [one for one in found if one.partition("/")[0] in _COMMON]
+    common = [one for one in types if one.partition("/")[0] in _COMMON]
     samples = {"float64": "1.0", "float32": "1.0", "string": "'text'", "bool": "True"}
-    fields = definition((common or found)[0]).fields[:4]
+    fields = definition((common or types)[0]).fields[:4]
     if len(fields) == 1 and fields[0].container != "scalar":
         return f"{name}({fields[0].name}=[])"
     simple = [f for f in fields if f.container == "scalar" and not f.is_message]
@@ -706,10 +713,10 @@ def call_with_fields(name: str) -> str:
     return f"{name}({', '.join(f'{field.name}={samples.get(field.base, 1)}' for field in fields)})"
 
 
-def _attributes(thing: object) -> list[str]:
+def _attributes(value: object) -> list[str]:
     """Return the public attributes of an object, or [] if its own `__dir__` raises an exception."""
     try:
-        return [name for name in dir(thing) if not name.startswith("_")] if thing is not None else []
+        return [name for name in dir(value) if not name.startswith("_")] if value is not None else []
     except (Exception, SystemExit):
         return []
 
@@ -724,9 +731,9 @@ def _importable(frame: FrameType) -> dict[str, str]:
         name.rpartition("/")[2]: "from {}.{} import {}".format(*name.split("/"))
         for name in reversed(type_names())
     }
-    own = {**_LAUNCH_IMPORTS, **_IMPORTS, **(_IN_LAUNCH_FILES if is_launch else {})}
+    own_imports = {**_LAUNCH_IMPORTS, **_IMPORTS, **(_IN_LAUNCH_FILES if is_launch else {})}
     modules = {name: f"import {name}" for name in _STDLIB}
-    return {**_names_of_the_kit(), **messages, **modules, **own}
+    return {**_names_of_the_kit(), **messages, **modules, **own_imports}
 
 
 @cache
@@ -744,6 +751,6 @@ def _names_of_the_kit() -> dict[str, str]:
 @cache
 def _packages() -> list[str]:
     standins = Path(__file__).with_name("standin")
-    named = [name.partition("/")[0] for name in type_names()]
-    own = [path.name for path in standins.iterdir() if path.is_dir()]
-    return [*named, *own, "numpy", "matplotlib", "course_lib"]
+    interface_packages = [name.partition("/")[0] for name in type_names()]
+    standin_packages = [path.name for path in standins.iterdir() if path.is_dir()]
+    return [*interface_packages, *standin_packages, "numpy", "matplotlib", "course_lib"]

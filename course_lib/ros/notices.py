@@ -47,14 +47,14 @@ class RepeatedLines:
     def __init__(self) -> None:
         self._last, self._times, self._reported = "", 0, 0
 
-    def write(self, what: str, line: str) -> None:
+    def write(self, subject: str, line: str) -> None:
         """Write a line unless it repeats the previous lines.
 
-        `what` is the line without its time.
+        `subject` is the line without its time.
         """
-        if what != self._last:
+        if subject != self._last:
             self.end()
-            self._last = what
+            self._last = subject
         self._times += 1
         if self._times <= SHOWN:
             sys.stderr.write(f"{line}\n")

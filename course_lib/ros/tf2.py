@@ -125,8 +125,8 @@ def compose(outer: Pose, inner: Pose) -> Pose:
 def invert(pose: Pose) -> Pose:
     """Return the inverse of a pose with a unit quaternion."""
     (px, py, pz), (x, y, z, w) = pose
-    back = (-x, -y, -z, w)
-    return _rotate(back, (-px, -py, -pz)), back
+    inverse_rotation = (-x, -y, -z, w)
+    return _rotate(inverse_rotation, (-px, -py, -pz)), inverse_rotation
 
 
 def normalized(rotation: Quaternion) -> Quaternion:
@@ -192,17 +192,17 @@ class TimeCache:
         An exact copy is stored only once. Returns False if the transform is older than the cache's
         length.
         """
-        stored = self._stored
-        oldest_ns = stored[-1].stamp_ns - self._length_ns if stored else 0
-        while stored and stored[0].stamp_ns < oldest_ns:
-            del stored[0]
-        if stored and transform.stamp_ns < oldest_ns:
+        transforms = self._stored
+        oldest_ns = transforms[-1].stamp_ns - self._length_ns if transforms else 0
+        while transforms and transforms[0].stamp_ns < oldest_ns:
+            del transforms[0]
+        if transforms and transform.stamp_ns < oldest_ns:
             return False
         end = start = self._count_until(transform.stamp_ns)
-        while start and stored[start - 1].stamp_ns == transform.stamp_ns:
+        while start and transforms[start - 1].stamp_ns == transform.stamp_ns:
             start -= 1
-        if transform not in stored[start:end]:
-            stored.insert(end, transform)
+        if transform not in transforms[start:end]:
+            transforms.insert(end, transform)
         return True
 
     def at(self, time_ns: int) -> Transform:
@@ -211,14 +211,14 @@ class TimeCache:
         Raises:
             NoDataError: The time is outside of the stored range.
         """
-        stored = self._stored
-        if stored and time_ns in (0, stored[-1].stamp_ns):
-            return stored[-1]
-        if stored and time_ns == stored[0].stamp_ns:
-            return stored[0]
+        transforms = self._stored
+        if transforms and time_ns in (0, transforms[-1].stamp_ns):
+            return transforms[-1]
+        if transforms and time_ns == transforms[0].stamp_ns:
+            return transforms[0]
         self._check_time(time_ns)
         index = self._count_until(time_ns)
-        older, newer = stored[index - 1], stored[index]
+        older, newer = transforms[index - 1], transforms[index]
         return interpolate(older, newer, time_ns) if older.parent == newer.parent else older
 
     def latest(self) -> Transform | None:
@@ -227,26 +227,27 @@ class TimeCache:
 
     def span(self) -> tuple[int, int, int]:
         """Return the number of transforms, and the oldest and newest stamp [ns]; zeros if it is empty."""
-        stored = self._stored
-        return (len(stored), stored[0].stamp_ns, stored[-1].stamp_ns) if stored else (0, 0, 0)
+        transforms = self._stored
+        return (len(transforms), transforms[0].stamp_ns, transforms[-1].stamp_ns) if transforms else (0, 0, 0)
 
     def _count_until(self, time_ns: int) -> int:
         """Return the number of transforms that are not newer than a time."""
         return bisect_right(self._stored, time_ns, key=attrgetter("stamp_ns"))
 
     def _check_time(self, time_ns: int) -> None:
-        wanted = seconds(time_ns)
+        requested = seconds(time_ns)
         if len(self._stored) < 2:
             only = seconds(self._stored[0].stamp_ns if self._stored else 0)
             raise NoDataError(
-                f"Lookup would require extrapolation at time {wanted}, but only time {only} is in the buffer"
+                f"Lookup would require extrapolation at time {requested}, but only time {only} is "
+                "in the buffer"
             )
         edges = ("future", "latest", self._stored[-1]), ("past", "earliest", self._stored[0])
         direction, edge, nearest = edges[time_ns < self._stored[0].stamp_ns]
         if not self._stored[0].stamp_ns < time_ns < self._stored[-1].stamp_ns:
             raise NoDataError(
                 f"Lookup would require extrapolation into the {direction}.  Requested time "
-                f"{wanted} but the {edge} data is at time {seconds(nearest.stamp_ns)}"
+                f"{requested} but the {edge} data is at time {seconds(nearest.stamp_ns)}"
             )
 
 
@@ -282,7 +283,7 @@ def rejection_messages(transform: Transform, parent: str, child: str, authority:
             f"an invalid quaternion in the transform {rotation}",
         ),
     )
-    return tuple(text for broken, text in rules if broken)
+    return tuple(text for is_broken, text in rules if is_broken)
 
 
 def seconds(time_ns: int) -> str:
@@ -320,8 +321,8 @@ class BufferCore:
         self._frames.setdefault(child)
         self._frames.setdefault(parent)
         rotation = normalized(transform.rotation)
-        stored = Transform(parent, child, transform.stamp_ns, transform.translation, rotation)
-        if not self._store(stored, is_static):
+        entry = Transform(parent, child, transform.stamp_ns, transform.translation, rotation)
+        if not self._store(entry, is_static):
             return (
                 f"TF_OLD_DATA ignoring data from the past for frame {child} at time "
                 f"{seconds(transform.stamp_ns)} according to authority {authority}\n"
@@ -544,8 +545,8 @@ def as_yaml(buffer: BufferCore) -> str:
 
 def parents(buffer: BufferCore) -> dict[str, str]:
     """Return the latest parent of each frame that has one, in the order of the frames' first occurrence."""
-    found = ((frame, buffer.parent(frame)) for frame in buffer.frames())
-    return {frame: parent for frame, parent in found if parent is not None}
+    pairs = ((frame, buffer.parent(frame)) for frame in buffer.frames())
+    return {frame: parent for frame, parent in pairs if parent is not None}
 
 
 def chain(buffer: BufferCore, start: str, end: str) -> list[str]:

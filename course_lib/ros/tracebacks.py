@@ -31,13 +31,17 @@ class _AbbreviatedStack(StackSummary):
 
     def format(self, **kwargs: Any) -> list[str]:
         """Format the lines of a traceback. The arguments are the same as in later Python versions."""
-        hidden = len(self) - 2 * SHOWN
-        if hidden <= SHOWN:
+        hidden_count = len(self) - 2 * SHOWN
+        if hidden_count <= SHOWN:
             return super().format(**kwargs)
         first, last = (StackSummary.from_list(part) for part in (self[:SHOWN], self[-SHOWN:]))
         lines = {(frame.filename, frame.lineno) for frame in self[SHOWN:-SHOWN]}
-        again = " of the same lines" if len(lines) <= SHOWN else ""
-        return [*first.format(**kwargs), f"  … {hidden} more frames{again} …\n", *last.format(**kwargs)]
+        repeated_text = " of the same lines" if len(lines) <= SHOWN else ""
+        return [
+            *first.format(**kwargs),
+            f"  … {hidden_count} more frames{repeated_text} …\n",
+            *last.format(**kwargs),
+        ]
 
 
 def hide_kit_frames(trace: TracebackType | None) -> tuple[TracebackType | None, int]:
@@ -52,22 +56,22 @@ def hide_kit_frames(trace: TracebackType | None) -> tuple[TracebackType | None, 
     while step is not None:
         frames.append(step)
         step = step.tb_next
-    own = [frame for frame in frames if not frame.tb_frame.f_code.co_filename.startswith(_HIDDEN)]
-    hidden = len(own) - 2 * SHOWN
-    if hidden > SHOWN:
-        own = own[:SHOWN] + own[-SHOWN:]
+    own_frames = [frame for frame in frames if not frame.tb_frame.f_code.co_filename.startswith(_HIDDEN)]
+    hidden_count = len(own_frames) - 2 * SHOWN
+    if hidden_count > SHOWN:
+        own_frames = own_frames[:SHOWN] + own_frames[-SHOWN:]
     shortened: TracebackType | None = None
-    for frame in reversed(own):
+    for frame in reversed(own_frames):
         shortened = TracebackType(shortened, frame.tb_frame, frame.tb_lasti, frame.tb_lineno)
-    return shortened or trace, hidden if hidden > SHOWN else 0
+    return shortened or trace, hidden_count if hidden_count > SHOWN else 0
 
 
 def shorten_causes(error: BaseException) -> None:
     """Remove the kit's frames from the causes of an error, and causes that are entirely in the kit."""
-    seen = {id(error)}
+    visited = {id(error)}
     outer = error
-    while (inner := outer.__cause__ or outer.__context__) is not None and id(inner) not in seen:
-        seen.add(id(inner))
+    while (inner := outer.__cause__ or outer.__context__) is not None and id(inner) not in visited:
+        visited.add(id(inner))
         if all(frame.f_code.co_filename.startswith(KIT) for frame, _ in walk_tb(inner.__traceback__)):
             outer.__cause__ = outer.__context__ = None
             return
@@ -99,10 +103,12 @@ def print_error_of_thread(args: threading.ExceptHookArgs) -> None:
 
 
 def _shorten(trace: TracebackException) -> None:
-    own = [frame for frame in trace.stack if not frame.filename.startswith(_HIDDEN)]
+    own_frames = [frame for frame in trace.stack if not frame.filename.startswith(_HIDDEN)]
     # A syntax error names its file and line itself; another error of the kit alone needs all
     # frames.
-    trace.stack = _AbbreviatedStack(own if own or trace.exc_type is SyntaxError else trace.stack)
+    trace.stack = _AbbreviatedStack(
+        own_frames if own_frames or trace.exc_type is SyntaxError else trace.stack
+    )
     for name in ("__cause__", "__context__"):
         inner: TracebackException | None = getattr(trace, name)
         if inner is not None and all(frame.filename.startswith(KIT) for frame in inner.stack):
@@ -144,8 +150,8 @@ def format_location(filename: str, line: int) -> str:
 
 
 def _innermost_own_line(places: Iterable[tuple[str, int | None]]) -> str:
-    own = [(name, line) for name, line in places if line and is_own(name)]
-    return format_location(*own[-1]) if own else ""
+    own_places = [(name, line) for name, line in places if line and is_own(name)]
+    return format_location(*own_places[-1]) if own_places else ""
 
 
 @contextlib.contextmanager

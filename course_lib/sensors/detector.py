@@ -88,17 +88,17 @@ class Detector:
         Times must increase from call to call.
         """
         chance = np.random.default_rng((self.seed, round(abs(seconds) * 1e9)))
-        found, poses = list[Detection](), self.world.poses(seconds)
-        labelled = [number for number, thing in enumerate(self.world.things) if thing.label]
+        detections, poses = list[Detection](), self.world.poses(seconds)
+        labelled = [number for number, item in enumerate(self.world.things) if item.label]
         shares = self._confidences(labelled, self._transform_at(seconds), poses) if labelled else np.zeros(0)
         confidences = dict(zip(labelled, shares.tolist(), strict=True))
         for number in range(len(self.world.things)):
             missed, errors = chance.random() < self.miss_rate, self.noise * chance.standard_normal((2, 3))
             confidence = confidences.get(number, 0.0)
             if confidence and not missed:
-                found.append(self._detection(number, poses[number], confidence, seconds, errors))
+                detections.append(self._detection(number, poses[number], confidence, seconds, errors))
         alarms = chance.poisson(self.false_alarms)
-        return found + [self._false_alarm(seconds, chance) for _ in range(alarms)]
+        return detections + [self._false_alarm(seconds, chance) for _ in range(alarms)]
 
     def confidence(self, number: int, seconds: float) -> float:
         """Return the confidence of a thing, 0 to 1: its visible fraction, reduced to half at range_max."""
@@ -111,9 +111,9 @@ class Detector:
         in_world = (_POINTS * sizes @ rotations.transpose(0, 2, 1) + centers).reshape(-1, 3)
         rays = transform_sensor_to_world[:3, :3].T @ (in_world - transform_sensor_to_world[:3, 3]).T
         length = np.linalg.norm(rays, axis=0)
-        ahead = np.zeros_like(rays)
-        ahead[0] = 1
-        rays = np.divide(rays, length, out=ahead, where=length > 0)
+        forward = np.zeros_like(rays)
+        forward[0] = 1
+        rays = np.divide(rays, length, out=forward, where=length > 0)
         in_view = (rays[0] >= np.cos(self.field_of_view / 2) - 1e-12) & (length <= self.range_max)
         hits = self.world.cast_among(poses, transform_sensor_to_world, rays, self.range_max)
         open_sight = (hits.thing == np.repeat(numbers, len(_POINTS))) | (hits.distance >= length)
@@ -125,7 +125,7 @@ class Detector:
     def _detection(
         self, number: int, pose: Floats, confidence: float, seconds: float, errors: Floats
     ) -> Detection:
-        thing = self.world.things[number]
+        item = self.world.things[number]
         track, last_seen = self._tracks.get(number, (0, -np.inf))
         if seconds - last_seen > self.keep:
             track = self._new_track()
@@ -134,19 +134,22 @@ class Detector:
         transform[:3, 3] += errors[0]
         return Detection(
             track,
-            thing.label,
+            item.label,
             confidence,
             transform,
-            thing.shape.size,
-            thing.velocity_at(seconds) + errors[1],
+            item.shape.size,
+            item.velocity_at(seconds) + errors[1],
         )
 
     def _false_alarm(self, seconds: float, chance: np.random.Generator) -> Detection:
         """Return a random box in the field of view, with a label of the world."""
-        angle, away = chance.uniform(-0.5, 0.5) * self.field_of_view, chance.uniform(0.1, 1) * self.range_max
+        angle, distance = (
+            chance.uniform(-0.5, 0.5) * self.field_of_view,
+            chance.uniform(0.1, 1) * self.range_max,
+        )
         transform = np.eye(4)
-        transform[:3, 3] = away * np.cos(angle), away * np.sin(angle), 0
-        labels = sorted({thing.label for thing in self.world.things if thing.label}) or ["Unknown"]
+        transform[:3, 3] = distance * np.cos(angle), distance * np.sin(angle), 0
+        labels = sorted({item.label for item in self.world.things if item.label}) or ["Unknown"]
         label, confidence = labels[chance.integers(len(labels))], chance.uniform(*self.alarm_confidence)
         transform, size = self._transform_at(seconds) @ transform, chance.uniform(0.3, 2.0, 3)
         return Detection(self._new_track(), label, confidence, transform, size, np.zeros(3))
@@ -186,8 +189,8 @@ class DetectorNode(Node):
         """Detect things now and publish them."""
         now = self.get_clock().now()
         header = Header(stamp=now.to_msg(), frame_id=self.frame_id)
-        found = self.detector.detect((now.nanoseconds - START_NS) * 1e-9)
-        detections = [detection_message(detection, header) for detection in found]
+        detected = self.detector.detect((now.nanoseconds - START_NS) * 1e-9)
+        detections = [detection_message(detection, header) for detection in detected]
         self.publisher.publish(Detection3DArray(header=header, detections=detections))
 
 

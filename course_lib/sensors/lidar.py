@@ -131,9 +131,9 @@ def cone_rays(field_of_view: float, count: int) -> Floats:
     """
     # The golden angle, as in the pattern of a sunflower's seeds.
     turn = np.arange(count) * np.pi * (3 - np.sqrt(5))
-    ahead = 1 - (1 - np.cos(field_of_view / 2)) * np.arange(count) / max(count - 1, 1)
-    aside = np.sqrt(1 - ahead**2)
-    return np.array([ahead, aside * np.cos(turn), aside * np.sin(turn)])
+    forward = 1 - (1 - np.cos(field_of_view / 2)) * np.arange(count) / max(count - 1, 1)
+    sideways = np.sqrt(1 - forward**2)
+    return np.array([forward, sideways * np.cos(turn), sideways * np.sin(turn)])
 
 
 class RangeNode(SensorNode):

@@ -34,8 +34,8 @@ def check_number(
         number = np.nan
     if not (np.isfinite(number) and number > above and low <= number <= high):
         limits = ((">", above), (">=", low), ("<=", high))
-        wanted = " and ".join(f"{sign} {limit:g}" for sign, limit in limits if np.isfinite(limit))
-        raise CourseError(f"{name} is {value!r}; give a number{' ' + wanted if wanted else ''}.")
+        limit_text = " and ".join(f"{sign} {limit:g}" for sign, limit in limits if np.isfinite(limit))
+        raise CourseError(f"{name} is {value!r}; give a number{' ' + limit_text if limit_text else ''}.")
     return number
 
 
@@ -62,8 +62,10 @@ def check_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
         array = np.array(value, float)
     except (TypeError, ValueError):
         raise CourseError(f"{name} is {value!r}; give numbers of shape {shape}.") from None
-    wanted = tuple(got if want == -1 else want for got, want in zip(array.shape, shape, strict=False))
-    if array.ndim != len(shape) or array.shape != wanted:
+    expected_shape = tuple(
+        actual_size if want == -1 else want for actual_size, want in zip(array.shape, shape, strict=False)
+    )
+    if array.ndim != len(shape) or array.shape != expected_shape:
         raise CourseError(f"{name} has shape {array.shape}; give numbers of shape {shape}.")
     if not np.isfinite(array).all():
         raise CourseError(f"{name} contains {array[~np.isfinite(array)][0]}; give finite numbers.")
@@ -215,8 +217,8 @@ def _within_radius(origin: Floats, rays: Floats, radius: float) -> tuple[Floats,
 
 def _first_hit(enter: Floats, leave: Floats) -> Floats:
     """Return the first distance ahead of rays that enter and leave a convex solid, inf for a miss."""
-    ahead = np.where(enter >= 0, enter, leave)
-    return np.where((enter <= leave) & (leave >= 0), ahead, np.inf)
+    distance = np.where(enter >= 0, enter, leave)
+    return np.where((enter <= leave) & (leave >= 0), distance, np.inf)
 
 
 # Red, green and blue of rays that hit nothing.
@@ -250,10 +252,10 @@ def straight(start: ArrayLike, goal: ArrayLike, speed: float) -> Callable[[float
     yaw = float(np.arctan2(*(end - begin)[1::-1]))
 
     def pose(seconds: float) -> Floats:
-        gone = seconds * speed % (2 * length)
-        back = gone >= length
-        point = begin + (end - begin) * ((2 * length - gone if back else gone) / length)
-        return placed(point[0], point[1], point[2], yaw + np.pi * back)
+        traveled = seconds * speed % (2 * length)
+        is_returning = traveled >= length
+        point = begin + (end - begin) * ((2 * length - traveled if is_returning else traveled) / length)
+        return placed(point[0], point[1], point[2], yaw + np.pi * is_returning)
 
     return Motion(pose)
 
@@ -276,8 +278,8 @@ def circle(center: ArrayLike, radius: float, period: float) -> Callable[[float],
 
     def pose(seconds: float) -> Floats:
         angle = 2 * np.pi * seconds / period
-        ahead = angle + np.copysign(np.pi / 2, period)
-        return placed(x + radius * np.cos(angle), y + radius * np.sin(angle), z, ahead)
+        heading = angle + np.copysign(np.pi / 2, period)
+        return placed(x + radius * np.cos(angle), y + radius * np.sin(angle), z, heading)
 
     return Motion(pose)
 
@@ -303,8 +305,8 @@ class Thing:
 
     def __post_init__(self) -> None:
         if not isinstance(self.shape, Shape):
-            known = "box(x, y, z), sphere(radius), cylinder(radius, height) or plane()"
-            raise CourseError(f"shape is {self.shape!r}, which is not a shape; give {known}.")
+            shape_forms = "box(x, y, z), sphere(radius), cylinder(radius, height) or plane()"
+            raise CourseError(f"shape is {self.shape!r}, which is not a shape; give {shape_forms}.")
         color = check_array("color", self.color, (3,))
         if color.min() < 0 or color.max() > 1:
             raise CourseError(f"color is {list(self.color)}; red, green and blue go from 0 to 1.")
@@ -371,23 +373,23 @@ class World:
     def cast_among(self, poses: Floats, pose: Floats, rays: Floats, far: float) -> Hits:
         """Cast rays as `cast` does, without checks of the poses of things, the sensor's pose and the rays."""
         origin, rays = pose[:3, 3], pose[:3, :3] @ rays
-        distance, found = np.full(rays.shape[1], np.inf), np.full(rays.shape[1], -1)
-        for number, chosen in enumerate(self._near(poses[:, :3, 3] - origin, rays, far)):
-            if not len(chosen):
+        distance, hit_numbers = np.full(rays.shape[1], np.inf), np.full(rays.shape[1], -1)
+        for number, ray_indices in enumerate(self._near(poses[:, :3, 3] - origin, rays, far)):
+            if not len(ray_indices):
                 continue
             to_thing = poses[number, :3, :3].T
             start = to_thing @ (origin - poses[number, :3, 3])
-            length = self.things[number].shape.distances(start, to_thing @ rays[:, chosen])
-            closer = length < distance[chosen]
-            distance[chosen[closer]], found[chosen[closer]] = length[closer], number
-        return Hits(distance, found)
+            length = self.things[number].shape.distances(start, to_thing @ rays[:, ray_indices])
+            closer = length < distance[ray_indices]
+            distance[ray_indices[closer]], hit_numbers[ray_indices[closer]] = length[closer], number
+        return Hits(distance, hit_numbers)
 
     def _near(self, centers: Floats, rays: Floats, far: float) -> list[Indices]:
         """Return the rays that may meet each thing's bounding sphere; centers (M, 3) from the sensor [m]."""
-        away = np.linalg.norm(centers, axis=1)
-        inside = away <= self._reach
+        distances = np.linalg.norm(centers, axis=1)
+        inside = distances <= self._reach
         # A ray meets the sphere if it points along the center at least as much as the tangents do.
-        tangent = np.sqrt(np.where(inside, 0, away**2 - np.where(inside, 0, self._reach) ** 2))
-        least = np.where(inside, -np.inf, tangent - 1e-9 * (1 + away))
-        least[away - self._reach > far] = np.inf
+        tangent = np.sqrt(np.where(inside, 0, distances**2 - np.where(inside, 0, self._reach) ** 2))
+        least = np.where(inside, -np.inf, tangent - 1e-9 * (1 + distances))
+        least[distances - self._reach > far] = np.inf
         return [np.flatnonzero(row) for row in centers @ rays >= least[:, None]]

@@ -71,19 +71,21 @@ def _record_live(source: Source, arguments: Namespace, write: Write, folder: Pat
     def say(text: str) -> None:
         write(log_line("rosbag2_recorder", source.graph.now_ns, text))
 
-    limit, start_ns, known = source.limit(), source.graph.now_ns, set[str]()
+    limit, start_ns, known_topics = source.limit(), source.graph.now_ns, set[str]()
     # Raises a CourseError if rclpy is not initialized.
     source.wait(lambda: True, 0.0)
     say("Listening for topics...")
-    chosen = partial(_is_recorded, arguments)
+    is_selected = partial(_is_recorded, arguments)
     time_topic = {CLOCK[0]} if arguments.use_sim_time else set[str]()
-    with recorded(source.graph, folder, chosen, lambda: known | time_topic, in_sim_time=bool(time_topic)):
+    with recorded(
+        source.graph, folder, is_selected, lambda: known_topics | time_topic, in_sim_time=bool(time_topic)
+    ):
         with until_interrupted():
             while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
                 for topic, types in source.topics().items():
-                    if topic not in known and _is_recorded(arguments, topic, types[0]):
+                    if topic not in known_topics and _is_recorded(arguments, topic, types[0]):
                         say(f"Subscribed to topic '{topic}'")
-                        known.add(topic)
+                        known_topics.add(topic)
                 if source.graph.now_ns == start_ns:
                     say("Recording...")
                     if arguments.use_sim_time:
@@ -94,13 +96,13 @@ def _record_live(source: Source, arguments: Namespace, write: Write, folder: Pat
 
 def _is_recorded(arguments: Namespace, topic: str, type_name: str) -> bool:
     """Select topics as rosbag2 does (topic_filter.cpp): a regular expression may match part of a name."""
-    chosen = arguments.all or topic in arguments.topics or type_name in arguments.topic_types
+    is_selected = arguments.all or topic in arguments.topics or type_name in arguments.topic_types
     left_out = topic in arguments.exclude_topics or type_name in arguments.exclude_topic_types
-    if not chosen and arguments.regex:
-        chosen = bool(arguments.regex.search(topic))
+    if not is_selected and arguments.regex:
+        is_selected = bool(arguments.regex.search(topic))
     if arguments.exclude_regex and arguments.exclude_regex.search(topic):
         left_out = True
-    return chosen and not left_out and (arguments.include_hidden_topics or not is_hidden(topic))
+    return is_selected and not left_out and (arguments.include_hidden_topics or not is_hidden(topic))
 
 
 _RECORD = (
@@ -254,19 +256,21 @@ def _selected_samples(
 
 def _is_played(arguments: Namespace, topic: str) -> bool:
     """Select topics as rosbag2's storages do: a regular expression must match the whole name."""
-    chosen = topic in arguments.topics or not (arguments.topics or arguments.regex)
-    if not chosen and arguments.regex:
-        chosen = bool(arguments.regex.fullmatch(topic))
+    is_selected = topic in arguments.topics or not (arguments.topics or arguments.regex)
+    if not is_selected and arguments.regex:
+        is_selected = bool(arguments.regex.fullmatch(topic))
     if arguments.exclude_regex and arguments.exclude_regex.fullmatch(topic):
         return False
-    return chosen and topic not in arguments.exclude_topics and not (arguments.clock and topic == CLOCK[0])
+    return (
+        is_selected and topic not in arguments.exclude_topics and not (arguments.clock and topic == CLOCK[0])
+    )
 
 
 def _rule(text: str) -> tuple[str, str]:
-    old, assign, new = text.partition(":=")
-    if not (assign and old.startswith("/") and new.startswith("/")):
+    old_name, assign, new = text.partition(":=")
+    if not (assign and old_name.startswith("/") and new.startswith("/")):
         raise ArgumentTypeError(f"{text!r}: write /old_topic:=/new_topic")
-    return old, new
+    return old_name, new
 
 
 _PLAY = (

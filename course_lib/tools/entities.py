@@ -87,8 +87,8 @@ def _services(source: Source, with_hidden: bool) -> dict[str, list[str]]:
     """Return the sorted types of each service by name."""
     from rclpy.impl.graph_queries import services
 
-    found = services(source.graph.endpoints())
-    return {name: types for name, types in found if with_hidden or not is_hidden(name)}
+    service_types = services(source.graph.endpoints())
+    return {name: types for name, types in service_types if with_hidden or not is_hidden(name)}
 
 
 _SERVICE_NAME = value("service_name", help="Name of the ROS service (e.g. '/add_two_ints')")
@@ -128,8 +128,8 @@ def _print_action_info(source: Source, arguments: Namespace, write: Write) -> No
         ends = source.endpoints(f"{name}/_action/feedback", kind)
         write(f"Action {title}: {len(ends)}\n")
         for end in () if arguments.count else ends:
-            shown = f" [{end.type_name.removesuffix('_FeedbackMessage')}]" if arguments.show_types else ""
-            write(f"    {nodes[end.node]}{shown}\n")
+            type_text = f" [{end.type_name.removesuffix('_FeedbackMessage')}]" if arguments.show_types else ""
+            write(f"    {nodes[end.node]}{type_text}\n")
 
 
 def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
@@ -152,8 +152,8 @@ def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
         def show(message: Any) -> None:
             write(f"Feedback:\n    {_text(message.feedback)}\n")
 
-        sent = client.send_goal_async(goal, show if arguments.feedback else None)
-        handle = answer(source, sent, name, source.limit())
+        goal_future = client.send_goal_async(goal, show if arguments.feedback else None)
+        handle = answer(source, goal_future, name, source.limit())
         if handle.accepted:
             write(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n\n")
             _wait_for_the_end(source, handle, write)
@@ -229,20 +229,20 @@ def _list_nodes(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _print_node_info(source: Source, arguments: Namespace, write: Write) -> None:
-    wanted, hidden = arguments.node_name, arguments.include_hidden
-    nodes = _graph_nodes(source, hidden=hidden)
-    found = [node for node, name in nodes if name == wanted]
-    if not found:
-        raise CourseError(f"Unable to find node '{wanted}'{did_you_mean(wanted, dict(nodes).values())}")
-    if len(found) > 1:
+    node_name, with_hidden = arguments.node_name, arguments.include_hidden
+    nodes = _graph_nodes(source, hidden=with_hidden)
+    node_ids = [node for node, name in nodes if name == node_name]
+    if not node_ids:
+        raise CourseError(f"Unable to find node '{node_name}'{did_you_mean(node_name, dict(nodes).values())}")
+    if len(node_ids) > 1:
         write(
-            f'There are {len(found)} nodes in the graph with the exact name "{wanted}". You are seeing '
+            f'There are {len(node_ids)} nodes in the graph with the exact name "{node_name}". You are seeing '
             "information about only one of them.\n"
         )
-    write(f"{wanted}\n")
-    for title, named in _sections([e for e in source.graph.endpoints() if e.node == found[0]]).items():
-        shown = sorted({(name, of) for name, of in named if hidden or not is_hidden(name)})
-        write(f"  {title}:\n" + "\n".join(f"    {name}: {of}" for name, of in shown) + "\n")
+    write(f"{node_name}\n")
+    for title, entities in _sections([e for e in source.graph.endpoints() if e.node == node_ids[0]]).items():
+        rows = sorted({(name, of) for name, of in entities if with_hidden or not is_hidden(name)})
+        write(f"  {title}:\n" + "\n".join(f"    {name}: {of}" for name, of in rows) + "\n")
 
 
 def _graph_nodes(source: Source, *, hidden: bool) -> list[tuple[int, str]]:
@@ -254,18 +254,20 @@ def _graph_nodes(source: Source, *, hidden: bool) -> list[tuple[int, str]]:
 def _sections(endpoints: Iterable[EndpointInfo]) -> dict[str, list[Named]]:
     """Group a node's endpoints by section. A service counts once, by its request topic."""
     titles = ("Subscribers", "Publishers", "Service Servers", "Service Clients")
-    found: dict[str, list[Named]] = {name: [] for name in (*titles, "Action Servers", "Action Clients")}
+    sections: dict[str, list[Named]] = {name: [] for name in (*titles, "Action Servers", "Action Clients")}
     for endpoint in endpoints:
         one = "Subscribers" if endpoint.kind == "sub" else "Publishers"
         if endpoint.service is None:
-            found[one].append((endpoint.topic, endpoint.type_name))
+            sections[one].append((endpoint.topic, endpoint.type_name))
         elif endpoint.topic.startswith(REQUESTS):
-            found["Service Servers" if endpoint.kind == "sub" else "Service Clients"].append(endpoint.service)
+            sections["Service Servers" if endpoint.kind == "sub" else "Service Clients"].append(
+                endpoint.service
+            )
         if endpoint.topic.endswith(FEEDBACK):
             role = "Action Clients" if endpoint.kind == "sub" else "Action Servers"
             action = endpoint.topic.removesuffix(FEEDBACK)
-            found[role].append((action, endpoint.type_name.removesuffix("_FeedbackMessage")))
-    return found
+            sections[role].append((action, endpoint.type_name.removesuffix("_FeedbackMessage")))
+    return sections
 
 
 _NODE_LIST = (flag("-a", "--all", help="Display all nodes even hidden ones"), count("node"))
@@ -290,12 +292,14 @@ def _list_lifecycle_nodes(source: Source, arguments: Namespace, write: Write) ->
 
 
 def _print_state(source: Source, arguments: Namespace, write: Write) -> None:
-    wanted, hidden = arguments.node_name, arguments.hidden
+    node_name, with_hidden = arguments.node_name, arguments.hidden
     for name in (
-        [_find_lifecycle_node(source, arguments)] if wanted else _lifecycle_nodes(source, hidden=hidden)
+        [_find_lifecycle_node(source, arguments)]
+        if node_name
+        else _lifecycle_nodes(source, hidden=with_hidden)
     ):
         state = _call_lifecycle_service(source, name, "GetState", "get_state").current_state
-        write(f"{'' if wanted else f'{name}: '}{state.label} [{state.id}]\n")
+        write(f"{'' if node_name else f'{name}: '}{state.label} [{state.id}]\n")
 
 
 def _list_transitions(source: Source, arguments: Namespace, write: Write) -> None:
@@ -306,16 +310,18 @@ def _list_transitions(source: Source, arguments: Namespace, write: Write) -> Non
 
 
 def _change_state(source: Source, arguments: Namespace, write: Write) -> None:
-    node, wanted = _find_lifecycle_node(source, arguments), arguments.transition
+    node, transition = _find_lifecycle_node(source, arguments), arguments.transition
     there = [one.transition for one in _transitions(source, node, "get_available_transitions")]
-    chosen = [one for one in there if one.label == wanted] or [one for one in there if str(one.id) == wanted]
-    if not chosen:
+    matching = [one for one in there if one.label == transition] or [
+        one for one in there if str(one.id) == transition
+    ]
+    if not matching:
         lines = "".join(f"\n- {one.label} [{one.id}]" for one in there)
         raise CourseError(f"Unknown transition requested, available ones are:{lines}")
-    changed = _call_lifecycle_service(
-        source, node, "ChangeState", "change_state", transition=chosen[0]
+    is_changed = _call_lifecycle_service(
+        source, node, "ChangeState", "change_state", transition=matching[0]
     ).success
-    write(f"Transitioning {'successful' if changed else 'failed'}\n")
+    write(f"Transitioning {'successful' if is_changed else 'failed'}\n")
 
 
 def _transitions(source: Source, node: str, service: str) -> Any:
@@ -400,10 +406,10 @@ def _list_packages(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _list_package(source: Source, arguments: Namespace, write: Write) -> None:
-    wanted = arguments.package_name
-    _check_package(wanted)
+    package = arguments.package_name
+    _check_package(package)
     for kind in _kinds(arguments):
-        write("".join(f"{name}\n" for name in interfaces(kind) if name.startswith(f"{wanted}/")))
+        write("".join(f"{name}\n" for name in interfaces(kind) if name.startswith(f"{package}/")))
 
 
 def _print_definition(source: Source, arguments: Namespace, write: Write) -> None:
@@ -439,7 +445,7 @@ def _check_type_name(name: str) -> str:
         close = did_you_mean(name.replace("/", "/msg/", 1), type_names())
         raise CourseError(f"Invalid name '{name}'. Expected three parts separated by '/'{close}")
     _check_package(name.split("/")[0])
-    there = [known for kind in _TITLES for known in interfaces(kind)]
+    there = [interface for kind in _TITLES for interface in interfaces(kind)]
     if name not in there:
         raise CourseError(f"Could not find the interface '{name}'{did_you_mean(name, there)}")
     return name
@@ -465,15 +471,18 @@ def _lines(name: str) -> list[str]:
     renamed = RENAMED[package].glob(f"{inside}.*") if package in RENAMED else ()
     for path in (*renamed, *(path for folder in FOLDERS for path in folder.glob(f"{name}.*"))):
         return [line.rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
-    here = f"{name.split('/')[0]}/"
+    package_prefix = f"{name.split('/')[0]}/"
     lines = [f"{base} {constant}={number}" for constant, base, number in field_definitions()[name][0]]
     for field in (field for field in definition(name).fields if field.name != PLACEHOLDER):
-        bound = f"<={field.string_bound}" if field.string_bound else ""
-        most = f"<={field.size}" if field.size else ""
-        size = {"scalar": "", "array": f"[{field.size}]", "sequence": f"[{most}]"}[field.container]
+        bound_text = f"<={field.string_bound}" if field.string_bound else ""
+        max_text = f"<={field.size}" if field.size else ""
+        size = {"scalar": "", "array": f"[{field.size}]", "sequence": f"[{max_text}]"}[field.container]
         default = DEFAULTS.get((name, field.name))
         tail = "" if default is None else f" {default:g}" if default is not False else " false"
-        lines.append(f"{field.base.replace('/msg/', '/').removeprefix(here)}{bound}{size} {field.name}{tail}")
+        lines.append(
+            f"{field.base.replace('/msg/', '/').removeprefix(package_prefix)}{bound_text}{size} "
+            f"{field.name}{tail}"
+        )
     return lines
 
 

@@ -69,12 +69,12 @@ def _display_viewer(viewer: "Viewer") -> None:
     from IPython.display import display
 
     # IPython does not annotate this function.
-    shown = display(viewer, display_id=True)  # type: ignore[no-untyped-call]
+    handle = display(viewer, display_id=True)  # type: ignore[no-untyped-call]
     # Without a page the first picture would show nothing, so it is updated later.
-    if shown is not None and pace.mode() == "fast":
+    if handle is not None and pace.mode() == "fast":
         # Sleeps in robot time.
         time.sleep(SETTLED)
-        shown.update(viewer)
+        handle.update(viewer)
 
 
 def _spin_class(module: str, name: str, *arguments: str | list[str]) -> None:
@@ -133,10 +133,10 @@ def _urdf_argument() -> str:
 
 def _xacro() -> int:
     """Print the result of xacro for a file."""
-    done = run_xacro(program_arguments())
-    sys.stderr.write(done.errors)
-    sys.stdout.write(done.output)
-    return done.code
+    result = run_xacro(program_arguments())
+    sys.stderr.write(result.errors)
+    sys.stdout.write(result.output)
+    return result.code
 
 
 def _unknown_robot() -> None:

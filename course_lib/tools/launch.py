@@ -76,11 +76,11 @@ def _launch(executables: Executables, source: Source, arguments: Namespace, writ
     from course_lib.ros.programs.launch_program import LaunchProgram, arguments_of
 
     words = [arguments.package_name, *arguments.launch_file_name]
-    named = find_package(words[0])
-    if named is None and not Path(words[0]).is_file() and len(words) > 1 and ":=" not in words[1]:
+    package = find_package(words[0])
+    if package is None and not Path(words[0]).is_file() and len(words) > 1 and ":=" not in words[1]:
         raise CourseError(why_not_found(words[0]))
-    if named is not None and not Path(words[0]).is_file():
-        file, settings = _find_in_package(named.share, words), words[2:]
+    if package is not None and not Path(words[0]).is_file():
+        file, settings = _find_in_package(package.share, words), words[2:]
     else:
         file, settings = Path(words[0]), words[1:]
     if not file.is_file():
@@ -94,16 +94,18 @@ def _launch(executables: Executables, source: Source, arguments: Namespace, writ
 
 
 def _find_in_package(share: Path, words: list[str]) -> Path:
-    found = (path for suffix in (".py", *LAUNCH_IN_WORDS) for path in sorted(share.rglob(f"*{suffix}")))
+    launch_files = (
+        path for suffix in (".py", *LAUNCH_IN_WORDS) for path in sorted(share.rglob(f"*{suffix}"))
+    )
     # As in ROS, a launch file may have any name. Only files in a `launch` folder or named so are
     # listed.
-    files = {path.name: path for path in found}
+    files = {path.name: path for path in launch_files}
     if len(words) > 1 and words[1] in files:
         return files[words[1]]
-    listed = [name for name, path in files.items() if "launch" in str(path.relative_to(share))]
+    names = [name for name, path in files.items() if "launch" in str(path.relative_to(share))]
     raise CourseError(
         f"file '{words[1] if len(words) > 1 else ''}' was not found in the share directory of package "
-        f"'{words[0]}' which is at '{share}'. There is: {', '.join(listed) or 'no launch file'}."
+        f"'{words[0]}' which is at '{share}'. There is: {', '.join(names) or 'no launch file'}."
     )
 
 

@@ -46,13 +46,13 @@ def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
         CourseError: A side of `|` or `>` is empty, or the line uses other syntax of a shell.
         ValueError: A quotation mark is not closed.
     """
-    line = _ERRORS.sub(lambda found: "" if found[1] else found[0], line)
+    line = _ERRORS.sub(lambda match: "" if match[1] else match[0], line)
     pieces, signs, start = [], [], 0
-    for found in _PARTS.finditer(line):
-        if found[1]:
-            pieces.append(line[start : found.start()])
-            signs.append(found[1])
-            start = found.end()
+    for match in _PARTS.finditer(line):
+        if match[1]:
+            pieces.append(line[start : match.start()])
+            signs.append(match[1])
+            start = match.end()
     for sign in signs:
         if sign[0] in "&;":
             raise CourseError(
@@ -214,16 +214,16 @@ def timeout_magic(line: str) -> None:
     """
     from IPython.core.error import UsageError
 
-    found = re.fullmatch(r"([\d.]+)s?\s+ros2\s+(.+)", line.strip())
-    if not found or found[1].count(".") > 1:
+    match = re.fullmatch(r"([\d.]+)s?\s+ros2\s+(.+)", line.strip())
+    if not match or match[1].count(".") > 1:
         raise UsageError(
             f"%timeout {line}: write the seconds, then the command: %timeout 5 ros2 topic hz /scan"
         )
     graph, thread = current_graph(), threading.current_thread()
-    due_ns = graph.now_ns + round(float(found[1]) * 1e9)
+    due_ns = graph.now_ns + round(float(match[1]) * 1e9)
     alarm = graph.call_at(due_ns, lambda: time_lock.interrupt(thread), node=0, entity=0)
     try:
-        ros2_magic(found[2], interrupted=True)
+        ros2_magic(match[2], interrupted=True)
     finally:
         alarm.cancel()
 
@@ -270,25 +270,25 @@ def catch_shell(shell: "InteractiveShell") -> None:
             return getoutput(command, *args, **settings)
         from IPython.utils.text import SList
 
-        with redirect_stdout(StringIO()) as written:
+        with redirect_stdout(StringIO()) as output:
             magic()
-        return SList(written.getvalue().splitlines())
+        return SList(output.getvalue().splitlines())
 
     vars(shell).update(system=run, getoutput=capture_output)
     for name in ("bash", "sh"):
         # IPython's table may hold a placeholder that looks the name up again, and would find
         # `_script`.
-        known = shell.find_cell_magic(name)  # type: ignore[no-untyped-call]  # IPython does not annotate it
-        if known is not None:
-            shell.register_magic_function(partial(_script, known), "cell", name)  # type: ignore[arg-type]  # as above
+        shell_magic = shell.find_cell_magic(name)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        if shell_magic is not None:
+            shell.register_magic_function(partial(_script, shell_magic), "cell", name)  # type: ignore[arg-type]  # as above
 
 
-def _script(known: Callable[[str, str], Any], line: str, cell: str) -> Any:
+def _script(shell_magic: Callable[[str, str], Any], line: str, cell: str) -> Any:
     """Run a cell of shell script. If it calls `ros2`, print a hint to the magic first."""
-    found = re.search(r"^\s*((?:timeout\s+\S+\s+)?ros2\s.+)", cell, re.MULTILINE)
-    if found:
-        sys.stderr.write(f"A shell can't see this notebook's nodes. In a cell write %{found[1].strip()}\n")
-    return known(line, cell)
+    match = re.search(r"^\s*((?:timeout\s+\S+\s+)?ros2\s.+)", cell, re.MULTILINE)
+    if match:
+        sys.stderr.write(f"A shell can't see this notebook's nodes. In a cell write %{match[1].strip()}\n")
+    return shell_magic(line, cell)
 
 
 def _magic_for(command: str) -> Callable[[], None] | None:
@@ -299,10 +299,10 @@ def _magic_for(command: str) -> Callable[[], None] | None:
         return partial(rviz2_magic, command.partition("rviz2")[2])
     # In ROS, `rqt_graph` is a separate program.
     command = re.sub(r"^\s*rqt_(?=\w)", "rqt ", command)
-    found = re.fullmatch(r"\s*(ros2|rqt|timeout(?=\s+\S+\s+ros2\s))\b(.*)", command, re.DOTALL)
-    if found is None:
+    match = re.fullmatch(r"\s*(ros2|rqt|timeout(?=\s+\S+\s+ros2\s))\b(.*)", command, re.DOTALL)
+    if match is None:
         return None
-    name, line = found[1], found[2].strip()
+    name, line = match[1], match[2].strip()
     sys.stderr.write(f"In a notebook write %{name} {line}\n")
     return partial({"ros2": ros2_magic, "rqt": rqt_magic, "timeout": timeout_magic}[name], line)
 
@@ -333,9 +333,9 @@ def _show_error(
         shell._showtraceback(kind, error, [f"{kind.__name__}: {message}"])
     else:
         add_hint(error)
-        own, hidden = hide_kit_frames(trace)
+        own_trace, hidden_count = hide_kit_frames(trace)
         shorten_causes(error)
-        if hidden:
-            error.add_note(f"({hidden} frames in the middle are not shown)")
-        shell.showtraceback((kind, error, own), tb_offset=tb_offset)
+        if hidden_count:
+            error.add_note(f"({hidden_count} frames in the middle are not shown)")
+        shell.showtraceback((kind, error, own_trace), tb_offset=tb_offset)
     return []

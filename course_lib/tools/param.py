@@ -18,13 +18,13 @@ ANSWER_LIMIT = 5.0
 
 
 def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
-    wanted, pattern = arguments.node_name, arguments.filter or re.compile("")
-    for node_name in [find_node(source, wanted)] if wanted else parameter_nodes(source):
+    requested_node, pattern = arguments.node_name, arguments.filter or re.compile("")
+    for node_name in [find_node(source, requested_node)] if requested_node else parameter_nodes(source):
         with parameter_client(source, node_name) as ask:
             names = ask("list_parameters", arguments.param_prefixes).result.names
             names = [name for name in sorted(names) if pattern.match(name)]
             types = ask("describe_parameters", names).descriptors if arguments.param_type else []
-        if names and not wanted:
+        if names and not requested_node:
             write(f"{node_name}:\n")
         kinds = {one.name: f" (type: {_kind(one.type)})" for one in types}
         write("".join(f"  {name}{kinds.get(name, '')}\n" for name in names))
@@ -42,13 +42,13 @@ def _get(source: Source, arguments: Namespace, write: Write) -> None:
     kind = Parameter.Type(values[0].type)
     many = kind.name.endswith("_ARRAY")
     word = kind.name.removesuffix("_ARRAY").replace("BOOL", "Boolean").capitalize()
-    shown = parameter_value_to_python(values[0])
+    value = parameter_value_to_python(values[0])
     if kind is Parameter.Type.NOT_SET:
         write("None\n" if arguments.hide_type else "Parameter not set.\n")
     elif arguments.hide_type:
-        write(f"{shown}\n")
+        write(f"{value}\n")
     else:
-        write(f"{word} {'values are' if many else 'value is'}: {shown}\n")
+        write(f"{word} {'values are' if many else 'value is'}: {value}\n")
 
 
 def _set_one(source: Source, arguments: Namespace, write: Write) -> None:
@@ -63,8 +63,8 @@ def _set_one(source: Source, arguments: Namespace, write: Write) -> None:
         raise CourseError(f"{arguments.value!r} is not a parameter value: {error}") from error
     with parameter_client(source, arguments.node_name) as ask:
         (result,) = ask("set_parameters", [new]).results
-    words = "Set parameter successful" if result.successful else "Setting parameter failed"
-    write(_format_result(words, result))
+    outcome = "Set parameter successful" if result.successful else "Setting parameter failed"
+    write(_format_result(outcome, result))
 
 
 def _describe(source: Source, arguments: Namespace, write: Write) -> None:
@@ -104,7 +104,7 @@ def _load(source: Source, arguments: Namespace, write: Write) -> None:
     from rclpy.parameter import parameter_dict_from_yaml_file
 
     try:
-        found = parameter_dict_from_yaml_file(arguments.parameter_file, not arguments.no_use_wildcard)
+        parameters = parameter_dict_from_yaml_file(arguments.parameter_file, not arguments.no_use_wildcard)
     except OSError as error:
         file = arguments.parameter_file
         raise CourseError(
@@ -113,17 +113,17 @@ def _load(source: Source, arguments: Namespace, write: Write) -> None:
     except RuntimeError as error:
         raise CourseError(f"{error}. `ros2 param dump` writes such a file.") from error
     with parameter_client(source, arguments.node_name) as ask:
-        results = ask("set_parameters", list(found.values())).results
-    for name, result in zip(found, results, strict=True):
-        words = f"Set parameter {name} {'successful' if result.successful else 'failed'}"
-        write(_format_result(words, result))
+        results = ask("set_parameters", list(parameters.values())).results
+    for name, result in zip(parameters, results, strict=True):
+        outcome = f"Set parameter {name} {'successful' if result.successful else 'failed'}"
+        write(_format_result(outcome, result))
 
 
 def _delete(source: Source, arguments: Namespace, write: Write) -> None:
     with parameter_client(source, arguments.node_name) as ask:
         (result,) = ask("delete_parameters", [arguments.parameter_name]).results
-    words = "Deleted parameter successfully" if result.successful else "Deleting parameter failed"
-    write(_format_result(words, result))
+    outcome = "Deleted parameter successfully" if result.successful else "Deleting parameter failed"
+    write(_format_result(outcome, result))
 
 
 @contextmanager
@@ -168,8 +168,8 @@ def _kind(number: int) -> str:
     return Parameter.Type(number).name.lower().replace("_", " ").replace("bool", "boolean")
 
 
-def _format_result(words: str, result: Any) -> str:
-    return f"{words}: {result.reason}\n" if result.reason else f"{words}\n"
+def _format_result(outcome: str, result: Any) -> str:
+    return f"{outcome}: {result.reason}\n" if result.reason else f"{outcome}\n"
 
 
 _NODE = value("node_name", help="Name of the ROS node")

@@ -99,13 +99,13 @@ def callback_rows(calls: Sequence[CallbackRun], seconds: float) -> list[Callback
     return [
         CallbackRow(
             *name,
-            calls=len(found),
-            longest=max(c.end_ns - c.start_ns for c in found) / _SECOND,
-            longest_wait=max(c.start_ns - c.ready_ns for c in found) / _SECOND,
-            busy=sum(c.end_ns - c.start_ns for c in found) / _SECOND / seconds,
-            load=sum(c.cpu_seconds for c in found) / seconds,
+            calls=len(runs),
+            longest=max(c.end_ns - c.start_ns for c in runs) / _SECOND,
+            longest_wait=max(c.start_ns - c.ready_ns for c in runs) / _SECOND,
+            busy=sum(c.end_ns - c.start_ns for c in runs) / _SECOND / seconds,
+            load=sum(c.cpu_seconds for c in runs) / seconds,
         )
-        for name, found in sorted(by_name.items())
+        for name, runs in sorted(by_name.items())
     ]
 
 
@@ -238,8 +238,8 @@ class PerformanceReport:
         heights = [2 + len(bars) for _, bars in panels]
         grid = figure.subplots(len(panels), squeeze=False, gridspec_kw={"height_ratios": heights})
         for axes, (title, bars) in zip(grid.flat, panels, strict=True):
-            drawn = axes.barh([name for name, _ in bars], [value for _, value in bars], color=_RAN)
-            axes.bar_label(drawn, fmt="%.3g", padding=3)
+            bar_container = axes.barh([name for name, _ in bars], [value for _, value in bars], color=_RAN)
+            axes.bar_label(bar_container, fmt="%.3g", padding=3)
             axes.set_title(title, fontsize=10, loc="left")
             axes.invert_yaxis()
             axes.margins(x=0.12)
@@ -273,9 +273,9 @@ class PerformanceReport:
         axes = figure.subplots()
         shortest = _SHORTEST * (end - begin)
         for number, runs in enumerate(lanes.values()):
-            waits = [(ready, began - ready) for ready, began, _ in runs if began > ready]
+            waits = [(ready, start - ready) for ready, start, _ in runs if start > ready]
             axes.broken_barh(waits, (number - 0.2, 0.4), facecolor=_WAITED, edgecolor="grey", hatch="////")
-            bars = [(began, max(ended - began, shortest)) for _, began, ended in runs]
+            bars = [(start, max(stop - start, shortest)) for _, start, stop in runs]
             axes.broken_barh(bars, (number - 0.35, 0.7), facecolor=_RAN, edgecolor="white", linewidth=0.5)
         axes.set(xlim=(begin, end), ylim=(len(lanes) - 0.4, -0.6), xlabel="robot time [s]")
         axes.set_yticks(range(len(lanes)), list(lanes))
@@ -285,8 +285,8 @@ class PerformanceReport:
         axes.grid(axis="x", alpha=0.4)
         lines = []
         for name, runs in lanes.items():
-            longest = max(ended - began for _, began, ended in runs) * 1e3  # [ms]
-            wait = max(began - ready for ready, began, _ in runs) * 1e3  # [ms]
+            longest = max(stop - start for _, start, stop in runs) * 1e3  # [ms]
+            wait = max(start - ready for ready, start, _ in runs) * 1e3  # [ms]
             lines.append(
                 f"{name}: {len(runs)} calls, the longest {longest:.3g} ms, the longest wait {wait:.3g} ms."
             )

@@ -54,13 +54,13 @@ def _list(executables: "Executables", source: Source, arguments: Namespace, writ
 
 
 def _executables(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
-    asked, known = arguments.package_name, _names(executables)
-    if asked is not None and asked not in known:
-        raise CourseError(f"Package '{asked}' not found{did_you_mean(asked, known)}")
-    for package in known if asked is None else [asked]:
-        found = find_package(package)
+    package_name, package_names = arguments.package_name, _names(executables)
+    if package_name is not None and package_name not in package_names:
+        raise CourseError(f"Package '{package_name}' not found{did_you_mean(package_name, package_names)}")
+    for package in package_names if package_name is None else [package_name]:
+        package_found = find_package(package)
         names = {name for owner, name in executables if owner == package}
-        for name in sorted(names | set(found.executables if found else ())):
+        for name in sorted(names | set(package_found.executables if package_found else ())):
             path = f"{_prefix_of(executables, package)}/lib/{package}/{name}"
             write(f"{path}\n" if arguments.full_path else f"{package} {name}\n")
 
@@ -122,7 +122,7 @@ def _create(source: Source, arguments: Namespace, write: Write) -> None:
         depends=arguments.dependencies,
     )
     write("going to create a new package\n")
-    for what, content in (
+    for label, content in (
         ("package name", text.name),
         ("destination directory", Path(arguments.destination_directory).absolute()),
         ("package format", 3),
@@ -134,14 +134,14 @@ def _create(source: Source, arguments: Namespace, write: Write) -> None:
         ("dependencies", text.depends),
         *([("node_name", arguments.node_name)] if arguments.node_name else []),
     ):
-        write(f"{what}: {content}\n")
+        write(f"{label}: {content}\n")
     _write_files(text, arguments, write)
     if text.license not in _LICENSES:
-        known = "\n".join(_LICENSES)
+        licenses = "\n".join(_LICENSES)
         write(
             f"\n[WARNING]: Unknown license '{text.license}'.  This has been set in the package.xml, but no "
             "LICENSE file has been created.\n"
-            f"It is recommended to use one of the ament license identifiers:\n{known}\n"
+            f"It is recommended to use one of the ament license identifiers:\n{licenses}\n"
         )
 
 
@@ -190,8 +190,8 @@ def _write_files(text: PackageText, arguments: Namespace, write: Write) -> None:
                  f"{name}/__init__.py", "test/", *_TESTS, *code):  # fmt: skip
         if path == f"{name}/":
             write("creating source folder\n")
-        what = "creating" if path in files else "creating folder"
-        write(f"{what} {_join_path(arguments, f'{name}/{path}'.rstrip('/'))}\n")
+        action = "creating" if path in files else "creating folder"
+        write(f"{action} {_join_path(arguments, f'{name}/{path}'.rstrip('/'))}\n")
         target = Path(arguments.destination_directory, name, path)
         if path in files:
             target.write_text(files[path], encoding="utf-8")

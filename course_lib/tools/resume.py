@@ -128,9 +128,9 @@ def _cells_to_run(shell: "InteractiveShell", cells: list[_Cell]) -> list[_Cell]:
     it.
     """
     history = {str(one).strip() for one in getattr(shell.history_manager, "input_hist_raw", [])}
-    known = history | {source.strip() for source in _resumed}
+    run_sources = history | {source.strip() for source in _resumed}
     useful = [cell for cell in cells if cell.source.strip() and not _is_interactive(shell, cell.source)]
-    first = next((i for i, cell in enumerate(useful) if cell.source.strip() not in known), len(useful))
+    first = next((i for i, cell in enumerate(useful) if cell.source.strip() not in run_sources), len(useful))
     return useful[first:]
 
 

@@ -70,10 +70,14 @@ class Source(ABC):
 
     def topics(self, *, hidden: bool = True) -> dict[str, list[str]]:
         """Return the sorted types of each topic by name."""
-        found = {name: set(types) for name, types in self._permanent_nodes.items()}
+        types_by_topic = {name: set(types) for name, types in self._permanent_nodes.items()}
         for endpoint in (e for e in self.graph.endpoints() if e.service is None):
-            found.setdefault(endpoint.topic, set()).add(endpoint.type_name)
-        return {name: sorted(found[name]) for name in sorted(found) if hidden or not is_hidden(name)}
+            types_by_topic.setdefault(endpoint.topic, set()).add(endpoint.type_name)
+        return {
+            name: sorted(types_by_topic[name])
+            for name in sorted(types_by_topic)
+            if hidden or not is_hidden(name)
+        }
 
     def endpoints(self, topic: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
         """List a topic's publishers or subscriptions."""
@@ -114,8 +118,8 @@ class GraphSource(Source):
 
     def limit(self, enough: float = pace.SECONDS_WITHOUT_A_PAGE) -> float | None:
         """Return a limit for notebooks without a page, where no ■ and no %timeout can interrupt."""
-        alone = self.graph.notebook and pace.mode() == "fast" and not self._interrupted
-        return enough if alone else None
+        has_time_limit = self.graph.notebook and pace.mode() == "fast" and not self._interrupted
+        return enough if has_time_limit else None
 
     def wait(self, ready: Callable[[], bool], seconds: float | None) -> bool:
         """Wait, or raise a CourseError if rclpy has not been initialized."""
@@ -136,8 +140,8 @@ class GraphSource(Source):
                 spans = [(start_ns, limits.seconds), (heard_ns, limits.patience)]
                 ends = [since + round(time * 1e9) for since, time in spans if time is not None]
                 due = [*ends, tick_ns] if every else ends
-                left = max(0, min(due) - graph.now_ns) * 1e-9 if due else None
-                if self.wait(lambda: bool(arrived), left):
+                remaining = max(0, min(due) - graph.now_ns) * 1e-9 if due else None
+                if self.wait(lambda: bool(arrived), remaining):
                     heard_ns, sample = arrived.popleft()
                     yield heard_ns, sample
                 elif every and graph.now_ns >= tick_ns:
@@ -151,11 +155,13 @@ class GraphSource(Source):
         publishers = self.endpoints(topic, "pub")
         if not publishers:
             return " It has no publisher."
-        others = self.endpoints(topic, "sub")
+        other_subscriptions = self.endpoints(topic, "sub")
         # A linked robot accepts all QoS, because Zenoh does not compare them.
         with self._arrivals({(topic, publishers[0].type_name): qos}):
-            ours = next(one for one in self.endpoints(topic, "sub") if one not in others)
-            policies = [self.graph.incompatible_policy(one, ours) for one in publishers]
+            own_subscription = next(
+                one for one in self.endpoints(topic, "sub") if one not in other_subscriptions
+            )
+            policies = [self.graph.incompatible_policy(one, own_subscription) for one in publishers]
         if all(policies):
             return f" Its publishers offer incompatible QoS: {policies[0]}."
         if running_nodes() or not self.graph.notebook:

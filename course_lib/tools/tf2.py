@@ -94,20 +94,20 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
                 write(f"The current list of frames is:\n{stream.buffer.describe_frames()}\n")
 
 
-def _pose_text(found: Transform) -> str:
-    seconds, nanoseconds = divmod(found.stamp_ns, 10**9)
-    m = found.matrix()
+def _pose_text(transform: Transform) -> str:
+    seconds, nanoseconds = divmod(transform.stamp_ns, 10**9)
+    m = transform.matrix()
     # Roll, pitch and yaw [rad] as tf2's getEulerYPR computes them, even at a pitch of ±90°.
     roll = atan2(m[2, 1], m[2, 2])
     if abs(m[2, 0]) >= 1:
         angles = (roll, pi / 2 if m[2, 0] < 0 else -pi / 2, 0.0)
     else:
         angles = (roll, -asin(m[2, 0]), atan2(m[1, 0], m[0, 0]))
-    rows = "".join("".join(f" {number:6.3f}" for number in row) + "\n" for row in found.matrix())
+    rows = "".join("".join(f" {number:6.3f}" for number in row) + "\n" for row in transform.matrix())
     return (
         f"At time {seconds}.{nanoseconds}\n"
-        f"- Translation: [{_format_numbers(found.translation)}]\n"
-        f"- Rotation: in Quaternion [{_format_numbers(found.rotation)}]\n"
+        f"- Translation: [{_format_numbers(transform.translation)}]\n"
+        f"- Rotation: in Quaternion [{_format_numbers(transform.rotation)}]\n"
         f"- Rotation: in RPY (radian) [{_format_numbers(angles)}]\n"
         f"- Rotation: in RPY (degree) [{_format_numbers(tuple(map(degrees, angles)))}]\n"
         f"- Matrix:\n{rows}"
@@ -186,26 +186,26 @@ def _monitor(source: Source, arguments: Namespace, write: Write) -> None:
     start, end = arguments.framea, arguments.frameb
     if start and not end:
         raise CourseError("tf2_monitor needs two frames or none: ros2 run tf2_ros tf2_monitor framea frameb")
-    delays, chain, looks, shown = TransformDelays(), list[str](), 0, False
+    delays, chain, looks, is_shown = TransformDelays(), list[str](), 0, False
     stream = TransformStream(source, delays.record)
-    what = f"{start} -> {end}" if start else "all frames"
+    subject = f"{start} -> {end}" if start else "all frames"
     with until_interrupted():
         for now_ns in stream.ticks(EVERY, source.limit(EVERY * POLLS)):
             if start and not chain:
                 if not stream.can_transform(start, end, now_ns, write, "tf2_monitor_main"):
                     continue
                 chain = tf2.chain(stream.buffer, start, end)
-            if looks == 0 and what:
-                write(f"Gathering data on {what} for 10 seconds...\n")
-                what = ""
+            if looks == 0 and subject:
+                write(f"Gathering data on {subject} for 10 seconds...\n")
+                subject = ""
             if looks == POLLS:
                 write(delays.text(chain))
-                looks, shown = 0, True
+                looks, is_shown = 0, True
             if chain:
                 delays.record_chain((now_ns - stream.buffer.lookup(start, end).stamp_ns) * 1e-9)
             looks += 1
         # The run has ended before the results were printed.
-        if looks and not shown:
+        if looks and not is_shown:
             write(delays.text(chain))
 
 
@@ -255,21 +255,21 @@ def _read_old_style(arguments: Namespace, now_ns: int, write: Write) -> None:
 
     The arguments are x y z yaw pitch roll frame child, or x y z qx qy qz qw frame child.
     """
-    words, wrong = arguments.old_style, "error parsing command line arguments: "
-    if not words:
+    values, wrong = arguments.old_style, "error parsing command line arguments: "
+    if not values:
         return
-    if len(words) not in (8, 9):
+    if len(values) not in (8, 9):
         raise CourseError(f"{wrong}Extra unparsed arguments on command-line")
     write(f"[WARN] [{now_ns // 10**9}.{now_ns % 10**9:09d}] []: {_OLD_STYLE}\n")
-    turn = ("yaw", "pitch", "roll") if len(words) == 8 else ("qx", "qy", "qz", "qw")
+    turn = ("yaw", "pitch", "roll") if len(values) == 8 else ("qx", "qy", "qz", "qw")
     if any(getattr(arguments, name) is not None for name in (*_NUMBERS, "frame_id", "child_frame_id")):
         raise CourseError(f"{wrong}Cannot specify both new-style (flags) and old-style (arguments)")
-    for name, word in zip((*"xyz", *turn), words, strict=False):
+    for name, word in zip((*"xyz", *turn), values, strict=False):
         try:
             setattr(arguments, name, float(word))
         except ValueError:
             raise CourseError(f"{wrong}Failed to parse {name} argument as float") from None
-    arguments.frame_id, arguments.child_frame_id = words[-2:]
+    arguments.frame_id, arguments.child_frame_id = values[-2:]
 
 
 def _rotation(arguments: Namespace) -> tuple[float, ...]:
@@ -358,8 +358,8 @@ def _view_frames(source: Source, arguments: Namespace, write: Write) -> None:
         from IPython.display import HTML, display
 
         tree = "; ".join(f"{frame} in {about['parent']}" for frame, about in frames.items())
-        drawn = b64encode(picture(frames, now_ns, "svg")).decode()
-        display(HTML(_IMAGE.format(escape(f"The tree of frames: {tree}"), drawn)))  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        encoded = b64encode(picture(frames, now_ns, "svg")).decode()
+        display(HTML(_IMAGE.format(escape(f"The tree of frames: {tree}"), encoded)))  # type: ignore[no-untyped-call]  # IPython does not annotate it
         return
     name = arguments.output or f"frames_{time.strftime('%Y-%m-%d_%H.%M.%S')}"
     write(log_line("view_frames", now_ns, f"Exporting graph in {name}.pdf file..."))

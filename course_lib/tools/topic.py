@@ -77,8 +77,8 @@ def qos_options(verb: str, preset: str) -> tuple[Option, ...]:
 def requested_qos(arguments: Namespace) -> Qos | None:
     """Return the preset with the settings of the command line, or None if there are none."""
     names = (*_CHOICES, "depth")
-    given: dict[str, Any] = {name: getattr(arguments, f"qos_{name}") for name in names}
-    changes = {name: setting for name, setting in given.items() if setting is not None}
+    settings: dict[str, Any] = {name: getattr(arguments, f"qos_{name}") for name in names}
+    changes = {name: setting for name, setting in settings.items() if setting is not None}
     return replace(PRESETS[arguments.qos_profile], **changes) if changes else None
 
 
@@ -128,8 +128,8 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
         hint = f"{did_you_mean(topic, there) or '.'} {describe_topics(source)}"
         raise CourseError(f"Could not determine the type for the passed topic{hint}")
     if len(types) > 1:
-        found = ", ".join(types)
-        raise CourseError(f"Cannot echo topic '{topic}', as it contains more than one type: [{found}]")
+        type_list = ", ".join(types)
+        raise CourseError(f"Cannot echo topic '{topic}', as it contains more than one type: [{type_list}]")
     # This raises a CourseError if the type is unknown.
     message_class(types[0])
     return types[0]
@@ -400,7 +400,7 @@ def _hz(source: Source, arguments: Namespace, write: Write) -> None:
     gaps: deque[int] = deque(maxlen=arguments.window)
     first_ns = printed_ns = None
     last_ns = 0
-    matches, shown = filter_function(arguments.filter_expr), False
+    matches, is_shown = filter_function(arguments.filter_expr), False
     for now_ns, arrival in listen(source, arguments, write, verb="hz"):
         if not now_ns:
             _discard_measurements(gaps, write)
@@ -416,26 +416,26 @@ def _hz(source: Source, arguments: Namespace, write: Write) -> None:
         last_ns = now_ns
         if printed_ns is not None and now_ns >= printed_ns + 10**9:
             write(_rate(gaps))
-            printed_ns, shown = now_ns, True
-    if gaps and not shown:
+            printed_ns, is_shown = now_ns, True
+    if gaps and not is_shown:
         write(_rate(gaps))
 
 
 def _bw(source: Source, arguments: Namespace, write: Write) -> None:
     topic = full_name(arguments.topic_name)
     # Time [ns] and size [bytes].
-    received: deque[tuple[int, int]] = deque(maxlen=arguments.window)
+    sizes: deque[tuple[int, int]] = deque(maxlen=arguments.window)
     title = f"Subscribed to [{topic}]\n"
     for now_ns, arrival in listen(source, arguments, write, verb="bw", every=1.0):
         write(title)
         title = ""
         if arrival is not None and now_ns:
-            received.append((now_ns, len(arrival.cdr)))
-        elif len(received) > 1 and now_ns <= received[0][0]:
+            sizes.append((now_ns, len(arrival.cdr)))
+        elif len(sizes) > 1 and now_ns <= sizes[0][0]:
             write("WARNING: time is reset!\n")
-            received.clear()
-        elif len(received) > 1:
-            write(bandwidth([size for _, size in received], (now_ns - received[0][0]) * 1e-9))
+            sizes.clear()
+        elif len(sizes) > 1:
+            write(bandwidth([size for _, size in sizes], (now_ns - sizes[0][0]) * 1e-9))
 
 
 def _delay(source: Source, arguments: Namespace, write: Write) -> None:
@@ -479,8 +479,10 @@ def _discard_measurements(values_ns: deque[int], write: Write) -> None:
 def bandwidth(sizes: list[int], seconds: float) -> str:
     """Return bandwidth and message sizes over a time [s] as text, in the unit that fits the bandwidth."""
     rate = sum(sizes) / seconds
-    total, mean, least, most = in_bytes(rate, sum(sizes) / len(sizes), min(sizes), max(sizes))
-    return f"{total}/s from {len(sizes)} messages\n\tMessage size mean: {mean} min: {least} max: {most}\n"
+    total, mean, smallest, largest = in_bytes(rate, sum(sizes) / len(sizes), min(sizes), max(sizes))
+    return (
+        f"{total}/s from {len(sizes)} messages\n\tMessage size mean: {mean} min: {smallest} max: {largest}\n"
+    )
 
 
 def in_bytes(*numbers: float) -> list[str]:
@@ -496,9 +498,9 @@ def _rate(gaps: Sequence[int]) -> str:
 
 def _spread(values_ns: Sequence[int]) -> str:
     """Return minimum, maximum and population standard deviation of durations [ns] as text."""
-    least, most, deviation = (n * 1e-9 for n in (min(values_ns), max(values_ns), pstdev(values_ns)))
+    shortest, longest, deviation = (n * 1e-9 for n in (min(values_ns), max(values_ns), pstdev(values_ns)))
     window = len(values_ns)
-    return f"\tmin: {least:.3f}s max: {most:.3f}s std dev: {deviation:.5f}s window: {window}\n"
+    return f"\tmin: {shortest:.3f}s max: {longest:.3f}s std dev: {deviation:.5f}s window: {window}\n"
 
 
 def _options(window: int) -> tuple[Option, ...]:
@@ -556,21 +558,21 @@ def _publisher(node: "Node", kind: type[RosMessage], arguments: Namespace) -> "P
 def _wait_for_subscriptions(
     source: Source, publisher: "Publisher[Any]", arguments: Namespace, write: Write
 ) -> None:
-    wanted, longest = arguments.wait_matching_subscriptions, arguments.max_wait_time_secs
-    if wanted is None:
-        wanted = int(arguments.once or arguments.times > 0)
-    if not wanted and longest is not None:
+    expected, longest = arguments.wait_matching_subscriptions, arguments.max_wait_time_secs
+    if expected is None:
+        expected = int(arguments.once or arguments.times > 0)
+    if not expected and longest is not None:
         raise CourseError(
             "--max-wait-time-secs option is only effective with --wait-matching-subscriptions, "
             "--once or --times"
         )
     longest, looks = longest or source.limit(), 0
-    while (found := publisher.get_subscription_count()) < wanted and not source.graph.ended:
+    while (count := publisher.get_subscription_count()) < expected and not source.graph.ended:
         if looks % 10 == 0:
-            write(f"Waiting for at least {wanted} matching subscription(s)...\n")
+            write(f"Waiting for at least {expected} matching subscription(s)...\n")
         if longest is not None and looks * LOOK_EVERY >= longest:
             raise CourseError(
-                f"Timed out waiting for subscribers: Expected {wanted} subcribers but only got {found} "
+                f"Timed out waiting for subscribers: Expected {expected} subcribers but only got {count} "
                 "subscribers. `-w 0` publishes without subscribers."
             )
         looks += 1

@@ -138,12 +138,12 @@ def hidden(kind: str) -> Option:
     return flag(f"--include-hidden-{kind}s", dest="hidden", help=f"Consider hidden {kind}s as well")
 
 
-def write_names(found: Types, arguments: Namespace, write: Write) -> None:
+def write_names(types_by_name: Types, arguments: Namespace, write: Write) -> None:
     """Print names with types, or their number, depending on the options `show_types` and `count`."""
     if arguments.count:
-        write(f"{len(found)}\n")
+        write(f"{len(types_by_name)}\n")
         return
-    for name, types in found.items():
+    for name, types in types_by_name.items():
         write(f"{name} [{', '.join(types)}]\n" if arguments.show_types else f"{name}\n")
 
 
@@ -173,9 +173,9 @@ def find_verb(kind: str, find: FindTypes, type_help: str) -> Verb:
     """Return the verb that prints the names with a given type."""
 
     def run(source: Source, arguments: Namespace, write: Write) -> None:
-        wanted = getattr(arguments, f"{kind}_type")
-        found = [name for name, types in find(source, arguments.hidden).items() if wanted in types]
-        write(f"{len(found)}\n" if arguments.count else "".join(f"{name}\n" for name in found))
+        type_name = getattr(arguments, f"{kind}_type")
+        names = [name for name, types in find(source, arguments.hidden).items() if type_name in types]
+        write(f"{len(names)}\n" if arguments.count else "".join(f"{name}\n" for name in names))
 
     options = (*NODE_OPTIONS, value(f"{kind}_type", help=type_help), count(kind), hidden(kind))
     return Verb(kind, "find", f"Output a list of available {kind}s of a given type", options, run)
@@ -186,10 +186,10 @@ def kind_of(find: Any, type_name: str, folder: str) -> Any:
 
     As in ROS, its folder may be omitted.
     """
-    package, *rest = type_name.split("/")
-    whole = "/".join([package, folder, *rest] if len(rest) == 1 else [package, *rest])
+    package, *name_parts = type_name.split("/")
+    full_name = "/".join([package, folder, *name_parts] if len(name_parts) == 1 else [package, *name_parts])
     try:
-        return find(whole)
+        return find(full_name)
     except CourseError as error:
         # The error already has ROS's text.
         if folder == "msg":
@@ -198,10 +198,12 @@ def kind_of(find: Any, type_name: str, folder: str) -> Any:
         there = [
             name.removesuffix(end) for name in type_names() if f"/{folder}/" in name and name.endswith(end)
         ]
-        if whole in there:
+        if full_name in there:
             raise
         same_name = [name for name in there if name.rpartition("/")[2] == type_name.rpartition("/")[2]]
-        message = f"The passed {word} type is invalid: {whole}{did_you_mean(whole, same_name or there)}"
+        message = (
+            f"The passed {word} type is invalid: {full_name}{did_you_mean(full_name, same_name or there)}"
+        )
         raise CourseError(message) from error
 
 

@@ -58,13 +58,13 @@ class Camera:
 
     def view_matrix(self) -> Matrix:
         """Return the transform from the scene to the camera (x right, y up, -z ahead), shape (4, 4)."""
-        ahead = _unit(np.subtract(self.target, self.eye))
-        side = np.cross(ahead, self.up)
+        forward = _unit(np.subtract(self.target, self.eye))
+        side = np.cross(forward, self.up)
         # If the camera looks along `up`, any perpendicular direction can be up.
         if np.linalg.norm(side) < 1e-6:
-            side = np.cross(ahead, (0.0, 1.0, 0.0) if abs(ahead[1]) < 0.9 else (1.0, 0.0, 0.0))
+            side = np.cross(forward, (0.0, 1.0, 0.0) if abs(forward[1]) < 0.9 else (1.0, 0.0, 0.0))
         right = _unit(side)
-        rotation = np.stack([right, np.cross(right, ahead), -ahead])
+        rotation = np.stack([right, np.cross(right, forward), -forward])
         transform_scene_to_camera = np.eye(4)
         transform_scene_to_camera[:3, :3] = rotation
         transform_scene_to_camera[:3, 3] = -rotation @ np.asarray(self.eye)
@@ -103,8 +103,8 @@ def checked_array(
         and all(w in (None, n) for n, w in zip(array.shape, shape, strict=True))
         for shape in shapes
     ):
-        wanted = " or ".join(_shape_text(shape) for shape in shapes)
-        raise ShapeError(f"{name} has shape {_shape_text(array.shape)}, expected {wanted}.")
+        expected = " or ".join(_shape_text(shape) for shape in shapes)
+        raise ShapeError(f"{name} has shape {_shape_text(array.shape)}, expected {expected}.")
     array.setflags(write=False)
     return array
 
@@ -403,15 +403,15 @@ def _read(data: bytes, file_format: str, folder: Path | None) -> tuple[Any, list
 
     textures = FilePathResolver(str(folder)) if folder else None
     scene: Any = trimesh.load_scene(BytesIO(data), file_type=file_format, resolver=textures)
-    placed = (scene.graph[node] for node in scene.graph.nodes_geometry)
-    parts = [(scene.geometry[name], place) for place, name in placed]
+    placements = (scene.graph[node] for node in scene.graph.nodes_geometry)
+    parts = [(scene.geometry[name], place) for place, name in placements]
     return scene, [(mesh, place) for mesh, place in parts if isinstance(mesh, trimesh.Trimesh)]
 
 
 def _normals(mesh: Any, transform_mesh_to_file: Matrix) -> Matrix:
     """Return unit normals at a mesh's vertices, shape (V, 3), after a transform that may scale."""
-    turned = mesh.vertex_normals @ np.linalg.pinv(transform_mesh_to_file[:3, :3])
-    normals: Matrix = turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-12)
+    rotated = mesh.vertex_normals @ np.linalg.pinv(transform_mesh_to_file[:3, :3])
+    normals: Matrix = rotated / np.maximum(np.linalg.norm(rotated, axis=1, keepdims=True), 1e-12)
     return normals
 
 

@@ -24,8 +24,8 @@ _UINT8, _UINT32, _FLOAT32 = 0x12, 0x16, 0x17
 
 def pack(value: Any) -> bytes:
     """Encode plain values, arrays and meshcat's packed arrays as msgpack."""
-    packed: bytes = msgpack.packb(value, default=_encode_value)
-    return packed
+    data: bytes = msgpack.packb(value, default=_encode_value)
+    return data
 
 
 def snapshot(scene: Scene) -> bytes:
@@ -47,16 +47,16 @@ def scene_batch(scene: Scene) -> dict[str, Any]:
     """Return the batch that creates a scene."""
     with scene.lock:
         batch = commands(scene, "background", "") + commands(scene, "camera", "")
-        moved = []
+        moved_nodes = []
         for node in scene.nodes():
             if node.object is not None:
                 batch += commands(scene, "object", node.path)
             if not node.visible:
                 batch += commands(scene, "visible", node.path)
             if not np.array_equal(node.matrix, np.eye(4)):
-                moved.append(node)
+                moved_nodes.append(node)
         batch += commands(scene, "animation", "")
-        return {"commands": batch, **placements(moved)}
+        return {"commands": batch, **placements(moved_nodes)}
 
 
 def placements(nodes: list[Node]) -> dict[str, Any]:
@@ -156,13 +156,13 @@ def from_json(kind: Any, content: Mapping[str, Any]) -> Any:
     Raises:
         MessageError: If a field is missing, unknown or of another type; names it.
     """
-    given = {name: value for name, value in content.items() if name not in ENVELOPE}
-    if not _is_finite(given):
-        raise MessageError(f"The page sent {str(given)[:200]}: expected numbers that are finite.")
+    fields = {name: value for name, value in content.items() if name not in ENVELOPE}
+    if not _is_finite(fields):
+        raise MessageError(f"The page sent {str(fields)[:200]}: expected numbers that are finite.")
     try:
-        return msgspec.convert(given, kind)
+        return msgspec.convert(fields, kind)
     except msgspec.ValidationError as error:
-        raise MessageError(f"The page sent {str(given)[:200]}: {error}.") from None
+        raise MessageError(f"The page sent {str(fields)[:200]}: {error}.") from None
 
 
 def _is_finite(value: Any) -> bool:

@@ -69,9 +69,9 @@ def _build_bundle() -> tuple[str, bytes]:
     if package is None or package.origin is None:
         raise CourseError("The package meshcat is missing: pip install meshcat==0.3.2")
     meshcat = (Path(package.origin).parent / "viewer" / "dist" / "main.min.js").read_bytes()
-    ours = "\n".join(scripts).encode()
-    key = "__courseViewer_" + hashlib.sha256(meshcat + ours).hexdigest()[:12]
-    script = _SCRIPT % {b"key": key.encode(), b"meshcat": meshcat, b"ours": ours}
+    own_script = "\n".join(scripts).encode()
+    key = "__courseViewer_" + hashlib.sha256(meshcat + own_script).hexdigest()[:12]
+    script = _SCRIPT % {b"key": key.encode(), b"meshcat": meshcat, b"ours": own_script}
     return key, gzip.compress(script, 9, mtime=0)
 
 
@@ -135,8 +135,8 @@ def save_html(scene: Scene | SceneRecording, path: str | Path, title: str = "3D 
 def static_page(scene: Scene | SceneRecording, title: str = "3D view") -> str:
     """Return the text of such a page."""
     fragment = scene_fragment(scene, height="100%", label=title, alone=True)
-    shown = scene.scene if isinstance(scene, SceneRecording) else scene
-    background = str(shown.background)
+    shown_scene = scene.scene if isinstance(scene, SceneRecording) else scene
+    background = str(shown_scene.background)
     return _page(title, background, fragment, bundle_code())
 
 
@@ -152,9 +152,9 @@ def content_policy(
         connect: Where scripts may connect to.
     """
     hashes = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts]
-    allowed = [f"'sha256-{one}'" for one in hashes]
-    allowed += ["'unsafe-eval'"] * has_scenes + ["'strict-dynamic'"] * loads_viewer
-    return _POLICY.format(scripts=" ".join(allowed) or "'none'", connect=connect)
+    sources = [f"'sha256-{one}'" for one in hashes]
+    sources += ["'unsafe-eval'"] * has_scenes + ["'strict-dynamic'"] * loads_viewer
+    return _POLICY.format(scripts=" ".join(sources) or "'none'", connect=connect)
 
 
 def _page(title: str, background: object, fragment: str, script: str, connect: str = "'none'") -> str:
@@ -176,11 +176,11 @@ def scene_fragment(
         alone: Whether the wheel zooms without a previous click, because nothing else in the page
             needs it.
     """
-    packed = scene.packed() if isinstance(scene, SceneRecording) else encoding.snapshot(scene)
-    zipped = base64.b64encode(gzip.compress(packed, 6, mtime=0)).decode()
-    words = escape(describe_scene(scene.scene if isinstance(scene, SceneRecording) else scene, label))
+    scene_bytes = scene.packed() if isinstance(scene, SceneRecording) else encoding.snapshot(scene)
+    zipped = base64.b64encode(gzip.compress(scene_bytes, 6, mtime=0)).decode()
+    description = escape(describe_scene(scene.scene if isinstance(scene, SceneRecording) else scene, label))
     return _FRAGMENT.format(
-        height=height, label=escape(label), words=words, alone=str(alone).lower(), scene=zipped
+        height=height, label=escape(label), words=description, alone=str(alone).lower(), scene=zipped
     )
 
 

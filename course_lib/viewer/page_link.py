@@ -321,18 +321,18 @@ class PageLink:
         with self._lock:
             if not self._flow.has_room():
                 return self._changed.set()
-            done = False
+            is_sent = False
             try:
                 batch = self._take_batch()
                 if batch:
                     self.number += 1
-                    packed = encoding.pack(batch)
-                    ask = self._flow.count_message(self.number, len(packed))
-                    self._send({"type": "batch", "number": self.number, "ask": ask}, [packed])
-                done = True
+                    batch_bytes = encoding.pack(batch)
+                    ask = self._flow.count_message(self.number, len(batch_bytes))
+                    self._send({"type": "batch", "number": self.number, "ask": ask}, [batch_bytes])
+                is_sent = True
             finally:
                 # If a batch was interrupted, the thread sends the whole scene instead.
-                self._broken |= not done
+                self._broken |= not is_sent
                 if self._broken:
                     self._changed.set()
 
@@ -364,13 +364,13 @@ class PageLink:
         again.
         """
         is_new = self._flow.on_message(page, number)
-        known = self._flow.pages[page]
-        is_new |= known.sight != "ready" and kind == "ready"
+        page_state = self._flow.pages[page]
+        is_new |= page_state.sight != "ready" and kind == "ready"
         if kind in get_args(Sight):
             # Pages that are not visible may sleep, so their acknowledgements are not awaited.
-            known.sight = cast("Sight", kind)
+            page_state.sight = cast("Sight", kind)
             self._flow.settle()
-        if known.sight != "ready":
+        if page_state.sight != "ready":
             if not self.watched:
                 self.disconnect()
             return
@@ -442,25 +442,25 @@ class PageLink:
         """Return all changes since the last batch."""
         with self.scene.lock:
             changes, self._changes = self._changes, {}
-            moved, self._moved_paths = self._moved_paths, {}
+            moved_paths, self._moved_paths = self._moved_paths, {}
             batch: dict[str, Any] = {}
             if changes:
                 batch["commands"] = [
                     c for what, path in changes for c in encoding.commands(self.scene, what, path)
                 ]
                 self._paths = []
-            nodes = [node for path in moved if (node := self.scene.find(path)) is not None]
+            nodes = [node for path in moved_paths if (node := self.scene.find(path)) is not None]
             if not nodes:
                 return batch
-            placed = encoding.placements(nodes)
-            if len(placed["paths"]) < len(nodes):
-                lost = next(node.path for node in nodes if not np.isfinite(node.matrix).all())
-                text = f"The transform of {lost!r} is not finite (NaN or inf) and was ignored."
+            transforms = encoding.placements(nodes)
+            if len(transforms["paths"]) < len(nodes):
+                invalid_path = next(node.path for node in nodes if not np.isfinite(node.matrix).all())
+                text = f"The transform of {invalid_path!r} is not finite (NaN or inf) and was ignored."
                 self.show_text(text)
             # Paths take most of the bytes, so they are sent only if they differ from the last
             # batch.
-            if placed["paths"] == self._paths:
-                del placed["paths"]
+            if transforms["paths"] == self._paths:
+                del transforms["paths"]
             else:
-                self._paths = placed["paths"]
-            return batch | placed
+                self._paths = transforms["paths"]
+            return batch | transforms

@@ -39,9 +39,9 @@ class Guarded(RequestHandler):
     def prepare(self) -> None:
         """Reject a wrong host or token."""
         names = {f"{name}:{self.port}" for name in ("127.0.0.1", "localhost")}
-        here = self.request.host in names or hub_prefix() is not None
+        is_local = self.request.host in names or hub_prefix() is not None
         token = self.path_args[0] if self.path_args else ""
-        if not here or not secrets.compare_digest(token.encode(), self.token.encode()):
+        if not is_local or not secrets.compare_digest(token.encode(), self.token.encode()):
             raise HTTPError(403, reason="Open the printed URL, including its token")
         self.set_header("Cache-Control", "no-store")
         self.set_header("Referrer-Policy", "no-referrer")

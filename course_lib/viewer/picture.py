@@ -38,8 +38,8 @@ FLAGS = [
 @cache
 def find_browser() -> str | None:
     """Return the path of a browser, or None."""
-    found = [shutil.which(name) for name in _NAMES] + [place for place in _PLACES if Path(place).exists()]
-    return next((program for program in found if program), None)
+    programs = [shutil.which(name) for name in _NAMES] + [place for place in _PLACES if Path(place).exists()]
+    return next((program for program in programs if program), None)
 
 
 def dump_dom(program: str, page: str, timeout: float) -> str:
@@ -152,10 +152,10 @@ def _draw_in_browser(scene: Scene, size: tuple[int, int]) -> bytes:
         raise CourseError("No Chromium or Chrome was found on this machine.")
     key, script = html.bundle()
     script = script.replace("</script", r"<\\/script")
-    packed = base64.b64encode(encoding.still(scene)).decode()
-    start = _START % {"key": key, "scene": packed, "width": size[0], "height": size[1]}
+    encoded_scene = base64.b64encode(encoding.still(scene)).decode()
+    start = _START % {"key": key, "scene": encoded_scene, "width": size[0], "height": size[1]}
     page = _PAGE % {"policy": html.content_policy(script, start), "script": script, "start": start}
-    found = re.search(r'data-picture="data:image/png;base64,([^"]+)"', dump_dom(program, page, _TIMEOUT))
-    if found is None:
+    match = re.search(r'data-picture="data:image/png;base64,([^"]+)"', dump_dom(program, page, _TIMEOUT))
+    if match is None:
         raise CourseError(f"{program} returned no image: is WebGL disabled?")
-    return base64.b64decode(found[1])
+    return base64.b64decode(match[1])

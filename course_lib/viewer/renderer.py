@@ -210,22 +210,22 @@ class Viewpoint:
 
 
 def triangles_of(
-    scene: Scene, camera: Camera, height: int, hidden: tuple[str, ...] = ()
+    scene: Scene, camera: Camera, height: int, hidden_paths: tuple[str, ...] = ()
 ) -> Iterator[Triangles]:
     """Iterate over all visible objects in an image of the given height, except those at hidden paths.
 
     Objects that only three.js can draw, without an equivalent drawable, are left out.
     """
     transform_scene_to_camera = camera.view_matrix()
-    without = tuple(f"{path}/" for path in hidden)
-    things = scene.objects().items()
-    for path, thing in sorted(things, key=lambda item: not getattr(item[1], "behind", False)):
-        thing = getattr(thing, "stand_in", None) or thing
-        if type(thing) in _SEEN and scene.visible(path) and not f"{path}/".startswith(without):
+    without = tuple(f"{path}/" for path in hidden_paths)
+    objects = scene.objects().items()
+    for path, drawable in sorted(objects, key=lambda item: not getattr(item[1], "behind", False)):
+        drawable = getattr(drawable, "stand_in", None) or drawable
+        if type(drawable) in _SEEN and scene.visible(path) and not f"{path}/".startswith(without):
             transform = transform_scene_to_camera @ scene.world_transform(path)
-            seen = _SEEN[type(thing)](thing, Viewpoint(transform, camera, height))
-            near = (-seen.corners[..., 2]).min(axis=1, initial=np.inf) <= camera.far
-            yield seen if near.all() else replace(seen, corners=seen.corners[near])
+            triangles = _SEEN[type(drawable)](drawable, Viewpoint(transform, camera, height))
+            is_near = (-triangles.corners[..., 2]).min(axis=1, initial=np.inf) <= camera.far
+            yield triangles if is_near.all() else replace(triangles, corners=triangles.corners[is_near])
 
 
 def _triangles(points: Float32s, colors: Float32s, lit_by: Float32s | None = None) -> Triangles:
@@ -310,13 +310,13 @@ def _points(points: Points, view: Viewpoint) -> Triangles:
     if points.pixels or points.spot in ("box", "tile"):
         axes = np.broadcast_to(np.eye(3) if points.pixels else rotation, (len(centres), 3, 3))
     else:
-        ahead = (
+        forward = (
             np.broadcast_to([0.0, 0.0, 1.0], centres.shape) if view.camera.orthographic_scale else -centres
         )
-        ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
-        right = np.cross(rotation[:, 1], ahead)
+        forward = forward / np.linalg.norm(forward, axis=1, keepdims=True)
+        right = np.cross(rotation[:, 1], forward)
         right /= np.maximum(np.linalg.norm(right, axis=1, keepdims=True), 1e-9)
-        axes = np.stack([right, np.cross(ahead, right), ahead], axis=-1)
+        axes = np.stack([right, np.cross(forward, right), forward], axis=-1)
     offsets = np.einsum("nij,tcj,nj->ntci", axes, unit, size)
     corners = (centres[:, None, None] + offsets).reshape(-1, 3, 3).astype(np.float32)
     colors = np.broadcast_to(points.colors, (len(centres), 4))[:, None, None].repeat(len(unit), axis=1)
@@ -369,11 +369,13 @@ SHARE, GAP = 0.3, 0.01
 
 def placed_insets(scene: Scene, size: tuple[int, int]) -> Iterator[tuple[Inset, Box]]:
     """Iterate over the visible insets and their boxes, one below the other at the right edge."""
-    things = scene.objects().items()
-    insets = [thing for path, thing in sorted(things) if isinstance(thing, Inset) and scene.visible(path)]
+    objects = scene.objects().items()
+    insets = [
+        drawable for path, drawable in sorted(objects) if isinstance(drawable, Inset) and scene.visible(path)
+    ]
     width, gap = SHARE * size[0], GAP * size[0]
-    needed = sum(width / inset.aspect for inset in insets)
-    shrink = min(1.0, (size[1] - gap * (len(insets) + 1)) / needed) if needed else 1.0
+    needed_height = sum(width / inset.aspect for inset in insets)
+    shrink = min(1.0, (size[1] - gap * (len(insets) + 1)) / needed_height) if needed_height else 1.0
     left, top = size[0] - gap - width * shrink, gap
     for inset in insets:
         height = width / inset.aspect * shrink
@@ -432,10 +434,10 @@ def clip_triangles(corners: Float32s, near: float) -> Float32s:
     count = inside.sum(axis=1)
     pieces = [corners[count == 3]]
     for inner, build in ((1, ("A", "AB", "AC")), (2, ("AB", "B", "C", "AB", "C", "AC"))):
-        some, inside_of_some = corners[count == inner], inside[count == inner]
+        crossing, inside_of_some = corners[count == inner], inside[count == inner]
         # The index of the only corner on its side.
         odd = np.argmax(inside_of_some == (inner == 1), axis=1)
-        a, b, c = (some[np.arange(len(some)), (odd + turn) % 3] for turn in range(3))
+        a, b, c = (crossing[np.arange(len(crossing)), (odd + turn) % 3] for turn in range(3))
         points = {"A": a, "B": b, "C": c, "AB": _cut(a, b, near), "AC": _cut(a, c, near)}
         built = np.stack([points[name] for name in build], axis=1)
         pieces.append(built.reshape(-1, 3, corners.shape[2]))
@@ -500,8 +502,8 @@ def _inset(scene: Scene, inset: Inset, size: tuple[int, int]) -> Pixels:
     picture = np.asarray(Image.fromarray(inset.pixels).resize(size))
     if inset.camera is None:
         return picture
-    drawn = _pixels(scene, inset.camera, size, picture if inset.behind else None, inset.hidden)
-    mixed: Pixels = np.rint(drawn * (1 - inset.over) + picture * inset.over).astype(np.uint8)
+    inset_pixels = _pixels(scene, inset.camera, size, picture if inset.behind else None, inset.hidden)
+    mixed: Pixels = np.rint(inset_pixels * (1 - inset.over) + picture * inset.over).astype(np.uint8)
     return mixed
 
 
@@ -510,7 +512,7 @@ def _pixels(
     camera: Camera,
     size: tuple[int, int],
     behind: Pixels | None = None,
-    hidden: tuple[str, ...] = (),
+    hidden_paths: tuple[str, ...] = (),
 ) -> Pixels:
     """Draw all objects in RViz's order, like the page.
 
@@ -525,7 +527,7 @@ def _pixels(
     fine_behind = behind.repeat(_FINER, axis=0).repeat(_FINER, axis=1)
     colors = fine_behind.reshape(-1, 3).astype(np.float32) / np.float32(255)
     seen_through: list[Fragments] = []
-    for triangles in triangles_of(scene, camera, size[1], hidden):
+    for triangles in triangles_of(scene, camera, size[1], hidden_paths):
         for fragments in _fragments(triangles, camera, (width, height)):
             if triangles.behind:
                 _blend(depths, colors, [fragments])
@@ -539,8 +541,8 @@ def _pixels(
                 depths[sample] = fragments.depth[order]
                 colors[sample] = fragments.color[order, :3]
     _blend(depths, colors, seen_through)
-    fine = colors.reshape(size[1], _FINER, size[0], _FINER, 3)
-    pixels: Pixels = np.rint(fine.mean(axis=(1, 3)) * 255).astype(np.uint8)
+    fine_colors = colors.reshape(size[1], _FINER, size[0], _FINER, 3)
+    pixels: Pixels = np.rint(fine_colors.mean(axis=(1, 3)) * 255).astype(np.uint8)
     return pixels
 
 

@@ -117,8 +117,8 @@ class Scene:
             node = self.find(path)
             if node is None:
                 return
-            for gone in list(node.subtree()):
-                del self._nodes[gone.path]
+            for inner in list(node.subtree()):
+                del self._nodes[inner.path]
             if node.parent is None:
                 self._root = self._nodes[""] = Node("", None)
             else:
@@ -200,9 +200,9 @@ class Scene:
         """
         node = self.find(path)
         if node is None:
-            near = get_close_matches(path, self._nodes, 3) or [name for name in self._nodes if name][:5]
+            similar = get_close_matches(path, self._nodes, 3) or [name for name in self._nodes if name][:5]
             raise CourseError(
-                f"There is no node {path!r} in the scene; similar nodes: {', '.join(near) or 'none'}."
+                f"There is no node {path!r} in the scene; similar nodes: {', '.join(similar) or 'none'}."
             )
         return node
 
@@ -243,13 +243,14 @@ LIMIT = 20
 
 def summary(scene: Scene) -> list[str]:
     """Return a line for each visible object: its path, a description, and its center in [m]."""
-    shown = [(path, thing) for path, thing in scene.objects().items() if scene.visible(path)]
+    visible = [(path, drawable) for path, drawable in scene.objects().items() if scene.visible(path)]
     # Overflowing numbers appear as inf in the text.
     with np.errstate(all="ignore"):
         lines = [
-            f"{path}: {_description(thing)} at {_middle(scene, path, thing)}" for path, thing in shown[:LIMIT]
+            f"{path}: {_description(drawable)} at {_middle(scene, path, drawable)}"
+            for path, drawable in visible[:LIMIT]
         ]
-    return lines + ([f"and {len(shown) - LIMIT} more"] if len(shown) > LIMIT else [])
+    return lines + ([f"and {len(visible) - LIMIT} more"] if len(visible) > LIMIT else [])
 
 
 def describe_scene(scene: Scene, label: str) -> str:
@@ -258,44 +259,44 @@ def describe_scene(scene: Scene, label: str) -> str:
     return f"{label.rstrip('.')}. {'; '.join(lines)}" if lines else label
 
 
-def _description(thing: Drawable) -> str:
-    if isinstance(thing, Solids):
-        name = {"sphere": "ellipsoid"}.get(thing.shape, thing.shape)
-        return _plural(len(thing.placements), name)
-    if isinstance(thing, Mesh):
-        return _plural(len(thing.faces), "triangle")
-    if isinstance(thing, Points):
-        return _plural(len(thing.points), "point")
-    if isinstance(thing, Lines):
-        return _plural(len(thing.points) - 1 if thing.strip else len(thing.points) // 2, "line")
-    if isinstance(thing, Sheet):
-        return f"{thing.cells.shape[1]} x {thing.cells.shape[0]} cells"
-    return f"the text {thing.text!r}" if isinstance(thing, Text) else "an object of meshcat"
+def _description(drawable: Drawable) -> str:
+    if isinstance(drawable, Solids):
+        name = {"sphere": "ellipsoid"}.get(drawable.shape, drawable.shape)
+        return _plural(len(drawable.placements), name)
+    if isinstance(drawable, Mesh):
+        return _plural(len(drawable.faces), "triangle")
+    if isinstance(drawable, Points):
+        return _plural(len(drawable.points), "point")
+    if isinstance(drawable, Lines):
+        return _plural(len(drawable.points) - 1 if drawable.strip else len(drawable.points) // 2, "line")
+    if isinstance(drawable, Sheet):
+        return f"{drawable.cells.shape[1]} x {drawable.cells.shape[0]} cells"
+    return f"the text {drawable.text!r}" if isinstance(drawable, Text) else "an object of meshcat"
 
 
 def _plural(count: int, name: str) -> str:
     return f"{count} {name}{'es' if name == 'box' else 's'}" if count != 1 else f"1 {name}"
 
 
-def _middle(scene: Scene, path: str, thing: Drawable) -> str:
+def _middle(scene: Scene, path: str, drawable: Drawable) -> str:
     """Return the center of an object's bounding box, in the scene's frame."""
     points: Reals
-    if isinstance(thing, Solids):
-        points = thing.placements[:, :3, 3]
-    elif isinstance(thing, Mesh):
+    if isinstance(drawable, Solids):
+        points = drawable.placements[:, :3, 3]
+    elif isinstance(drawable, Mesh):
         # Robots have 100,000 vertices, and panels are updated while they move.
-        points = thing.corners
-    elif isinstance(thing, Sheet):
-        rows, columns = thing.cells.shape
-        points = np.array([(0, 0, 0), (columns * thing.width, rows * thing.width, 0)])
+        points = drawable.corners
+    elif isinstance(drawable, Sheet):
+        rows, columns = drawable.cells.shape
+        points = np.array([(0, 0, 0), (columns * drawable.width, rows * drawable.width, 0)])
     else:
-        points = thing.points if isinstance(thing, Lines | Points) else np.zeros((1, 3))
+        points = drawable.points if isinstance(drawable, Lines | Points) else np.zeros((1, 3))
     transform = scene.world_transform(path)
     if not len(points):
         return "nowhere"
-    placed = points @ transform[:3, :3].T + transform[:3, 3]
+    transformed = points @ transform[:3, :3].T + transform[:3, 3]
     # Adding 0 turns minus zero into zero.
-    x, y, z = np.round((placed.min(axis=0) + placed.max(axis=0)) / 2, 2) + 0.0
+    x, y, z = np.round((transformed.min(axis=0) + transformed.max(axis=0)) / 2, 2) + 0.0
     return f"({x:g}, {y:g}, {z:g})"
 
 
@@ -313,44 +314,46 @@ def bounds_of(scene: Scene, paths: Iterable[str]) -> Floats | None:
     Returns:
         None if nothing has a place: no object, only pictures in a corner, or no finite number.
     """
-    boxes = [_box(scene, path, thing) for path in paths if (thing := scene.node(path).object) is not None]
-    found = [box for box in boxes if box is not None and np.isfinite(box).all()]
-    if not found:
+    boxes = [
+        _box(scene, path, drawable) for path in paths if (drawable := scene.node(path).object) is not None
+    ]
+    boxes_found = [box for box in boxes if box is not None and np.isfinite(box).all()]
+    if not boxes_found:
         return None
-    lows, highs = np.stack(found, axis=1)
+    lows, highs = np.stack(boxes_found, axis=1)
     corners: Floats = np.stack([lows.min(axis=0), highs.max(axis=0)])
     return corners
 
 
-def _box(scene: Scene, path: str, thing: Drawable) -> Floats | None:
+def _box(scene: Scene, path: str, drawable: Drawable) -> Floats | None:
     """Return the corners of an object's box in the scene's frame, or None if it has no place."""
-    points, reach = _places(thing)
+    points, reach = _places(drawable)
     transform = scene.world_transform(path)
     # Distant points may overflow; such boxes are left out.
     with np.errstate(all="ignore"):
-        placed = points @ transform[:3, :3].T + transform[:3, 3]
+        transformed = points @ transform[:3, :3].T + transform[:3, 3]
         half = reach @ np.abs(transform[:3, :3]).T
-        kept = np.isfinite(placed).all(axis=1)
-        if not kept.any():
+        is_finite = np.isfinite(transformed).all(axis=1)
+        if not is_finite.any():
             return None
-        low, high = (placed - half)[kept], (placed + half)[kept]
-        if len(low) >= _MANY and isinstance(thing, Points):
+        low, high = (transformed - half)[is_finite], (transformed + half)[is_finite]
+        if len(low) >= _MANY and isinstance(drawable, Points):
             return np.stack([np.percentile(low, _MOST[0], axis=0), np.percentile(high, _MOST[1], axis=0)])
         return np.stack([low.min(axis=0), high.max(axis=0)])
 
 
-def _places(thing: Drawable) -> tuple[Reals, Reals]:
+def _places(drawable: Drawable) -> tuple[Reals, Reals]:
     """Return the points of an object, shape (N, 3), and how far it reaches beyond them, shape (N or 1, 3)."""
     nothing = np.zeros((1, 3))
-    if isinstance(thing, Solids):
-        return thing.placements[:, :3, 3], np.abs(thing.placements[:, :3, :3]).sum(axis=2) / 2
-    if isinstance(thing, Mesh):
-        return thing.vertices, nothing
-    if isinstance(thing, Lines | Points):
-        return thing.points, nothing
-    if isinstance(thing, Sheet):
-        rows, columns = thing.cells.shape
-        return np.array([(0, 0, 0), (columns * thing.width, rows * thing.width, 0)]), nothing
-    if isinstance(thing, MeshcatObject):
-        return (np.empty((0, 3)) if thing.stand_in is None else thing.stand_in.vertices), nothing
-    return (np.empty((0, 3)) if isinstance(thing, Inset) else nothing), nothing
+    if isinstance(drawable, Solids):
+        return drawable.placements[:, :3, 3], np.abs(drawable.placements[:, :3, :3]).sum(axis=2) / 2
+    if isinstance(drawable, Mesh):
+        return drawable.vertices, nothing
+    if isinstance(drawable, Lines | Points):
+        return drawable.points, nothing
+    if isinstance(drawable, Sheet):
+        rows, columns = drawable.cells.shape
+        return np.array([(0, 0, 0), (columns * drawable.width, rows * drawable.width, 0)]), nothing
+    if isinstance(drawable, MeshcatObject):
+        return (np.empty((0, 3)) if drawable.stand_in is None else drawable.stand_in.vertices), nothing
+    return (np.empty((0, 3)) if isinstance(drawable, Inset) else nothing), nothing

@@ -55,13 +55,15 @@ class Frame:
 
     def __getstate__(self) -> tuple[Any, ...]:
         """Return the state for pickle, with all matrices in one array, which is ten times faster."""
-        moved = [change for change, value in self.changes.items() if isinstance(value, np.ndarray)]
-        matrices = np.array([self.changes[change] for change in moved])
-        return self.time, self.changes | dict.fromkeys(moved), moved, matrices
+        transform_changes = [
+            change for change, value in self.changes.items() if isinstance(value, np.ndarray)
+        ]
+        matrices = np.array([self.changes[change] for change in transform_changes])
+        return self.time, self.changes | dict.fromkeys(transform_changes), transform_changes, matrices
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
-        self.time, changes, moved, matrices = state
-        self.changes = changes | dict(zip(moved, matrices, strict=True))
+        self.time, changes, transform_changes, matrices = state
+        self.changes = changes | dict(zip(transform_changes, matrices, strict=True))
 
 
 class _Chunk:
@@ -149,11 +151,11 @@ class FrameStore:
     def frames(self) -> Iterator[Frame]:
         """Iterate over the current frames, decompressing one chunk at a time."""
         chunks = [(chunk.packed, tuple(chunk.frames)) for chunk in self._chunks]
-        return chain.from_iterable(frames or _unpack(packed) for packed, frames in chunks)
+        return chain.from_iterable(frames or _unpack(data) for data, frames in chunks)
 
 
-def _unpack(packed: bytes) -> deque[Frame]:
-    frames: deque[Frame] = pickle.loads(zstd.decompress(packed))
+def _unpack(data: bytes) -> deque[Frame]:
+    frames: deque[Frame] = pickle.loads(zstd.decompress(data))
     return frames
 
 
@@ -221,8 +223,8 @@ class SceneRecording:
         with self.scene.lock:
             end, scene = min(self._now(), until), copy_of(self._initial_scene)
             frames = takewhile(lambda frame: frame.time <= end, self._frames.frames())
-            begun, note = self._start, self.note()
-        start = max(begun, end - seconds)
+            recording_start, note = self._start, self.note()
+        start = max(recording_start, end - seconds)
         first = _seek(scene, frames, start if start < end else math.inf)
         if first is None:
             return encoding.snapshot(scene)
@@ -236,7 +238,12 @@ class SceneRecording:
             else:
                 paths = batches[-1]["paths"]
         return encoding.pack(
-            {"start": start, "end": end - start, "note": note * (start == begun), "batches": batches}
+            {
+                "start": start,
+                "end": end - start,
+                "note": note * (start == recording_start),
+                "batches": batches,
+            }
         )
 
     def note(self) -> str:
@@ -306,8 +313,8 @@ def _batch(scene: Scene, frame: Frame) -> dict[str, Any]:
     batch: dict[str, Any] = {}
     if changes:
         batch["commands"] = [c for what, path in changes for c in encoding.commands(scene, what, path)]
-    moved = [path for what, path in frame.changes if what == "transform"]
-    nodes = [node for path in moved if (node := scene.find(path)) is not None]
+    moved_paths = [path for what, path in frame.changes if what == "transform"]
+    nodes = [node for path in moved_paths if (node := scene.find(path)) is not None]
     return batch | (encoding.placements(nodes) if nodes else {})
 
 

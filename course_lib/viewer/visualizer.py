@@ -91,8 +91,8 @@ def textured_mesh(
     colors = pixels[row, np.minimum((u * columns).astype(int), columns - 1)] * color
     if not material.get("transparent"):
         colors[:, 3] = 1.0
-    placed = vertices @ transform[:3, :3].T + transform[:3, 3]
-    return Mesh(placed, faces, colors, lit=material.get("type") != "MeshBasicMaterial")
+    transformed = vertices @ transform[:3, :3].T + transform[:3, 3]
+    return Mesh(transformed, faces, colors, lit=material.get("type") != "MeshBasicMaterial")
 
 
 def _grid(place: Callable[[Floats, Floats], Floats]) -> Surface:
@@ -220,27 +220,29 @@ def drawable_of(json: Json) -> Drawable:
     Boxes, spheres, cylinders, triangles, points, lines and mesh files have an equivalent, unless
     they have textures or are wire frames.
     """
-    thing = json["object"]
+    mesh_object = json["object"]
     geometry, material = _resolve(json, "geometry", "geometries"), _resolve(json, "material", "materials")
     # meshcat stores the matrix column by column.
-    transform_geometry_to_node = np.reshape(thing.get("matrix", np.eye(4)), (4, 4)).T
-    file = thing if thing["type"] == "_meshfile_object" else geometry
+    transform_geometry_to_node = np.reshape(mesh_object.get("matrix", np.eye(4)), (4, 4)).T
+    file = mesh_object if mesh_object["type"] == "_meshfile_object" else geometry
     special = material.get("map") or material.get("wireframe") or file.get("resources")
     if str(file.get("type", "")).startswith("_meshfile") and not special:
         content = file["data"].encode() if isinstance(file["data"], str) else bytes(file["data"].data)
         color = tuple(_color(material).tolist()) if material else None
         return _transform_drawable(parse_mesh(content, file["format"], color), transform_geometry_to_node)
     lit = material.get("type") != "MeshBasicMaterial"
-    if thing["type"] == "Mesh" and geometry.get("type") in _SOLIDS and not special:
+    if mesh_object["type"] == "Mesh" and geometry.get("type") in _SOLIDS and not special:
         shape, transform_unit_to_geometry = _SOLIDS[geometry["type"]](geometry)
         placement = transform_geometry_to_node @ transform_unit_to_geometry
         return Solids(shape, [placement], _color(material), lit)
-    if thing["type"] in _BUFFERS and geometry.get("type") == "BufferGeometry" and not special:
+    if mesh_object["type"] in _BUFFERS and geometry.get("type") == "BufferGeometry" and not special:
         attributes = geometry["data"]["attributes"]
         colors = _colors(attributes, material)
-        drawn = _BUFFERS[thing["type"]](_array(attributes["position"]), colors, geometry["data"], material)
-        return _transform_drawable(drawn, transform_geometry_to_node)
-    if thing["type"] != "Mesh" or not material.get("map"):
+        drawable = _BUFFERS[mesh_object["type"]](
+            _array(attributes["position"]), colors, geometry["data"], material
+        )
+        return _transform_drawable(drawable, transform_geometry_to_node)
+    if mesh_object["type"] != "Mesh" or not material.get("map"):
         return MeshcatObject(json, None)
     return MeshcatObject(
         json, textured_mesh(json, geometry, material, _color(material), transform_geometry_to_node)
@@ -249,18 +251,18 @@ def drawable_of(json: Json) -> Drawable:
 
 def _resolve(json: Json, field: str, library: str) -> Json:
     """Return the entry of `library` whose uuid is in the object's `field`, or {} if there is none."""
-    wanted = json["object"].get(field)
-    return next((part for part in json.get(library, ()) if part["uuid"] == wanted), {})
+    uuid = json["object"].get(field)
+    return next((part for part in json.get(library, ()) if part["uuid"] == uuid), {})
 
 
-def recolor(thing: Drawable, color: Sequence[float]) -> Drawable:
+def recolor(drawable: Drawable, color: Sequence[float]) -> Drawable:
     """Return the same object in a single color, RGBA in 0..1."""
-    if isinstance(thing, MeshcatObject):
+    if isinstance(drawable, MeshcatObject):
         red, green, blue, alpha = (round(255 * part) for part in color)
         paint = {"color": red << 16 | green << 8 | blue, "opacity": alpha / 255, "transparent": alpha < 255}
-        materials = [{**material, **paint} for material in thing.json.get("materials", ())]
-        return drawable_of({**thing.json, "materials": materials})
-    other = copy(thing)
+        materials = [{**material, **paint} for material in drawable.json.get("materials", ())]
+        return drawable_of({**drawable.json, "materials": materials})
+    other = copy(drawable)
     setattr(other, "color" if isinstance(other, Text) else "colors", rgba(color))
     return other
 
@@ -281,19 +283,19 @@ def _colors(attributes: Json, material: Json) -> Float32s:
     return np.column_stack([rgb, np.full(len(rgb), color[3])]).astype(np.float32)
 
 
-def _array(packed: Json) -> Any:
+def _array(attribute: Json) -> Any:
     """Return an array of triples, shape (N, 3)."""
-    return np.frombuffer(packed["array"].data, _TYPES[packed["array"].type]).reshape(-1, 3)
+    return np.frombuffer(attribute["array"].data, _TYPES[attribute["array"].type]).reshape(-1, 3)
 
 
-def _transform_drawable(drawn: Drawable, transform: Matrix) -> Drawable:
+def _transform_drawable(drawable: Drawable, transform: Matrix) -> Drawable:
     """Transform a mesh, points or lines."""
     if np.array_equal(transform, np.eye(4)):
-        return drawn
-    other = copy(drawn)
-    field = "vertices" if isinstance(drawn, Mesh) else "points"
-    placed = getattr(drawn, field) @ transform[:3, :3].T + transform[:3, 3]
-    setattr(other, field, float_array(field, placed, (None, 3)))
+        return drawable
+    other = copy(drawable)
+    field = "vertices" if isinstance(drawable, Mesh) else "points"
+    transformed = getattr(drawable, field) @ transform[:3, :3].T + transform[:3, 3]
+    setattr(other, field, float_array(field, transformed, (None, 3)))
     if isinstance(other, Mesh):
         # Normals are invalid after a transform with scaling.
         other.normals = None
@@ -440,9 +442,9 @@ class Window:
         lowered = command.lower()
         handler = self._handlers.get(lowered["type"])
         if handler is None:
-            known = ", ".join(self._handlers)
+            supported = ", ".join(self._handlers)
             raise CourseError(
-                f"meshcat's command {lowered['type']!r} is not supported; supported commands: {known}."
+                f"meshcat's command {lowered['type']!r} is not supported; supported commands: {supported}."
             )
         path = lowered["path"].strip("/")
         if not path.startswith(_FURNITURE):
@@ -500,16 +502,16 @@ def _replace_part(matrix: Matrix, name: str, value: npt.ArrayLike) -> Matrix:
     # Imported here because meshcat is slow to load.
     from meshcat.transformations import quaternion_matrix
 
-    changed, numbers = matrix.copy(), np.asarray(value, float)
+    changed_matrix, numbers = matrix.copy(), np.asarray(value, float)
     scale = np.linalg.norm(matrix[:3, :3], axis=0)
     if name == "position":
-        changed[:3, 3] = numbers
+        changed_matrix[:3, 3] = numbers
     elif name == "quaternion":
         # meshcat's order is w, x, y, z.
-        changed[:3, :3] = quaternion_matrix(np.roll(numbers, 1))[:3, :3] * scale
+        changed_matrix[:3, :3] = quaternion_matrix(np.roll(numbers, 1))[:3, :3] * scale
     else:
-        changed[:3, :3] = matrix[:3, :3] / np.where(scale, scale, 1) * numbers
-    return changed
+        changed_matrix[:3, :3] = matrix[:3, :3] / np.where(scale, scale, 1) * numbers
+    return changed_matrix
 
 
 _CAMERA_OBJECT = "/Cameras/default/rotated/<object>"

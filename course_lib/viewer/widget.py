@@ -233,18 +233,18 @@ def _with_caption(png: bytes) -> bytes:
     """Add a caption to a picture, which explains how to get the interactive view."""
     picture = Image.open(BytesIO(png)).convert("RGB")
     font = ImageFont.load_default(12)
-    whole = Image.new("RGB", (picture.width, picture.height + 20), "white")
-    whole.paste(picture, (0, 0))
-    ImageDraw.Draw(whole).text((4, picture.height + 3), _CAPTION, fill="black", font=font)
+    captioned = Image.new("RGB", (picture.width, picture.height + 20), "white")
+    captioned.paste(picture, (0, 0))
+    ImageDraw.Draw(captioned).text((4, picture.height + 3), _CAPTION, fill="black", font=font)
     small = BytesIO()
-    whole.quantize(128).save(small, "png", optimize=True)
+    captioned.quantize(128).save(small, "png", optimize=True)
     return small.getvalue()
 
 
 def _triangles(scene: Scene) -> int:
     """Estimate the number of triangles in a picture."""
-    things = scene.objects().values()
-    count = sum(len(thing.faces) for thing in things if isinstance(thing, Mesh))
-    count += sum(2 * len(thing.points) for thing in things if isinstance(thing, Points))
-    solids = [(len(t.placements), 12 if t.shape == "box" else 200) for t in things if isinstance(t, Solids)]
+    objects = scene.objects().values()
+    count = sum(len(drawable.faces) for drawable in objects if isinstance(drawable, Mesh))
+    count += sum(2 * len(drawable.points) for drawable in objects if isinstance(drawable, Points))
+    solids = [(len(t.placements), 12 if t.shape == "box" else 200) for t in objects if isinstance(t, Solids)]
     return count + sum(number * each for number, each in solids)

@@ -45,12 +45,12 @@ class ViewerCell:
                 "No page shows this viewer, so no click can occur. Write viewer on the last line "
                 "of a cell in JupyterLab, and call pick() in a cell below."
             )
-        clicked: asyncio.Future[Click] = asyncio.get_running_loop().create_future()
-        self.on_click.append(clicked.set_result)
+        click: asyncio.Future[Click] = asyncio.get_running_loop().create_future()
+        self.on_click.append(click.set_result)
         try:
-            return await clicked
+            return await click
         finally:
-            self.on_click.remove(clicked.set_result)
+            self.on_click.remove(click.set_result)
 
     def mime_bundle(self, viewer: object, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the cell's output; pages without scripts get an image and the status table.
@@ -62,8 +62,8 @@ class ViewerCell:
         widget = self._widget(viewer)
         side_panel.take(widget)
         data, metadata = widget._repr_mimebundle_(**kwargs)
-        words = f"{data['text/plain']}\n{StatusTable(self._session.rows())}"
-        return data | {"text/plain": words}, metadata
+        text = f"{data['text/plain']}\n{StatusTable(self._session.rows())}"
+        return data | {"text/plain": text}, metadata
 
     def dock(self, viewer: object) -> None:
         """Show the viewer in a cell, from which JupyterLab moves it to a side panel, as all later views."""
@@ -143,10 +143,10 @@ class ViewerCell:
         pace.views.add(self._is_displayed)
         view = SceneWidget(self._session.context.scene, label="RViz view")
         self._add_panels(view.link, view.close)
-        known = weakref.ref(viewer)
+        viewer_reference = weakref.ref(viewer)
 
         def on_views(count: int) -> None:
-            view.keeps = owner = known()
+            view.keeps = owner = viewer_reference()
             if not count and owner is not None:
                 view.keeps = None
                 _forget(owner)
@@ -160,7 +160,7 @@ class ViewerCell:
 
     def _links(self) -> list[PageLink]:
         """Return the connections to pages."""
-        return [shown.link for shown in (self._view, self._server) if shown is not None]
+        return [page.link for page in (self._view, self._server) if page is not None]
 
     def _is_hidden(self) -> bool:
         """Return whether the tabs of all pages that show the scene are hidden."""
@@ -186,7 +186,7 @@ def _forget(result: object) -> None:
         return
     names, hook = shell.user_ns, vars(shell.displayhook)
     for holder in (names, names.get("_oh", {}), shell.user_ns_hidden, hook):
-        for name in [name for name, held in holder.items() if held is result]:
+        for name in [name for name, value in holder.items() if value is result]:
             if isinstance(name, int) or name.strip("_").isdigit():
                 del holder[name]
             elif not name.strip("_"):

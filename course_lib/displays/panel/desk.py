@@ -137,8 +137,8 @@ class Rows(dict[str, RowEntry]):
 
         key, value = f"{parent}#{prop.path[-1]}", holder[prop.label]
         editor = _editor(prop, holder)
-        shown = "" if prop.convert is booleans else value if editor.kind != "none" else str(value)
-        self.put(key, parent, prop.path[-1], edit, editor=editor, value=shown)
+        shown_value = "" if prop.convert is booleans else value if editor.kind != "none" else str(value)
+        self.put(key, parent, prop.path[-1], edit, editor=editor, value=shown_value)
         if prop.convert is booleans:
             for name, on in value.items():
                 tick = partial(self._set_check_box, holder, prop.label, name)
@@ -305,8 +305,8 @@ class OrderDesk:
         edit(order.value)
 
     def _add(self, order: AddDisplay) -> None:
-        chosen = self.rows.get(order.row)
-        group = chosen.member if chosen and isinstance(chosen.member, Group) else None
+        row_entry = self.rows.get(order.row)
+        group = row_entry.member if row_entry and isinstance(row_entry.member, Group) else None
         if order.display == GROUP:
             self._session.add_group("Group", group)
             return
@@ -338,12 +338,12 @@ class OrderDesk:
         self._session.apply(read_layout(path))
         self.notice = Notice("ok", f"Opened {self.file}.")
 
-    def _path(self, wanted: str) -> Path:
+    def _path(self, text: str) -> Path:
         """Return the path of a layout in one of the folders of layouts."""
-        name = wanted.strip()
+        name = text.strip()
         folder, _, last = name.rpartition("/")
         if not last or last != Path(last).name or folder not in _FOLDERS:
-            raise CourseError(f"{wanted!r} is not a file name; use one like view.rviz.")
+            raise CourseError(f"{text!r} is not a file name; use one like view.rviz.")
         self.file = name if name.endswith(".rviz") else f"{name}.rviz"
         return Path.cwd() / self.file
 
@@ -499,11 +499,13 @@ class Desk:
             self._waiting, self._posted = False, wall.monotonic()
             state, rows = self.full_state()
             now = msgspec.structs.asdict(state)
-            changed = {name: value for name, value in now.items() if value != getattr(self._sent, name, None)}
+            changed_fields = {
+                name: value for name, value in now.items() if value != getattr(self._sent, name, None)
+            }
             changed_rows = {key: row for key, row in rows.items() if row != self._sent_rows.get(key)}
-            news = PanelNews(changed, changed_rows, tuple(self._sent_rows.keys() - rows.keys()))
+            news = PanelNews(changed_fields, changed_rows, tuple(self._sent_rows.keys() - rows.keys()))
             self._sent, self._sent_rows = state, rows
-            if changed or changed_rows or news.gone:
+            if changed_fields or changed_rows or news.gone:
                 self._link.post({"type": "desk", **to_json(news)})
 
     def full_state(self) -> tuple[PanelState, dict[str, PanelRow]]:
@@ -511,10 +513,10 @@ class Desk:
         session, orders = self._session, self._orders
         tree, view, tools = display_rows(session), view_rows(session), tool_rows(session)
         orders.rows = tree | view | tools
-        saved = tuple(saved.name for saved in session.saved_views)
-        here = Path.cwd()
-        files = (path for folder in _FOLDERS for path in sorted((here / folder).glob("*.rviz")))
-        layouts = tuple(path.relative_to(here).as_posix() for path in files)
+        view_names = tuple(view_names.name for view_names in session.saved_views)
+        working_folder = Path.cwd()
+        files = (path for folder in _FOLDERS for path in sorted((working_folder / folder).glob("*.rviz")))
+        layouts = tuple(path.relative_to(working_folder).as_posix() for path in files)
         # The status line has the first of the worst statuses; if all are ok, the number of
         # displays.
         statuses = session.rows()
@@ -531,7 +533,7 @@ class Desk:
             toolbar=tuple(ToolButton(tool.label, tool.key, tool.gesture) for tool in session.tools),
             settings=settings_of(session.tools),
             hands=session.view.hands(),
-            views=ViewChoice(repr(session.view), tuple(VIEWS), saved),
+            views=ViewChoice(repr(session.view), tuple(VIEWS), view_names),
             status=StatusLine(mark_of(level), status),
             notice=orders.notice,
             selection=orders.selection,
@@ -547,13 +549,15 @@ class Desk:
 
     def _topics(self) -> tuple[AddableTopic, ...]:
         """Return the topics with messages or publishers, with each display class for them."""
-        known = dict(self._session.types)
+        types_by_topic = dict(self._session.types)
         if self._graph:
-            known |= {end.topic: end.type_name for end in self._graph.endpoints() if end.kind == "pub"}
+            types_by_topic |= {
+                end.topic: end.type_name for end in self._graph.endpoints() if end.kind == "pub"
+            }
         types = [(name, getattr(display, "type_name", "")) for name, display in REGISTRY.items()]
         addable = (
             AddableTopic(topic, kind, name)
-            for topic, kind in known.items()
+            for topic, kind in types_by_topic.items()
             for name, takes in types
             if takes == kind
         )

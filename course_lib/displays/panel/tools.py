@@ -148,21 +148,21 @@ def all_tools() -> tuple[Tool, ...]:
 
 def load_tools(tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Set the tools' properties from a layout, and yield the problems with it."""
-    known = {tool.class_name: tool for tool in tools}
+    tools_by_class = {tool.class_name: tool for tool in tools}
     # In reverse order, so that the first tool of a class has precedence.
     for config in reversed(configs):
-        wanted = text_at(config, "Class")
-        if wanted in known:
-            yield from known[wanted].load(config)
+        class_name = text_at(config, "Class")
+        if class_name in tools_by_class:
+            yield from tools_by_class[class_name].load(config)
         else:
-            yield f"There is no tool {wanted!r}; the layout keeps its settings."
+            yield f"There is no tool {class_name!r}; the layout keeps its settings."
 
 
 def advertise_tools(node: RvizNode, tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> None:
     """Advertise the topics of the tools in a layout, as RViz does when it loads one."""
-    wanted = {text_at(config, "Class") for config in configs}
+    class_names = {text_at(config, "Class") for config in configs}
     for tool in tools:
-        if isinstance(tool, PublishPoint) and tool.class_name in wanted:
+        if isinstance(tool, PublishPoint) and tool.class_name in class_names:
             tool.node = node
             tool.advertise()
 
@@ -180,10 +180,10 @@ def publish(node: RvizNode, tools: Iterable[Tool], fixed_frame: str, order: Publ
     Raises:
         CourseError: If there is no such tool.
     """
-    known = {tool.label: tool for tool in tools if isinstance(tool, PublishPoint)}
-    if order.tool not in known:
-        raise CourseError(f"There is no tool {order.tool!r} that publishes, but {', '.join(known)}.")
-    tool = known[order.tool]
+    tools_by_label = {tool.label: tool for tool in tools if isinstance(tool, PublishPoint)}
+    if order.tool not in tools_by_label:
+        raise CourseError(f"There is no tool {order.tool!r} that publishes, but {', '.join(tools_by_label)}.")
+    tool = tools_by_label[order.tool]
     message = tool.message(fixed_frame, node.now_ns, order.point, order.angle)
     node.publish(tool.topic, tool.type_name, qos_of(tool), message)
     return tool.confirmation(tool.topic, message)

@@ -274,8 +274,8 @@ class Isolation:
         if self.is_full:
             return f"full sandbox ({have})"
         kind = "partial sandbox" if self.is_protective else "no sandbox"
-        seen = "" if self.hides_names or not self.is_protective else "; file names are not hidden"
-        return f"{kind} ({f'has {have}; ' if have else ''}lacks {', '.join(missing)}{seen})"
+        exposure = "" if self.hides_names or not self.is_protective else "; file names are not hidden"
+        return f"{kind} ({f'has {have}; ' if have else ''}lacks {', '.join(missing)}{exposure})"
 
     def require(self, need: Need) -> None:
         """Raise an error if the isolation is weaker than required.

@@ -57,13 +57,13 @@ def distribution_files() -> Iterator[str]:
     Raises:
         CourseError: The kit itself is not installed.
     """
-    for found in _declared_distributions():
-        folder = Path(str(found.locate_file("")))
-        names = _record_entries(found)
+    for package in _declared_distributions():
+        folder = Path(str(package.locate_file("")))
+        names = _record_entries(package)
         # The distribution has no RECORD, or was installed with -e.
-        if not names - {_metadata_folder(found)} - {name for name in names if name.endswith(".pth")}:
-            names |= set((found.read_text("top_level.txt") or "").split())
-            yield from _locate(found.metadata["Name"].replace("-", "_"))
+        if not names - {_metadata_folder(package)} - {name for name in names if name.endswith(".pth")}:
+            names |= set((package.read_text("top_level.txt") or "").split())
+            yield from _locate(package.metadata["Name"].replace("-", "_"))
         for name in names:
             yield str(folder / name)
             # top_level.txt lists modules without their suffix.
@@ -74,15 +74,15 @@ def _declared_distributions() -> Iterator[Distribution]:
     """Yield the kit's distribution and its recursive requirements; missing ones are skipped."""
     from packaging.requirements import Requirement
 
-    seen, waiting = set[tuple[str, frozenset[str]]](), [Requirement(DISTRIBUTION)]
+    visited, waiting = set[tuple[str, frozenset[str]]](), [Requirement(DISTRIBUTION)]
     while waiting:
         need = waiting.pop()
         key = (need.name.lower(), frozenset(need.extras))
-        if key in seen:
+        if key in visited:
             continue
-        seen.add(key)
+        visited.add(key)
         try:
-            found = distribution(need.name)
+            package = distribution(need.name)
         except PackageNotFoundError as error:
             if need.name == DISTRIBUTION:
                 problem = (
@@ -90,27 +90,27 @@ def _declared_distributions() -> Iterator[Distribution]:
                 )
                 raise CourseError(problem) from error
             continue
-        yield found
+        yield package
         extras = need.extras or {""}
         waiting += [
-            more for more in map(Requirement, _requirements(found))
+            more for more in map(Requirement, _requirements(package))
             if more.marker is None or any(more.marker.evaluate({"extra": extra}) for extra in extras)
         ]  # fmt: skip
 
 
-def _requirements(found: Distribution) -> Sequence[str]:
+def _requirements(package: Distribution) -> Sequence[str]:
     """Return a distribution's requirements, without slowly parsing its long description."""
-    head, _, _ = (found.read_text("METADATA") or "").partition("\n\n")
+    head, _, _ = (package.read_text("METADATA") or "").partition("\n\n")
     if not head:
-        return found.requires or ()
+        return package.requires or ()
     key = "Requires-Dist:"
     return [line.removeprefix(key).strip() for line in head.splitlines() if line.startswith(key)]
 
 
-def _record_entries(found: Distribution) -> set[str]:
+def _record_entries(package: Distribution) -> set[str]:
     """Return the top-level names in a RECORD file, and the full paths in a shared `__pycache__`."""
-    names = {_metadata_folder(found)}
-    for line in (found.read_text("RECORD") or "").splitlines():
+    names = {_metadata_folder(package)}
+    for line in (package.read_text("RECORD") or "").splitlines():
         path = line.strip('"').split(",", 1)[0]
         first = path.split("/", 1)[0]
         if first not in ("", "..") and not path.startswith("/"):
@@ -118,9 +118,9 @@ def _record_entries(found: Distribution) -> set[str]:
     return names
 
 
-def _metadata_folder(found: Distribution) -> str:
+def _metadata_folder(package: Distribution) -> str:
     # importlib.metadata has no public attribute for it.
-    return Path(str(getattr(found, "_path", ""))).name
+    return Path(str(getattr(package, "_path", ""))).name
 
 
 def _locate(name: str) -> Iterator[str]:
@@ -158,24 +158,28 @@ def readable(refused: tuple[str, ...] = ()) -> Readable:
     Raises:
         CourseError: A needed path is itself refused.
     """
-    folders, needed = _needed_files()
-    return select_readable(needed, folders, refused)
+    folders, needed_paths = _needed_files()
+    return select_readable(needed_paths, folders, refused)
 
 
 @cache
 def _needed_files() -> tuple[list[str], list[str]]:
     """Return the module search path, and all needed files and folders, including refused ones."""
-    found = [*site.getsitepackages(), site.getusersitepackages(), *sys.path]
-    named = [path for path in found if os.path.basename(path) in ("lib-dynload", *PACKAGE_FOLDERS)]
-    folders = list(filter(os.path.isdir, dict.fromkeys([os.path.dirname(os.__file__), *named])))
+    search_path = [*site.getsitepackages(), site.getusersitepackages(), *sys.path]
+    package_folders = [
+        path for path in search_path if os.path.basename(path) in ("lib-dynload", *PACKAGE_FOLDERS)
+    ]
+    folders = list(filter(os.path.isdir, dict.fromkeys([os.path.dirname(os.__file__), *package_folders])))
     return folders, [*_system_files(), *_interpreter_files(), *folders, *distribution_files(), KIT]
 
 
-def select_readable(needed: Iterable[str], folders: Collection[str], refused: Collection[str]) -> Readable:
+def select_readable(
+    needed_paths: Iterable[str], folders: Collection[str], refused: Collection[str]
+) -> Readable:
     """Return the readable subset of the needed files and folders.
 
     Args:
-        needed: Files and folders that are needed completely, except for refused paths.
+        needed_paths: Files and folders that are needed completely, except for refused paths.
         folders: The module search path. Of folders with packages, only needed packages are
             readable.
         refused: Paths of the course.
@@ -183,36 +187,38 @@ def select_readable(needed: Iterable[str], folders: Collection[str], refused: Co
     Raises:
         CourseError: A needed path is itself refused.
     """
-    wanted = [path for path in dict.fromkeys(needed) if os.path.exists(path)]
+    existing = [path for path in dict.fromkeys(needed_paths) if os.path.exists(path)]
     course = [path for path in map(os.path.realpath, refused) if not _contains(HANDED_OUT, path)]
     shared = _package_folders(folders)
     handed_out = [HANDED_OUT] * os.path.exists(HANDED_OUT)
     paths, conflict = set[str](), ""
-    for path in map(os.path.realpath, wanted):
+    for path in map(os.path.realpath, existing):
         if path in course:
             raise CourseError(f"submissions must not read {path}, but Python needs it to run them: move it")
         conflict = next((one for one in course if _contains(path, one) and path not in shared), conflict)
         is_package = any(_contains(folder, path) and folder != path for folder in shared)
         paths.update(_exclude(path, [*course, *handed_out, *([] if is_package else shared)]))
     looked_in = map(os.path.realpath, [*folders, KIT])
-    listed = [path for path in looked_in if not any(_contains(path, one) for one in course)]
-    links = dict(link for path in wanted for link in symlinks_on(path))
+    listed_folders = [path for path in looked_in if not any(_contains(path, one) for one in course)]
+    links = dict(link for path in existing for link in symlinks_on(path))
     # These are the links, not their targets.
     links |= {path: os.readlink(path) for path in paths if os.path.islink(path)}
-    return Readable(tuple(_outermost(paths - links.keys())), tuple(links.items()), tuple(listed), conflict)
+    return Readable(
+        tuple(_outermost(paths - links.keys())), tuple(links.items()), tuple(listed_folders), conflict
+    )
 
 
 def symlinks_on(path: str) -> Iterator[tuple[str, str]]:
     """Yield the symbolic links on the way to an existing path, with their targets."""
-    done, rest = "/", path.split("/")
-    while rest:
-        name = rest.pop(0)
-        done = os.path.normpath(os.path.join(done, name))
-        if os.path.islink(done):
-            target = os.readlink(done)
-            yield done, target
-            done, rest = os.path.dirname(done), [*target.split("/"), *rest]
-            done = "/" if target.startswith("/") else done
+    prefix, components = "/", path.split("/")
+    while components:
+        name = components.pop(0)
+        prefix = os.path.normpath(os.path.join(prefix, name))
+        if os.path.islink(prefix):
+            target = os.readlink(prefix)
+            yield prefix, target
+            prefix, components = os.path.dirname(prefix), [*target.split("/"), *components]
+            prefix = "/" if target.startswith("/") else prefix
 
 
 def _system_files() -> Iterator[str]:
@@ -234,9 +240,9 @@ def _interpreter_files() -> Iterator[str]:
 def _package_folders(folders: Collection[str]) -> list[str]:
     """Return folders with packages that the kit may not need, including folders of other interpreters."""
     inside = [os.path.join(folder, name) for folder in folders for name in PACKAGE_FOLDERS]
-    others = glob.glob("/usr/lib*/python*/*-packages")
-    named = [path for path in folders if os.path.basename(path) in PACKAGE_FOLDERS]
-    return [os.path.realpath(path) for path in (*named, *inside, *others)]
+    system_folders = glob.glob("/usr/lib*/python*/*-packages")
+    package_folders = [path for path in folders if os.path.basename(path) in PACKAGE_FOLDERS]
+    return [os.path.realpath(path) for path in (*package_folders, *inside, *system_folders)]
 
 
 def _contains(folder: str, path: str) -> bool:
@@ -249,7 +255,11 @@ def _exclude(path: str, refused: Collection[str]) -> list[str]:
         return []
     if not any(_contains(path, one) for one in refused):
         return [path]
-    return [kept for name in os.listdir(path) for kept in _exclude(os.path.join(path, name), refused)]
+    return [
+        remaining_path
+        for name in os.listdir(path)
+        for remaining_path in _exclude(os.path.join(path, name), refused)
+    ]
 
 
 def _outermost(paths: Iterable[str]) -> Iterator[str]:
@@ -319,8 +329,8 @@ def settle(
             has_own = root == "own"
             # In a root of its own, everything that it contains is readable.
             tops = sorted({"/" + path.split("/")[1] for path in read})
-            folder, kept = (INSIDE, tops) if has_own else (scratch, read)
-            place = Place(root, user, number, folder, tuple(kept), tuple(listed))
+            folder, visible_paths = (INSIDE, tops) if has_own else (scratch, read)
+            place = Place(root, user, number, folder, tuple(visible_paths), tuple(listed))
             if works(lambda place=place: _try(place, read, links)):  # type: ignore[misc]
                 if has_own:
                     os.rmdir(scratch)
@@ -363,8 +373,8 @@ def _move(place: Place, read: Sequence[str], links: Sequence[tuple[str, str]]) -
     if place.user != "same":
         _change_user(place)
     if place.root == "own":
-        shown = [*read, *filter(os.path.exists, DEVICES)]
-        layers.enter_root(shown, place.listed, links, place.scratch)
+        visible_paths = [*read, *filter(os.path.exists, DEVICES)]
+        layers.enter_root(visible_paths, place.listed, links, place.scratch)
 
 
 def _try(place: Place, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
@@ -431,9 +441,9 @@ class TemplateProcess:
         for bubblewrap, roots in _attempts(off):
             scratch = INSIDE if bubblewrap else tempfile.mkdtemp(prefix="course_worker_")
             place = {**_place_arguments(files, off), "roots": roots, "scratch": scratch}
-            self._control, theirs = socket.socketpair()
-            with theirs:
-                self._process = _start(theirs, place, bubblewrap, files, off)
+            self._control, child_end = socket.socketpair()
+            with child_end:
+                self._process = _start(child_end, place, bubblewrap, files, off)
             self._control.settimeout(START_SECONDS)
             answer = self._control.recv(2**16)
             if answer:
@@ -465,7 +475,7 @@ class TemplateProcess:
         Returns:
             The grader's ends of the channel and of the output pipe.
         """
-        ours, theirs = socket.socketpair()
+        own_end, child_end = socket.socketpair()
         reader, writer = os.pipe()
         if sys.platform == "linux":
             import fcntl
@@ -473,11 +483,11 @@ class TemplateProcess:
             # A small pipe is only slower.
             with suppress(OSError):
                 fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, PIPE_HOLDS)
-        with theirs:
-            wanted = {"limits": asdict(limits), "imports": list(imports), "processors": processors()}
-            socket.send_fds(self._control, [json.dumps(wanted).encode()], [theirs.fileno(), writer])
+        with child_end:
+            request = {"limits": asdict(limits), "imports": list(imports), "processors": processors()}
+            socket.send_fds(self._control, [json.dumps(request).encode()], [child_end.fileno(), writer])
         os.close(writer)
-        return ours, reader
+        return own_end, reader
 
     @property
     def pid(self) -> int:
@@ -538,10 +548,10 @@ def shared_template(refused: tuple[str, ...] = ()) -> TemplateProcess:
 def _attempts(off: Collection[str]) -> list[tuple[str, list[str]]]:
     """Return (path of bubblewrap or "", acceptable roots) for each start attempt, the most isolated first."""
     bubblewrap = shutil.which("bwrap") or "" if "bubblewrap" not in off else ""
-    own = ["own"] if "namespaces" not in off else []
+    own_root = ["own"] if "namespaces" not in off else []
     if not bubblewrap:
-        return [("", [*own, "host"])]
-    return [*([("", own)] if own else []), (bubblewrap, ["bubblewrap"]), ("", ["host"])]
+        return [("", [*own_root, "host"])]
+    return [*([("", own_root)] if own_root else []), (bubblewrap, ["bubblewrap"]), ("", ["host"])]
 
 
 def _place_arguments(files: Readable, off: Collection[str]) -> dict[str, Any]:
@@ -581,5 +591,16 @@ def _start(
 def _bubblewrap(program: str, files: Readable) -> list[str]:
     links = [word for link, target in files.links for word in ("--symlink", target, link)]
     binds = [word for path in files.paths for word in ("--ro-bind", path, path)]
-    become = BECOME_ANOTHER.split() if os.geteuid() == 0 else []
-    return [program, *BUBBLEWRAP.split(), *links, *binds, "--perms", "0777", "--dir", INSIDE, *become, "--"]
+    identity_options = BECOME_ANOTHER.split() if os.geteuid() == 0 else []
+    return [
+        program,
+        *BUBBLEWRAP.split(),
+        *links,
+        *binds,
+        "--perms",
+        "0777",
+        "--dir",
+        INSIDE,
+        *identity_options,
+        "--",
+    ]

@@ -31,20 +31,20 @@ def apply_limits(limits: Limits, *, counts_from_zero: bool) -> None:
         counts_from_zero: Whether the kernel counts only processes in the jail, not all of the
             user's.
     """
-    others = 0 if counts_from_zero else _threads_of(os.getuid())
-    wanted = {
+    running_threads = 0 if counts_from_zero else _threads_of(os.getuid())
+    soft_limits = {
         "RLIMIT_CORE": 0,
         "RLIMIT_CPU": limits.total_seconds + SPARE_SECONDS,
         "RLIMIT_AS": limits.memory_megabytes * MEGABYTE,
         "RLIMIT_FSIZE": limits.scratch_megabytes * MEGABYTE,
         "RLIMIT_NOFILE": OPEN_FILES,
-        "RLIMIT_NPROC": others + limits.processes,
+        "RLIMIT_NPROC": running_threads + limits.processes,
     }
-    for name, value in wanted.items():
+    for name, value in soft_limits.items():
         kind = getattr(resource, name, None)
         if kind is not None:
-            most = resource.getrlimit(kind)[1]
-            value = round(value) if most == resource.RLIM_INFINITY else min(round(value), most)
+            hard_limit = resource.getrlimit(kind)[1]
+            value = round(value) if hard_limit == resource.RLIM_INFINITY else min(round(value), hard_limit)
             resource.setrlimit(kind, (value, value))
 
 
@@ -64,8 +64,8 @@ def stop_writing(folder: str, megabytes: float) -> Usage:
     Returns:
         The size of the folder.
     """
-    held = Usage(files_megabytes=round(_folder_size(folder) / 2**20, 1))
-    if held.exceeds_by_far(megabytes):
+    usage = Usage(files_megabytes=round(_folder_size(folder) / 2**20, 1))
+    if usage.exceeds_by_far(megabytes):
         for pid in descendants(os.getpid()):
             with suppress(ProcessLookupError):
                 try:
@@ -74,16 +74,16 @@ def stop_writing(folder: str, megabytes: float) -> Usage:
                 except PermissionError:
                     # Not permitted for a process with another real user id.
                     os.kill(pid, signal.SIGKILL)
-    return held
+    return usage
 
 
 def _folder_size(folder: str) -> int:
     """Return the size of a folder [B], without folders that can't be read."""
-    total, seen, waiting = 0, 0, [folder]
-    while waiting and seen < MANY:
+    total, visited, waiting = 0, 0, [folder]
+    while waiting and visited < MANY:
         with suppress(OSError):
             for entry in os.scandir(waiting.pop()):
-                seen += 1
+                visited += 1
                 total += entry.stat(follow_symlinks=False).st_blocks * 512
                 if entry.is_dir(follow_symlinks=False):
                     waiting.append(entry.path)

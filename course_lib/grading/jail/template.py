@@ -62,7 +62,7 @@ def working_layers(place: Place, off: Collection[str]) -> list[str]:
     return layers
 
 
-def enter_jail(place: Place, layers: Collection[str], given: Limits) -> None:
+def enter_jail(place: Place, layers: Collection[str], limits: Limits) -> None:
     """Enter the jail irrevocably. With namespaces, only a fork of this process returns from here.
 
     Raises:
@@ -70,14 +70,14 @@ def enter_jail(place: Place, layers: Collection[str], given: Limits) -> None:
     """
     folder = place.scratch
     if "namespaces" in layers:
-        _enter_namespaces(place, given)
+        _enter_namespaces(place, limits)
     else:
         folder = tempfile.mkdtemp(dir=place.scratch)
     os.chdir(folder)
     os.environ.update(dict.fromkeys(HOMES, folder))
     if "limits" in layers:
         counts_from_zero = "namespaces" in layers or place.user != "same"
-        apply_limits(given, counts_from_zero=counts_from_zero)
+        apply_limits(limits, counts_from_zero=counts_from_zero)
     if platform.system() == "Linux":
         # An additional protection if the system supports it.
         with suppress(OSError):
@@ -90,12 +90,12 @@ def enter_jail(place: Place, layers: Collection[str], given: Limits) -> None:
         filter_calls()
 
 
-def _enter_namespaces(place: Place, given: Limits) -> None:
+def _enter_namespaces(place: Place, limits: Limits) -> None:
     enter_namespaces()
     first = os.fork()
     if first:
         os._exit(0)
-    mount_files(place.scratch, given.scratch_megabytes)
+    mount_files(place.scratch, limits.scratch_megabytes)
 
 
 def _restrict_files(place: Place, folder: str) -> None:
@@ -151,17 +151,17 @@ class Template:
             if message == b"stop":
                 self._control.send(self._stop().as_json().encode())
             else:
-                wanted = read_json(message)
+                request = read_json(message)
                 # Imports in the template are done once for all later submissions.
-                for module in wanted["imports"]:
+                for module in request["imports"]:
                     importlib.import_module(module)
                 # Frozen objects keep their memory pages shared with the forks.
                 gc.freeze()
-                if wanted["processors"]:
+                if request["processors"]:
                     # A processor may have gone offline, which makes the run only slower.
                     with suppress(OSError):
-                        os.sched_setaffinity(0, wanted["processors"])
-                self._limits = Limits(**wanted["limits"])
+                        os.sched_setaffinity(0, request["processors"])
+                self._limits = Limits(**request["limits"])
                 self._start(self._limits, descriptors)
         self._stop()
 
@@ -227,10 +227,10 @@ def empty_folder(folder: str) -> None:
             continue
         os.chmod(path, 0o700)
         for entry in list(os.scandir(path)):
-            while os.path.lexists(moved := os.path.join(folder, f"{next(numbers)}")):
+            while os.path.lexists(new_path := os.path.join(folder, f"{next(numbers)}")):
                 pass
-            os.rename(entry.path, moved)
-            waiting.append(moved)
+            os.rename(entry.path, new_path)
+            waiting.append(new_path)
         os.rmdir(path)
 
 

@@ -86,10 +86,14 @@ def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict
             "problem": f"The code can't be shown: {error} Has the folder of submissions been moved? "
             "`course grade` with --resume finds it again.",
         }
-    known = submission.sha256 in (content_hash(data, files), content_hash(data, {}))
-    own = _own_line_pattern(task) if task else None
+    is_unchanged = submission.sha256 in (content_hash(data, files), content_hash(data, {}))
+    own_pattern = _own_line_pattern(task) if task else None
     cells = [
-        {"title": f"Cell {number}", "own": bool(own and own.search(code)), "pieces": _pieces(code)}
+        {
+            "title": f"Cell {number}",
+            "own": bool(own_pattern and own_pattern.search(code)),
+            "pieces": _pieces(code),
+        }
         for number, code in enumerate(notebook.cells[:MAX_CELLS], 1)
     ]
     more = [
@@ -98,7 +102,7 @@ def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict
     ]
     return {
         "cells": [*cells, *more],
-        "problem": "" if known else "This file has changed since it was graded.",
+        "problem": "" if is_unchanged else "This file has changed since it was graded.",
     }
 
 
@@ -115,15 +119,15 @@ def _pieces(code: str) -> Pieces:
 
 
 def _plain(text: str) -> Pieces:
-    left = len(text) - MAX_SHOWN
-    note = [("remark", f"\n… {left} more characters")] if left > 0 else []
+    hidden_length = len(text) - MAX_SHOWN
+    note = [("remark", f"\n… {hidden_length} more characters")] if hidden_length > 0 else []
     return [("", strip_control_characters(text[:MAX_SHOWN])), *note]
 
 
 def _highlight(code: str) -> Iterator[tuple[str, str]]:
     last, text = "", ""
     for token, piece in PythonLexer(ensurenl=False, stripnl=False).get_tokens(code):
-        kind = next((kind for known, kind in KINDS if token in known), "")
+        kind = next((kind for token_group, kind in KINDS if token in token_group), "")
         if kind != last and text:
             yield last, text
             text = ""
@@ -196,7 +200,7 @@ class MarkingQueue:
         """Return the items changed since a change number, as plain data; 0 returns all."""
         with self._lock:
             self._refresh()
-            items = [asdict(item) for changed, item in self._items.values() if changed > number]
+            items = [asdict(item) for change_number, item in self._items.values() if change_number > number]
             return {"number": self._number, "items": items, "problems": sorted(self._problems.values())}
 
     def set_open_item(self, page: str, person: str, key: str | None) -> dict[str, str]:
@@ -234,8 +238,8 @@ class MarkingQueue:
         """
         item = self.item(key)
         task, marks, sha256 = self._read(item)
-        shown = apply_marks(task, marks, sha256)
-        mine = [mark for mark in standing_marks(marks) if mark.task == item.task]
+        marked_task = apply_marks(task, marks, sha256)
+        marks_of_task = [mark for mark in standing_marks(marks) if mark.task == item.task]
         with self._lock:
             all_marks = [mark for marks in self._comments.values() for mark in standing_marks(marks)]
         comments = Counter(
@@ -244,10 +248,10 @@ class MarkingQueue:
         return {
             **asdict(item),
             "revision": revision_of(marks, item.task, sha256),
-            "score": shown.score,
+            "score": marked_task.score,
             "rubric": [asdict(row) for row in task.rubric],
-            "whole": has_task_mark(mine),
-            "marks": [asdict(mark) for mark in mine],
+            "whole": has_task_mark(marks_of_task),
+            "marks": [asdict(mark) for mark in marks_of_task],
             "checks": [asdict(check) for check in sorted(task.checks, key=lambda check: check.score)],
             "errors": list(task.errors),
             "used": [list(pair) for pair, _ in comments.most_common(MOST_COMMENTS)],
@@ -267,11 +271,11 @@ class MarkingQueue:
         add_marks(file, task, given, sha256=sha256, by=by, revision=revision)
 
     def _read(self, item: QueueItem) -> tuple[TaskResult, list[HandMark], str]:
-        marked = stored_result(self.out, item.student, item.exercise)
-        task = next((task for task in marked.result.tasks if task.task == item.task), None)
+        stored = stored_result(self.out, item.student, item.exercise)
+        task = next((task for task in stored.result.tasks if task.task == item.task), None)
         if task is None:
             raise CourseError(f"{item.exercise} of {item.student} no longer has the task {item.task}")
-        return task, list(marked.marks), marked.result.submission.sha256
+        return task, list(stored.marks), stored.result.submission.sha256
 
     def _refresh(self) -> None:
         """Read each result that is new or has changed, with its marks."""
@@ -286,32 +290,32 @@ class MarkingQueue:
     def _read_result(self, path: Path) -> None:
         self._problems.pop(path, None)
         try:
-            marked = read_result(path)
+            stored = read_result(path)
         except CourseError as error:
             self._problems[path] = str(error)
             return
-        self._comments[path] = list(marked.marks)
-        items = _items(marked)
+        self._comments[path] = list(stored.marks)
+        items = _items(stored)
         self._items.update({item.key: (self._number, item) for item in items})
 
 
 def _stamp(path: Path) -> Stamp:
     try:
-        found = path.stat()
+        stat = path.stat()
     except OSError:
         return None
-    return found.st_ino, found.st_mtime_ns, found.st_size
+    return stat.st_ino, stat.st_mtime_ns, stat.st_size
 
 
-def _items(marked: MarkedResult) -> list[QueueItem]:
-    tasks, is_waiting = marked.tasks, marked.row.status == "needs_marking"
+def _items(result: MarkedResult) -> list[QueueItem]:
+    tasks, is_waiting = result.tasks, result.row.status == "needs_marking"
     first = tasks[:1] if is_waiting and not any(task.needs_hand_mark for task in tasks) else ()
-    return [_item(task, marked, waits=task.needs_hand_mark or task in first) for task in tasks]
+    return [_item(task, result, waits=task.needs_hand_mark or task in first) for task in tasks]
 
 
-def _item(task: TaskResult, marked: MarkedResult, *, waits: bool) -> QueueItem:
-    student, exercise, submission = marked.student, marked.exercise, marked.result.submission
-    by_person = any(mark.task == task.task for mark in standing_marks(marked.marks))
+def _item(task: TaskResult, result: MarkedResult, *, waits: bool) -> QueueItem:
+    student, exercise, submission = result.student, result.exercise, result.result.submission
+    by_person = any(mark.task == task.task for mark in standing_marks(result.marks))
     return QueueItem(
         key=digest_of([student, exercise, task.task])[:20],
         student=student,
@@ -324,7 +328,7 @@ def _item(task: TaskResult, marked: MarkedResult, *, waits: bool) -> QueueItem:
         state="waiting" if waits else "marked" if by_person else "checks",
         failed=tuple(dict.fromkeys(check.title for check in task.checks if not check.passed)),
         note=submission.id_note,
-        revision=revision_of(marked.marks, task.task, submission.sha256),
+        revision=revision_of(result.marks, task.task, submission.sha256),
     )
 
 
@@ -358,7 +362,7 @@ def mark_by_hand(
         CourseError: The student, exercise, task or row does not exist; too many points; or no mark
             to withdraw.
     """
-    given = (
+    entry = (
         MarkEntry(None, row, withdraw=True) if withdraw else MarkEntry(_number(points), row, comment or None)
     )
     catalog = catalog_of(course or this_course())
@@ -367,15 +371,15 @@ def mark_by_hand(
     path = result_path(out, student, exercise)
     with lock_folder(out, say), writing(out):
         result, file = read_result(path).result, marks_path(out, student, exercise)
-        tasks = {known.task: known for known in result.tasks}
+        tasks = {task_result.task: task_result for task_result in result.tasks}
         task = _find_task(task, tasks, f"{exercise} of {student}")
-        (stored,) = add_marks(file, tasks[task], [given], sha256=result.submission.sha256)
+        (stored_mark,) = add_marks(file, tasks[task], [entry], sha256=result.submission.sha256)
         report(result, out, catalog)
         write_tables(out, catalog.course.zone)
-    now, what = read_result(path).row, f"{task} ({stored.row})" if stored.row else task
-    done = f"mark for {what} withdrawn" if withdraw else f"{stored.points:g} for {what}"
+    now, target = read_result(path).row, f"{task} ({stored_mark.row})" if stored_mark.row else task
+    change = f"mark for {target} withdrawn" if withdraw else f"{stored_mark.points:g} for {target}"
     points_now = f"{now.mark.final:g}, " if now.mark else ""
-    return f"{student} {exercise}: {done}; now {points_now}{now.status}"
+    return f"{student} {exercise}: {change}; now {points_now}{now.status}"
 
 
 def mark_without_file(
@@ -403,13 +407,13 @@ def mark_without_file(
         CourseError: The exercise does not exist, a file of it has been graded, or the points are
             invalid.
     """
-    given = MarkEntry(None, withdraw=True) if withdraw else MarkEntry(_number(points), "", comment or None)
+    entry = MarkEntry(None, withdraw=True) if withdraw else MarkEntry(_number(points), "", comment or None)
     catalog = catalog_of(course or this_course())
     weeks = {week: one for week, one in catalog.course.weeks.items() if one.points}
     week = normalise(exercise).removesuffix("_exercise")
     if week not in weeks:
-        known = ", ".join(f"{one}_exercise" for one in weeks)
-        raise CourseError(f"there is no exercise {exercise!r}; exercises with points: {known}")
+        known_exercises = ", ".join(f"{one}_exercise" for one in weeks)
+        raise CourseError(f"there is no exercise {exercise!r}; exercises with points: {known_exercises}")
     student, exercise = normalise(student), f"{week}_exercise"
     path = result_path(out, student, exercise)
     with lock_folder(out, say), writing(out):
@@ -420,17 +424,17 @@ def mark_without_file(
                 f"{exercise} of {student} has a file that was graded: enter points for its tasks, "
                 f"course mark {out} {student} {exercise} TASK POINTS"
             )
-        most = POINTS_PER_WEEK + sum(weeks[week].bonus.values())
-        whole = TaskResult("", f"{exercise} of {student}", most, False, ())
-        (stored,) = add_marks(marks_path(out, student, exercise), whole, [given], sha256="")
+        max_points = POINTS_PER_WEEK + sum(weeks[week].bonus.values())
+        exercise_result = TaskResult("", f"{exercise} of {student}", max_points, False, ())
+        (stored_mark,) = add_marks(marks_path(out, student, exercise), exercise_result, [entry], sha256="")
         if is_new:
             result.write(out)
         report(result, out, catalog)
         write_tables(out, catalog.course.zone)
-    if stored.withdrawn:
+    if stored_mark.withdrawn:
         return f"{student} {exercise}: mark without a file withdrawn; now {read_result(path).row.status}"
     new = ", who is new in the gradebook" if is_new else ""
-    return f"{student} {exercise}{new}: {stored.points:g} without a file; now graded"
+    return f"{student} {exercise}{new}: {stored_mark.points:g} without a file; now graded"
 
 
 def _no_file(student: str, exercise: str) -> Result:
@@ -453,19 +457,21 @@ def _number(points: str) -> float:
         raise CourseError(f"{points!r} is not a number of points") from error
 
 
-def known_name(name: str, folder: Path, what: str) -> str:
+def known_name(name: str, folder: Path, kind: str) -> str:
     """Return the name of a student or an exercise as it is spelled in the results.
 
     Raises:
         CourseError: It does not exist; the message suggests similar names.
     """
-    known = sorted(path.stem if path.is_file() else path.name for path in folder.glob("[!.]*"))
-    spelled = {_normalize(one): one for one in known}
-    for spelling in (_normalize(name), _normalize(f"{name}_{what}")):
-        if spelling in spelled:
-            return spelled[spelling]
-    suggestion = did_you_mean(_normalize(name), spelled, 3) or f"; it has {', '.join(known[:10]) or 'none'}."
-    raise CourseError(f"{folder} has no {what} {name!r}{suggestion}")
+    names = sorted(path.stem if path.is_file() else path.name for path in folder.glob("[!.]*"))
+    by_spelling = {_normalize(one): one for one in names}
+    for spelling in (_normalize(name), _normalize(f"{name}_{kind}")):
+        if spelling in by_spelling:
+            return by_spelling[spelling]
+    suggestion = (
+        did_you_mean(_normalize(name), by_spelling, 3) or f"; it has {', '.join(names[:10]) or 'none'}."
+    )
+    raise CourseError(f"{folder} has no {kind} {name!r}{suggestion}")
 
 
 def _normalize(name: str) -> str:
@@ -487,8 +493,8 @@ def _find_task(name: str, tasks: Collection[str], of: str) -> str:
             "paper or an oral exam: course mark OUT STUDENT EXERCISE POINTS --without-file"
         )
     short = {task.split(".", 1)[-1]: task for task in tasks}
-    found = name if name in tasks else short.get(name)
-    if found is None:
+    task_id = name if name in tasks else short.get(name)
+    if task_id is None:
         suggestion = did_you_mean(name, [*short, *tasks], 3) or f"; it has {', '.join(short) or 'none'}."
         raise CourseError(f"{of} has no task {name!r}{suggestion}")
-    return found
+    return task_id

@@ -54,8 +54,8 @@ def find_stale(out: Path) -> list[Place]:
     """Return the students and exercises whose reports do not contain all graders' marks."""
     files = sorted((out / "marks").glob("[!.]*/[!.]*.json"))
     places = [(path.parent.name, path.stem) for path in files]
-    marked = [place for place in places if result_path(out, *place).is_file()]
-    return [place for place in marked if not has_page(_result(out, place), out)]
+    graded_places = [place for place in places if result_path(out, *place).is_file()]
+    return [place for place in graded_places if not has_page(_result(out, place), out)]
 
 
 def follow_marks(
@@ -248,9 +248,9 @@ class MarkingDesk:
         """The URL to open."""
         return f"http://127.0.0.1:{self.port}/{self.token}/"
 
-    def url_secret(self, what: str) -> str:
+    def url_secret(self, purpose: str) -> str:
         """Return the secret part of one scene's URL, from which no other secret can be derived."""
-        return hmac.new(self.token.encode(), what.encode(), "sha256").hexdigest()[:32]
+        return hmac.new(self.token.encode(), purpose.encode(), "sha256").hexdigest()[:32]
 
     def details(self, key: str) -> dict[str, Any]:
         """Return an item with its code and the URL of its scene."""
@@ -375,10 +375,10 @@ class SceneHandler(_SceneFileHandler):
             raise HTTPError(404) from None
         section = section_of(page, item.task)
         name = shared_script(self.desk.queue.out / "reports")
-        here, script = f"http://{self.request.host}", f"/{self.desk.url_secret(name)}/viewer/{name}"
-        self.set_header("Content-Security-Policy", SCENE_POLICY.format(viewer=here + script, page=here))
-        needed = script if "course-scene" in section else ""
-        self.finish(fill("scene.html", title=item.title, section=Markup(section), script=needed))
+        origin, script = f"http://{self.request.host}", f"/{self.desk.url_secret(name)}/viewer/{name}"
+        self.set_header("Content-Security-Policy", SCENE_POLICY.format(viewer=origin + script, page=origin))
+        embedded_script = script if "course-scene" in section else ""
+        self.finish(fill("scene.html", title=item.title, section=Markup(section), script=embedded_script))
 
 
 class ViewerHandler(_SceneFileHandler):

@@ -85,20 +85,21 @@ def collect_clones(clones: Path, out: Path, roster: Path, pushes: Path | None) -
     if not any(member.login for member in members.members):
         raise CourseError(f"{roster}: {ROSTER_HINT}")
     times = _times(pushes) if pushes else {}
-    found = sorted(path for path in clones.glob("*") if (path / ".git").is_dir()) if clones.is_dir() else []
-    if not found:
+    folders = sorted(path for path in clones.glob("*") if (path / ".git").is_dir()) if clones.is_dir() else []
+    if not folders:
         raise CourseError(f"{clones} contains no clones. Run: gh classroom clone student-repos")
     if out.resolve().is_relative_to(clones.resolve()):
         raise CourseError(f"{out} is inside {clones}. Choose another folder: --out DIR")
     with tempfile.TemporaryDirectory(prefix="course_") as work:
-        lines, receipts = _stage_all(found, Path(work), members, times)
+        lines, receipts = _stage_all(folders, Path(work), members, times)
         if receipts:
             zone = shipped_course_file().zone
             lines += collect(Path(work), out, zone, exercise=ANY, layout=FOLDERS).refused
             write_receipts(out, receipts)
-    if late := sum(not receipt.time for receipt in receipts.values()):
+    if missing_times := sum(not receipt.time for receipt in receipts.values()):
         lines.append(
-            f"{format_count(late, 'student')} without the time of the push: {PUSHES_HINT}: --pushes FILE"
+            f"{format_count(missing_times, 'student')} without the time of the push: "
+            f"{PUSHES_HINT}: --pushes FILE"
         )
     collected = f"Collected {format_count(len(receipts), 'student')} into {out}"
     return [printable(line) for line in (*lines, f"{collected}. Next: course grade {out} --out graded")]
@@ -124,8 +125,8 @@ def _stage_all(
 
 def _student(name: str, members: ClassList) -> str:
     """Return the ID of the student with the longest login at the end of a clone's name, or ""."""
-    folded = name.casefold()
-    fits = [one for one in members.members if one.login and f"-{folded}".endswith(f"-{one.login}")]
+    folded_name = name.casefold()
+    fits = [one for one in members.members if one.login and f"-{folded_name}".endswith(f"-{one.login}")]
     return max(fits, key=lambda one: len(one.login)).id if fits else ""
 
 
@@ -137,12 +138,12 @@ def _folder(clone: Path) -> Path:
 def _stage(clone: Path, place: Path) -> bool:
     """Copy the changed exercises with their working files, and return whether there are any."""
     folder = _folder(clone)
-    changed = {path.name for path in _changed_files(folder)}
-    if not changed:
+    changed_files = {path.name for path in _changed_files(folder)}
+    if not changed_files:
         return False
 
     def left_out(where: str, names: list[str]) -> set[str]:
-        return {name for name in names if not _is_included(Path(where, name), changed)}
+        return {name for name in names if not _is_included(Path(where, name), changed_files)}
 
     shutil.copytree(folder, place, symlinks=True, ignore=left_out)
     return True
@@ -171,10 +172,10 @@ def _head(clone: Path) -> str:
         loose = clone / ".git" / name
         if loose.is_file():
             return loose.read_text().strip()
-        packed = (clone / ".git" / "packed-refs").read_text().splitlines()
+        lines = (clone / ".git" / "packed-refs").read_text().splitlines()
     except (OSError, UnicodeError):
         return ""
-    return next((line.split()[0] for line in packed if line.endswith(f" {name}")), "")
+    return next((line.split()[0] for line in lines if line.endswith(f" {name}")), "")
 
 
 def _times(path: Path) -> dict[str, str]:

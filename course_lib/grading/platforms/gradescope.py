@@ -67,10 +67,10 @@ def kit_source(distribution: metadata.Distribution | None = None) -> KitSource:
     Raises:
         CourseError: It was installed from files that no longer exist.
     """
-    installed = distribution or metadata.distribution(DISTRIBUTION)
-    text = installed.read_text("direct_url.json")  # PEP 610; missing if installed from an index
+    installed_kit = distribution or metadata.distribution(DISTRIBUTION)
+    text = installed_kit.read_text("direct_url.json")  # PEP 610; missing if installed from an index
     if text is None:
-        requirement = f"{DISTRIBUTION}=={installed.version}"
+        requirement = f"{DISTRIBUTION}=={installed_kit.version}"
         return KitSource(requirement, f"{requirement} of the package index")
     direct: dict[str, Any] = read_json(text)
     url = str(direct["url"])
@@ -96,8 +96,8 @@ def kit_source(distribution: metadata.Distribution | None = None) -> KitSource:
 def kit_files(root: Path) -> dict[str, bytes]:
     """Return the files of the kit in a checkout, by relative path."""
     paths = [root / name for name in PROJECT if (root / name).is_file()]
-    found = (path for top in MATERIAL for path in (root / top).rglob("*"))
-    paths += sorted(path for path in found if is_source_file(path.relative_to(root)))
+    material = (path for top in MATERIAL for path in (root / top).rglob("*"))
+    paths += sorted(path for path in material if is_source_file(path.relative_to(root)))
     return {path.relative_to(root).as_posix(): path.read_bytes() for path in paths if path.is_file()}
 
 
@@ -181,30 +181,30 @@ def grade_upload(
         if exercise in _collect(root / "submission", upload, Path(work), course):
             only = f"{upload.student}/{exercise}"
             grade(top, out, jobs=1, only=only, need=need, course=course)
-            marked = stored_result(out, upload.student, exercise)
+            result = stored_result(out, upload.student, exercise)
             note = ""
             if upload.stranger:
-                marked, note = _without_personal_points(marked, upload.stranger, catalog_of(course))
-            made = results_of(marked, hidden, show_total=show_total, note=note)
+                result, note = _without_personal_points(result, upload.stranger, catalog_of(course))
+            report = results_of(result, hidden, show_total=show_total, note=note)
         else:
             submission = root / "submission"
             there = sorted(path.name for path in submission.iterdir())
             names = ", ".join(map(printable, there[:MOST_NAMED])) or "nothing"
-            made = _no_points(
+            report = _no_points(
                 f"{exercise}.ipynb is missing, or the zip that `course submit` writes. "
                 f"You submitted: {names}."
             )
-    made["execution_time"] = round(time.monotonic() - begin, 1)
-    write_atomically(target, json.dumps(made, indent=1).encode())
+    report["execution_time"] = round(time.monotonic() - begin, 1)
+    write_atomically(target, json.dumps(report, indent=1).encode())
     return target
 
 
 def _read_upload(path: Path, course: Course) -> Upload:
     """Read the metadata of a submission; without the file, student and time are unknown."""
     roster = course.solutions / ROSTER
-    known = read_class_list(roster).members if roster.is_file() else ()
+    members = read_class_list(roster).members if roster.is_file() else ()
     if not path.is_file():
-        return Upload(UNKNOWN, False, "", "no address" if known else "")
+        return Upload(UNKNOWN, False, "", "no address" if members else "")
     try:
         with path.open("rb") as file:
             content = read_json(file.read(MAX_METADATA))
@@ -213,9 +213,9 @@ def _read_upload(path: Path, course: Course) -> Upload:
         emails = [str(user.get("email") or "").casefold() for user in users]
     except (OSError, ValueError, LookupError, TypeError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Gradescope writes it") from error
-    named = next((one.id for email in emails for one in known if email and one.email == email), "")
-    stranger = ", ".join(filter(None, emails)) or "no address" if known and not named else ""
-    return Upload(named or normalise(f"{UNKNOWN}{number}"), bool(named), created, stranger)
+    student = next((one.id for email in emails for one in members if email and one.email == email), "")
+    stranger = ", ".join(filter(None, emails)) or "no address" if members and not student else ""
+    return Upload(student or normalise(f"{UNKNOWN}{number}"), bool(student), created, stranger)
 
 
 def _collect(submission: Path, upload: Upload, work: Path, course: Course) -> set[str]:
@@ -230,20 +230,20 @@ def _collect(submission: Path, upload: Upload, work: Path, course: Course) -> se
         for name, _, why in error.args[0]:
             say(f"refused: {name}: {why}")
     try:
-        done = collect(work / "class", top, zone, exercise=ANY, layout=FOLDERS)
+        collection = collect(work / "class", top, zone, exercise=ANY, layout=FOLDERS)
     except CourseError:
         # The submission is empty.
         return set()
-    for line in done.refused:
+    for line in collection.refused:
         say(line)
-    if not done.count:
+    if not collection.count:
         return set()
     write_receipts(top, {upload.student: PlatformTime(upload.time, METADATA, upload.named)})
     return {one.exercise for one in find_submissions(top, zone=zone)}
 
 
 def _without_personal_points(
-    marked: MarkedResult, address: str, catalog: Catalog
+    marked_result: MarkedResult, address: str, catalog: Catalog
 ) -> tuple[MarkedResult, str]:
     """Return the result of a student with unknown ID, and a line about it.
 
@@ -251,28 +251,28 @@ def _without_personal_points(
     Therefore checks that compare something with a personal value give no points; the other
     requirements are the same for all students.
     """
-    result = marked.result
+    result = marked_result.result
     if result.judgement is None:
-        return marked, NOT_IN_ROSTER.format(address)
+        return marked_result, NOT_IN_ROSTER.format(address)
     tasks, waiting = [], dict[str, float]()
     for task in result.judgement.tasks:
         declared = catalog.task(task.task)
         scenarios = (*declared.scenarios, *catalog.hidden.get(task.task, ()))
-        asked = [_needs_id(check, declared) for scenario in scenarios for check in scenario.checks]
+        id_needs = [_needs_id(check, declared) for scenario in scenarios for check in scenario.checks]
         checks = [
             replace(check, score=0.0, message=NEEDS_ID, mistake=NEEDS_ID) if needs_id else check
-            for check, needs_id in zip(task.checks, asked, strict=True)
+            for check, needs_id in zip(task.checks, id_needs, strict=True)
         ]
-        whole = sum(check.weight for check in checks)
-        withheld = sum(check.weight for check, needs_id in zip(checks, asked, strict=True) if needs_id)
+        total_weight = sum(check.weight for check in checks)
+        withheld = sum(check.weight for check, needs_id in zip(checks, id_needs, strict=True) if needs_id)
         if withheld:
-            waiting[task.title] = task.points * withheld / whole
+            waiting[task.title] = task.points * withheld / total_weight
         tasks.append(replace(task, checks=tuple(checks)))
-    changed = replace(result, judgement=replace(result.judgement, tasks=tuple(tasks)))
+    reduced = replace(result, judgement=replace(result.judgement, tasks=tuple(tasks)))
     about = (
         WITHHELD.format(round(sum(waiting.values()), 2), ", ".join(waiting)) if waiting else NOTHING_WITHHELD
     )
-    return MarkedResult(changed), NOT_IN_ROSTER.format(address) + about
+    return MarkedResult(reduced), NOT_IN_ROSTER.format(address) + about
 
 
 def _needs_id(check: Check, task: Task) -> bool:
@@ -286,7 +286,7 @@ def _no_points(text: str) -> dict[str, Any]:
 
 
 def results_of(
-    marked: MarkedResult, hidden: str, *, show_total: bool = False, note: str = ""
+    marked_result: MarkedResult, hidden: str, *, show_total: bool = False, note: str = ""
 ) -> dict[str, Any]:
     """Return Gradescope's results for a result.
 
@@ -295,7 +295,7 @@ def results_of(
     have reached. Gradescope itself withholds the total as long as a test is hidden.
 
     Args:
-        marked: The result.
+        marked_result: The result.
         hidden: When students see the results of hidden checks.
         show_total: Show the total, the count of full marks and the penalty in points as well.
         note: A line about the sender; default: the note on the ID in the file.
@@ -303,13 +303,13 @@ def results_of(
     Raises:
         CourseError: The kit failed, and no student may get zero points for that.
     """
-    result, row = marked.result, marked.row
+    result, row = marked_result.result, marked_result.row
     if result.status == "grader_error":
         raise CourseError(
             f"the grader failed, which is not the student's fault: {result.reason} {result.message}"
         )
-    judged, mark, note = result.judgement, result.mark, note or result.submission.id_note
-    if judged is None or mark is None:
+    judgement, mark, note = result.judgement, result.mark, note or result.submission.id_note
+    if judgement is None or mark is None:
         lines = [note, row.reason, row.message]
         return {**_no_points("\n".join(lines)), "extra_data": {"status": row.status, "isolation": ""}}
     is_other = result.submission.id_flag == MISMATCH
@@ -321,42 +321,44 @@ def results_of(
         lines.append(
             f"Total: {mark.score:g} - {mark.penalty:g} = {mark.final:g} of {mark.max_score:g} points"
         )
-    lines += [*judged.cell_errors, f"Ran with isolation: {judged.isolation}."]
-    tests = [] if is_other else [test for task in judged.tasks for test in _tests(task, hidden)]
+    lines += [*judgement.cell_errors, f"Ran with isolation: {judgement.isolation}."]
+    tests = [] if is_other else [test for task in judgement.tasks for test in _tests(task, hidden)]
     return {
         "score": 0.0 if is_other else mark.final,
         "output": _text(lines),
         "output_format": "text",
         "stdout_visibility": "hidden",
         "tests": [{"number": str(number), **test} for number, test in enumerate(tests, 1)],
-        "extra_data": {"status": row.status, "isolation": judged.isolation},
+        "extra_data": {"status": row.status, "isolation": judgement.isolation},
     }
 
 
 def _tests(task: TaskResult, hidden: str) -> Iterator[dict[str, Any]]:
     """Yield a task's public checks as one test and its hidden checks as another, which share its points."""
-    whole = sum(check.weight for check in task.checks)
-    if not whole:
+    total_weight = sum(check.weight for check in task.checks)
+    if not total_weight:
         yield {"name": f"{task.title}: a person marks it", "output": "", "visibility": "visible"}
         return
     bonus = " (bonus)" if task.bonus else ""
-    left, most_left = task.score, task.points
+    remaining_score, most_left = task.score, task.points
     public = [check for check in task.checks if not check.hidden]
     # An error of a hidden scenario would reveal after the upload that hidden checks fail.
     errors = {
         is_hidden: [e for e in task.errors if (e == HIDDEN_ERROR) is is_hidden] for is_hidden in (False, True)
     }
     parts = (("", public, "visible"), (", hidden checks", [c for c in task.checks if c.hidden], hidden))
-    for words, checks, visibility in (part for part in parts if part[1]):
+    for suffix, checks, visibility in (part for part in parts if part[1]):
         is_last = len(checks) == len(task.checks) or checks is not public
-        share = sum(check.weight * check.score for check in checks) / whole
-        score = left if is_last else round(task.points * share, 2)
-        most = most_left if is_last else round(task.points * sum(c.weight for c in checks) / whole, 2)
-        left, most_left = round(left - score, 2), round(most_left - most, 2)
+        share = sum(check.weight * check.score for check in checks) / total_weight
+        score = remaining_score if is_last else round(task.points * share, 2)
+        max_score = (
+            most_left if is_last else round(task.points * sum(c.weight for c in checks) / total_weight, 2)
+        )
+        remaining_score, most_left = round(remaining_score - score, 2), round(most_left - max_score, 2)
         yield {
-            "name": f"{task.title}{words}{bonus}",
+            "name": f"{task.title}{suffix}{bonus}",
             "score": max(score, 0.0),
-            "max_score": most,
+            "max_score": max_score,
             "status": "passed" if all(check.passed for check in checks) else "failed",
             "output": _text([*errors[checks is not public], *_lines(checks)]),
             "output_format": "text",
@@ -369,8 +371,8 @@ def _lines(checks: Sequence[CheckResult]) -> list[str]:
 
 
 def _text(lines: Sequence[str]) -> str:
-    shown = (printable(part) for line in lines if line for part in line.splitlines())
-    return "\n".join(shown)[:MAX_TEXT]
+    printable_lines = (printable(part) for line in lines if line for part in line.splitlines())
+    return "\n".join(printable_lines)[:MAX_TEXT]
 
 
 Hidden = Literal["after_published", "after_due_date", "hidden", "visible"]
@@ -463,10 +465,10 @@ def one_week(path: Path, week: str) -> bytes:
     course.require_valid(week)
     weeks = course.weeks
     if week not in weeks or not weeks[week].points:
-        known = ", ".join(name for name, settings in weeks.items() if settings.points)
-        raise CourseError(f"there is no exercise of {week!r}; weeks with an exercise: {known}")
-    others = re.compile(rf"^\[weeks\.(?!{week}[\].])[^\n]*.*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
-    text = others.sub("", path.read_text(encoding="utf-8"))
+        known_weeks = ", ".join(name for name, settings in weeks.items() if settings.points)
+        raise CourseError(f"there is no exercise of {week!r}; weeks with an exercise: {known_weeks}")
+    other_weeks = re.compile(rf"^\[weeks\.(?!{week}[\].])[^\n]*.*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
+    text = other_weeks.sub("", path.read_text(encoding="utf-8"))
     if list(tomllib.loads(text)["weeks"]) != [week]:
         raise CourseError(f"{path}: write each week as a table: [weeks.{week}]")
     return text.encode()

@@ -69,9 +69,11 @@ def standalone(result: Result, out: Path, catalog: Catalog) -> bytes:
     sizes = [len(figure.view) for task in tasks for figure in task["figures"] if figure.view]
     if not sizes:
         return _page(result, marks, out, catalog, tasks)
-    rest = len(_page(result, marks, out, catalog, tasks, viewer=viewer)) - sum(sizes) + NOTE * len(sizes)
-    if rest + sum(sizes) > MAX_ALONE:
-        tasks = _sections(result, marks, out, catalog, _max_scene_size(sizes, MAX_ALONE - rest))
+    fixed_size = (
+        len(_page(result, marks, out, catalog, tasks, viewer=viewer)) - sum(sizes) + NOTE * len(sizes)
+    )
+    if fixed_size + sum(sizes) > MAX_ALONE:
+        tasks = _sections(result, marks, out, catalog, _max_scene_size(sizes, MAX_ALONE - fixed_size))
     return _page(result, marks, out, catalog, tasks, viewer=viewer)
 
 
@@ -103,17 +105,17 @@ def _page(
     """Return the page of a result, with the viewer's file name or with the viewer itself."""
     from markupsafe import Markup
 
-    submission, shown = result.submission, MarkedResult(result, tuple(marks)).displayed_result
+    submission, displayed = result.submission, MarkedResult(result, tuple(marks)).displayed_result
     week, course = submission.exercise.split("_")[0], catalog.course
     course.require_valid(week)
     zone, time = course.zone, submission.received.time
-    judged = shown.judgement
+    judgement = displayed.judgement
     page = fill(
         "report.html",
-        status=shown.status,
-        reason=shown.reason,
-        message=shown.message,
-        mark=shown.mark,
+        status=displayed.status,
+        reason=displayed.reason,
+        message=displayed.message,
+        mark=displayed.mark,
         **{name: getattr(submission, name) for name in ("student", "exercise", "received")},
         received_at=time and time.astimezone(zone).isoformat(" ", "minutes"),
         deadline=course.deadline(week, submission.student) if week in course.weeks else None,
@@ -121,11 +123,11 @@ def _page(
         percent=result.late.percent_per_day,
         max_percent=result.late.max_percent,
         rejection_reason=result.rejection_reason,
-        isolation=judged.isolation if judged else "",
-        whole=task_mark(marks) if judged is None else None,
+        isolation=judgement.isolation if judgement else "",
+        whole=task_mark(marks) if judgement is None else None,
         tasks=tasks,
-        cell_errors=judged.cell_errors if judged else (),
-        output=judged.output if judged else "",
+        cell_errors=judgement.cell_errors if judgement else (),
+        output=judgement.output if judgement else "",
         max_output=MAX_OUTPUT,
         script=script,
         viewer=Markup(viewer),
@@ -143,8 +145,8 @@ def _page_digest(result: Result, marks: Iterable[HandMark], out: Path) -> str:
 
 def section_of(page: str, task: str) -> str:
     """Return the section of a report on one task, or ""; every text in it is escaped."""
-    _, _, rest = page.partition(f'<section aria-labelledby="{task}">')
-    return rest.partition("</section>")[0]
+    _, _, after_heading = page.partition(f'<section aria-labelledby="{task}">')
+    return after_heading.partition("</section>")[0]
 
 
 def has_page(result: Result, out: Path) -> bool:
@@ -164,8 +166,8 @@ def _runs(result: Result, out: Path, catalog: Catalog) -> tuple[Run, ...]:
         return ()
     tasks = catalog.of_week(result.submission.exercise.split("_")[0])
     try:
-        stored = evidence_path(out, result.submission.key).read_bytes()
-        return unpack(stored, plan_scenarios(tasks, catalog, hidden=True)).runs
+        packed_evidence = evidence_path(out, result.submission.key).read_bytes()
+        return unpack(packed_evidence, plan_scenarios(tasks, catalog, hidden=True)).runs
     except (OSError, CourseError):
         return ()
 
@@ -174,20 +176,20 @@ def _sections(
     result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalog, share: int | None = None
 ) -> list[dict[str, Any]]:
     """Return the template values of the tasks' sections; each scene has at most `share` characters."""
-    judged = MarkedResult(result, tuple(marks)).displayed_result.judgement
-    if judged is None:
+    judgement = MarkedResult(result, tuple(marks)).displayed_result.judgement
+    if judgement is None:
         return []
     runs = _runs(result, out, catalog)
-    share = MAX_SCENES // (2 * len(judged.tasks)) if share is None else share
+    share = MAX_SCENES // (2 * len(judgement.tasks)) if share is None else share
     is_final = result.submission.exercise in final_exercises(out)
-    return [_section(task, runs, catalog, share, is_final=is_final) for task in judged.tasks]
+    return [_section(task, runs, catalog, share, is_final=is_final) for task in judgement.tasks]
 
 
 def _section(
     result: TaskResult, runs: Iterable[Run], catalog: Catalog, room: int, *, is_final: bool
 ) -> dict[str, Any]:
     """Return the template values of a task's section; each scene has at most `room` characters."""
-    own = [run for run in runs if run.evidence.task == result.task and not run.hidden]
+    runs_of_task = [run for run in runs if run.evidence.task == result.task and not run.hidden]
     bonus = ", on top" if result.bonus else ""
     return {
         "id": result.task,
@@ -196,8 +198,8 @@ def _section(
         "errors": result.errors,
         "rows": _sorted_rows(result, is_final=is_final),
         "has_hidden": not is_final and any(check.hidden for check in result.checks),
-        "end": _grader_texts(result, own),
-        "figures": figures(catalog.task(result.task), own, room) if own else [],
+        "end": _grader_texts(result, runs_of_task),
+        "figures": figures(catalog.task(result.task), runs_of_task, room) if runs_of_task else [],
     }
 
 
@@ -289,10 +291,10 @@ def feedback(
     for exercise, group in ready.items():
         path = out / "feedback" / f"{exercise}_{lms}.zip"
         files = {}
-        for name, (result, named) in group.items():
+        for name, (result, platform_file) in group.items():
             page = standalone(result, out, catalog_of(course))
             # Canvas gives the report the suffix of the submitted file.
-            in_zip = lms == "canvas" and _suffix(named) == ".zip"
+            in_zip = lms == "canvas" and _suffix(platform_file) == ".zip"
             files[name] = _zip({f"{exercise}.html": page}) if in_zip else page
         with writing(out):
             write_atomically(path, _zip(files))
@@ -314,17 +316,19 @@ def _select_results(out: Path, exercise: str, students: Collection[str] | None) 
     require_results(out)
     exercise = full_exercise_name(exercise)
     results = list(results_in(out))
-    known = sorted({one.exercise for one in results})
-    if exercise and exercise not in known:
-        raise CourseError(f"{out} has no results for --exercise {exercise}; it has {', '.join(known)}")
-    chosen = [
+    known_exercises = sorted({one.exercise for one in results})
+    if exercise and exercise not in known_exercises:
+        raise CourseError(
+            f"{out} has no results for --exercise {exercise}; it has {', '.join(known_exercises)}"
+        )
+    selected = [
         one
         for one in results
         if exercise in ("", one.exercise) and (students is None or one.student in students)
     ]
-    if not chosen:
+    if not selected:
         raise CourseError(f"{out} has no results of {exercise or 'any exercise'} of this section's students")
-    return chosen
+    return selected
 
 
 def _find_reports(
@@ -332,64 +336,68 @@ def _find_reports(
 ) -> tuple[list[str], dict[str, Reports]]:
     """Return a line for each report that is left out, and the other reports by exercise."""
     ready, lines = defaultdict[str, Reports](dict), list[str]()
-    named = {
+    names_by_result = {
         id(one): _find_platform_name(one.result.submission.received.handed_in_as, form) for one in results
     }
-    if not any(named.values()):
+    if not any(names_by_result.values()):
         raise CourseError(
             f"no result in {out} is from a download of {form.menu.split(':')[0]}, so its student numbers "
             "are unknown. Run: course collect DOWNLOAD --out submissions, then "
             f"course grade submissions --out {out} --resume"
         )
     shared = Counter(
-        (one.exercise, name) for one in results if (name := _report_name(one, named[id(one)], form))
+        (one.exercise, name) for one in results if (name := _report_name(one, names_by_result[id(one)], form))
     )
     for one in results:
-        name, who = _report_name(one, named[id(one)], form), named[id(one)]
+        name, platform_file = _report_name(one, names_by_result[id(one)], form), names_by_result[id(one)]
         if why := _exclusion_reason(one, shared[one.exercise, name], name):
             lines.append(f"left out: {one.student} {one.exercise}: {why}")
-        elif who:
-            ready[one.exercise][name] = (one.result, who)
+        elif platform_file:
+            ready[one.exercise][name] = (one.result, platform_file)
     return lines, ready
 
 
-def _exclusion_reason(marked: MarkedResult, count: int, name: str) -> str:
+def _exclusion_reason(result: MarkedResult, count: int, name: str) -> str:
     """Return why a report is not returned, or ""."""
-    if not EXERCISE.fullmatch(marked.exercise):
+    if not EXERCISE.fullmatch(result.exercise):
         return "it is not an exercise of this course"
     if not name:
         return "the platform's download does not have it"
     if count > 1:
         return f"{count} results have the platform's number of this student"
-    return "" if marked.row.status in FINAL else f"it is {marked.row.status}"
+    return "" if result.row.status in FINAL else f"it is {result.row.status}"
 
 
 def _find_platform_name(handed_in_as: str, form: Format) -> PlatformName | None:
     """Parse the platform's name in a path of its download, as stored in received.csv."""
     parts = handed_in_as.lstrip("'").split("/")
-    found = (named for part in parts if (named := platform_name(part)) and named.platform in form.platforms)
-    return next(found, None)
+    platform_names = (
+        parsed for part in parts if (parsed := platform_name(part)) and parsed.platform in form.platforms
+    )
+    return next(platform_names, None)
 
 
-def _report_name(marked: MarkedResult, named: PlatformName | None, form: Format) -> str:
+def _report_name(result: MarkedResult, platform_file: PlatformName | None, form: Format) -> str:
     """Return the name of a report in the zip.
 
     The student's name in it is for display, without underscores.
     """
-    if named is None:
+    if platform_file is None:
         return ""
-    hidden = named.platform == "anonymous"
+    is_anonymous = platform_file.platform == "anonymous"
     return form.name.format(
-        name="anon" if hidden else re.sub(r"[^\w .-]|_", "", named.name).strip(" .") or "student",
-        number=named.number,
-        attachment=named.attachment,
-        exercise=re.sub(r"\W", "", marked.exercise),
-        suffix=_suffix(named),
+        name="anon"
+        if is_anonymous
+        else re.sub(r"[^\w .-]|_", "", platform_file.name).strip(" .") or "student",
+        number=platform_file.number,
+        attachment=platform_file.attachment,
+        exercise=re.sub(r"\W", "", result.exercise),
+        suffix=_suffix(platform_file),
     )
 
 
-def _suffix(named: PlatformName) -> str:
-    return ".zip" if named.file.lower().endswith(".zip") else ".html"
+def _suffix(platform_file: PlatformName) -> str:
+    return ".zip" if platform_file.file.lower().endswith(".zip") else ".html"
 
 
 def _zip(files: Mapping[str, bytes]) -> bytes:
@@ -424,17 +432,17 @@ def show_hidden_checks(
         every = list(results_in(out))
         results = [one for one in every if one.exercise == exercise]
         if not results:
-            known = ", ".join(sorted({one.exercise for one in every}))
-            raise CourseError(f"{out} has no results for --exercise {exercise}; it has {known}")
+            known_exercises = ", ".join(sorted({one.exercise for one in every}))
+            raise CourseError(f"{out} has no results for --exercise {exercise}; it has {known_exercises}")
         waiting = [one.student for one in results if one.row.status in OPEN]
         if is_final and waiting:
             raise CourseError(
                 f"{format_count(len(waiting), 'mark')} of {exercise} not final yet ({join_few(waiting)}): "
                 "mark or grade them first; gradebook.csv has the reasons"
             )
-        kept = final_exercises(out) - {exercise} | ({exercise} if is_final else set())
-        write_atomically(final_path(out), "".join(f"{one}\n" for one in sorted(kept)).encode())
+        exercises = final_exercises(out) - {exercise} | ({exercise} if is_final else set())
+        write_atomically(final_path(out), "".join(f"{one}\n" for one in sorted(exercises)).encode())
         for one in results:
             report(one.result, out, catalog)
-    shown = "show hidden checks" if is_final else "hide hidden checks again"
-    return f"{format_count(len(results), 'report')} of {exercise}: they {shown}, also after grading again"
+    effect = "show hidden checks" if is_final else "hide hidden checks again"
+    return f"{format_count(len(results), 'report')} of {exercise}: they {effect}, also after grading again"

@@ -55,10 +55,10 @@ def figures(task: Task, runs: Iterable[Run], room: int) -> list[Figure]:
     if run is None or not (run.evidence.samples or task.ghost):
         return []
     inputs, evidence = run.scenario.inputs, run.evidence
-    made = [_figure("Yours", recording_with_inputs(evidence, inputs), room)]
+    drawn_figures = [_figure("Yours", recording_with_inputs(evidence, inputs), room)]
     if task.ghost:
-        made.append(_figure("Expected", expected_recording(task, evidence.personal, inputs), room))
-    return made
+        drawn_figures.append(_figure("Expected", expected_recording(task, evidence.personal, inputs), room))
+    return drawn_figures
 
 
 def shared_script(folder: Path) -> str:
@@ -90,8 +90,8 @@ def _render(caption: str, recording: Recording, room: int) -> Figure:
     from course_lib.viewer.html import scene_fragment
 
     size = sum(len(sample.cdr) + MESSAGE for sample in recording.samples)
-    for rate, most in SPEEDS:
-        if size <= most:
+    for rate, max_size in SPEEDS:
+        if size <= max_size:
             view = scene_fragment(record_bag(recording, frame_rate=rate)[0], label=f"{caption}: 3D view")
             if len(view) <= room:
                 return Figure(
@@ -134,8 +134,8 @@ def _recording(samples: tuple[Sample, ...], messages: Iterable[tuple[str, Any]])
 
 
 def _input_samples(inputs: Iterable[Message], personal: Mapping[str, Any]) -> tuple[Sample, ...]:
-    shown = (message for message in inputs if "/srv/" not in message.type_name)
-    ordered = sorted(shown, key=lambda message: message.at)
+    messages = (message for message in inputs if "/srv/" not in message.type_name)
+    ordered = sorted(messages, key=lambda message: message.at)
     return tuple(_sample(START_NS + round(m.at * 1e9), m.topic, build(m, personal)) for m in ordered)
 
 

@@ -46,20 +46,23 @@ class Table:
         return "\n".join([above, *below, *self.notes, *self._success()])
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, str]:
-        shown = {"headline": self._headline(), "errors": self.result.errors, "end": self.notes}
+        content = {"headline": self._headline(), "errors": self.result.errors, "end": self.notes}
         printed = "\n".join(self.printed)
         html = fill(
             "result.html",
             rows=rows(self.result.checks),
             printed=printed,
             success=self._success(),
-            **shown,
+            **content,
         )
         return {"text/html": html, "text/plain": str(self)}
 
     def _headline(self) -> str:
-        done = sum(check.passed for check in self.result.checks)
-        return f"{self.result.task} ({self.result.title}): {done} of {len(self.result.checks)} checks passed"
+        passed_count = sum(check.passed for check in self.result.checks)
+        return (
+            f"{self.result.task} ({self.result.title}): {passed_count} of "
+            f"{len(self.result.checks)} checks passed"
+        )
 
     def _success(self) -> list[str]:
         """Return the lines about a passed task: the verdict, then its points and the next step."""
@@ -86,22 +89,22 @@ def rows(checks: Iterable[CheckResult]) -> list[Row]:
 
 def scored_rows(checks: Iterable[CheckResult], *, show_hidden: bool = False) -> list[tuple[float, Row]]:
     """Return the rows with the scores of their checks; `show_hidden` reveals hidden checks."""
-    made: dict[tuple[str, ...], tuple[float, Row]] = {}
-    hidden = 0
+    rows_by_key: dict[tuple[str, ...], tuple[float, Row]] = {}
+    hidden_count = 0
     for check in checks:
         icon, word = ("✓", "passed") if check.passed else ("✗", "failed")
         if 0 < check.score < 1:
             word = f"{check.score:.0%}"
-        hidden += check.hidden
+        hidden_count += check.hidden
         is_masked = check.hidden and not show_hidden
-        texts = (f"hidden check {hidden}", check.mistake) if is_masked else (check.title, check.message)
+        texts = (f"hidden check {hidden_count}", check.mistake) if is_masked else (check.title, check.message)
         title, why = texts
         title = f"{title} (hidden)" if check.hidden and show_hidden else title
         shares = not check.passed and not check.hidden and why
-        key = (word, why) if shares else (title, str(len(made)))
-        title = f"{made[key][1][2]}; {title}" if key in made else title
-        made[key] = (check.score, (icon, word, title, why))
-    return list(made.values())
+        key = (word, why) if shares else (title, str(len(rows_by_key)))
+        title = f"{rows_by_key[key][1][2]}; {title}" if key in rows_by_key else title
+        rows_by_key[key] = (check.score, (icon, word, title, why))
+    return list(rows_by_key.values())
 
 
 def fill(template: str, **values: Any) -> str:
@@ -165,8 +168,8 @@ def show_progress(rows: Iterable["GradebookRow"], total: int) -> Iterator["Grade
         bar = progress.add_task("", total=total, rate="")
         for row in rows:
             if row.status != "graded":
-                words = (row.student, row.exercise, row.status, row.reason, row.message)
-                line = printable("  ".join(words))
+                cells = (row.student, row.exercise, row.status, row.reason, row.message)
+                line = printable("  ".join(cells))
                 progress.console.print(line, markup=False, highlight=False, soft_wrap=True)
             progress.advance(bar)
             progress.update(bar, rate=f"{progress.tasks[bar].speed or 0:.1f}/s")
@@ -192,9 +195,10 @@ def task_lines(results: Iterable[Result]) -> list[str]:
             scores.setdefault(task.task, []).append(task.score)
             points[task.task] = task.points
     return [
-        f"{task:30} {len(got):5} graded  mean {sum(got) / len(got):5.1f} of {points[task]:g}  "
-        f"{sum(score >= points[task] for score in got)} with full marks"
-        for task, got in sorted(scores.items())
+        f"{task:30} {len(task_scores):5} graded  mean {sum(task_scores) / len(task_scores):5.1f} "
+        f"of {points[task]:g}  "
+        f"{sum(score >= points[task] for score in task_scores)} with full marks"
+        for task, task_scores in sorted(scores.items())
     ]
 
 
@@ -202,21 +206,25 @@ def broken_check_lines(results: Iterable[Result]) -> list[str]:
     """Return a line for each check that raised an exception, with the affected submissions."""
     met: dict[str, list[str]] = {}
     for result in results:
-        for what in result.judgement.broken if result.judgement else ():
-            met.setdefault(what, []).append(result.submission.student)
-    return [f"A check could not judge {join_few(students)}: {what}. {MEND}" for what, students in met.items()]
+        for error in result.judgement.broken if result.judgement else ():
+            met.setdefault(error, []).append(result.submission.student)
+    return [
+        f"A check could not judge {join_few(students)}: {error}. {MEND}" for error, students in met.items()
+    ]
 
 
 def lost_report_lines(results: Iterable[Result]) -> list[str]:
     """Return a line for each reason why pages could not be written, with the students."""
-    lost: dict[str, list[str]] = {}
+    students_by_note: dict[str, list[str]] = {}
     for result in results:
         for note in (note for note in result.notes if note.startswith(NO_REPORT)):
-            lost.setdefault(note, []).append(result.submission.student)
-    return [f"{note} ({join_few(students)}). The marks are valid." for note, students in lost.items()]
+            students_by_note.setdefault(note, []).append(result.submission.student)
+    return [
+        f"{note} ({join_few(students)}). The marks are valid." for note, students in students_by_note.items()
+    ]
 
 
 def join_few(students: Sequence[str]) -> str:
     """Return the first names of a list, and the number of the others."""
-    shown = ", ".join(students[:MOST_NAMED])
-    return shown + f" and {len(students) - MOST_NAMED} more" * (len(students) > MOST_NAMED)
+    named_students = ", ".join(students[:MOST_NAMED])
+    return named_students + f" and {len(students) - MOST_NAMED} more" * (len(students) > MOST_NAMED)

@@ -80,10 +80,10 @@ def scenario_times(out: Path, keys: Iterable[str]) -> dict[Name, TimeSummary]:
 
 
 def _summarize_times(rows: Iterable[tuple[Name, float]]) -> dict[Name, TimeSummary]:
-    found = defaultdict[Name, list[float]](list)
+    seconds_by_name = defaultdict[Name, list[float]](list)
     for name, seconds in rows:
-        found[name].append(seconds)
-    return {name: TimeSummary(len(all_), median(all_), max(all_)) for name, all_ in found.items()}
+        seconds_by_name[name].append(seconds)
+    return {name: TimeSummary(len(all_), median(all_), max(all_)) for name, all_ in seconds_by_name.items()}
 
 
 TASK_COLUMNS = (
@@ -168,9 +168,10 @@ class Analysis:
         for mark in self.marks:
             counts[min(int(mark // width), BINS) if mark != 100 else BINS - 1] += 1
         names = [f"{place * width:g}-{(place + 1) * width:g}" for place in range(BINS)]
-        most = max(*counts, 1)
+        max_count = max(*counts, 1)
         return [
-            (name, n, round(100 * n / most)) for name, n in zip([*names, "above 100"], counts, strict=True)
+            (name, n, round(100 * n / max_count))
+            for name, n in zip([*names, "above 100"], counts, strict=True)
         ]
 
     @property
@@ -189,7 +190,7 @@ class Analysis:
 
 def _task_rows(result: MarkedResult) -> Iterator[tuple[Any, ...]]:
     for task in result.tasks:
-        sides = [[check for check in task.checks if check.hidden is hidden] for hidden in (False, True)]
+        sides = [[check for check in task.checks if check.hidden is is_hidden] for is_hidden in (False, True)]
         numbers = [n for side in sides for n in (sum(check.passed for check in side), len(side))]
         by = "" if task.needs_hand_mark else "checks" if task.manual is None else "person"
         names = (result.student, result.exercise, task.task)
@@ -198,15 +199,15 @@ def _task_rows(result: MarkedResult) -> Iterator[tuple[Any, ...]]:
 
 def analyse(exercise: str, results: Sequence[MarkedResult], out: Path) -> Analysis:
     """Return the item analysis of one exercise."""
-    judged = [one.result.tasks for one in results if one.result.tasks]
+    task_results = [one.result.tasks for one in results if one.result.tasks]
     marks = [one.row.mark for one in results if one.row.mark]
     keys = [one.result.attempts[-1].key for one in results if one.result.tasks]
     usages = [read_usage(out, key) for key in keys]
     return Analysis(
         exercise,
         [100 * mark.final / mark.max_score for mark in marks if mark.max_score],
-        list(_items(judged, of_checks=False)),
-        list(_items(judged, of_checks=True)),
+        list(_items(task_results, of_checks=False)),
+        list(_items(task_results, of_checks=True)),
         [usage.cpu_seconds for usage in usages if usage],
         scenario_times(out, keys),
         check_times(out, keys),
@@ -216,16 +217,16 @@ def analyse(exercise: str, results: Sequence[MarkedResult], out: Path) -> Analys
 Key = tuple[str, str, str, bool]  # task, title, scenario, hidden
 
 
-def _items(judged: Iterable[Sequence[TaskResult]], *, of_checks: bool) -> Iterator[Item]:
+def _items(task_results: Iterable[Sequence[TaskResult]], *, of_checks: bool) -> Iterator[Item]:
     scores, rests = defaultdict[Key, list[float]](list), defaultdict[Key, list[float]](list)
-    for tasks in judged:
-        whole = sum(task.points * task.fraction for task in tasks)
+    for tasks in task_results:
+        total = sum(task.points * task.fraction for task in tasks)
         for key, score, points in (part for task in tasks for part in _scored_parts(task, of_checks)):
             scores[key].append(score)
-            rests[key].append(whole - points)
-    for key, got in scores.items():
-        rate = sum(score >= 1 for score in got) / len(got)
-        yield Item(*key, len(got), rate, fmean(got), correlation(got, rests[key]))
+            rests[key].append(total - points)
+    for key, task_scores in scores.items():
+        rate = sum(score >= 1 for score in task_scores) / len(task_scores)
+        yield Item(*key, len(task_scores), rate, fmean(task_scores), correlation(task_scores, rests[key]))
 
 
 def _scored_parts(task: TaskResult, of_checks: bool) -> Iterator[tuple[Key, float, float]]:
@@ -288,33 +289,38 @@ class Concern:
         return " ".join([self.text, ", ".join(str(out / "reports" / page) for page in self.pages)]).rstrip()
 
 
-def flags(marked: MarkedResult, alike: Mapping[tuple[str, str], SimilarSubmission]) -> list[Flag]:
+def flags(result: MarkedResult, alike: Mapping[tuple[str, str], SimilarSubmission]) -> list[Flag]:
     """Return the reasons to review one result."""
-    word = marked.result.submission.id_flag
-    found = [Flag(word, word)] if word else []
-    if similar := alike.get((marked.student, marked.exercise)):
+    word = result.result.submission.id_flag
+    raised = [Flag(word, word)] if word else []
+    if similar := alike.get((result.student, result.exercise)):
         if similar.others:
-            found.append(Flag(SIMILAR, f"{SIMILAR}: {join_few(similar.others)}", similar.link))
+            raised.append(Flag(SIMILAR, f"{SIMILAR}: {join_few(similar.others)}", similar.link))
         if similar.remarks:
-            found.append(Flag(NOT_COMPARED, f"{NOT_COMPARED}: {'; '.join(similar.remarks)}", similar.link))
-    return found
+            raised.append(Flag(NOT_COMPARED, f"{NOT_COMPARED}: {'; '.join(similar.remarks)}", similar.link))
+    return raised
 
 
 def review_reasons(results: Iterable[MarkedResult], out: Path) -> list[Concern]:
     """Return each reason to review submissions, with the submissions."""
-    alike, who, pages = read_similar(out), defaultdict[str, list[str]](list), defaultdict[str, set[str]](set)
+    alike, students_by_kind, pages = (
+        read_similar(out),
+        defaultdict[str, list[str]](list),
+        defaultdict[str, set[str]](set),
+    )
     for result in results:
         is_held = result.row.status == "needs_marking"
         for flag in (one for one in flags(result, alike) if one.kind != MISMATCH or is_held):
-            who[flag.kind].append(f"{result.student} {result.exercise}")
+            students_by_kind[flag.kind].append(f"{result.student} {result.exercise}")
             pages[flag.kind] |= {flag.link.split("#")[0]} - {""}
     return [
         Concern(
-            f"{kind}: {format_count(len(who[kind]), 'submission')} ({join_few(who[kind])}): {advice}",
+            f"{kind}: {format_count(len(students_by_kind[kind]), 'submission')} "
+            f"({join_few(students_by_kind[kind])}): {advice}",
             tuple(sorted(pages[kind])),
         )
         for kind, advice in ADVICE.items()
-        if kind in who
+        if kind in students_by_kind
     ]
 
 
@@ -329,12 +335,15 @@ INDEX_COLUMNS = (
 def write_tables(out: Path, zone: ZoneInfo) -> list[MarkedResult]:
     """Write the gradebook, the index and the item analysis, and return all results."""
     results = list(results_in(out))
-    rows, found = list[tuple[Any, ...]](), defaultdict[str, list[MarkedResult]](list)
+    rows, results_by_exercise = list[tuple[Any, ...]](), defaultdict[str, list[MarkedResult]](list)
     for result in results:
         rows += _task_rows(result)
-        found[result.exercise].append(result)
+        results_by_exercise[result.exercise].append(result)
     write_atomically(out / "tasks.csv", csv_of(TASK_COLUMNS, rows))
-    page = fill("items.html", exercises=[analyse(name, found[name], out) for name in sorted(found)])
+    page = fill(
+        "items.html",
+        exercises=[analyse(name, results_by_exercise[name], out) for name in sorted(results_by_exercise)],
+    )
     write_atomically(out / "reports" / "items.html", page.encode("utf-8", "replace"))
     write_gradebook(out, results)
     write_index(out, zone, results)
@@ -360,28 +369,28 @@ def write_index(out: Path, zone: ZoneInfo, results: Sequence[MarkedResult]) -> P
     return path
 
 
-def _line(marked: MarkedResult, out: Path, zone: ZoneInfo) -> dict[str, Any]:
-    usage = read_usage(out, marked.result.attempts[-1].key)
-    row = {**marked.row.cells, **(asdict(usage) if usage else {})}
+def _line(result: MarkedResult, out: Path, zone: ZoneInfo) -> dict[str, Any]:
+    usage = read_usage(out, result.result.attempts[-1].key)
+    row = {**result.row.cells, **(asdict(usage) if usage else {})}
     cells = [row.get(key, "") for key, _ in INDEX_COLUMNS]
     place = f"{row['student']}/{row['exercise']}.html"
-    time = marked.result.submission.received.time
+    time = result.result.submission.received.time
     return {
         "link": quote(place, errors="surrogateescape") if (out / "reports" / place).is_file() else "",
         "cells": [f"{v:g}" if isinstance(v, float) else v for v in cells],
         "received": time.astimezone(zone).isoformat(" ", "minutes") if time else "unknown",
-        "notes": marked.result.notes,
+        "notes": result.result.notes,
     }
 
 
 def _failures(results: Iterable[MarkedResult]) -> list[dict[str, Any]]:
     """Return each check with the number of submissions that failed it, most failed first."""
-    judged, failed = Counter[tuple[Any, ...]](), Counter[tuple[Any, ...]]()
+    judged_counts, failed = Counter[tuple[Any, ...]](), Counter[tuple[Any, ...]]()
     for result in results:
         for task in result.result.tasks:
             for check in task.checks:
                 key = task.task, check.title, check.scenario, check.hidden
-                judged[key] += 1
+                judged_counts[key] += 1
                 failed[key] += not check.passed
-    shares = sorted(judged, key=lambda key: (-failed[key] / judged[key], key))
-    return [{"names": key, "failed": failed[key], "of": judged[key]} for key in shares]
+    shares = sorted(judged_counts, key=lambda key: (-failed[key] / judged_counts[key], key))
+    return [{"names": key, "failed": failed[key], "of": judged_counts[key]} for key in shares]

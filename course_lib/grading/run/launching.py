@@ -51,14 +51,14 @@ class RecordedLaunch(LaunchProgram):
         self._processes_of_nodes: dict[str, int] = {}
         self._starts_nodes = starts
 
-    def start(self, action: Action, package: str, executable: str, words: Iterable[str]) -> None:
+    def start(self, action: Action, package: str, executable: str, arguments: Iterable[str]) -> None:
         """Record the node and start it."""
-        words = list(words)
+        arguments = list(arguments)
         if len(self.nodes) < MAX_STARTED:
-            self.nodes.append(StartedNode(package, executable, tuple(words)))
+            self.nodes.append(StartedNode(package, executable, tuple(arguments)))
         if self._starts_nodes:
             before = len(self._started)
-            super().start(action, package, executable, words)
+            super().start(action, package, executable, arguments)
             for _, process in self._started[before:]:
                 self._processes_of_nodes[process.file.name] = len(self.nodes) - 1
         else:
@@ -125,11 +125,11 @@ def launch(text: Any) -> LaunchRecord:
         except Exception as error:
             # The launch file is student code and may raise any exception.
             return LaunchRecord(error=_strip_folder(folder, describe(error)))
-        others = tuple(_run_other_values(file, arguments))
+        other_values = tuple(_run_other_values(file, arguments))
         run = RecordedLaunch(file)
         output = _strip_folder(folder, run.run_to_end())
         defaults = {argument.name: default for argument, default in arguments}
-        return LaunchRecord(defaults, tuple(run.nodes), others, output)
+        return LaunchRecord(defaults, tuple(run.nodes), other_values, output)
 
 
 @contextmanager
@@ -166,9 +166,9 @@ def _run_other_values(
 ) -> Iterator[OtherValue]:
     for argument, default in arguments:
         value = _other_value(default, [str(choice) for choice in argument.choices or ()])
-        described = RecordedLaunch(file, [f"{argument.name}:={value}"], starts=False)
-        described.run_to_end()
-        yield OtherValue(argument.name, value, tuple(described.nodes))
+        launch_run = RecordedLaunch(file, [f"{argument.name}:={value}"], starts=False)
+        launch_run.run_to_end()
+        yield OtherValue(argument.name, value, tuple(launch_run.nodes))
 
 
 def _other_value(default: str | None, choices: list[str]) -> str:

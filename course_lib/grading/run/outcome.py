@@ -156,14 +156,14 @@ def printed_lines(outputs: Iterable[str]) -> tuple[str, ...]:
     """Return the lines of the first output that is not empty, shortened for display."""
     text = next((one for one in outputs if one.strip()), "")
     lines = collapse_lines(text.rstrip().splitlines())
-    shown = [line if len(line) <= MAX_LINE else f"{line[:MAX_LINE]} …" for line in lines[:MAX_LINES]]
-    more = len(lines) - len(shown)
-    return (*shown, f"… {more} more lines") if more > 0 else tuple(shown)
+    kept_lines = [line if len(line) <= MAX_LINE else f"{line[:MAX_LINE]} …" for line in lines[:MAX_LINES]]
+    more = len(lines) - len(kept_lines)
+    return (*kept_lines, f"… {more} more lines") if more > 0 else tuple(kept_lines)
 
 
 def collapse_lines(lines: Iterable[str]) -> list[str]:
     """Collapse repeated lines into a count, ignoring log stamps in the comparison."""
-    made: list[str] = []
+    collapsed: list[str] = []
     last, repeated = None, 0
     for line in [*lines, None]:
         plain = None if line is None else _STAMP.sub("", line)
@@ -171,11 +171,11 @@ def collapse_lines(lines: Iterable[str]) -> list[str]:
             repeated += 1
             continue
         if repeated:
-            made.append(f"… repeated {repeated} times" if repeated > 1 else made[-1])
+            collapsed.append(f"… repeated {repeated} times" if repeated > 1 else collapsed[-1])
         last, repeated = plain, 0
         if line is not None:
-            made.append(line)
-    return made
+            collapsed.append(line)
+    return collapsed
 
 
 # getrusage reports bytes on macOS, and kilobytes on other systems.
@@ -217,8 +217,10 @@ def wait_any_child() -> Usage:
     Raises:
         ChildProcessError: There is no child.
     """
-    _, _, used = os.wait3(0)
-    return Usage(round(used.ru_utime + used.ru_stime, 3), round(used.ru_maxrss / _RSS_PER_MB, 1))
+    _, _, resources = os.wait3(0)
+    return Usage(
+        round(resources.ru_utime + resources.ru_stime, 3), round(resources.ru_maxrss / _RSS_PER_MB, 1)
+    )
 
 
 def still_running_message(seconds: float, line: str = "") -> str:

@@ -174,13 +174,13 @@ def run(job: Job) -> StoredRun:
                 # A template that was killed is closed: its evidence is meaningless.
                 template = shared_template(job.refused)
                 try:
-                    made = run_scenarios(job)
+                    result = run_scenarios(job)
                     if not template.is_sound:
                         raise WorkerError("the template was killed")
                 except (OSError, WorkerError):
                     template.close()
                     raise
-                return StoredRun(pack(made), made.usage)
+                return StoredRun(pack(result), result.usage)
             except (OSError, WorkerError) as error:
                 # The template may have been killed before or during its start.
                 why = error
@@ -204,7 +204,7 @@ def _pin_processor() -> Iterator[None]:
     longer.
     """
     try:
-        allowed = os.sched_getaffinity(0)
+        processors = os.sched_getaffinity(0)
         status = Path("/proc/thread-self/stat").read_text(encoding="utf-8")
         os.sched_setaffinity(0, {int(status.rpartition(")")[2].split()[PROCESSOR])})
     except (AttributeError, OSError):
@@ -214,7 +214,7 @@ def _pin_processor() -> Iterator[None]:
     try:
         yield
     finally:
-        os.sched_setaffinity(0, allowed)
+        os.sched_setaffinity(0, processors)
 
 
 def store_evidence(out: Path, key: str, ran: StoredRun) -> None:
@@ -237,13 +237,13 @@ def read_usage(out: Path, key: str) -> Usage | None:
     return None
 
 
-def pack(made: ExerciseRun) -> bytes:
+def pack(result: ExerciseRun) -> bytes:
     """Return the bytes to store, which are equal for equal evidence."""
     content = {
         "version": VERSION,
-        "isolation": made.isolation.layers,
-        "log": made.log,
-        "evidence": [one.evidence for one in made.runs],
+        "isolation": result.isolation.layers,
+        "log": result.log,
+        "evidence": [one.evidence for one in result.runs],
     }
     return gzip.compress(msgpack.packb(content, default=_fields_of), LEVEL, mtime=0)
 
@@ -258,8 +258,8 @@ def unpack(data: bytes, steps: Sequence[Step]) -> ExerciseRun:
         content = msgpack.unpackb(gzip.decompress(data), strict_map_key=False)
         if content["version"] != VERSION:
             raise ValueError(f"it is of version {content['version']}, expected {VERSION}")
-        kept = {(row["task"], row["scenario"]): _evidence(row) for row in content["evidence"]}
-        runs = [Run(s.scenario, kept[s.task.id, s.scenario.name], s.hidden) for s in steps]
+        evidence_by_scenario = {(row["task"], row["scenario"]): _evidence(row) for row in content["evidence"]}
+        runs = [Run(s.scenario, evidence_by_scenario[s.task.id, s.scenario.name], s.hidden) for s in steps]
         log, isolation = CellLog(**content["log"]), Isolation(tuple(content["isolation"]))
     except Exception as error:
         # A damaged file can cause any exception.

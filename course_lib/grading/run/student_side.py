@@ -102,21 +102,21 @@ def run_node(make: Any) -> None:
     from rclpy.node import Node
     from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-    made = _callable(make, "a node class")
+    returned = _callable(make, "a node class")
     before = current_graph().nodes()
     # A function such as `main()` usually calls `rclpy.init()` itself.
     code = getattr(make, "__code__", None)
     if not (code is not None and "init" in code.co_names):
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     try:
-        made = made()
-        nodes = [made] if isinstance(made, Node) else list(made or ())
+        returned = returned()
+        nodes = [returned] if isinstance(returned, Node) else list(returned or ())
         if nodes:
             executor = SingleThreadedExecutor()
             for node in nodes:
                 executor.add_node(node)
             executor.spin()
-        elif made is None and current_graph().now_ns == START_NS and current_graph().nodes() == before:
+        elif returned is None and current_graph().now_ns == START_NS and current_graph().nodes() == before:
             name = getattr(make, "__name__", "the function")
             raise CourseError(f"{name}() has made no node, expected a class: class {name}(Node): …")
     except ExternalShutdownException:
@@ -133,8 +133,8 @@ def _callable(subject: Any, expected: str) -> Callable[..., Any]:
         if isinstance(subject, str) and subject.isidentifier():
             instead = f": pass {subject} without quotes"
         raise CourseError(f"got an object of {name}, expected {expected}{instead}")
-    made: Callable[..., Any] = subject
-    return made
+    function: Callable[..., Any] = subject
+    return function
 
 
 # The interrupt repeats after this time [s], for code that swallows the first one.

@@ -102,10 +102,12 @@ class WaitingTime:
         # The extension is the longest waiting time of a thread, without times in which another one
         # ran.
         spent = {n: one.after(self._before.get(n, ThreadTimes())) for n, one in _threads(self._top)}
-        own = spent.pop(OWN, ThreadTimes()).waited
+        own_wait = spent.pop(OWN, ThreadTimes()).waited
         ran = sum(one.ran for one in spent.values())
         longest = max((one.waited for one in spent.values()), default=0.0)
-        more = min(min(own + longest, wall.monotonic() - self._since - ran), self._max_bytes) - self.granted
+        more = (
+            min(min(own_wait + longest, wall.monotonic() - self._since - ran), self._max_bytes) - self.granted
+        )
         if more < SHORTEST:
             return 0.0
         self.granted += more
@@ -159,9 +161,9 @@ class WorkerProcess:
         except ChannelError as error:
             problem = [str(error)]
         if problem != [""]:
-            said = self.take_output()
+            worker_output = self.take_output()
             self.close()
-            raise WorkerError(f"a worker can't be put into the jail: {problem} {said}")
+            raise WorkerError(f"a worker can't be put into the jail: {problem} {worker_output}")
 
     def allow(self, seconds: float) -> None:
         """Set the time [s] in which the worker must answer, without times of waiting for a processor."""
@@ -277,16 +279,16 @@ class ScenarioGraph:
                 topic, type_name = f"{prefix}{message.topic}{suffix}", f"{message.type_name}_Request"
                 message = replace(message, topic=topic, type_name=type_name)
             fields = pickle.dumps(resolve(message.fields, personal))
-            made = _serialize_input if len(fields) < LARGE else _serialize_input.__wrapped__
-            cdr = made(message.topic, message.type_name, fields)
+            serialize_fields = _serialize_input if len(fields) < LARGE else _serialize_input.__wrapped__
+            cdr = serialize_fields(message.topic, message.type_name, fields)
             endpoint = self.graph.add_publisher(self._input_node, message.topic, message.type_name, Qos())
             publish = partial(
                 self.graph.publish, endpoint, SERVICE_HEADER.pack(endpoint, 1) * is_request + cdr
             )
             due_ns = START_NS + round(message.at * 1e9)
             self.graph.call_at(due_ns, publish, node=self._input_node, entity=endpoint)
-        asked = {one.topic for one in scenario.inputs if one.type_name == SET_PARAMETERS}
-        for service in sorted(asked):
+        parameter_services = {one.topic for one in scenario.inputs if one.type_name == SET_PARAMETERS}
+        for service in sorted(parameter_services):
             self._record_rejections(service)
         calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
         self.part = Instructions(task.kind, scenario.seed, calls)
@@ -636,6 +638,6 @@ class Budget:
 
     def charge(self, task: str, amount: float) -> None:
         """Charge a task: first its own share, then the common half."""
-        own = min(amount, self._reserved[task])
-        self._reserved[task] -= own
-        self._common = max(self._common - (amount - own), 0.0)
+        from_reserve = min(amount, self._reserved[task])
+        self._reserved[task] -= from_reserve
+        self._common = max(self._common - (amount - from_reserve), 0.0)

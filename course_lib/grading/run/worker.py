@@ -201,8 +201,8 @@ def cpu_seconds() -> float:
 
     The module `time` is no substitute: it has robot time here.
     """
-    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(one.ru_utime + one.ru_stime for one in used)
+    resources = [resource.getrusage(target) for target in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in resources)
 
 
 def running_threads() -> int:

@@ -67,8 +67,8 @@ def _archive(file: Path | BytesIO) -> zipfile.ZipFile:
         raise CourseError(f"it is not a readable zip file: {error}") from error
 
 
-def read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo | str, most: int) -> bytes:
-    """Decompress at most `most` + 1 bytes of one file, regardless of the size that the archive declares.
+def read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo | str, max_bytes: int) -> bytes:
+    """Decompress at most `max_bytes` + 1 bytes of one file, regardless of the size that the archive declares.
 
     Raises:
         CourseError: The file does not exist, is encrypted or damaged, or uses an unsupported
@@ -79,14 +79,14 @@ def read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo | str, most: i
         if info.compress_type not in METHODS:
             raise ValueError(f"compression method {info.compress_type}, expected stored or deflated")
         with archive.open(info) as file:
-            return file.read(most + 1)
+            return file.read(max_bytes + 1)
     except Exception as error:
         # A damaged or encrypted archive can raise many kinds of exceptions.
         raise CourseError(f"can't be unpacked: {error}") from error
 
 
-def _check_count(count: int, most: int) -> None:
-    if count > most:
+def _check_count(count: int, max_count: int) -> None:
+    if count > max_count:
         raise CourseError(f"it has {count} files, expected at most {MAX_MEMBERS}")
 
 
@@ -139,10 +139,10 @@ class Arrivals:
 
     def _walk(self, top: Path) -> Iterator[Arrival]:
         for folder, folders, names in os.walk(top):
-            here = Path(folder)
-            links = [name for name in folders if (here / name).is_symlink()]
+            folder_path = Path(folder)
+            links = [name for name in folders if (folder_path / name).is_symlink()]
             folders[:] = sorted(name for name in folders if not _is_junk(name))
-            for path in (here / name for name in sorted([*names, *links]) if not _is_junk(name)):
+            for path in (folder_path / name for name in sorted([*names, *links]) if not _is_junk(name)):
                 parts = path.relative_to(top).parts
                 if not self.is_wanted(parts):
                     continue
@@ -177,7 +177,7 @@ class Arrivals:
             self.refuse("/".join(arrival.parts), str(error))
 
     def _members(self, archive: zipfile.ZipFile, above: tuple[str, ...]) -> Iterator[Arrival]:
-        known: set[str] = set()
+        names: set[str] = set()
         for info in archive.infolist():
             name = _member_name(info)
             if above and "/" not in name:
@@ -189,9 +189,9 @@ class Arrivals:
             parts = (*above, *inner)
             if not above and not self.is_wanted(parts):
                 continue
-            again = "the archive contains this name twice" if name in known else ""
-            known.add(name)
-            if problem := again or path_problem(inner) or _type_problem(info.external_attr >> 16):
+            duplicate = "the archive contains this name twice" if name in names else ""
+            names.add(name)
+            if problem := duplicate or path_problem(inner) or _type_problem(info.external_attr >> 16):
                 self.refuse("/".join(parts), problem)
                 continue
             owner = self.owner(parts)
@@ -212,12 +212,12 @@ class Arrivals:
             CourseError: It can't be decompressed, or the owner's limit is exceeded; then the
                 owner's other files are skipped.
         """
-        most = _limit(tuple(info.filename.split("/")))
-        left = MAX_UNPACKED_BYTES - self._bytes[owner] if counted else most + 1
-        data = read_member(archive, info, min(most, left))
+        max_bytes = _limit(tuple(info.filename.split("/")))
+        remaining_bytes = MAX_UNPACKED_BYTES - self._bytes[owner] if counted else max_bytes + 1
+        data = read_member(archive, info, min(max_bytes, remaining_bytes))
         self._files[owner] += counted
         self._bytes[owner] += len(data) if counted else 0
-        if len(data) > left or self._files[owner] > MAX_UNPACKED_FILES:
+        if len(data) > remaining_bytes or self._files[owner] > MAX_UNPACKED_FILES:
             self._exhausted_owners.add(owner)
             raise CourseError(
                 f"all archives of {owner} together unpack to more than {MAX_UNPACKED_BYTES} bytes or "
@@ -325,10 +325,10 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
     Raises:
         CourseError: They can't be read.
     """
-    found = _read_packed(path) if path.suffix.lower() == ".zip" else _read_folder(path.parent, cells)
+    unpacked = _read_packed(path) if path.suffix.lower() == ".zip" else _read_folder(path.parent, cells)
     files: dict[str, str] = {}
     try:
-        for name, data in found:
+        for name, data in unpacked:
             # The replacement of invalid bytes may triple the size.
             text = data.decode("utf-8", "replace")
             if len(files) < MAX_WORKING_FILES and len(text.encode()) <= MAX_WORKING_BYTES:
@@ -341,8 +341,8 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
 def _read_folder(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
     """Yield the files of the folder that the cells name between quotes."""
     home = folder.resolve()
-    named = (name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name))
-    for name in dict.fromkeys(islice(named, MAX_NAMES)):
+    quoted = (name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name))
+    for name in dict.fromkeys(islice(quoted, MAX_NAMES)):
         place = home / name
         # The path does not contain a symbolic link.
         if place.is_file() and place.resolve() == place:

@@ -199,28 +199,28 @@ def _choose_for_owner(
     choice: Choice,
 ) -> None:
     """Add one owner's files to the choice."""
-    wanted, aside, kept = set[str](), list[DownloadedFile](), list[DownloadedFile]()
+    expected_exercises, set_aside, kept_items = set[str](), list[DownloadedFile](), list[DownloadedFile]()
     for item in items:
         expected = _expected_exercise(item.handed, exercise)
-        wanted.add(expected)
+        expected_exercises.add(expected)
         if item.kind == "working":
             continue
         if expected == ANY:
-            (kept if item.is_touched else aside).append(item)
+            (kept_items if item.is_touched else set_aside).append(item)
         elif item.exercise == expected or (not expected and not item.exercise):
-            kept.append(item)
+            kept_items.append(item)
         else:
-            aside.append(item)
-    done = {item.exercise for item in kept if item.is_touched and not item.problem}
-    untouched = [item for item in kept if not item.is_touched and item.exercise in done]
-    kept = [item for item in kept if item not in untouched]
-    choice.kept += [*kept, *(item for item in items if item.kind == "working")]
-    choice.lines += _lines([*aside, *untouched], exercise)
-    wanted |= {_expected_exercise(handed, exercise) for handed, _, _ in refused}
-    missing = sorted(wanted - {item.exercise for item in kept} - {ANY, ""})
-    for one in missing if not kept else ():
+            set_aside.append(item)
+    edited_exercises = {item.exercise for item in kept_items if item.is_touched and not item.problem}
+    untouched = [item for item in kept_items if not item.is_touched and item.exercise in edited_exercises]
+    kept_items = [item for item in kept_items if item not in untouched]
+    choice.kept += [*kept_items, *(item for item in items if item.kind == "working")]
+    choice.lines += _lines([*set_aside, *untouched], exercise)
+    expected_exercises |= {_expected_exercise(handed, exercise) for handed, _, _ in refused}
+    missing = sorted(expected_exercises - {item.exercise for item in kept_items} - {ANY, ""})
+    for one in missing if not kept_items else ():
         reasons = [f"{name}: {why}" for _, name, why in refused]
-        reasons += [f"{item.handed.below[-1]}: {_exclusion_reason(item, one)}" for item in aside]
+        reasons += [f"{item.handed.below[-1]}: {_exclusion_reason(item, one)}" for item in set_aside]
         reasons += [
             f"{item.handed.below[-1]}: a file without a notebook" for item in items if item.kind == "working"
         ]
@@ -244,10 +244,10 @@ def _exclusion_reason(item: DownloadedFile, expected: str) -> str:
     return f"it is {item.exercise}{state}, not {expected}"
 
 
-def _lines(aside: Iterable[DownloadedFile], exercise: str) -> list[str]:
+def _lines(items: Iterable[DownloadedFile], exercise: str) -> list[str]:
     """Return a line for each file that was set aside, and one for all unchanged exercises of an owner."""
     lines, untouched = [], []
-    for item in aside:
+    for item in items:
         if not item.is_touched and not item.problem:
             untouched.append(item)
         elif item.problem:
@@ -259,8 +259,8 @@ def _lines(aside: Iterable[DownloadedFile], exercise: str) -> list[str]:
             )
     if untouched:
         names = ", ".join(sorted({item.exercise for item in untouched}))
-        what = format_count(len(untouched), "exercise")
-        lines.append(f"ignored: {untouched[0].handed.name}: {what} as released: {names}")
+        released_count = format_count(len(untouched), "exercise")
+        lines.append(f"ignored: {untouched[0].handed.name}: {released_count} as released: {names}")
     return lines
 
 
@@ -273,31 +273,39 @@ def _exercise_of(notebooks: Sequence[DownloadedFile], layout: Layout) -> str:
     Raises:
         CourseError: Several exercises are possible.
     """
-    asked = [item for item in notebooks if item.exercise and not item.handed.assignment and not item.problem]
-    touched = {item.exercise for item in asked if item.is_touched}
-    found = touched or {item.exercise for item in asked}
-    if len(found) > 1:
-        held = defaultdict[str, set[str]](set)
-        for item in asked:
-            held[item.owner].add(item.exercise)
-        shared = set.intersection(*held.values())
-        found = shared if len(shared) == 1 and len(held) > 1 else found
-    if len(found) > 1:
+    without_assignment = [
+        item for item in notebooks if item.exercise and not item.handed.assignment and not item.problem
+    ]
+    edited_exercises = {item.exercise for item in without_assignment if item.is_touched}
+    exercises = edited_exercises or {item.exercise for item in without_assignment}
+    if len(exercises) > 1:
+        exercises_by_owner = defaultdict[str, set[str]](set)
+        for item in without_assignment:
+            exercises_by_owner[item.owner].add(item.exercise)
+        shared = set.intersection(*exercises_by_owner.values())
+        exercises = shared if len(shared) == 1 and len(exercises_by_owner) > 1 else exercises
+    if len(exercises) > 1:
         owners = {
             name: len(
-                {item.owner for item in asked if item.exercise == name and (item.is_touched or not touched)}
+                {
+                    item.owner
+                    for item in without_assignment
+                    if item.exercise == name and (item.is_touched or not edited_exercises)
+                }
             )
-            for name in sorted(found)
+            for name in sorted(exercises)
         }
-        listed = ", ".join(f"{name} ({format_count(number, 'student')})" for name, number in owners.items())
+        exercise_counts = ", ".join(
+            f"{name} ({format_count(number, 'student')})" for name, number in owners.items()
+        )
         first = max(owners, key=lambda name: owners[name])
         raise CourseError(
-            f"this download contains {listed}. Which exercise is it for? Add --exercise {first}"
+            f"this download contains {exercise_counts}. Which exercise is it for? Add --exercise {first}"
         )
-    if found:
-        return min(found)
-    named = {item.exercise for item in notebooks if item.exercise and not item.handed.assignment}
-    return min(named) if len(named) == 1 else ""
+    if exercises:
+        return min(exercises)
+    stated_exercises = {item.exercise for item in notebooks if item.exercise and not item.handed.assignment}
+    return min(stated_exercises) if len(stated_exercises) == 1 else ""
 
 
 def exercise_option(text: str) -> str:
@@ -309,10 +317,11 @@ def exercise_option(text: str) -> str:
     if not text or text == ANY:
         return text
     name = full_exercise_name(text)
-    known = sorted(path.stem for path in exercises_dir().glob("week*_exercise.ipynb"))
-    if name not in known:
+    known_exercises = sorted(path.stem for path in exercises_dir().glob("week*_exercise.ipynb"))
+    if name not in known_exercises:
         raise CourseError(
-            f"--exercise {text} is not an exercise of this course: expected one of {', '.join(known)}"
+            f"--exercise {text} is not an exercise of this course: expected one of "
+            f"{', '.join(known_exercises)}"
         )
     return name
 
@@ -345,14 +354,14 @@ def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: Layout) -
         ids = sorted({item.claimed for item in group if item.claimed})
         files = format_count(len(group), "file")
         if len(ids) > 1:
-            what = f"{owner} holds {files} of {exercise} with different student IDs ({', '.join(ids[:3])})"
+            problem = f"{owner} holds {files} of {exercise} with different student IDs ({', '.join(ids[:3])})"
         elif is_each and len(groups) == len({item.parts[0] for item in notebooks}):
-            what = f"everything is in {owner}" if len(groups) == 1 else f"{owner} is one of {len(groups)}"
-            what += f", with {files} of {exercise} in several folders or under several names"
+            problem = f"everything is in {owner}" if len(groups) == 1 else f"{owner} is one of {len(groups)}"
+            problem += f", with {files} of {exercise} in several folders or under several names"
         else:
             continue
         raise CourseError(
-            f"{what}, so the layout of this download is unknown and nothing is collected. If the folders "
+            f"{problem}, so the layout of this download is unknown and nothing is collected. If the folders "
             "in it belong to students, unpack it and pass the folder with them; if each file has its "
             f"student's ID, as in Google Drive, add --layout google; if {owner} is one student, add --layout "
             "folders. The instructor's guide lists the supported platforms"
@@ -399,8 +408,8 @@ class Collection:
         """Return a summary, and the next command to type."""
         details = f", {self.late} late according to the platform" if self.late else ""
         details += f", {len(self.refused)} refused" if self.refused else ""
-        aside = sum(not line.startswith("ignored:") for line in self.aside)
-        details += f", {aside} set aside" if aside else ""
+        aside_count = sum(not line.startswith("ignored:") for line in self.aside)
+        details += f", {aside_count} set aside" if aside_count else ""
         if self.rejected:
             details += (
                 f", {format_count(len(self.rejected), 'student')} rejected (the gradebook has the reason)"
@@ -423,8 +432,10 @@ class Exports:
     def time(self, handed: DownloadName) -> tuple[datetime | None, str]:
         """Return the time of submission and its source: the export or platform."""
         keys = (handed.key, *handed.keys)
-        known = ((t.of(key, handed.attachment), t.source) for t in self.times for key in keys)
-        return next((pair for pair in known if pair[0]), (handed.time, handed.layout if handed.time else ""))
+        known_times = ((t.of(key, handed.attachment), t.source) for t in self.times for key in keys)
+        return next(
+            (pair for pair in known_times if pair[0]), (handed.time, handed.layout if handed.time else "")
+        )
 
 
 @dataclass(frozen=True)
@@ -482,19 +493,19 @@ def collect(
     exercise = exercise_option(exercise)
     if out.resolve().is_relative_to(source.resolve()):
         raise CourseError(f"{out} is inside {source}. Choose another folder: --out DIR")
-    done = Collection(rows=_read_rows(out / LIST))
+    collection = Collection(rows=_read_rows(out / LIST))
     download = _download(source, zone, layout)
-    exports = _read_exports(download, zone, roster, id_column, times, done)
-    items, refused = _inspect_all(download, done)
-    if not items and not done.refused:
+    exports = _read_exports(download, zone, roster, id_column, times, collection)
+    items, refused = _inspect_all(download, collection)
+    if not items and not collection.refused:
         raise CourseError(f"{source} contains no files. Pass the platform's download.")
     _reject_collisions((*(item.handed for item in items), *(handed for handed, _, _ in refused)), exports)
     choice = choose(items, refused, download.layout, exercise)
-    done.aside = [printable(line) for line in choice.lines]
-    _store_all(download, choice, out, zone, done, exports)
-    _reject(choice, out, zone, done, exports)
-    write_list(out / LIST, done.rows.values())
-    return done
+    collection.aside = [printable(line) for line in choice.lines]
+    _store_all(download, choice, out, zone, collection, exports)
+    _reject(choice, out, zone, collection, exports)
+    write_list(out / LIST, collection.rows.values())
+    return collection
 
 
 def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
@@ -506,22 +517,24 @@ def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
             source, paths = inner, list_paths(inner)
     if not paths:
         return Download(source, Layout(FOLDERS, zone))
-    chosen = choose_layout(paths, source.name, zone, layout)
-    if chosen.name == "blackboard":
-        chosen = add_blackboard_title(chosen, paths)
-    if chosen.name == GRADESCOPE:
-        found = [*_read_extras(source, lambda path: chosen.is_extra(path) and path[-1] == METADATA)]
-        if not found:
+    download_layout = choose_layout(paths, source.name, zone, layout)
+    if download_layout.name == "blackboard":
+        download_layout = add_blackboard_title(download_layout, paths)
+    if download_layout.name == GRADESCOPE:
+        metadata_files = [
+            *_read_extras(source, lambda path: download_layout.is_extra(path) and path[-1] == METADATA)
+        ]
+        if not metadata_files:
             raise CourseError(
                 f"{source} has Gradescope's folders, but not {METADATA}, which has the students. Pass the "
                 "whole export: Export Submissions"
             )
-        chosen = replace(chosen, records=gradescope_records(found[0].data, zone))
-    if chosen.name == SAKAI:
+        download_layout = replace(download_layout, records=gradescope_records(metadata_files[0].data, zone))
+    if download_layout.name == SAKAI:
         stamps = _read_extras(source, lambda path: bool(sakai_key(path)))
         times = {sakai_key(one.parts): {"time": sakai_time(one.data)} for one in stamps}
-        chosen = replace(chosen, records=times)
-    return Download(source, chosen)
+        download_layout = replace(download_layout, records=times)
+    return Download(source, download_layout)
 
 
 def _is_download(path: Path, zone: ZoneInfo) -> bool:
@@ -538,7 +551,7 @@ def _read_extras(source: Path, is_wanted: Callable[[tuple[str, ...]], bool]) -> 
 
 
 def _inspect_all(
-    download: Download, done: Collection
+    download: Download, collection: Collection
 ) -> tuple[list[DownloadedFile], list[tuple[DownloadName, str, str]]]:
     """Return the files of a download and the rejected files of known owners, without storing anything."""
     items, refused, unsafe = (
@@ -546,18 +559,18 @@ def _inspect_all(
         list[tuple[DownloadName, str, str]](),
         list[tuple[str, str]](),
     )
-    for arrival in download.arrivals(done, unsafe):
+    for arrival in download.arrivals(collection, unsafe):
         if _is_stamp(arrival, download.layout):
             continue
         try:
             handed = download.layout.read(arrival.parts)
         except CourseError as error:
-            done.refuse("/".join(arrival.parts), str(error))
+            collection.refuse("/".join(arrival.parts), str(error))
             continue
         try:
             items.append(inspect_file(arrival, handed))
         except CourseError as error:
-            done.refuse("/".join(arrival.parts), str(error))
+            collection.refuse("/".join(arrival.parts), str(error))
             refused.append((handed, handed.below[-1], str(error)))
     for name, why in unsafe:
         try:
@@ -584,7 +597,7 @@ def _read_exports(
     roster: Path | None,
     id_column: str,
     times: Sequence[Path],
-    done: Collection,
+    collection: Collection,
 ) -> Exports:
     """Read the platform's exports. Their columns are found by the numbers and names in the download."""
     if roster is None and not times:
@@ -598,25 +611,30 @@ def _read_exports(
                 # The file is rejected when it is collected.
                 continue
     if not keys:
-        done.notes.add("note: the download's names have no platform numbers, so the exports are ignored")
+        collection.notes.add(
+            "note: the download's names have no platform numbers, so the exports are ignored"
+        )
         return Exports()
     tables = [path for path in (roster, *times) if path and path.suffix.lower() != ".json"]
     if download.layout.name == FOLDERS and tables and not any(has_key(path, keys) for path in tables):
-        done.notes.add("note: no table has the names of the folders, so the exports are ignored")
+        collection.notes.add("note: no table has the names of the folders, so the exports are ignored")
         return Exports()
-    read = [found for path in times if (found := read_times(path, zone, keys))]
+    time_tables = [table for path in times if (table := read_times(path, zone, keys))]
     ids = {
-        hidden: user for found in read for hidden, user in found.users.items() if hidden.casefold() in keys
+        anonymous_id: user
+        for table in time_tables
+        for anonymous_id, user in table.users.items()
+        if anonymous_id.casefold() in keys
     }
-    ids = {hidden.casefold(): user for hidden, user in ids.items()}
+    ids = {anonymous_id.casefold(): user for anonymous_id, user in ids.items()}
     if roster is not None:
-        shown = {ids.get(key, key) for key in keys}
-        by_key, heading = read_ids(roster, id_column, shown)
-        ids = {**by_key, **{hidden: by_key.get(user, user) for hidden, user in ids.items()}}
-        read += [found] if (found := read_times(roster, zone, shown)) else []
-        done.notes.add(f"note: student IDs are from the column {heading!r} of {roster.name}")
-    done.notes |= {_time_note(one, zone) for one in read}
-    return Exports(ids, [one for one in read if not one.unread])
+        owner_ids = {ids.get(key, key) for key in keys}
+        by_key, heading = read_ids(roster, id_column, owner_ids)
+        ids = {**by_key, **{anonymous_id: by_key.get(user, user) for anonymous_id, user in ids.items()}}
+        time_tables += [table] if (table := read_times(roster, zone, owner_ids)) else []
+        collection.notes.add(f"note: student IDs are from the column {heading!r} of {roster.name}")
+    collection.notes |= {_time_note(one, zone) for one in time_tables}
+    return Exports(ids, [one for one in time_tables if not one.unread])
 
 
 def _time_note(times: Times, zone: ZoneInfo) -> str:
@@ -634,14 +652,14 @@ def _reject_collisions(files: Iterable[DownloadName], exports: Exports) -> None:
     Raises:
         CourseError: The message has both students and options to pass.
     """
-    owners, made = defaultdict[str, dict[str, str]](dict), set[str]()
+    owners, derived_ids = defaultdict[str, dict[str, str]](dict), set[str]()
     for handed in files:
         if handed.student:
             student = exports.id_of(handed) or handed.student
             owners[student][handed.key] = handed.name
-            made |= set() if handed.is_named else {student}
+            derived_ids |= set() if handed.is_named else {student}
     for student, names in owners.items():
-        if len(names) > 1 and student in made:
+        if len(names) > 1 and student in derived_ids:
             first, second = list(names.values())[:2]
             raise CourseError(
                 f"the files of {first!r} and of {second!r} would both belong to {student}, so nothing is "
@@ -654,27 +672,32 @@ def _student(handed: DownloadName, exports: Exports) -> str:
 
 
 def _store_all(
-    download: Download, choice: Choice, out: Path, zone: ZoneInfo, done: Collection, exports: Exports
+    download: Download, choice: Choice, out: Path, zone: ZoneInfo, collection: Collection, exports: Exports
 ) -> None:
     """Read the download again, and store the chosen files."""
-    chosen = {item.parts: item for item in choice.kept}
+    items_by_parts = {item.parts: item for item in choice.kept}
     for arrival in download.arrivals():
         if _is_stamp(arrival, download.layout):
             handed = download.layout.read(arrival.parts)
             write_atomically(out.joinpath(handed.student, *handed.place), arrival.data)
-        elif item := chosen.get(arrival.parts):
+        elif item := items_by_parts.get(arrival.parts):
             try:
-                _store(arrival, item, out, zone, done, exports)
+                _store(arrival, item, out, zone, collection, exports)
             except OSError as error:
                 if error.errno not in BAD_PATHS:
                     raise
-                done.refuse("/".join(arrival.parts), f"can't be kept: {error.strerror}")
+                collection.refuse("/".join(arrival.parts), f"can't be kept: {error.strerror}")
             else:
-                done.notes |= set(_platform_notes(item.handed, exports, download.layout))
+                collection.notes |= set(_platform_notes(item.handed, exports, download.layout))
 
 
 def _store(
-    arrival: Arrival, item: DownloadedFile, out: Path, zone: ZoneInfo, done: Collection, exports: Exports
+    arrival: Arrival,
+    item: DownloadedFile,
+    out: Path,
+    zone: ZoneInfo,
+    collection: Collection,
+    exports: Exports,
 ) -> None:
     handed = item.handed
     student = _student(handed, exports)
@@ -682,40 +705,43 @@ def _store(
     if item.kind == "notebook":
         name = re.sub(r"(\.ipynb)?\.(txt|json)$", ".ipynb", name, flags=re.IGNORECASE)
     # A file never replaces one with other content.
-    path = wanted = out.joinpath(*filter(None, (student, *folders, name)))
+    path = preferred_path = out.joinpath(*filter(None, (student, *folders, name)))
     number = 1
     while path.exists() and path.read_bytes() != arrival.data:
         number += 1
-        path = wanted.with_stem(f"{wanted.stem}-{number}")
+        path = preferred_path.with_stem(f"{preferred_path.stem}-{number}")
     write_atomically(path, arrival.data)
     seconds = arrival.time.timestamp()
     os.utime(path, (seconds, seconds))
     file = path.relative_to(out).as_posix()
-    if done.rows.get(file, {}).get("refused"):
-        del done.rows[file]
+    if collection.rows.get(file, {}).get("refused"):
+        del collection.rows[file]
     if student and (not handed.is_named or (handed.keys and handed.layout != NBGRADER)):
         row = _row(handed, zone, exports)
-        done.rows[file] = {"file": file, **_keep_corrected_time(row, done.rows.get(file, {}), done)}
-        done.late += row["late"] == "yes"
+        collection.rows[file] = {
+            "file": file,
+            **_keep_corrected_time(row, collection.rows.get(file, {}), collection),
+        }
+        collection.late += row["late"] == "yes"
     if item.kind == "notebook":
-        done.students.add(student or name)
+        collection.students.add(student or name)
     if item.exercise:
-        _remove_rejection(student, item.exercise, done)
-    done.count += 1
+        _remove_rejection(student, item.exercise, collection)
+    collection.count += 1
 
 
-def _remove_rejection(student: str, exercise: str, done: Collection) -> None:
+def _remove_rejection(student: str, exercise: str, collection: Collection) -> None:
     """Remove the row of a rejected file, because the student has submitted the exercise since."""
-    gone = [
+    obsolete = [
         file
-        for file, row in done.rows.items()
+        for file, row in collection.rows.items()
         if row.get("refused") and row.get("exercise") == exercise and file.split("/")[0] == student
     ]
-    for file in gone:
-        del done.rows[file]
+    for file in obsolete:
+        del collection.rows[file]
 
 
-def _reject(choice: Choice, out: Path, zone: ZoneInfo, done: Collection, exports: Exports) -> None:
+def _reject(choice: Choice, out: Path, zone: ZoneInfo, collection: Collection, exports: Exports) -> None:
     """Write a row with the reason for each student without a kept file, for `course grade` to show."""
     for handed, exercise, why in choice.rejected.values():
         try:
@@ -728,13 +754,13 @@ def _reject(choice: Choice, out: Path, zone: ZoneInfo, done: Collection, exports
         # its own.
         file = f"{student}/{name}"
         is_of_other = is_notebook_name(name) and find_exercise_name(name) != exercise
-        if is_of_other or done.rows.get(file, {}).get("exercise", exercise) not in ("", exercise):
+        if is_of_other or collection.rows.get(file, {}).get("exercise", exercise) not in ("", exercise):
             file = f"{student}/refused {exercise} {name}"
         if (out / file).exists():
             file = f"{student}/refused {name}"
         row = {"file": file, **_row(handed, zone, exports)}
-        done.rows[file] = {**row, "exercise": exercise, "refused": escape_formula(printable(why))}
-        done.rejected.add(student)
+        collection.rows[file] = {**row, "exercise": exercise, "refused": escape_formula(printable(why))}
+        collection.rejected.add(student)
 
 
 def _platform_notes(handed: DownloadName, exports: Exports, layout: Layout) -> Iterator[str]:
@@ -769,12 +795,14 @@ def _row(handed: DownloadName, zone: ZoneInfo, exports: Exports) -> dict[str, st
     }
 
 
-def _keep_corrected_time(row: dict[str, str], before: Mapping[str, str], done: Collection) -> dict[str, str]:
+def _keep_corrected_time(
+    row: dict[str, str], before: Mapping[str, str], collection: Collection
+) -> dict[str, str]:
     """Return a row with the time in the existing list, which the instructor may have corrected."""
     if not before.get("received"):
         return row
     if row["received"] not in ("", before["received"]):
-        done.notes.add(
+        collection.notes.add(
             printable(
                 f"note: {before['file']}: {LIST} keeps {before['received']}; according to {row['source']} it "
                 f"is {row['received']}: clear the cell and collect again to use that"
@@ -818,8 +846,8 @@ def write_receipts(top: Path, receipts: Mapping[str, PlatformTime]) -> None:
     """Write TOP/received.csv with a row for each file in the students' folders."""
     rows = list[dict[str, str]]()
     for student, receipt in receipts.items():
-        known = {"received": escape_formula(receipt.time), "source": receipt.source}
-        known[ID_FROM] = ROSTER if receipt.named else PLATFORM
+        receipt_row = {"received": escape_formula(receipt.time), "source": receipt.source}
+        receipt_row[ID_FROM] = ROSTER if receipt.named else PLATFORM
         for path in sorted(path for path in (top / student).rglob("*") if path.is_file()):
-            rows.append({"file": path.relative_to(top).as_posix(), **known})
+            rows.append({"file": path.relative_to(top).as_posix(), **receipt_row})
     write_list(top / LIST, rows)

@@ -110,8 +110,10 @@ def normalize_tokens(cell: str) -> tuple[Token, ...]:
 @lru_cache(maxsize=20_000)
 def _normalize_cached(cell: str) -> tuple[Token, ...]:
     raw = list(lex(cell))
-    own = set(_own_names(raw))
-    return tuple(token for statement in _statements(raw) for token in _normalize_statement(statement, own))
+    own_names = set(_own_names(raw))
+    return tuple(
+        token for statement in _statements(raw) for token in _normalize_statement(statement, own_names)
+    )
 
 
 Raw = tuple["_TokenType", str, int]
@@ -170,33 +172,33 @@ def _is_dropped(statement: Sequence[Raw]) -> bool:
     return statement[0][1] in DROPPED or any(value == "get_logger" for _, value, _ in statement[:3])
 
 
-def _normalize_statement(statement: Sequence[Raw], own: set[str]) -> Iterator[Token]:
+def _normalize_statement(statement: Sequence[Raw], own_names: set[str]) -> Iterator[Token]:
     """Yield the normalized tokens of a statement: V for an own name, N for a number, S for a string."""
     from pygments.token import Name, Number, String
 
     before = ""
     for kind, value, line in statement:
         if kind in String:
-            words = [
+            tokens = [
                 (word[0].casefold(), value.count("\n", 0, word.start()))
                 for word in re.finditer(r"\w+", value)
             ]
-            if len(words) < MIN_WORDS:
-                words = [("S", 0)]
-            for word, below in words:
+            if len(tokens) < MIN_WORDS:
+                tokens = [("S", 0)]
+            for word, below in tokens:
                 yield Token(word, line + below)
         elif kind in Number:
             yield Token("N", line)
-        elif kind in Name and not _is_known(value, before, own):
+        elif kind in Name and not _is_known(value, before, own_names):
             yield Token("V", line)
         else:
             yield Token(value, line)
         before = value
 
 
-def _is_known(name: str, before: str, own: set[str]) -> bool:
+def _is_known(name: str, before: str, own_names: set[str]) -> bool:
     """Return whether a name belongs to Python or a library, so that copies do not change it."""
-    if name in own:
+    if name in own_names:
         return False
     return before == "." or name in BUILT_IN or name[:1].isupper()
 
@@ -256,8 +258,8 @@ def compare(
     for weight, members in zip(amount, groups.values(), strict=True):
         if weight >= MIN_SHARED:
             pairs += _join(members)
-    for own, members in _group_equal(lines).items():
-        if len(own) >= MIN_LINES:
+    for solution_lines, members in _group_equal(lines).items():
+        if len(solution_lines) >= MIN_LINES:
             pairs += _join(members)
     pairs += _text_pairs(texts or {})
     return Comparison(_clusters(pairs), limit, median)
@@ -266,8 +268,8 @@ def compare(
 def _text_pairs(texts: Mapping[str, frozenset[str]]) -> Iterator[Pair]:
     """Yield pairs of students with the same long string; a common string has another source."""
     owners = defaultdict[str, list[str]](list)
-    for student, own in texts.items():
-        for text in own:
+    for student, texts_of_student in texts.items():
+        for text in texts_of_student:
             owners[text].append(student)
     for students in owners.values():
         if len(students) <= max(FEW, COMMON * len(texts)):
@@ -277,8 +279,8 @@ def _text_pairs(texts: Mapping[str, frozenset[str]]) -> Iterator[Pair]:
 def _group_equal(solutions: Mapping[str, Own]) -> dict[Own, list[str]]:
     """Group the students by equal solutions."""
     groups = defaultdict[Own, list[str]](list)
-    for student, own in solutions.items():
-        groups[own].append(student)
+    for student, lines in solutions.items():
+        groups[lines].append(student)
     return groups
 
 
@@ -289,12 +291,12 @@ def _join(students: Sequence[str]) -> list[Pair]:
 
 def _shared_weights(solutions: Sequence[frozenset[int]]) -> Floats:
     """Return the weight of the common runs of each pair; the diagonal contains the weight of all runs."""
-    number = Counter(run for own in solutions for run in own)
+    number = Counter(run for runs in solutions for run in runs)
     full = max(FEW, COMMON * len(solutions))
     weights = {run: min(1.0, full / count) for run, count in number.items()}
     rows = defaultdict[int, list[int]](list)
-    for row, own in enumerate(solutions):
-        for run in own:
+    for row, runs in enumerate(solutions):
+        for run in runs:
             if number[run] > 1:
                 rows[run].append(row)
     shared = np.zeros((len(solutions), len(solutions)))
@@ -311,12 +313,12 @@ def _shared_weights(solutions: Sequence[frozenset[int]]) -> Floats:
         if number[run] <= RARE:
             by_count[number[run]].append(run)
     for count, group in by_count.items():
-        who = np.array([rows[run] for run in group])
+        row_indices = np.array([rows[run] for run in group])
         weight = np.array([weights[run] for run in group])
         for one in range(count):
             for other in range(count):
-                np.add.at(shared, (who[:, one], who[:, other]), weight)
-    np.fill_diagonal(shared, [sum(weights[run] for run in own) for own in solutions])
+                np.add.at(shared, (row_indices[:, one], row_indices[:, other]), weight)
+    np.fill_diagonal(shared, [sum(weights[run] for run in runs) for runs in solutions])
     return shared
 
 
@@ -333,19 +335,19 @@ def _limit(share: Floats) -> tuple[float, float | None]:
 def _clusters(pairs: Sequence[Pair]) -> tuple[Cluster, ...]:
     """Return the connected students, each cluster with the strongest pairs that suffice to connect it."""
     cluster_of: dict[str, set[str]] = {}
-    kept = list[Pair]()
+    kept_pairs = list[Pair]()
     for pair in sorted(pairs, key=lambda pair: (-pair.share, pair.one, pair.other)):
         one, other = (cluster_of.setdefault(name, {name}) for name in (pair.one, pair.other))
         if one is not other:
             one |= other
             cluster_of |= dict.fromkeys(other, one)
-            kept.append(pair)
+            kept_pairs.append(pair)
     clusters = {id(members): members for members in cluster_of.values()}.values()
-    made = [
-        Cluster(tuple(sorted(members)), tuple(pair for pair in kept if pair.one in members))
+    found_clusters = [
+        Cluster(tuple(sorted(members)), tuple(pair for pair in kept_pairs if pair.one in members))
         for members in clusters
     ]
-    return tuple(sorted(made, key=lambda cluster: (-cluster.pairs[0].share, cluster.students)))
+    return tuple(sorted(found_clusters, key=lambda cluster: (-cluster.pairs[0].share, cluster.students)))
 
 
 MAX_CODE = 60_000  # characters of a student's code that are compared, four times a long solution
@@ -371,29 +373,33 @@ class ComparedCode:
     remarks: tuple[str, ...] = ()
 
 
-def select_code(texts: Collection[str], names: Sequence[str], given: Collection[str]) -> ComparedCode:
+def select_code(
+    texts: Collection[str], names: Sequence[str], released_lines: Collection[str]
+) -> ComparedCode:
     """Return the part of a student's code that is compared, without repetitions.
 
     Args:
         texts: Cells and programs of all attempts.
         names: The objects of the tasks.
-        given: Lines of the course's code.
+        released_lines: Lines of the course's code.
     """
-    remarks = find_indirect_code(texts, given)
+    remarks = find_indirect_code(texts, released_lines)
     if sum(map(len, texts)) <= MAX_CODE:
         return ComparedCode(tuple(filter(None, texts)), remarks)
-    kept, left = list[str](), MAX_CODE
+    selected, capacity = list[str](), MAX_CODE
     for part in _sort_by_weight([part for text in texts for part in STATEMENT.split(text)], names):
-        kept.append(part[:left])
-        left = max(0, left - len(part))
-    lost = sum(map(len, texts)) - MAX_CODE
-    return ComparedCode(tuple(filter(None, kept)), (f"{lost / 1000:.3g} kB not compared", *remarks))
+        selected.append(part[:capacity])
+        capacity = max(0, capacity - len(part))
+    surplus = sum(map(len, texts)) - MAX_CODE
+    return ComparedCode(tuple(filter(None, selected)), (f"{surplus / 1000:.3g} kB not compared", *remarks))
 
 
 def _sort_by_weight(parts: Sequence[str], names: Sequence[str]) -> list[str]:
     """Sort statements: bindings of a task's object, other definitions, the rest; later ones first."""
-    named = "|".join(map(re.escape, names)) or "(?!)"
-    binds = re.compile(rf"^(?:class|(?:async )?def)\s+(?:{named})\b|^(?:{named})\s*[:=]", re.MULTILINE)
+    name_pattern = "|".join(map(re.escape, names)) or "(?!)"
+    binds = re.compile(
+        rf"^(?:class|(?:async )?def)\s+(?:{name_pattern})\b|^(?:{name_pattern})\s*[:=]", re.MULTILINE
+    )
     defines = re.compile(r"^(?:class|(?:async )?def)\s", re.MULTILINE)
 
     def weigh(number: int) -> tuple[int, int]:
@@ -403,21 +409,21 @@ def _sort_by_weight(parts: Sequence[str], names: Sequence[str]) -> list[str]:
     return [parts[number] for number in sorted(range(len(parts)), key=weigh)]
 
 
-def find_indirect_code(texts: Iterable[str], given: Collection[str]) -> tuple[str, ...]:
+def find_indirect_code(texts: Iterable[str], released_lines: Collection[str]) -> tuple[str, ...]:
     """Return how a student's own code creates code at run time, which can't be compared."""
-    found = dict[str, None]()
+    suspects = dict[str, None]()
     for text in texts:
-        own = "\n".join(line for line in text.splitlines() if line.strip() not in given)
+        own_code = "\n".join(line for line in text.splitlines() if line.strip() not in released_lines)
         # Python normalizes identifiers in the same way.
-        own = unicodedata.normalize("NFKC", own)
-        if RUN_MAGIC.search(own):
-            found["a magic that runs code"] = None
-        names = dict.fromkeys(SUSPECT.findall(own))
+        own_code = unicodedata.normalize("NFKC", own_code)
+        if RUN_MAGIC.search(own_code):
+            suspects["a magic that runs code"] = None
+        names = dict.fromkeys(SUSPECT.findall(own_code))
         # Tokens distinguish names from words in comments and strings, but lexing is slow.
-        if names and len(own) <= MAX_LEXED:
-            names = dict.fromkeys(_find_suspect_names(own))
-        found |= names
-    return (f"uses {', '.join(found)}",) if found else ()
+        if names and len(own_code) <= MAX_LEXED:
+            names = dict.fromkeys(_find_suspect_names(own_code))
+        suspects |= names
+    return (f"uses {', '.join(suspects)}",) if suspects else ()
 
 
 def _find_suspect_names(text: str) -> Iterator[str]:
@@ -436,14 +442,14 @@ def long_texts(cells: Iterable[str]) -> frozenset[str]:
     """Return the strings that may contain a packed program: long ones with almost no blanks."""
     from pygments.token import String
 
-    found = set[str]()
+    literals = set[str]()
     for cell in cells:
         for kind, value, _ in lex(cell):
             text = value.strip("'\"bBrRuUfF")
             if kind in String and len(text) >= LONG_TEXT:
                 blanks = sum(map(text.count, " \n\t"))
-                found |= {text} if blanks <= MOST_BLANKS * len(text) else set()
-    return frozenset(found)
+                literals |= {text} if blanks <= MOST_BLANKS * len(text) else set()
+    return frozenset(literals)
 
 
 MAX_PAIRS = 40  # displayed pairs of a cluster
@@ -504,28 +510,28 @@ class Block:
 
 
 def copies_page(
-    exercise: str, comparison: Comparison, works: Mapping[str, Work], given: ReleasedCode, zone: ZoneInfo
+    exercise: str, comparison: Comparison, works: Mapping[str, Work], released: ReleasedCode, zone: ZoneInfo
 ) -> str:
     """Return the page of one exercise, with all student texts escaped, and times in a zone."""
     clusters = [
         {
             "students": sorted((works[name].received_in(zone), name) for name in cluster.students),
-            "pairs": [_pair(pair, works, given) for pair in cluster.pairs[:MAX_PAIRS]],
+            "pairs": [_pair(pair, works, released) for pair in cluster.pairs[:MAX_PAIRS]],
             "left_out": len(cluster.pairs[MAX_PAIRS:]),
         }
         for cluster in comparison.clusters
     ]
     unread = sorted((name, work.remarks) for name, work in works.items() if work.remarks)
-    shown = {"unread": unread, "clusters": clusters, "limit": comparison.limit, "median": comparison.median}
-    return fill("copies.html", exercise=exercise, compared=len(works), **shown)
+    values = {"unread": unread, "clusters": clusters, "limit": comparison.limit, "median": comparison.median}
+    return fill("copies.html", exercise=exercise, compared=len(works), **values)
 
 
-def _pair(pair: Pair, works: Mapping[str, Work], given: ReleasedCode) -> dict[str, object]:
+def _pair(pair: Pair, works: Mapping[str, Work], released: ReleasedCode) -> dict[str, object]:
     """Return the data of a pair. The submission that was received first is on the left."""
     names = sorted((pair.one, pair.other), key=lambda name: (works[name].received, name))
     first, second = (fingerprint(works[name].cells) for name in names)
-    likes = (_match_lines(first, second, given.runs), _match_lines(second, first, given.runs))
-    blocks = [_blocks(works[name], like, given) for name, like in zip(names, likes, strict=True)]
+    likes = (_match_lines(first, second, released.runs), _match_lines(second, first, released.runs))
+    blocks = [_blocks(works[name], like, released) for name, like in zip(names, likes, strict=True)]
     return {"share": pair.share, "sides": list(zip(names, blocks, strict=True))}
 
 
@@ -540,22 +546,22 @@ def _match_lines(one: Fingerprint, other: Fingerprint, released_code: frozenset[
             place = (
                 place + 1 if place + 1 in where[run] else where[run][0]
             )  # prefer the place after the last match
-            for own, its in zip(lines, other.lines[place], strict=True):
-                like.setdefault(own, its)
+            for own_line, its in zip(lines, other.lines[place], strict=True):
+                like.setdefault(own_line, its)
     return like
 
 
-def _blocks(work: Work, like: Mapping[int, int], given: ReleasedCode) -> list[Block]:
-    lines = _lines([line for cell in work.cells for line in numbered_lines(cell)], like, given)
+def _blocks(work: Work, like: Mapping[int, int], released: ReleasedCode) -> list[Block]:
+    lines = _lines([line for cell in work.cells for line in numbered_lines(cell)], like, released)
     return [Block(kind, tuple(group)) for kind, group in groupby(lines, lambda line: line.kind)]
 
 
-def _lines(texts: Sequence[str], like: Mapping[int, int], given: ReleasedCode) -> Iterator[Line]:
+def _lines(texts: Sequence[str], like: Mapping[int, int], released: ReleasedCode) -> Iterator[Line]:
     kind: Kind = "given"
     for number, text in enumerate(texts):
         # An empty line has the kind of the line above it.
         if text.strip():
-            is_given = text.strip() in given.lines
+            is_given = text.strip() in released.lines
             kind = "given" if is_given else "same" if number in like else "own"
         is_same = kind == "same" and number in like
         yield Line(number + 1, text, kind, like[number] + 1 if is_same else 0)
@@ -571,12 +577,12 @@ class SimilarSubmission:
 
 
 def compare_class(
-    found: Iterable[Submission], out: Path, exercises: Path, zone: ZoneInfo, tasks: Iterable[Task]
+    submissions: Iterable[Submission], out: Path, exercises: Path, zone: ZoneInfo, tasks: Iterable[Task]
 ) -> None:
     """Compare all submissions of each exercise, including those graded before, and write the pages.
 
     Args:
-        found: All submissions, with notebooks.
+        submissions: All submissions, with notebooks.
         out: The folder of records: OUT/copies keeps the compared code, OUT/reports the pages.
         exercises: The folder of the course's exercises.
         zone: The zone of times on the pages.
@@ -585,41 +591,41 @@ def compare_class(
     names = defaultdict[str, list[str]](list)
     for task in tasks:
         names[task.id.split(".")[0]].append(task.name)
-    given = released_code(exercises)
+    released = released_code(exercises)
     code = defaultdict[tuple[str, str], dict[str, None]](dict)  # code of all attempts, without repetitions
-    received: dict[tuple[str, str], str] = {}
-    for one in found:
+    received_times: dict[tuple[str, str], str] = {}
+    for one in submissions:
         if one.notebook is not None and not one.problem:
             code[one.exercise, one.student] |= dict.fromkeys(_code(one.notebook.cells, one.files))
             time = one.received.time
-            received[one.exercise, one.student] = time.isoformat() if time else ""
+            received_times[one.exercise, one.student] = time.isoformat() if time else ""
     works = defaultdict[str, dict[str, Work]](dict)
     for (exercise, student), texts in code.items():
-        selected = select_code(texts, names[exercise.split("_")[0]], given.lines)
-        work = Work(selected.cells, received[exercise, student], selected.remarks)
+        selected = select_code(texts, names[exercise.split("_")[0]], released.lines)
+        work = Work(selected.cells, received_times[exercise, student], selected.remarks)
         works[exercise][student] = work
     for exercise, fresh in works.items():
         # Students with a result may have been graded from another folder, so their code is
         # compared, too.
         path = out / FOLDER / f"{exercise}.json"
         previous = _read(path)["works"] if path.is_file() else {}
-        known = {
+        work_of = {
             **{
-                student: Work(tuple(cells), received, *map(tuple, more))
-                for student, (cells, received, *more) in previous.items()
+                student: Work(tuple(cells), received_times, *map(tuple, more))
+                for student, (cells, received_times, *more) in previous.items()
                 if result_path(out, student, exercise).is_file()
             },
             **fresh,
         }
-        runs = {name: given.own_runs(work) for name, work in known.items()}
-        lines = {name: given.own_lines(work) for name, work in known.items()}
-        strings = {name: long_texts(work.cells) - given.texts for name, work in known.items()}
+        runs = {name: released.own_runs(work) for name, work in work_of.items()}
+        lines = {name: released.own_lines(work) for name, work in work_of.items()}
+        strings = {name: long_texts(work.cells) - released.texts for name, work in work_of.items()}
         comparison = compare(runs, lines, strings)
-        page = copies_page(exercise, comparison, known, given, zone)
+        page = copies_page(exercise, comparison, work_of, released, zone)
         write_atomically(out / "reports" / page_name(exercise), page.encode("utf-8", "replace"))
         content = {
             "clusters": [cluster.students for cluster in comparison.clusters],
-            "works": {name: [work.cells, work.received, work.remarks] for name, work in known.items()},
+            "works": {name: [work.cells, work.received, work.remarks] for name, work in work_of.items()},
         }
         text = json.dumps(content, ensure_ascii=False, indent=1)
         write_atomically(path, text.encode("utf-8", "replace"))
@@ -632,7 +638,7 @@ def _code(cells: Sequence[str], files: Mapping[str, str]) -> list[str]:
 
 def read_similar(out: Path) -> dict[tuple[str, str], SimilarSubmission]:
     """Return the entries of OUT/copies by student and exercise."""
-    known = dict[tuple[str, str], SimilarSubmission]()
+    similar = dict[tuple[str, str], SimilarSubmission]()
     for path in sorted((out / FOLDER).glob("*.json")):
         content, page = _read(path), page_name(path.stem)
         # Files of older versions have no remarks.
@@ -640,13 +646,13 @@ def read_similar(out: Path) -> dict[tuple[str, str], SimilarSubmission]:
             name: tuple(more[0]) for name, (_, _, *more) in content["works"].items() if more and more[0]
         }
         for student, remarks in unread.items():
-            known[student, path.stem] = SimilarSubmission((), f"{page}#not-compared", remarks)
+            similar[student, path.stem] = SimilarSubmission((), f"{page}#not-compared", remarks)
         for number, students in enumerate(content["clusters"], 1):
             for student in students:
-                others = tuple(name for name in students if name != student)
+                other_students = tuple(name for name in students if name != student)
                 link = f"{page}#cluster-{number}"
-                known[student, path.stem] = SimilarSubmission(others, link, unread.get(student, ()))
-    return known
+                similar[student, path.stem] = SimilarSubmission(other_students, link, unread.get(student, ()))
+    return similar
 
 
 def page_name(exercise: str) -> str:

@@ -60,40 +60,45 @@ def fill_lms(
         CourseError: A file can't be read, a column is missing, or no row matches.
     """
     exercise = full_exercise_name(exercise)
-    file, marks, what = LmsFile.read(lms), _marks(out, exercise), "score" if raw else "final"
+    file, marks, mark_column = LmsFile.read(lms), _marks(out, exercise), "score" if raw else "final"
     place, id_place = _find_columns(file, column, id_column)
-    ids, most = _ids(file, id_place), _maxima(file, place)
+    ids, max_points = _ids(file, id_place), _maxima(file, place)
     if students is not None:
         marks = {key: mark for key, mark in marks.items() if key in students}
         ids = {row: key for row, key in ids.items() if key in students}
         if not marks or not ids:
             raise CourseError(f"{lms} or gradebook.csv has no student of this section in {exercise}")
-    marks = {key: _cap(mark, what, most) for key, mark in marks.items()} if cap else marks
-    left = _fill(file, place, ids, marks, what)
-    if len(left) == len(ids):
+    marks = {key: _cap(mark, mark_column, max_points) for key, mark in marks.items()} if cap else marks
+    unfilled = _fill(file, place, ids, marks, mark_column)
+    if len(unfilled) == len(ids):
         raise CourseError(NO_MARK.format(id_column, lms.name, exercise, next(iter(marks))))
     comments = _comments(out, exercise) if comment_column else {}
     comment_place = file.column(comment_column) if comment_column else 0
     if comment_column and comment_place in (place, id_place):
         raise CourseError(f"--comment-column {comment_column!r} is the column of the marks or of the IDs.")
     for row, key in ids.items():
-        if row not in left and key in comments and comment_place < len(file.rows[row]):
+        if row not in unfilled and key in comments and comment_place < len(file.rows[row]):
             file.put_text(row, comment_place, comments[key])
     write_atomically(target, file.to_bytes())
-    rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in left.items())
-    lines = [*_points_lines(most, marks.values(), what), *_unmatched_lines(lms.name, rows, marks, ids)]
-    return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(left)} {KINDS[what]}."]
+    rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in unfilled.items())
+    lines = [
+        *_points_lines(max_points, marks.values(), mark_column),
+        *_unmatched_lines(lms.name, rows, marks, ids),
+    ]
+    return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(unfilled)} {KINDS[mark_column]}."]
 
 
 def _comments(out: Path, exercise: str) -> dict[str, str]:
     """Return graders' comments on the tasks of each student, one line per task."""
-    found: dict[str, str] = {}
-    for marked in (one for one in results_in(out) if one.exercise == exercise):
-        whole = [mark.comment for mark in standing_marks(marked.marks) if not mark.task and mark.comment][-1:]
-        tasks = [f"{one.title}: {'; '.join(one.comments)}" for one in marked.tasks if one.comments]
-        if lines := [*whole, *tasks]:
-            found[_key(marked.student)] = str(escape_formula("\n".join(lines)))
-    return found
+    comments: dict[str, str] = {}
+    for result in (one for one in results_in(out) if one.exercise == exercise):
+        exercise_comments = [
+            mark.comment for mark in standing_marks(result.marks) if not mark.task and mark.comment
+        ][-1:]
+        tasks = [f"{one.title}: {'; '.join(one.comments)}" for one in result.tasks if one.comments]
+        if lines := [*exercise_comments, *tasks]:
+            comments[_key(result.student)] = str(escape_formula("\n".join(lines)))
+    return comments
 
 
 def _unmatched_lines(
@@ -120,21 +125,21 @@ def _find_columns(file: LmsFile, column: str, id_column: str) -> tuple[int, int]
 def _ids(file: LmsFile, place: int) -> dict[int, str]:
     """Return the students' IDs by row, skipping empty rows and Canvas's row of points."""
     students = [row for row in range(1, len(file.rows)) if file.text(row, 0) != POINTS_POSSIBLE]
-    given = ((row, file.text(row, place)) for row in students)
-    return {row: _key(text) for row, text in given if text or file.text(row, 0)}
+    id_texts = ((row, file.text(row, place)) for row in students)
+    return {row: _key(text) for row, text in id_texts if text or file.text(row, 0)}
 
 
 def _fill(
-    file: LmsFile, place: int, ids: dict[int, str], marks: dict[str, dict[str, str]], what: str
+    file: LmsFile, place: int, ids: dict[int, str], marks: dict[str, dict[str, str]], column: str
 ) -> dict[int, str]:
     """Fill the column with the marks, and return the reason for each row that is left unchanged."""
-    count, left = Counter(ids.values()), dict[int, str]()
+    count, unfilled = Counter(ids.values()), dict[int, str]()
     for row, key in ids.items():
         if problem := _problem(key, marks.get(key), count[key], len(file.rows[row]) <= place):
-            left[row] = problem
+            unfilled[row] = problem
         else:
-            file.put(row, place, f"{float(marks[key][what]):.10g}")
-    return left
+            file.put(row, place, f"{float(marks[key][column]):.10g}")
+    return unfilled
 
 
 def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
@@ -147,8 +152,8 @@ def _marks(out: Path, exercise: str) -> dict[str, dict[str, str]]:
         command = f"course grade SUBMISSIONS --out {out}"
         raise CourseError(f"{path} can't be read: {error!r}. Type: {command}") from error
     if not marks:
-        known = ", ".join(sorted({row["exercise"] for row in rows})) or "none"
-        raise CourseError(f"{path} has no marks for --exercise {exercise}; it has {known}.")
+        known_exercises = ", ".join(sorted({row["exercise"] for row in rows})) or "none"
+        raise CourseError(f"{path} has no marks for --exercise {exercise}; it has {known_exercises}.")
     return marks
 
 
@@ -178,33 +183,35 @@ def _maxima(file: LmsFile, place: int) -> set[float]:
     and its single distinct number.
     """
     rows = range(1, len(file.rows))
-    most = {file.text(row, place) for row in rows if file.text(row, 0) == POINTS_POSSIBLE}
+    maxima = {file.text(row, place) for row in rows if file.text(row, 0) == POINTS_POSSIBLE}
     headings = [heading.casefold() for heading in file.headings]
     if MAXIMUM in headings:
-        most |= {file.text(row, headings.index(MAXIMUM)) for row in rows}
-    elif not most:
-        behind = {file.text(row, place + 1) for row in rows if any(file.rows[row])}
-        most = behind if len(behind) == 1 else set()
-    return {float(text.replace(",", ".")) for text in most if re.fullmatch(r"\d+([.,]\d+)?", text)}
+        maxima |= {file.text(row, headings.index(MAXIMUM)) for row in rows}
+    elif not maxima:
+        next_column = {file.text(row, place + 1) for row in rows if any(file.rows[row])}
+        maxima = next_column if len(next_column) == 1 else set()
+    return {float(text.replace(",", ".")) for text in maxima if re.fullmatch(r"\d+([.,]\d+)?", text)}
 
 
-def _cap(mark: dict[str, str], what: str, most: set[float]) -> dict[str, str]:
+def _cap(mark: dict[str, str], column: str, maxima: set[float]) -> dict[str, str]:
     """Return a mark limited to the platform's maximum, or to the exercise's if the CSV has no maximum."""
     if mark["status"] not in FINAL:
         return mark
-    limit = max(most) if most else float(mark["max_score"])
-    return {**mark, what: str(min(float(mark[what]), limit))}
+    limit = max(maxima) if maxima else float(mark["max_score"])
+    return {**mark, column: str(min(float(mark[column]), limit))}
 
 
-def _points_lines(there: set[float], marks: Iterable[dict[str, str]], what: str) -> list[str]:
+def _points_lines(there: set[float], marks: Iterable[dict[str, str]], column: str) -> list[str]:
     """Return notes if the maximum differs between platform and exercise, or a bonus exceeds it."""
     rated = [mark for mark in marks if mark["status"] in FINAL]
-    ours = {float(mark["max_score"]) for mark in rated}
+    own_points = {float(mark["max_score"]) for mark in rated}
     lines = []
-    if there and not there & ours:
-        given, own = (", ".join(f"{points:g}" for points in sorted(each)) for each in (there, ours))
-        lines.append(f"note: the platform gives {given} points, gradebook.csv {own}")
-    if there and (above := sum(float(mark[what]) > max(there) for mark in rated)):
+    if there and not there & own_points:
+        platform_text, own_text = (
+            ", ".join(f"{points:g}" for points in sorted(each)) for each in (there, own_points)
+        )
+        lines.append(f"note: the platform gives {platform_text} points, gradebook.csv {own_text}")
+    if there and (above := sum(float(mark[column]) > max(there) for mark in rated)):
         lines.append(
             f"note: {format_count(above, 'mark')} above the platform's {max(there):g}: it may reject them; "
             "--cap reduces them to the maximum"

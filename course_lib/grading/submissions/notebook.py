@@ -68,8 +68,8 @@ def parse_notebook(data: bytes, name: str) -> Notebook:
         kinds = [text for first, text in LOOKS_LIKE.items() if start.startswith(first)]
         if CONFLICT.search(data):
             kinds.append("git's markers of a merge conflict are in it")
-        what = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
-        raise CourseError(f"{name} is not a notebook: {what}. Save it again in JupyterLab.") from error
+        problem = kinds[0] if kinds else "it is not JSON" if start else "it is empty"
+        raise CourseError(f"{name} is not a notebook: {problem}. Save it again in JupyterLab.") from error
     content = _dict(content)
     # Format 3 stores the cells in worksheets.
     sheets = content.get("worksheets")
@@ -106,24 +106,24 @@ def without_outputs(data: bytes) -> bytes:
     The text is scanned without building objects, because a notebook of the maximum size would need
     gigabytes. If it is not valid JSON, or has too many tokens, it is returned unchanged.
     """
-    kept, done, depth, is_removing = list[bytes](), 0, 0, False
+    chunks, position, depth, is_removing = list[bytes](), 0, 0, False
     for count, token in enumerate(TOKEN.finditer(data)):
         if count > MAX_TOKENS:
             return data
         if is_removing:
             depth += (token[0] in b"[{") - (token[0] in b"]}")
             if depth == 0:
-                done, is_removing = token.end() - 1, False
+                position, is_removing = token.end() - 1, False
         elif OUTPUTS.fullmatch(token[0]) and (opens := OPENS.match(data, token.end())):
-            kept.append(data[done : opens.end()])
+            chunks.append(data[position : opens.end()])
             is_removing = True
-    return data if is_removing else b"".join((*kept, data[done:]))
+    return data if is_removing else b"".join((*chunks, data[position:]))
 
 
 def find_exercise_name(text: Any) -> str | None:
     """Return the exercise at the beginning of a name, "week01_exercise", or None."""
-    named = re.match(r"week\d\d_exercise", text) if isinstance(text, str) else None
-    return named and named[0]
+    match = re.match(r"week\d\d_exercise", text) if isinstance(text, str) else None
+    return match and match[0]
 
 
 def _exercise_without_metadata(name: str, code: Sequence[str]) -> str | None:
@@ -132,8 +132,8 @@ def _exercise_without_metadata(name: str, code: Sequence[str]) -> str | None:
     Some editors drop the metadata of a course. The file must call the checks of that week: a
     student's notes may have such a name, too.
     """
-    named = re.search(r"(?<![^\W_])(week\d\d)_exercise", name, re.IGNORECASE)
-    week = named[1].lower() if named else ""
+    match = re.search(r"(?<![^\W_])(week\d\d)_exercise", name, re.IGNORECASE)
+    week = match[1].lower() if match else ""
     is_checked = week and any(re.search(rf"""\bcheck\(\s*["']{week}\.""", cell) for cell in code)
     return f"{week}_exercise" if is_checked else None
 

@@ -132,12 +132,16 @@ class LmsFile:
             CourseError: No column or several columns match.
         """
         headings = self.headings
-        found = [i for i, heading in enumerate(headings) if heading == name]
-        found = found or [i for i, h in enumerate(headings) if re.fullmatch(re.escape(name) + r" \(\d+\)", h)]
-        if len(found) != 1:
-            known = ", ".join(map(repr, headings))
-            raise CourseError(f"{len(found) or 'no'} columns are named {name!r}; expected one of {known}")
-        return found[0]
+        columns = [i for i, heading in enumerate(headings) if heading == name]
+        columns = columns or [
+            i for i, h in enumerate(headings) if re.fullmatch(re.escape(name) + r" \(\d+\)", h)
+        ]
+        if len(columns) != 1:
+            known_headings = ", ".join(map(repr, headings))
+            raise CourseError(
+                f"{len(columns) or 'no'} columns are named {name!r}; expected one of {known_headings}"
+            )
+        return columns[0]
 
 
 def _is_utf8(data: bytes) -> bool:
@@ -176,9 +180,9 @@ def parse_times(cells: Sequence[str], zone: ZoneInfo) -> list[datetime | None]:
     """
     texts = [plain_digits(cell) for cell in cells]
     # The order of day and month is ambiguous if no number exceeds 12 and no dot separates them.
-    found = [match for match in map(NUMERIC.search, texts) if match]
-    order = "MDY" if any(int(match[3]) > 12 for match in found) else ""
-    if any(int(match[1]) > 12 or match[2] == "." for match in found):
+    matches = [match for match in map(NUMERIC.search, texts) if match]
+    order = "MDY" if any(int(match[3]) > 12 for match in matches) else ""
+    if any(int(match[1]) > 12 or match[2] == "." for match in matches):
         order = "DMY"
     return [_to_utc(_parse_iso(text) or _parse_words(text, order), zone) for text in texts]
 
@@ -222,8 +226,8 @@ def _to_utc(time: datetime | None, zone: ZoneInfo) -> datetime | None:
 def plain_digits(text: str) -> str:
     """Convert the digits of any script to 0-9, and remove directional marks."""
     text = unicodedata.normalize("NFKC", text).strip()
-    kept = (char for char in text if unicodedata.category(char) != "Cf")
-    return "".join(str(unicodedata.digit(char, char)) for char in kept)
+    characters = (char for char in text if unicodedata.category(char) != "Cf")
+    return "".join(str(unicodedata.digit(char, char)) for char in characters)
 
 
 Components = tuple[str, ...]  # the components of a path, with archives as folders
@@ -555,12 +559,12 @@ class Layout:
         if self.title and head.startswith(self.title) and head != self.title:
             user = head.removeprefix(self.title)
             return replace(handed, key=user, name=user, student=id_of(user), keys=_keys(user))
-        known = self.records.get(handed.key)
-        if known is None:
+        record = self.records.get(handed.key)
+        if record is None:
             if self.name == GRADESCOPE:
                 raise CourseError(f"{METADATA} has no submitter for submission_{handed.key}")
             return handed
-        return replace(handed, **known)
+        return replace(handed, **record)
 
     def owner(self, path: Components) -> str:
         """Return a name of the owner, whose archives share a limit."""
@@ -573,45 +577,45 @@ class Layout:
         return f"{handed.name} ({handed.key})" if handed.name != handed.key else handed.key
 
 
-def choose_layout(paths: Sequence[Components], source: str, zone: ZoneInfo, wanted: str = "") -> Layout:
+def choose_layout(paths: Sequence[Components], source: str, zone: ZoneInfo, name: str = "") -> Layout:
     """Choose the layout of a download by all its names.
 
     Args:
         paths: Paths of the files in the download; archives in it are files.
         source: The file name of the download.
         zone: The zone of local times in names.
-        wanted: The layout selected by the instructor, or "".
+        name: The layout selected by the instructor, or "".
 
     Raises:
         CourseError: The layout is unknown or ambiguous, or is not the selected one.
     """
     above = (source,) if source in ("submitted", "inbound") else ()
-    if wanted in (FOLDERS, GOOGLE):
-        return Layout(wanted, zone, is_chosen=True)
-    if wanted and wanted not in BY_LAYOUT:
-        raise CourseError(f"--layout {wanted} is unknown: expected one of {', '.join(LAYOUTS)}")
+    if name in (FOLDERS, GOOGLE):
+        return Layout(name, zone, is_chosen=True)
+    if name and name not in BY_LAYOUT:
+        raise CourseError(f"--layout {name} is unknown: expected one of {', '.join(LAYOUTS)}")
     candidates = [
         (depth, reader.layout)
         for reader in READERS
         if (depth := _depth(reader, [(*above, *path) for path in paths])) is not None
     ]
-    if wanted:
-        fits = [one for _, one in candidates if one == wanted or (one, wanted) == ("anonymous", "canvas")]
+    if name:
+        fits = [one for _, one in candidates if one == name or (one, name) == ("anonymous", "canvas")]
         if not fits:
             raise CourseError(
-                f"the names of this download do not follow {BY_LAYOUT[wanted].title}'s scheme. The "
-                f"first is {'/'.join(paths[0])}; expected {EXAMPLES[wanted]}"
+                f"the names of this download do not follow {BY_LAYOUT[name].title}'s scheme. The "
+                f"first is {'/'.join(paths[0])}; expected {EXAMPLES[name]}"
             )
         return Layout(fits[0], zone, above, is_chosen=True)
     nearest = min((depth for depth, _ in candidates), default=0)
-    found = [layout for depth, layout in candidates if depth == nearest]
-    if len(found) > 1:
+    layouts = [layout for depth, layout in candidates if depth == nearest]
+    if len(layouts) > 1:
         raise CourseError(
-            f"the names of this download follow the schemes of {' and '.join(found)}, so nothing "
-            f"is collected. Add --layout {found[0]} or --layout {found[1]}"
+            f"the names of this download follow the schemes of {' and '.join(layouts)}, so nothing "
+            f"is collected. Add --layout {layouts[0]} or --layout {layouts[1]}"
         )
-    if found:
-        return Layout(found[0], zone, above)
+    if layouts:
+        return Layout(layouts[0], zone, above)
     is_one_folder = len({path[0] for path in paths}) == 1 and all(len(path) == 2 for path in paths)
     if GOOGLE_ZIP.fullmatch(source) and (is_one_folder or all(len(path) == 1 for path in paths)):
         return Layout(GOOGLE, zone)
@@ -631,9 +635,11 @@ def _depth(reader: Reader, paths: Sequence[Components]) -> int | None:
         match = reader.match(path)
         if match is None and (len(path) == 1 or reader.layout not in _MIXABLE):
             return None
-        named = match and min(match.start(key) for key in ("name", "number") if match.groupdict().get(key))
-        units[path[0]].append(-1 if match is None else match.string[:named].count("/"))
-    depths = [max(found) for found in units.values()]
+        name_start = match and min(
+            match.start(key) for key in ("name", "number") if match.groupdict().get(key)
+        )
+        units[path[0]].append(-1 if match is None else match.string[:name_start].count("/"))
+    depths = [max(unit_depths) for unit_depths in units.values()]
     matched = sum(depth >= 0 for depth in depths)
     return max(depths) if depths and 2 * matched >= len(depths) else None
 
@@ -768,11 +774,11 @@ def _own_id(text: str) -> str:
 def id_of(text: str) -> str:
     """Derive an ID from a platform's name of a student, which may contain any characters."""
     plain = unicodedata.normalize("NFKC", text)
-    kept = "".join(char for char in plain if char.isalnum() or char in EXTRA_CHARACTERS).lstrip(
+    characters = "".join(char for char in plain if char.isalnum() or char in EXTRA_CHARACTERS).lstrip(
         EXTRA_CHARACTERS
     )
     try:
-        return normalise(kept[:MAX_LENGTH])
+        return normalise(characters[:MAX_LENGTH])
     except CourseError as error:
         raise CourseError(f"{text!r} has no letter or digit, so no ID can be derived") from error
 
@@ -817,10 +823,10 @@ def platform_name(part: str) -> PlatformName | None:
         for text in (part, f"{part}/", f"{part}_"):
             match = BY_LAYOUT[platform].match((f"{text}\0" if text != part else text,))
             if match and (text == part or platform == "moodle"):
-                known = match.groupdict()
-                late = None if platform == "moodle" else bool(known["late"])
-                file = known["below"].removesuffix("\0")
+                groups = match.groupdict()
+                is_late = None if platform == "moodle" else bool(groups["late"])
+                file = groups["below"].removesuffix("\0")
                 return PlatformName(
-                    platform, known["name"], known["number"], known.get("attachment") or "", late, file
+                    platform, groups["name"], groups["number"], groups.get("attachment") or "", is_late, file
                 )
     return None

@@ -82,7 +82,7 @@ class Ledger:
         inner = [folder for folder in path.parents if self.top in folder.parents]
         lists = [(folder / LIST).relative_to(self.top) for folder in inner if (folder / LIST).is_file()]
         notes += [f"{one.as_posix()} is not trusted: only {LIST} at the top counts" for one in lists]
-        made = _receipt_time(receipt)
+        receipt_time = _receipt_time(receipt)
         time, source = (entry.time, entry.source) if entry else (None, "")
         stamp = self._stamp_of(path)
         if time is None and stamp is not None:
@@ -92,13 +92,13 @@ class Ledger:
                 source = STAMP
             else:
                 notes.append(f"{STAMP} is not trusted: the platform's download has none")
-        late = entry.late if entry else None
-        if time is None and late is not None:
+        is_late = entry.late if entry else None
+        if time is None and is_late is not None:
             source = f"{LIST}: the platform's flag only"
         elif time is None:
-            time, source = (made, RECEIPT_TIME) if made else (None, UNKNOWN)
-        named = entry.handed_in_as if entry else ""
-        return Received(time, source, late, made, tuple(notes), named)
+            time, source = (receipt_time, RECEIPT_TIME) if receipt_time else (None, UNKNOWN)
+        original_name = entry.handed_in_as if entry else ""
+        return Received(time, source, is_late, receipt_time, tuple(notes), original_name)
 
     @property
     def refused(self) -> Mapping[str, Entry]:
@@ -136,10 +136,10 @@ def _entries(path: Path, zone: ZoneInfo) -> dict[Path, Entry]:
         if row["received"] and time is None:
             note = f"{LIST}, row {number}: {row['received']!r} is not a time. Expected {EXAMPLES[LIST]}"
         source = f"{LIST} ({row['source']})" if row.get("source") else LIST
-        late = {"yes": True, "no": False}.get(row.get("late", "").casefold())
-        named = row.get("handed_in_as", "")
+        is_late = {"yes": True, "no": False}.get(row.get("late", "").casefold())
+        original_name = row.get("handed_in_as", "")
         about = (row.get("exercise", "").lstrip("'"), row.get("refused", "").lstrip("'"))
-        entries[path.parent / row["file"]] = Entry(time, source, late, note, named, *about)
+        entries[path.parent / row["file"]] = Entry(time, source, is_late, note, original_name, *about)
     return entries
 
 
@@ -150,9 +150,9 @@ def _read_stamp(path: Path) -> tuple[datetime | None, str]:
             raise ValueError("it is a link")
         with path.open("rb") as file:
             text = file.read(MAX_STAMP).decode().strip()
-        named = re.fullmatch(r"(\S+ \S+) (\w+/\S+)", text)
-        zone = ZoneInfo(named[2] if named else "UTC")
-        (time,) = parse_times([named[1] if named else text.removesuffix(" UTC")], zone)
+        match = re.fullmatch(r"(\S+ \S+) (\w+/\S+)", text)
+        zone = ZoneInfo(match[2] if match else "UTC")
+        (time,) = parse_times([match[1] if match else text.removesuffix(" UTC")], zone)
         if time is None:
             raise ValueError(f"{text!r} is not a time")
     except (OSError, ValueError, LookupError, OverflowError) as error:

@@ -34,7 +34,7 @@ MISMATCH, NO_ID, UNVERIFIED = "ID mismatch", "no ID", "ID not verified"
 PLATFORM_NAME = re.compile(r"participant_?\d+|.+_\d+_assignsubmission_.*")  # Moodle's names without a roster
 
 
-def resolve_ids(found: Sequence[Submission], top: Path) -> list[Submission]:
+def resolve_ids(submissions: Sequence[Submission], top: Path) -> list[Submission]:
     """Return the submissions with the ID that determines the personal values of each.
 
     The folder identifies the student, whose values count whatever ID is in the file. Only if the
@@ -42,16 +42,16 @@ def resolve_ids(found: Sequence[Submission], top: Path) -> list[Submission]:
     it can't be verified, unless two students' files contain the same ID.
 
     Args:
-        found: All submissions of a class.
+        submissions: All submissions of a class.
         top: Their folder, with the received.csv written by `course collect`.
     """
     numbers = _platform_numbers(top)
     owners = defaultdict[str, set[str]](set)
-    for one in found:
+    for one in submissions:
         owners[one.student].add(one.student)
         if one.claimed:
             owners[one.claimed].add(one.student)
-    return [_resolve_id(one, top, numbers, owners) for one in found]
+    return [_resolve_id(one, top, numbers, owners) for one in submissions]
 
 
 def _resolve_id(
@@ -75,14 +75,14 @@ def _resolve_id(
 
 def _use_folder_id(one: Submission) -> Submission:
     """Return a submission in a folder that identifies its student."""
-    mine = replace(one, values_of=one.student)
+    resolved = replace(one, values_of=one.student)
     if one.claimed == one.student:
-        return mine
-    judged = f"judged with the personal values of {one.student}"
+        return resolved
+    judging = f"judged with the personal values of {one.student}"
     if one.claimed is None:
-        return replace(mine, id_flag=NO_ID, id_note=f"the file has no ID: {judged}")
-    note = f"the file has the ID {one.claimed}, but {one.student} submitted it: {judged}"
-    return replace(mine, id_flag=MISMATCH, id_note=note)
+        return replace(resolved, id_flag=NO_ID, id_note=f"the file has no ID: {judging}")
+    note = f"the file has the ID {one.claimed}, but {one.student} submitted it: {judging}"
+    return replace(resolved, id_flag=MISMATCH, id_note=note)
 
 
 def _platform_numbers(top: Path) -> frozenset[str]:
@@ -192,11 +192,13 @@ def ids_of_section(roster: Path | None, section: str) -> frozenset[str] | None:
     if not section or roster is None:
         raise CourseError("--section and --roster are needed together: --section A --roster roster.csv")
     members = read_class_list(roster).members
-    found = frozenset(one.id for one in members if one.section.casefold() == section.casefold())
-    if not found:
-        known = ", ".join(sorted({one.section for one in members if one.section})) or "none"
-        raise CourseError(f"{roster} has no section {section!r}. Sections in its column 'section': {known}")
-    return found
+    student_ids = frozenset(one.id for one in members if one.section.casefold() == section.casefold())
+    if not student_ids:
+        known_sections = ", ".join(sorted({one.section for one in members if one.section})) or "none"
+        raise CourseError(
+            f"{roster} has no section {section!r}. Sections in its column 'section': {known_sections}"
+        )
+    return student_ids
 
 
 def _find_columns(file: LmsFile, path: Path) -> dict[str, int]:
@@ -206,17 +208,17 @@ def _find_columns(file: LmsFile, path: Path) -> dict[str, int]:
         CourseError: The ID column is missing, a column occurs twice, or a heading seems to be
             misspelled.
     """
-    known = tuple(field.name for field in fields(Member))
+    field_names = tuple(field.name for field in fields(Member))
     places: dict[str, int] = {}
     for place, heading in enumerate(file.headings):
         plain = heading.casefold()
         name = OTHER_HEADINGS.get(plain, plain)
         if name in places:
             raise CourseError(f"{path} contains the column {name!r} twice. Expected {EXAMPLE}")
-        if name in known:
+        if name in field_names:
             places[name] = place
     for heading in file.headings:
-        suggestion = did_you_mean(heading.casefold(), [name for name in known if name not in places])
+        suggestion = did_you_mean(heading.casefold(), [name for name in field_names if name not in places])
         if heading.casefold() not in places and heading.casefold() not in OTHER_HEADINGS and suggestion:
             raise CourseError(f"{path} has a column {heading!r}{suggestion} Expected {EXAMPLE}")
     if "id" not in places:
@@ -232,8 +234,8 @@ def _member(cells: Mapping[str, str], where: str) -> Member:
         student = normalise(cells["id"])
     except CourseError as error:
         raise CourseError(f"{where}: {error}") from error
-    folded = {name: cells[name].casefold() for name in ("email", "login") if name in cells}
-    return Member(**{**cells, **folded, "id": student})
+    folded_cells = {name: cells[name].casefold() for name in ("email", "login") if name in cells}
+    return Member(**{**cells, **folded_cells, "id": student})
 
 
 def _find_duplicates(members: Sequence[Member]) -> Iterator[str]:
@@ -368,35 +370,35 @@ def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | 
         return _find_unreadable(file, path, rows)
     # The column of submission has its heading, or is the first one without a predominant date:
     # platforms put the time of grading after it, and a due date is the same for most students.
-    named = [place for place in columns if SUBMISSION.search(file.headings[place])]
+    submission_columns = [place for place in columns if SUBMISSION.search(file.headings[place])]
     varied = [
         place
         for place, times in columns.items()
         if len(times) <= 2 or Counter(filter(None, times)).most_common(1)[0][1] <= len(times) / 2
     ]
-    chosen = [*named, *varied, *columns][0]
+    time_column = [*submission_columns, *varied, *columns][0]
     keys = [_key(file.text(row, place), numbers) for row in rows]
-    known = {key: time for key, time in zip(keys, columns[chosen], strict=True) if time}
-    return Times(f"{path.name}, {file.headings[chosen]}", known)
+    times_by_student = {key: time for key, time in zip(keys, columns[time_column], strict=True) if time}
+    return Times(f"{path.name}, {file.headings[time_column]}", times_by_student)
 
 
 def _find_unreadable(file: LmsFile, path: Path, rows: Sequence[int]) -> Times | None:
     """Return the column that seems to contain the times, without them, or None."""
     for column in range(len(file.headings)):
-        seen = [cell for row in rows if looks_like_time(cell := file.text(row, column))]
-        if seen and 2 * len(seen) >= len(rows):
-            return Times(f"{path.name}, {file.headings[column]}", {}, unread=seen[0])
+        time_texts = [cell for row in rows if looks_like_time(cell := file.text(row, column))]
+        if time_texts and 2 * len(time_texts) >= len(rows):
+            return Times(f"{path.name}, {file.headings[column]}", {}, unread=time_texts[0])
     return None
 
 
 def _number_column(file: LmsFile, numbers: Collection[str], path: Path) -> int:
     """Return the column that contains most of the download's platform numbers."""
-    found = {
+    counts = {
         place: sum(_key(file.text(row, place), numbers) in numbers for row in range(1, len(file.rows)))
         for place in range(len(file.headings))
     }
-    best = max(found, key=lambda place: found[place])
-    if not found[best]:
+    best = max(counts, key=lambda place: counts[place])
+    if not counts[best]:
         example = min(numbers, default="none")
         raise CourseError(
             f"{path.name} has no column with the numbers or names in the download, like {example}; "
@@ -418,8 +420,8 @@ def _id_column(file: LmsFile, number_place: int) -> int:
     Raises:
         CourseError: No column or several columns are possible.
     """
-    named = [file.headings.index(heading) for heading in ID_HEADINGS if heading in file.headings]
-    for place in named:
+    id_columns = [file.headings.index(heading) for heading in ID_HEADINGS if heading in file.headings]
+    for place in id_columns:
         if any(file.text(row, place) for row in range(1, len(file.rows))):
             return place
     able = [p for p in range(len(file.headings)) if p != number_place and _can_be_ids(file, p)]
@@ -435,8 +437,8 @@ def _id_column(file: LmsFile, number_place: int) -> int:
 def _can_be_ids(file: LmsFile, place: int) -> bool:
     """Return whether most cells of a column are distinct short words with a digit."""
     cells = [file.text(row, place) for row in range(1, len(file.rows)) if any(file.rows[row])]
-    words = [cell for cell in cells if re.fullmatch(r"[\w.-]{3,64}", cell) and re.search(r"\d", cell)]
-    return len(words) > len(cells) / 2 and len(set(words)) == len(words)
+    id_like = [cell for cell in cells if re.fullmatch(r"[\w.-]{3,64}", cell) and re.search(r"\d", cell)]
+    return len(id_like) > len(cells) / 2 and len(set(id_like)) == len(id_like)
 
 
 def _list_headings(file: LmsFile) -> str:
@@ -453,18 +455,18 @@ def _read_api_times(path: Path, zone: ZoneInfo) -> Times:
     by_attachment: dict[str, datetime] = {}
     users: dict[str, str] = {}
     for entry in entries:
-        user, hidden = (str(entry.get(key) or "") for key in ("user_id", "anonymous_id"))
-        if user and hidden:
-            users[hidden] = user
+        user, anonymous_id = (str(entry.get(key) or "") for key in ("user_id", "anonymous_id"))
+        if user and anonymous_id:
+            users[anonymous_id] = user
         (time,) = parse_times([str(entry.get("submitted_at") or "")], zone)
         if time is None:
             continue
         attached = entry.get("attachments")
-        listed = attached if isinstance(attached, list) else []
-        files = [str(file["id"]) for file in listed if isinstance(file, dict) and "id" in file]
+        attachments = attached if isinstance(attached, list) else []
+        files = [str(file["id"]) for file in attachments if isinstance(file, dict) and "id" in file]
         by_attachment |= dict.fromkeys(files, time)
         if not files:
-            by_number |= {key: time for key in (user, hidden) if key}
+            by_number |= {key: time for key in (user, anonymous_id) if key}
     if not by_number and not by_attachment:
         raise CourseError(f"{path.name} has no user_id with submitted_at. {EXPORTS}")
     return Times(f"{path.name}, submitted_at", by_number, by_attachment, users)

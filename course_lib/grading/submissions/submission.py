@@ -84,8 +84,8 @@ def find_submissions(
         groups[one.student, one.exercise].append(one)
     ordered = {key: sort_submissions(group, top, counts, is_accepted) for key, group in groups.items()}
     for one in _refused_submissions(ledger) if with_refused else ():
-        if kept := ordered.get((one.student, one.exercise)):
-            kept[-1] = replace(kept[-1], refused=(*kept[-1].refused, one.named))
+        if previous := ordered.get((one.student, one.exercise)):
+            previous[-1] = replace(previous[-1], refused=(*previous[-1].refused, one.named))
         else:
             ordered[one.student, one.exercise] = [one]
     if not ordered:
@@ -146,9 +146,10 @@ def sort_submissions(
     )
     claims = {} if owned else {_base_name(one): one.sha256 for one in order if one.is_exercise}
     if len(set(claims.values())) > 1:
-        named = " and ".join(sorted(one.path.name for one in order if one.is_exercise))
+        file_names = " and ".join(sorted(one.path.name for one in order if one.is_exercise))
         problem = (
-            f"{named} have the ID {last.student}: move each into the folder of the student who submitted it"
+            f"{file_names} have the ID {last.student}: move each into the folder of the student "
+            "who submitted it"
         )
         return [replace(last, notebook=None, problem=problem, reason="claimed twice")]
     return [*order[:-1], last]
@@ -160,23 +161,23 @@ def _age(one: Submission, top: Path, timed: bool) -> tuple[Any, ...]:
     folders = one.path.relative_to(top).parts[1:-1]
     tries = max((_split_attempt(folder)[1] for folder in folders), default=0)
     name, number = _split_attempt(_base_name(one, whole=True))
-    written = one.received.receipt.timestamp() if one.received.receipt else one.path.stat().st_mtime
-    return (time.timestamp() if time else 0.0, tries, number, name != "", written, one.path.as_posix())
+    written_at = one.received.receipt.timestamp() if one.received.receipt else one.path.stat().st_mtime
+    return (time.timestamp() if time else 0.0, tries, number, name != "", written_at, one.path.as_posix())
 
 
 def _base_name(one: Submission, *, whole: bool = False) -> str:
     """Return a file's name without exercise and ID, and without the number of the attempt unless `whole`."""
-    rest = re.sub(r"^week\d\d(_exercise)?|\.ipynb$", "", one.path.stem, flags=re.IGNORECASE)
-    for known in filter(None, (one.claimed, one.student)):
-        rest = rest.casefold().replace(known, "")
-    return (rest if whole else _split_attempt(rest)[0]).strip(" _-")
+    name = re.sub(r"^week\d\d(_exercise)?|\.ipynb$", "", one.path.stem, flags=re.IGNORECASE)
+    for student_id in filter(None, (one.claimed, one.student)):
+        name = name.casefold().replace(student_id, "")
+    return (name if whole else _split_attempt(name)[0]).strip(" _-")
 
 
 def _split_attempt(name: str) -> tuple[str, int]:
     """Split off the number by which platforms and browsers mark another attempt: "(1)", "-2", "copy 3"."""
-    rest = re.sub(r"^week\d\d", "", name, flags=re.IGNORECASE)
-    number = re.search(r"\W*(?:copy|kopie|copie|copia|v|try|attempt)?\W*(\d{1,3})\W*$", rest, re.IGNORECASE)
-    return (rest[: number.start()], int(number[1])) if number else (rest, 0)
+    stem = re.sub(r"^week\d\d", "", name, flags=re.IGNORECASE)
+    number = re.search(r"\W*(?:copy|kopie|copie|copia|v|try|attempt)?\W*(\d{1,3})\W*$", stem, re.IGNORECASE)
+    return (stem[: number.start()], int(number[1])) if number else (stem, 0)
 
 
 def _describe_file(one: Submission, top: Path) -> str:
@@ -250,14 +251,14 @@ def _lesson_cells() -> Mapping[str, frozenset[str]]:
 
 
 def _cells_in(folder: Path, names: str) -> dict[str, frozenset[str]]:
-    found = {}
+    cells_by_name = {}
     for path in sorted(folder.glob(names)):
         try:
             cells = parse_notebook(path.read_bytes(), path.name).cells
         except (OSError, CourseError):
             continue
-        found[path.stem] = frozenset(cell.strip() for cell in cells if cell.strip())
-    return found
+        cells_by_name[path.stem] = frozenset(cell.strip() for cell in cells if cell.strip())
+    return cells_by_name
 
 
 @lru_cache(maxsize=100)
@@ -313,8 +314,8 @@ def _limit_size(data: bytes) -> bytes:
     return without_outputs(data) if MAX_BYTES < len(data) <= MAX_WITH_OUTPUTS else data
 
 
-def _member(archive: ZipFile, name: str, most: int) -> bytes:
-    data = _limit_size(read_member(archive, name, most))
+def _member(archive: ZipFile, name: str, max_bytes: int) -> bytes:
+    data = _limit_size(read_member(archive, name, max_bytes))
     if len(data) > MAX_BYTES:
         raise CourseError(f"{name} is larger than {MAX_BYTES} bytes")
     return data
@@ -340,14 +341,14 @@ def read_places(out: Path) -> dict[str, str]:
         return {}
 
 
-def store_places(out: Path, submissions: Path, found: Iterable[Submission]) -> None:
+def store_places(out: Path, submissions: Path, submissions_found: Iterable[Submission]) -> None:
     """Store the current folder of the submissions; entries of other folders are kept.
 
     Raises:
         OSError: It can't be written.
     """
     folder = Path(os.path.relpath(submissions.resolve(), out.resolve())).as_posix()
-    places = {**read_places(out), **{f"{one.student}/{one.exercise}": folder for one in found}}
+    places = {**read_places(out), **{f"{one.student}/{one.exercise}": folder for one in submissions_found}}
     write_atomically(out / PLACES, json.dumps(places, indent=1, sort_keys=True).encode("utf-8", "replace"))
 
 
@@ -358,19 +359,19 @@ def graded_file(submission: Submission, out: Path) -> Path:
 
 
 def missing_file_lines(
-    results: Iterable[Result], found: Iterable[Submission], submissions: Path, out: Path
+    results: Iterable[Result], found_submissions: Iterable[Submission], submissions: Path, out: Path
 ) -> list[str]:
     """Return a line about students whose marks count although their file is missing.
 
     Args:
         results: All results; results of other folders are ignored.
-        found: The submissions in the folder.
+        found_submissions: The submissions in the folder.
         submissions: The folder of submissions.
         out: The folder of records.
     """
-    present = {(one.student, one.exercise) for one in found}
+    present = {(one.student, one.exercise) for one in found_submissions}
     exercises, places = {exercise for _, exercise in present}, read_places(out)
-    gone = list[str]()
+    missing = list[str]()
     for result in results:
         student, exercise = result.submission.student, result.submission.exercise
         if (student, exercise) in present or result.status == "rejected":
@@ -383,9 +384,13 @@ def missing_file_lines(
         # A missing folder has been moved. It was this one if it has the same exercise.
         is_moved = exercise in exercises and not home.exists()
         if is_here or is_moved:
-            gone.append(f"{student} {exercise}")
+            missing.append(f"{student} {exercise}")
     todo = f"Moved or withdrawn? Remove {out / 'results'}/STUDENT/EXERCISE.json, then grade again"
-    return [f"Please review: the file is gone, but its mark counts: {join_few(gone)}. {todo}"] if gone else []
+    return (
+        [f"Please review: the file is gone, but its mark counts: {join_few(missing)}. {todo}"]
+        if missing
+        else []
+    )
 
 
 @dataclass(frozen=True)
@@ -409,33 +414,33 @@ class Attempts:
     digest: str
 
 
-def plan_attempts(found: Sequence[Submission], course: Course, only: str) -> list[Attempts]:
+def plan_attempts(submissions: Sequence[Submission], course: Course, only: str) -> list[Attempts]:
     """Plan the jobs of the submissions that a pattern selects.
 
     Args:
-        found: All submissions.
+        submissions: All submissions.
         course: The tasks and hidden checks.
         only: A pattern of STUDENT/EXERCISE.
 
     Raises:
         CourseError: The pattern matches no submission.
     """
-    chosen = [one for one in found if fnmatch.fnmatch(f"{one.student}/{one.exercise}", only)]
-    if not chosen:
-        one = f"{found[0].student}/{found[0].exercise}"
+    selected = [one for one in submissions if fnmatch.fnmatch(f"{one.student}/{one.exercise}", only)]
+    if not selected:
+        one = f"{submissions[0].student}/{submissions[0].exercise}"
         raise CourseError(
             f"--only {only} matches no submission: use a pattern like 'ada/*'; one submission is {one}"
         )
     faults = catalog_of(course).faults
-    weeks = {one.exercise.split("_")[0] for one in chosen}
+    weeks = {one.exercise.split("_")[0] for one in selected}
     for week in sorted(weeks & faults.keys()):
-        sound = min({one.exercise.split("_")[0] for one in found} - faults.keys(), default="")
+        sound = min({one.exercise.split("_")[0] for one in submissions} - faults.keys(), default="")
         meanwhile = f". Until then, --only '*/{sound}*' grades one week" if sound else ""
         raise CourseError(f"nothing is graded: {faults[week]}{meanwhile}")
     owners = defaultdict[str, set[str]](set)
-    for submission in chosen:
+    for submission in selected:
         owners[submission.sha256].add(submission.student)
-    groups = groupby(chosen, lambda one: (one.student, one.exercise))
+    groups = groupby(selected, lambda one: (one.student, one.exercise))
     return [_make_attempts(list(group), owners, course) for _, group in groups]
 
 
@@ -453,11 +458,11 @@ def _make_attempts(group: Sequence[Submission], owners: Mapping[str, set[str]], 
     return Attempts(student, exercise, submissions, jobs, rules, digest)
 
 
-def _add_twins(submission: Submission, others: Collection[str]) -> Submission:
+def _add_twins(submission: Submission, twin_names: Collection[str]) -> Submission:
     """Return a submission with the first of the students who submitted the same file."""
-    named = nsmallest(MOST_NAMED, others)
-    more = len(others) - len(named)
-    return replace(submission, twins=(*named, f"{more} more") if more else tuple(named))
+    shown_names = nsmallest(MOST_NAMED, twin_names)
+    more = len(twin_names) - len(shown_names)
+    return replace(submission, twins=(*shown_names, f"{more} more") if more else tuple(shown_names))
 
 
 def _plan_job(submission: Submission, course: Course) -> tuple[Submission, Job | None]:

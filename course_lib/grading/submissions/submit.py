@@ -54,13 +54,13 @@ class NotebookReview:
     """
 
     def __init__(
-        self, path: Path, notebook: Notebook, tasks: Sequence[Task], state: State, own: str | None
+        self, path: Path, notebook: Notebook, tasks: Sequence[Task], state: State, identity: str | None
     ) -> None:
-        self._path, self._notebook, self._tasks, self._own = path, notebook, tasks, own
+        self._path, self._notebook, self._tasks, self._own = path, notebook, tasks, identity
         pairs = zip(notebook.cells, notebook.ran, strict=True)
         self._cells = [CodeCell(number, text, ran) for number, (text, ran) in enumerate(pairs, 1)]
-        found = ((task.id, last_check(state, task.id)) for task in tasks)
-        self._checked: dict[str, LastCheck] = {name: last for name, last in found if last}
+        checks = ((task.id, last_check(state, task.id)) for task in tasks)
+        self._checked: dict[str, LastCheck] = {name: last for name, last in checks if last}
         self._released_digests = _released_digests(notebook.exercise or "")
 
     @cached_property
@@ -70,12 +70,12 @@ class NotebookReview:
 
     def warnings(self) -> list[str]:
         """Return warnings, one sentence each."""
-        found = [cell.syntax_error for cell in self._cells if cell.syntax_error]
+        problems = [cell.syntax_error for cell in self._cells if cell.syntax_error]
         if self._tasks and not self._checked:
-            found.append(f"it was never checked here: run course check {self._path.name} first")
+            problems.append(f"it was never checked here: run course check {self._path.name} first")
         silent = {"passed"} if self._checked else {"passed", "unchecked"}
-        found += [f"{name} {one.text}" for name, one in self.tasks.items() if one.outcome not in silent]
-        return [*found, *self._unchecked_cells(), *self._unsaved_warning(), *self._id()]
+        problems += [f"{name} {one.text}" for name, one in self.tasks.items() if one.outcome not in silent]
+        return [*problems, *self._unchecked_cells(), *self._unsaved_warning(), *self._id()]
 
     def _assess(self, task: Task) -> Standing:
         cell, last = self._own_cell(task), self._checked.get(task.id)
@@ -100,50 +100,50 @@ class NotebookReview:
     def _own_cell(self, task: Task) -> CodeCell | None:
         """Return the cell that defines a task's object, or the stub in its place."""
         calls = [cell for cell in self._cells if task.id in cell.checks]
-        given = calls[-1].checks[task.id] if calls else ast.Name(task.name)
-        if not isinstance(given, ast.Name):
+        argument = calls[-1].checks[task.id] if calls else ast.Name(task.name)
+        if not isinstance(argument, ast.Name):
             return calls[-1]
-        makers = [cell for cell in self._cells if given.id in cell.bindings]
+        makers = [cell for cell in self._cells if argument.id in cell.bindings]
         if makers:
             return makers[-1]
-        broken = [cell for cell in self._cells if cell.syntax_error and given.id in cell.source]
+        unparsable = [cell for cell in self._cells if cell.syntax_error and argument.id in cell.source]
         before = self._cells[calls[-1].number - 2 : calls[-1].number - 1] if calls else []
-        return next((cell for cell in (*broken, *before) if cell.syntax_error or cell.is_stub), None)
+        return next((cell for cell in (*unparsable, *before) if cell.syntax_error or cell.is_stub), None)
 
     def _unchecked_cells(self) -> Iterator[str]:
         """Yield a warning for each cell without a task, up to the last check, that no check has seen."""
-        seen = frozenset[str]().union(*(last.cells for last in self._checked.values()))
-        if not seen and not any(cell.ran for cell in self._cells):
+        checked_digests = frozenset[str]().union(*(last.cells for last in self._checked.values()))
+        if not checked_digests and not any(cell.ran for cell in self._cells):
             # Nothing is known about any cell.
             return
         of_tasks = [self._own_cell(task) for task in self._tasks]
         end = max((cell.number for cell in self._cells if cell.checks), default=0)
         for cell in self._cells[:end]:
-            if not cell.source.strip() or cell in of_tasks or cell.checks or cell.digest in seen:
+            if not cell.source.strip() or cell in of_tasks or cell.checks or cell.digest in checked_digests:
                 continue
             if not cell.ran:
                 yield f"{cell.name} was never run"
-            elif seen:
+            elif checked_digests:
                 yield f"{cell.name} has changed since the last check"
 
     def _unsaved_warning(self) -> Iterator[str]:
         """Warn if the last check may have used changes that are not in the saved file."""
         if not self._checked:
             return
-        last, saved = max(one.time for one in self._checked.values()), saved_at(self._path)
+        last_check, save_time = max(one.time for one in self._checked.values()), saved_at(self._path)
         unseen = any(one.outcome not in ("passed", "failed") for one in self.tasks.values())
-        known = all(one.cells for one in self._checked.values())
-        if saved < last and (unseen or not known):
+        has_digests = all(one.cells for one in self._checked.values())
+        if save_time < last_check and (unseen or not has_digests):
             yield (
-                f"the notebook was saved at {_format_time(saved)}, before the last check at "
-                f"{_format_time(last)}: if it has unsaved changes, press Ctrl+S and submit again"
+                f"the notebook was saved at {_format_time(save_time)}, before the last check at "
+                f"{_format_time(last_check)}: if it has unsaved changes, press Ctrl+S and submit again"
             )
 
     def _id(self) -> Iterator[str]:
-        named = self._notebook.student
-        if named and self._own and named != self._own:
+        stored_id = self._notebook.student
+        if stored_id and self._own and stored_id != self._own:
             yield (
-                f"{self._path.name} has the student ID {named}, but yours is {self._own}: open "
+                f"{self._path.name} has the student ID {stored_id}, but yours is {self._own}: open "
                 f"{first_lesson()}, or type set_identity('{self._own}') in a cell, then submit again"
             )
 

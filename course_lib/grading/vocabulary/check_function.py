@@ -61,16 +61,16 @@ def _expected_type(annotation: Any, value: Any) -> str:
     """Return a description of the expected type if the value has another type, else ""."""
     either = get_args(annotation) if isinstance(annotation, UnionType) else (annotation,)
     kinds = [one for one in either if one is not type(None)]
-    kind, words = KINDS.get(kinds[0], (object, "")) if len(kinds) == 1 else (object, "")
-    return "" if isinstance(value, kind) else words
+    kind, type_text = KINDS.get(kinds[0], (object, "")) if len(kinds) == 1 else (object, "")
+    return "" if isinstance(value, kind) else type_text
 
 
 def _expected_length(name: str, value: Any) -> str:
     """Return a description of the expected length if the value has another length, else ""."""
-    lengths, words = LENGTHS.get(name, ((), ""))
+    lengths, length_text = LENGTHS.get(name, ((), ""))
     if not lengths or (isinstance(value, Sized) and not isinstance(value, str) and len(value) in lengths):
         return ""
-    return f"{' or '.join(map(str, lengths))} numbers ({words})"
+    return f"{' or '.join(map(str, lengths))} numbers ({length_text})"
 
 
 MOST_SHOWN = 3  # problems per message
@@ -135,9 +135,9 @@ def check_function(title: str) -> Callable[[Find[Given]], Callable[Given, Check]
 
 def _set_signature(expect: Any, signature: inspect.Signature) -> None:
     """Make `help` show the author's signature: without the evidence, returning a check."""
-    asked = list(signature.parameters.values())[1:]
-    expect.__signature__ = signature.replace(parameters=asked, return_annotation=Check)
-    expect.__annotations__ = {one.name: one.annotation for one in asked} | {"return": Check}
+    parameters = list(signature.parameters.values())[1:]
+    expect.__signature__ = signature.replace(parameters=parameters, return_annotation=Check)
+    expect.__annotations__ = {one.name: one.annotation for one in parameters} | {"return": Check}
     expect.__doc__ = re.sub(r"\n +evidence: .*", "", expect.__doc__ or "")
 
 
@@ -199,15 +199,17 @@ def received_messages(evidence: Evidence, topic: str, *types: str) -> list[tuple
         Problem: There is no such message; the problem states the type that was published instead.
     """
     messages = evidence.messages(topic)
-    found = [(at, message) for at, message in messages if type_name(message) in types] if types else messages
-    if found:
-        return found
+    matching = (
+        [(at, message) for at, message in messages if type_name(message) in types] if types else messages
+    )
+    if matching:
+        return matching
     if topic not in evidence.topics:
         raise silent_topic_problem(evidence, topic)
-    carried, expected = evidence.topics[topic], " or ".join(types) or "a message"
-    if carried in types or not types:
+    actual_type, expected = evidence.topics[topic], " or ".join(types) or "a message"
+    if actual_type in types or not types:
         raise Problem(f"{topic} carries bytes that are not {expected}", "a message cannot be read")
-    raise Problem(f"{topic} carries {carried}, expected {expected}", "a topic has the wrong message type")
+    raise Problem(f"{topic} carries {actual_type}, expected {expected}", "a topic has the wrong message type")
 
 
 def slash_hint(frame: str) -> str:
@@ -217,8 +219,10 @@ def slash_hint(frame: str) -> str:
 
 def silent_topic_problem(evidence: Evidence, topic: str) -> Problem:
     """Return the problem of a topic without messages; it lists the topics that have some."""
-    others = f"only on {', '.join(sorted(evidence.topics))}" if evidence.topics else "nor on any other topic"
-    message = f"nothing was published on {topic} in {evidence.seconds:g} s, {others}"
+    elsewhere = (
+        f"only on {', '.join(sorted(evidence.topics))}" if evidence.topics else "nor on any other topic"
+    )
+    message = f"nothing was published on {topic} in {evidence.seconds:g} s, {elsewhere}"
     if topic in evidence.topics:
         message = f"only empty messages were published on {topic} in {evidence.seconds:g} s"
     return Problem(message, "nothing was published on an expected topic")

@@ -77,8 +77,8 @@ def expect_launch_node(
         raise Problem(text, "the launch file starts a node too often")
     node = next((one for one in nodes if name in (None, one.name)), nodes[0] if nodes else None)
     if node is None:
-        others = ", ".join(f"{one.executable} of {one.package}" for one in record.started) or "nothing"
-        text = f"the launch description starts {others}, expected {executable} of {package}"
+        started_nodes = ", ".join(f"{one.executable} of {one.package}" for one in record.started) or "nothing"
+        text = f"the launch description starts {started_nodes}, expected {executable} of {package}"
         raise Problem(text, "a node is missing in the launch file")
     if name is not None and node.name != name:
         text = f"the name of {executable} is {node.name!r}, expected {name!r}"
@@ -158,7 +158,7 @@ def expect_display(
     call: int = 0,
 ) -> Iterable[Problem]:
     """Expect an enabled display of a class, on a topic, with properties by RViz's labels: "Topic/Depth"."""
-    asked = {name: value for name, value in locals().items() if name != "evidence"}
+    arguments = {name: value for name, value in locals().items() if name != "evidence"}
     displays = _displays_of_class(_read_layout(evidence, call), class_name)
     if topic is not None:
         on_topic = [config for config in displays if _topic_of(config) == topic]
@@ -167,7 +167,7 @@ def expect_display(
             return [Problem(f"{class_name} subscribes to {topics}, expected {topic!r}", "a topic is wrong")]
         displays = on_topic
     return list(_check_values(displays[0], properties or {}, class_name)) or _check_surplus(
-        evidence, DISPLAY, asked
+        evidence, DISPLAY, arguments
     )
 
 
@@ -191,8 +191,8 @@ def expect_layout(
         view_within: Minimum and maximum values.
         call: Index of the call that returned the layout.
     """
-    found = _read_layout(evidence, call)
-    frame, view_class = text_at(found.options, "Fixed Frame"), _class_of(found.view)
+    layout = _read_layout(evidence, call)
+    frame, view_class = text_at(layout.options, "Fixed Frame"), _class_of(layout.view)
     if fixed_frame not in (None, frame):
         yield Problem(f"the Fixed Frame is {frame!r}, expected {fixed_frame!r}", "the Fixed Frame is wrong")
     views = [view] if isinstance(view, str) else view
@@ -200,10 +200,10 @@ def expect_layout(
         expected = " or ".join(map(repr, views))
         yield Problem(f"the view is {view_class!r}, expected {expected}", "the view is of another class")
     else:
-        yield from _check_values(found.view, view_properties or {}, "the view")
+        yield from _check_values(layout.view, view_properties or {}, "the view")
         within = view_within or {}
         for label, (low, high) in within.items():
-            value = _convert(found.view.get(label), low)
+            value = _convert(layout.view.get(label), low)
             if not isinstance(value, int | float):
                 yield Problem(f"the view has no {label}", "a value of the view is missing")
             elif not low <= value <= high:
@@ -228,7 +228,7 @@ def expect_colors_apart(
     evidence: Evidence, class_name: str, by: float, *, call: int = 0
 ) -> Iterable[Problem]:
     """Expect colors of displays of a class that differ pairwise, in some channel, by at least `by` of 255."""
-    asked = {name: value for name, value in locals().items() if name != "evidence"}
+    arguments = {name: value for name, value in locals().items() if name != "evidence"}
     configs = _displays_of_class(_read_layout(evidence, call), class_name)[:MOST_COLORS]
     colors = [_color_of(config) for config in configs]
     if len(colors) < 2:
@@ -236,7 +236,7 @@ def expect_colors_apart(
         return [Problem(message, "a display is missing, or not enabled")]
     pairs = combinations(colors, 2)
     if all(max(abs(a - b) for a, b in zip(one, other, strict=True)) >= by for one, other in pairs):
-        return _check_surplus(evidence, COLORS_APART, asked)
+        return _check_surplus(evidence, COLORS_APART, arguments)
     listed_colors = join_words(["; ".join(f"{channel:g}" for channel in color) for color in colors])
     message = f"the colors of {class_name} are {listed_colors}: no channel differs by {by:g} or more"
     return [Problem(message, "the colors of two displays do not differ clearly")]
@@ -260,21 +260,21 @@ def expect_drawn(
         best_effort: Topics whose publishers are best effort.
         call: Index of the call that returned the layout.
     """
-    asked = {name: value for name, value in locals().items() if name != "evidence"}
-    found = _read_layout(evidence, call)
-    config, *_ = _displays_of_class(found, class_name)
+    arguments = {name: value for name, value in locals().items() if name != "evidence"}
+    layout = _read_layout(evidence, call)
+    config, *_ = _displays_of_class(layout, class_name)
     if text_at(config, "Description Source") == "File":
         # A student's layout must not make the grader read files.
         message = f"{class_name} reads a file, expected it to subscribe to its Description Topic"
         return [Problem(message, "a description comes from a file")]
     # Only this display is created: other displays may be huge, like a grid with a billion lines.
-    options = {"Fixed Frame": text_at(found.options, "Fixed Frame")}
+    options = {"Fixed Frame": text_at(layout.options, "Fixed Frame")}
     session = RvizSession(Scene())
     session.apply(Layout(options=options, displays=(config,)))
     for sample in _samples(messages, best_effort, evidence.personal):
         session.receive(sample)
     session.update(START_NS + round(messages[-1].at * 1e9) + 10**8)
-    return list(_check_drawing(session, class_name)) or _check_surplus(evidence, DRAWN, asked)
+    return list(_check_drawing(session, class_name)) or _check_surplus(evidence, DRAWN, arguments)
 
 
 def _check_surplus(evidence: Evidence, check_name: str, arguments: Mapping[str, Any]) -> list[Problem]:
@@ -283,32 +283,41 @@ def _check_surplus(evidence: Evidence, check_name: str, arguments: Mapping[str, 
     The checks with a personal value get the problem, because one of many values is not an answer,
     and so does the last check of the class. `expect_displays_on` counts displays itself.
     """
-    own = {key: plain(value) for key, value in arguments.items()}
+    own_arguments = {key: plain(value) for key, value in arguments.items()}
     everything = evidence.once(_display_checks)
-    rows = [row for row in everything if row.arguments["call"] == own["call"]]
-    mine = next((row for row in rows if (row.check_function, row.arguments) == (check_name, own)), None)
-    if mine is None or any(row.check_function == DISPLAYS_ON for row in everything):
+    rows = [row for row in everything if row.arguments["call"] == own_arguments["call"]]
+    own_row = next(
+        (row for row in rows if (row.check_function, row.arguments) == (check_name, own_arguments)), None
+    )
+    if own_row is None or any(row.check_function == DISPLAYS_ON for row in everything):
         return []
-    there = Counter(map(_class_of, _enabled_displays(_read_layout(evidence, own["call"]).displays)))
+    display_counts = Counter(
+        map(_class_of, _enabled_displays(_read_layout(evidence, own_arguments["call"]).displays))
+    )
     classes = {row.arguments["class_name"] for row in rows}
-    of_class = [row for row in rows if row.arguments["class_name"] == own["class_name"]]
+    of_class = [row for row in rows if row.arguments["class_name"] == own_arguments["class_name"]]
     topics = {row.arguments.get("topic") for row in of_class} - {None}
-    allowed = max(1, len(topics), 2 * any(row.check_function == COLORS_APART for row in of_class))
-    if (count := there[own["class_name"]]) > allowed and (
-        mine.is_personal or mine is _last_weighted(of_class)
+    max_displays = max(1, len(topics), 2 * any(row.check_function == COLORS_APART for row in of_class))
+    if (count := display_counts[own_arguments["class_name"]]) > max_displays and (
+        own_row.is_personal or own_row is _last_weighted(of_class)
     ):
-        message = f"the layout has {count} enabled displays {own['class_name']}, expected at most {allowed}"
+        message = (
+            f"the layout has {count} enabled displays {own_arguments['class_name']}, expected at "
+            f"most {max_displays}"
+        )
         return [Problem(f"{message}: remove or disable the others", TOO_MANY)]
-    others = sum(there.values()) - sum(there[name] for name in classes)
-    if others > max(MOST_OTHERS, len(classes)) and mine is _last_weighted(rows):
-        message = f"the layout has {others} enabled displays that the task does not ask for"
+    other_count = sum(display_counts.values()) - sum(display_counts[name] for name in classes)
+    if other_count > max(MOST_OTHERS, len(classes)) and own_row is _last_weighted(rows):
+        message = f"the layout has {other_count} enabled displays that the task does not ask for"
         return [Problem(f"{message}: remove or disable them", TOO_MANY)]
     return []
 
 
 def _display_checks(evidence: Evidence) -> list[ResolvedCheck]:
-    words = (DISPLAY, DRAWN, COLORS_APART, DISPLAYS_ON)
-    checks = (check for check in evidence.checks if check.origin and check.origin.check_function in words)
+    check_names = (DISPLAY, DRAWN, COLORS_APART, DISPLAYS_ON)
+    checks = (
+        check for check in evidence.checks if check.origin and check.origin.check_function in check_names
+    )
     return [resolve_check(check, evidence.personal) for check in checks]
 
 
@@ -322,8 +331,8 @@ def _check_drawing(session: RvizSession, class_name: str) -> Iterator[Problem]:
     for row in rows:
         message = f"{row.display}, {row.name}: {row.text}"
         yield Problem(message, f"{class_name} or its frames show a status that is not Ok")
-    drawn = session.context.scene.objects()
-    if not rows and not any(path.startswith(session.displays[0].path) for path in drawn):
+    objects = session.context.scene.objects()
+    if not rows and not any(path.startswith(session.displays[0].path) for path in objects):
         yield Problem(
             f"{class_name} draws none of the messages that the robot publishes", f"{class_name} draws nothing"
         )
@@ -352,12 +361,12 @@ def _read_layout(evidence: Evidence, call: int) -> Layout:
         raise Problem("no layout was returned", "there is no layout")
     if len(text) > MAX_TEXT:
         raise Problem(f"the layout has {len(text)} characters", "the layout is too long")
-    found = _parse(text)
-    if isinstance(found, str):
-        raise Problem(found, "the layout is not valid YAML")
-    if found.problems:
-        raise Problem(found.problems[0], "the layout has another structure")
-    return found
+    layout = _parse(text)
+    if isinstance(layout, str):
+        raise Problem(layout, "the layout is not valid YAML")
+    if layout.problems:
+        raise Problem(layout.problems[0], "the layout has another structure")
+    return layout
 
 
 # Many checks read the same layout, and parsing a long one takes seconds.
@@ -373,12 +382,12 @@ def _parse(text: str) -> Layout | str:
 def _displays_of_class(layout: Layout, class_name: str) -> list[Config]:
     """Return the enabled displays of a class, or raise a Problem if there is none."""
     classes = [(_class_of(config), config) for config in _enabled_displays(layout.displays)]
-    found = [config for name, config in classes if name == class_name]
-    if not found:
+    configs = [config for name, config in classes if name == class_name]
+    if not configs:
         there = join_words([name for name, _ in classes]) or "no display"
         message = f"the layout has no enabled display {class_name}, it has {there}"
         raise Problem(message, "a display is missing, or not enabled")
-    return found
+    return configs
 
 
 def _enabled_displays(configs: Iterable[Config]) -> Iterator[Config]:
@@ -413,12 +422,12 @@ def _color_of(config: Config) -> tuple[float, ...]:
     return red, green, blue
 
 
-def _check_values(config: Config, properties: Mapping[str, Any], what: str) -> Iterator[Problem]:
+def _check_values(config: Config, properties: Mapping[str, Any], subject: str) -> Iterator[Problem]:
     for path, expected in properties.items():
         value: Any = config
         for label in path.split("/"):
             value = value.get(label) if isinstance(value, Mapping) else None
-        yield from compare(_convert(value, expected), expected, 1e-3, "", f"{path!r} of {what}")
+        yield from compare(_convert(value, expected), expected, 1e-3, "", f"{path!r} of {subject}")
 
 
 def _convert(value: Any, expected: Any) -> Any:

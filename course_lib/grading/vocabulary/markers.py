@@ -66,10 +66,10 @@ def type_of(marker: Any) -> str:
     return TYPES[marker.type] if 0 <= marker.type < len(TYPES) else f"unknown type {marker.type}"
 
 
-def matches(marker: Any, *wanted: Any) -> bool:
+def matches(marker: Any, *expected: Any) -> bool:
     """Return whether a marker has this type name, namespace and id; None matches any value."""
     actual = (type_of(marker), marker.ns, marker.id)
-    return all(value in (None, own) for value, own in zip(wanted, actual, strict=True))
+    return all(value in (None, actual_value) for value, actual_value in zip(expected, actual, strict=True))
 
 
 def iter_markers(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:
@@ -135,12 +135,12 @@ def no_markers_problem(evidence: Evidence, topic: str, at: float | None = None) 
 def invisibility_reason(marker: Any) -> str:
     """Return the reason why a marker is invisible, or "" if RViz draws it."""
     kind = type_of(marker)
-    own = marker.mesh_use_embedded_materials and kind == "MESH_RESOURCE"
+    has_mesh_materials = marker.mesh_use_embedded_materials and kind == "MESH_RESOURCE"
     alphas = [color.a for color in marker.colors if kind in EACH_COLORED] or [marker.color.a]
-    if not own and not max(alphas) > 0:
+    if not has_mesh_materials and not max(alphas) > 0:
         return "color.a is 0"
-    needed = "xy" if kind == "ARROW" and marker.points else NEEDED_SCALES.get(kind, "xyz")
-    if none := [axis for axis in needed if not abs(getattr(marker.scale, axis)) > 0]:
+    needed_axes = "xy" if kind == "ARROW" and marker.points else NEEDED_SCALES.get(kind, "xyz")
+    if none := [axis for axis in needed_axes if not abs(getattr(marker.scale, axis)) > 0]:
         return f"scale.{none[0]} is 0"
     if kind == "TEXT_VIEW_FACING" and not marker.text.strip():
         return "its text is empty"
@@ -189,15 +189,15 @@ class ResolvedCheck:
 
 def judge_marker(evidence: Evidence, name: str, arguments: Arguments) -> list[Problem]:
     """Return the problems of one check, judged on the marker that its subject is bound to."""
-    own = ResolvedCheck(name, {key: plain(value) for key, value in arguments.items()})
-    scene = _scene(evidence, own.arguments["topic"], own.arguments.get("at"))
-    call = (own.check_function, own.arguments)
+    own_check = ResolvedCheck(name, {key: plain(value) for key, value in arguments.items()})
+    scene = _scene(evidence, own_check.arguments["topic"], own_check.arguments.get("at"))
+    call = (own_check.check_function, own_check.arguments)
     index = next(
-        (i for i, asked in enumerate(scene.asked) if (asked.check_function, asked.arguments) == call), None
+        (i for i, check in enumerate(scene.asked) if (check.check_function, check.arguments) == call), None
     )
     if index is None:
         # The check was called on its own, not as part of a scenario.
-        scene, index = MarkerScene(evidence, scene.topic, scene.at, (own,), (), is_whole=False), 0
+        scene, index = MarkerScene(evidence, scene.topic, scene.at, (own_check,), (), is_whole=False), 0
     return scene.problems(index)
 
 
@@ -246,12 +246,12 @@ class MarkerScene:
         evidence: Evidence,
         topic: str,
         at: float | None,
-        asked: Sequence[ResolvedCheck],
+        checks: Sequence[ResolvedCheck],
         counts: Sequence[ResolvedCheck],
         *,
         is_whole: bool = True,
     ) -> None:
-        self.topic, self.at, self.asked = topic, at, tuple(asked)
+        self.topic, self.at, self.asked = topic, at, tuple(checks)
         self._evidence, self._counts, self._is_whole = evidence, counts, is_whole
         self._problem_cache: dict[tuple[int, int], list[Problem]] = {}
 
@@ -294,16 +294,16 @@ class MarkerScene:
     @cached_property
     def subjects(self) -> list[list[int]]:
         """The indices of each subject's checks, without those that apply to every subject."""
-        found: list[list[int]] = []
+        groups: list[list[int]] = []
         for index in range(len(self.asked)):
             if index not in self.shared_checks:
-                fitting = (one for one in found if not any(self._contradict(index, other) for other in one))
+                fitting = (one for one in groups if not any(self._contradict(index, other) for other in one))
                 subject = next(fitting, None)
                 if subject is None:
-                    found.append([index])
+                    groups.append([index])
                 else:
                     subject.append(index)
-        return found
+        return groups
 
     @cached_property
     def bindings(self) -> list[int]:
@@ -316,7 +316,7 @@ class MarkerScene:
     @cached_property
     def surplus(self) -> str:
         """An error message if the topic shows more markers than the task requires, else ""."""
-        if not self._is_whole or any(asked.arguments["allow_others"] for asked in self.asked):
+        if not self._is_whole or any(check.arguments["allow_others"] for check in self.asked):
             return ""
         there = sum(not invisibility_reason(marker) for marker in self.visible_markers)
         if there <= self.allowed:
@@ -333,8 +333,8 @@ class MarkerScene:
             if self.asked[index].check_function == CIRCLE:
                 return FINDERS[CIRCLE](self._evidence, self.asked[index].arguments, None)
             raise no_markers_problem(self._evidence, self.topic, self.at)
-        if found := self._own_problems(index):
-            return found
+        if own_problems := self._own_problems(index):
+            return own_problems
         return [Problem(self.surplus, SURPLUS)] if self.surplus and self._fails_for_surplus(index) else []
 
     def _own_problems(self, index: int) -> list[Problem]:
@@ -383,22 +383,29 @@ class MarkerScene:
     def _misfit_key(self, subject: Sequence[int], marker: int) -> tuple[float, ...]:
         """Return a sort key for how badly a marker fits a subject: lost points first, then mistakes."""
         indices = [*subject, *self.shared_checks.difference(subject)]
-        found = {i: self._problems(i, marker) for i in indices}
-        mistakes = [problem.mistake for problems in found.values() for problem in problems]
+        problems_by_check = {i: self._problems(i, marker) for i in indices}
+        mistakes = [problem.mistake for problems in problems_by_check.values() for problem in problems]
         is_other = len(self.subjects) > 1 and self._is_missing(subject, marker)
-        own, shared = (
-            sum(self.asked[i].weight for i in group if not found[i])
+        own_weight, shared = (
+            sum(self.asked[i].weight for i in group if not problems_by_check[i])
             for group in (subject, indices[len(subject) :])
         )
-        return is_other, -own, -shared, mistakes.count(WRONG_NAME), mistakes.count(WRONG_TYPE), len(mistakes)
+        return (
+            is_other,
+            -own_weight,
+            -shared,
+            mistakes.count(WRONG_NAME),
+            mistakes.count(WRONG_TYPE),
+            len(mistakes),
+        )
 
     def _problems(self, index: int, marker: int) -> list[Problem]:
         if (index, marker) not in self._problem_cache:
-            asked = self.asked[index]
-            misnamed = self._name_problems(asked.arguments, marker) if asked.check_function == MARKER else []
-            find = FINDERS[asked.check_function]
+            check = self.asked[index]
+            misnamed = self._name_problems(check.arguments, marker) if check.check_function == MARKER else []
+            find = FINDERS[check.check_function]
             self._problem_cache[index, marker] = misnamed or find(
-                self._evidence, asked.arguments, self.markers[marker]
+                self._evidence, check.arguments, self.markers[marker]
             )
         return self._problem_cache[index, marker]
 
@@ -428,26 +435,26 @@ def _scenes(evidence: Evidence) -> dict[tuple[str, float | None], MarkerScene]:
     rows: dict[tuple[str, float | None], list[ResolvedCheck]] = {}
     for check in evidence.checks:
         if check.origin and check.origin.check_function in (MARKER, CIRCLE, COUNT):
-            asked = resolve_check(check, evidence.personal)
-            rows.setdefault((asked.arguments["topic"], asked.arguments.get("at")), []).append(asked)
+            resolved = resolve_check(check, evidence.personal)
+            rows.setdefault((resolved.arguments["topic"], resolved.arguments.get("at")), []).append(resolved)
     return {
         (topic, at): MarkerScene(
             evidence,
             topic,
             at,
-            [one for one in found if one.check_function != COUNT],
-            [one for one in found if one.check_function == COUNT],
+            [one for one in checks if one.check_function != COUNT],
+            [one for one in checks if one.check_function == COUNT],
         )
-        for (topic, at), found in rows.items()
+        for (topic, at), checks in rows.items()
     }
 
 
 def resolve_check(check: Check, personal: Mapping[str, Any]) -> ResolvedCheck:
     """Return a check with the student's personal values in its arguments."""
     assert check.origin is not None
-    given = {name: value for name, value in check.origin.arguments.items() if name != "evidence"}
-    arguments = {name: plain(resolve(value, personal)) for name, value in given.items()}
-    return ResolvedCheck(check.origin.check_function, arguments, check.weight, is_personal(given))
+    raw_arguments = {name: value for name, value in check.origin.arguments.items() if name != "evidence"}
+    arguments = {name: plain(resolve(value, personal)) for name, value in raw_arguments.items()}
+    return ResolvedCheck(check.origin.check_function, arguments, check.weight, is_personal(raw_arguments))
 
 
 FINDERS: dict[str, Find] = {}
@@ -518,14 +525,14 @@ def expect_marker(
 @register_finder(MARKER)
 def _marker_problems(_: Evidence, arguments: Arguments, marker: Any) -> list[Problem]:
     noun = f"the {type_of(marker).removesuffix('_VIEW_FACING').lower().replace('_', ' ')}"
-    found = (
+    marker_problems = (
         [Problem(f"{noun} is invisible: {why}", INVISIBLE)] if (why := invisibility_reason(marker)) else []
     )
     for name, (mistake, find) in PROPERTIES.items():
         if (expected := arguments[name]) is not None:
             texts = find(marker, expected, arguments["tolerance"])
-            found += [Problem(f"{noun}{text}", mistake) for text in texts]
-    return found
+            marker_problems += [Problem(f"{noun}{text}", mistake) for text in texts]
+    return marker_problems
 
 
 @check_function("the number of markers on {topic}")
@@ -545,16 +552,20 @@ def expect_marker_count(
         for marker in visible_markers(evidence, topic, at)
         if matches(marker, type, None, None)
     ]
-    there, hidden = reasons.count(""), sorted(filter(None, reasons))
+    there, invisible_reasons = reasons.count(""), sorted(filter(None, reasons))
     if there == count:
         return []
     of_type = f" of type {type}" if type else ""
     message = (
         f"{topic} shows {format_count(there, 'marker')}{of_type} {describe_moment(at)}, expected {count}"
     )
-    if hidden:
-        are = "is" if len(hidden) == 1 else "are"
-        return [Problem(f"{message}; {len(hidden)} more {are} invisible: {hidden[0]}", INVISIBLE)]
+    if invisible_reasons:
+        are = "is" if len(invisible_reasons) == 1 else "are"
+        return [
+            Problem(
+                f"{message}; {len(invisible_reasons)} more {are} invisible: {invisible_reasons[0]}", INVISIBLE
+            )
+        ]
     why, mistake = _reason_for_missing(evidence, topic, type, at) if there < count else ("", WRONG_COUNT)
     return [Problem(message + why, mistake)]
 
@@ -564,19 +575,22 @@ def _reason_for_missing(
 ) -> tuple[str, str]:
     """Return why a topic shows too few markers, as the end of a message and as a kind of mistake."""
     now = evidence.seconds if at is None else at  # [s]
-    received = [row for row in iter_markers(evidence, topic) if row[0] <= now]
-    added = [(seconds, marker) for seconds, marker in received if marker.action == ADD]
-    if not received:
+    marker_rows = [row for row in iter_markers(evidence, topic) if row[0] <= now]
+    added_markers = [(seconds, marker) for seconds, marker in marker_rows if marker.action == ADD]
+    if not marker_rows:
         return "; its arrays are empty", "no marker is added"
-    others = sorted({type_of(marker) for _, marker in added} - {kind}) if kind else []
-    if others and not any(type_of(marker) == kind for _, marker in added):
-        return f"; its markers are of type {others[0]}", WRONG_TYPE
-    together = Counter((seconds, marker.ns, marker.id) for seconds, marker in added)
+    other_types = sorted({type_of(marker) for _, marker in added_markers} - {kind}) if kind else []
+    if other_types and not any(type_of(marker) == kind for _, marker in added_markers):
+        return f"; its markers are of type {other_types[0]}", WRONG_TYPE
+    together = Counter((seconds, marker.ns, marker.id) for seconds, marker in added_markers)
     if repeated := [name for name, times in together.items() if times > 1]:
         _, ns, marker_id = repeated[-1]
         return f"; several have ns {ns!r} and id {marker_id}, and each replaces the one before", REPLACED
-    if added and any(0 < lifetime(marker) < MARGIN for _, marker in added):
-        return f"; the lifetime of {format_number(lifetime(added[-1][1]), 's')} is over", SHORT_LIFETIME
+    if added_markers and any(0 < lifetime(marker) < MARGIN for _, marker in added_markers):
+        return (
+            f"; the lifetime of {format_number(lifetime(added_markers[-1][1]), 's')} is over",
+            SHORT_LIFETIME,
+        )
     return "", WRONG_COUNT
 
 
@@ -585,9 +599,9 @@ def expect_gone(evidence: Evidence, topic: str) -> Iterable[Problem]:
     """Expect markers during the scenario, but none at its end."""
     if not any(True for _ in iter_markers(evidence, topic)):
         raise silent_topic_problem(evidence, topic)
-    left = len(visible_markers(evidence, topic))
-    message = f"{topic} still shows {format_count(left, 'marker')} at the end, expected none"
-    return [Problem(message, WRONG_COUNT)] if left else []
+    visible_count = len(visible_markers(evidence, topic))
+    message = f"{topic} still shows {format_count(visible_count, 'marker')} at the end, expected none"
+    return [Problem(message, WRONG_COUNT)] if visible_count else []
 
 
 def _compare_type(marker: Any, expected: str, _: float) -> Iterator[str]:
@@ -605,8 +619,8 @@ def _compare_position(marker: Any, expected: Sequence[float], tolerance: float) 
     for (axis, directions), target in zip(DIRECTIONS.items(), expected, strict=True):
         value = getattr(marker.pose.position, axis)
         if not is_close(value, target, tolerance):
-            actual, wanted = format_number(value, "m"), format_number(target, "m")
-            where = f"its centre is at {axis} = {actual}, expected {wanted}"
+            actual, expected_text = format_number(value, "m"), format_number(target, "m")
+            where = f"its centre is at {axis} = {actual}, expected {expected_text}"
             yield f" is {describe_offset(value, target, *directions)}: {where}"
 
 
@@ -621,7 +635,7 @@ def _compare_yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
     q = marker.pose.orientation
     value = yaw_of(q.x, q.y, q.z, q.w)
     if not are_angles_close(value, expected, YAW_TOLERANCE):
-        turned = (
+        message = (
             f" is turned by {format_number(value, 'rad')} about z, expected {format_number(expected, 'rad')}"
         )
         causes = {
@@ -630,11 +644,13 @@ def _compare_yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
             "counter-clockwise is positive": -expected,
             "are z and w swapped?": math.pi - expected,
         }
-        found = [cause for cause, angle in causes.items() if are_angles_close(value, angle, YAW_TOLERANCE)]
+        explanations = [
+            cause for cause, angle in causes.items() if are_angles_close(value, angle, YAW_TOLERANCE)
+        ]
         axis = max("xyz", key=lambda name: abs(getattr(q, name)))
         if axis != "z" and abs(getattr(q, axis)) > YAW_TOLERANCE:
-            found = [f"it is turned about {axis} instead"]
-        yield turned + "".join(f": {cause}" for cause in found[:1])
+            explanations = [f"it is turned about {axis} instead"]
+        yield message + "".join(f": {cause}" for cause in explanations[:1])
 
 
 def _compare_color(marker: Any, expected: Sequence[float], _: float) -> Iterator[str]:
@@ -671,8 +687,8 @@ def _compare_text(marker: Any, expected: str, _: float) -> Iterator[str]:
 
 def _compare_lifetime(marker: Any, expected: float, _: float) -> Iterator[str]:
     if not is_close(lifetime(marker), expected, LIFETIME_TOLERANCE):
-        actual, wanted = format_number(lifetime(marker), "s"), format_number(expected, "s")
-        yield f"'s lifetime is {actual}, expected {wanted}"
+        actual, expected_text = format_number(lifetime(marker), "s"), format_number(expected, "s")
+        yield f"'s lifetime is {actual}, expected {expected_text}"
 
 
 def _compare_points(marker: Any, expected: Points, tolerance: float) -> Iterator[str]:
@@ -680,9 +696,12 @@ def _compare_points(marker: Any, expected: Points, tolerance: float) -> Iterator
     reversed_arrow = type_of(marker) == "ARROW" and not _are_points_equal(points, expected, tolerance)
     if len(points) != len(expected):
         yield f" has {format_count(len(points), 'point')}, expected {len(expected) or 'none'}"
-    elif lost := _find_unmatched(expected, points, tolerance):
-        nearest = min(points, key=lambda point: _distance(point, lost[0]))
-        yield f" has no point at {format_numbers(lost[0])} m; the nearest is at {format_numbers(nearest)} m"
+    elif unmatched := _find_unmatched(expected, points, tolerance):
+        nearest = min(points, key=lambda point: _distance(point, unmatched[0]))
+        yield (
+            f" has no point at {format_numbers(unmatched[0])} m; the nearest is at "
+            f"{format_numbers(nearest)} m"
+        )
     elif strange := _find_unmatched(points, expected, tolerance):
         yield f" has a point at {format_numbers(strange[0])} m, which is not expected"
     elif reversed_arrow:
@@ -700,10 +719,12 @@ def _compare_loop(marker: Any, expected: Points, tolerance: float) -> Iterator[s
         yield " does not go round from corner to corner"
 
 
-def _are_points_equal(points: Points, others: Points, tolerance: float) -> bool:
+def _are_points_equal(points: Points, other_points: Points, tolerance: float) -> bool:
     """Return whether both sequences have the same points in the same order."""
-    pairs = zip(points, others, strict=False)
-    return len(points) == len(others) and all(is_close(math.dist(a, b), 0.0, tolerance) for a, b in pairs)
+    pairs = zip(points, other_points, strict=False)
+    return len(points) == len(other_points) and all(
+        is_close(math.dist(a, b), 0.0, tolerance) for a, b in pairs
+    )
 
 
 def _distance(point: Sequence[float], other: Sequence[float]) -> float:
@@ -712,8 +733,10 @@ def _distance(point: Sequence[float], other: Sequence[float]) -> float:
     return math.inf if math.isnan(distance) else distance
 
 
-def _find_unmatched(points: Points, others: Points, tolerance: float) -> list[Sequence[float]]:
-    return [p for p in points if not any(is_close(math.dist(p, other), 0.0, tolerance) for other in others)]
+def _find_unmatched(points: Points, candidates: Points, tolerance: float) -> list[Sequence[float]]:
+    return [
+        p for p in points if not any(is_close(math.dist(p, other), 0.0, tolerance) for other in candidates)
+    ]
 
 
 PROPERTIES: dict[str, tuple[str, Callable[[Any, Any, float], Iterator[str]]]] = {

@@ -106,26 +106,26 @@ def _circle_problems(evidence: Evidence, arguments: Arguments, marker: Any) -> l
     if not together:
         return []
     keys = list(paths) if marker is None else [(marker.ns, marker.id)]
-    found = [_check_path(paths[key], evidence, arguments) for key in keys if len(paths[key]) > 1]
-    return min(found, key=len) if found else together
+    problems_by_path = [_check_path(paths[key], evidence, arguments) for key in keys if len(paths[key]) > 1]
+    return min(problems_by_path, key=len) if problems_by_path else together
 
 
 def _marker_paths(evidence: Evidence) -> dict[str, dict[tuple[str, int], list[tuple[float, Any]]]]:
     """Return ([s] since the start, marker) of all added markers, by topic and by (ns, id)."""
-    found: dict[str, dict[tuple[str, int], list[tuple[float, Any]]]] = {}
+    paths_by_topic: dict[str, dict[tuple[str, int], list[tuple[float, Any]]]] = {}
     for topic in evidence.topics:
         for seconds, marker in iter_markers(evidence, topic):
             if marker.action == ADD:
-                path = found.setdefault(topic, {}).setdefault((marker.ns, marker.id), [])
+                path = paths_by_topic.setdefault(topic, {}).setdefault((marker.ns, marker.id), [])
                 path.append((seconds, marker))
-    return found
+    return paths_by_topic
 
 
 def _check_path(
-    added: Sequence[tuple[float, Any]], evidence: Evidence, arguments: Arguments
+    added_markers: Sequence[tuple[float, Any]], evidence: Evidence, arguments: Arguments
 ) -> list[Problem]:
-    named = [arguments[name] for name in NAMING]
-    matching = [(s, marker) for s, marker in added if matches(marker, *named)]
+    identity = [arguments[name] for name in NAMING]
+    matching = [(s, marker) for s, marker in added_markers if matches(marker, *identity)]
     if not matching:
         return [_unknown_marker_problem(arguments)]
     visible = [(s, marker.pose.position) for s, marker in matching if not invisibility_reason(marker)]
@@ -150,16 +150,16 @@ def _check_path(
 
 
 def _unknown_marker_problem(arguments: Arguments) -> Problem:
-    asked = ", ".join(f"{name} {arguments[name]!r}" for name in NAMING if arguments[name] is not None)
-    message = f"no marker with {asked} was added on {arguments['topic']}"
+    identity = ", ".join(f"{name} {arguments[name]!r}" for name in NAMING if arguments[name] is not None)
+    message = f"no marker with {identity} was added on {arguments['topic']}"
     return Problem(message, "type, ns or id of a marker is wrong")
 
 
 def check_duration(path: Path, seconds: float, noun: str = "the marker") -> list[Problem]:
     """Return a problem if a path covers less than half of a scenario of `seconds` [s]."""
-    seen = path[-1][0] - path[0][0]  # [s]
-    message = f"{noun} moves for only {format_number(seen, 's')} of {seconds:g} s"
-    return [Problem(message, NOT_MOVING)] if seen < seconds / 2 else []
+    duration = path[-1][0] - path[0][0]  # [s]
+    message = f"{noun} moves for only {format_number(duration, 's')} of {seconds:g} s"
+    return [Problem(message, NOT_MOVING)] if duration < seconds / 2 else []
 
 
 def check_circle(
@@ -195,7 +195,7 @@ def check_turn(
     """Return a problem if a path turns around the center in the wrong direction or period [s]."""
     angles = [math.atan2(y - center[1], x - center[0]) for _, (x, y, _) in path]
     steps = [math.remainder(b - a, math.tau) for a, b in pairwise(angles)]
-    turned, seconds = sum(steps), path[-1][0] - path[0][0]
+    total_angle, seconds = sum(steps), path[-1][0] - path[0][0]
     if sum(abs(step) for step in steps) < 1e-3:
         return [Problem(f"{noun} stands still, expected it to move along a circle", NOT_MOVING)]
     if (jump := max(map(abs, steps))) > LARGEST_STEP:
@@ -205,18 +205,18 @@ def check_turn(
                 f"{message}: are degrees used instead of radians?", "an angle jumps from message to message"
             )
         ]
-    if counter_clockwise is not None and (turned > 0) != counter_clockwise:
+    if counter_clockwise is not None and (total_angle > 0) != counter_clockwise:
         names = ("clockwise", "counter-clockwise")
-        message = f"{noun} goes {names[turned > 0]} (from above), expected {names[counter_clockwise]}"
+        message = f"{noun} goes {names[total_angle > 0]} (from above), expected {names[counter_clockwise]}"
         return [Problem(message, "the direction of turning is wrong")]
     if period is not None:
-        actual = seconds * math.tau / abs(turned) if turned else math.inf  # [s]
+        actual = seconds * math.tau / abs(total_angle) if total_angle else math.inf  # [s]
         gap = describe_offset(actual, period, "too slow", "too fast", "s")
         message = f"one turn takes {format_number(actual, 's')}, expected {format_number(period, 's')}: {gap}"
         right = is_close(actual, period, PERIOD_TOLERANCE * period)
         return [] if right else [Problem(message, "the time of one turn is wrong")]
-    message = f"{noun} turns by only {math.degrees(abs(turned)):.0f}°"
-    return [] if abs(turned) >= LEAST_TURN else [Problem(message, "too little of the circle was driven")]
+    message = f"{noun} turns by only {math.degrees(abs(total_angle)):.0f}°"
+    return [] if abs(total_angle) >= LEAST_TURN else [Problem(message, "too little of the circle was driven")]
 
 
 @check_function("where {source} is in {target}")
@@ -243,13 +243,13 @@ def expect_transform(
         message = f"{source} is broadcast repeatedly on /tf, expected once on /tf_static"
         return [Problem(message, "a transform that never moves is not static")]
     try:
-        found = evidence.once(transform_buffer).lookup(
+        transform = evidence.once(transform_buffer).lookup(
             target, source, 0 if at is None else START_NS + round(at * 1e9)
         )
     except TransformException as error:
         mistake = FAILED_LOOKUPS.get(type(error).__name__, "a transform is missing")
         return [Problem(f"tf2 reports: {error}", mistake)]
-    return list(_check_pose(found, translation or found.translation, yaw, tolerance))
+    return list(_check_pose(transform, translation or transform.translation, yaw, tolerance))
 
 
 @check_function("{frame} goes round a circle in {target}")
@@ -277,8 +277,8 @@ def expect_circling_frame(
         return ambiguous
     poses = [(seconds, pose) for seconds, pose in _iter_transforms(evidence, "/tf") if pose.child == frame]
     if not poses:
-        others = sorted({pose.child for _, pose in _iter_transforms(evidence, "/tf")})
-        only = f", only of {', '.join(map(repr, others[:MAX_NAMED]))}" if others else ""
+        other_frames = sorted({pose.child for _, pose in _iter_transforms(evidence, "/tf")})
+        only = f", only of {', '.join(map(repr, other_frames[:MAX_NAMED]))}" if other_frames else ""
         return [Problem(f"no transform of {frame!r} was published on /tf{only}", "a transform is missing")]
     strange = sorted({pose.parent for _, pose in poses} - {target})
     if strange:
@@ -300,15 +300,15 @@ def expect_circling_frame(
 def _check_start(frame: str, place: Sequence[float], start: float | None) -> Iterator[Problem]:
     angle = math.atan2(place[1], place[0])  # [rad]
     if start is not None and not are_angles_close(angle, start, YAW_TOLERANCE):
-        actual, wanted = format_number(angle, "rad"), format_number(start, "rad")
-        message = f"{frame} starts at the angle {actual}, expected {wanted}"
+        actual, expected_text = format_number(angle, "rad"), format_number(start, "rad")
+        message = f"{frame} starts at the angle {actual}, expected {expected_text}"
         yield Problem(message, "a path starts at the wrong place")
 
 
 def _check_unambiguous(evidence: Evidence, frame: str) -> Iterator[Problem]:
     """Yield a problem if a frame is broadcast with different poses for one time."""
-    if frame in (found := evidence.once(_find_conflicts)):
-        when, first, other = found[frame]
+    if frame in (conflicts := evidence.once(_find_conflicts)):
+        when, first, other = conflicts[frame]
         places = [f"{format_numbers(pose.translation)} m in {pose.parent!r}" for pose in (first, other)]
         message = f"{frame} is broadcast {when} at {places[0]} and at {places[1]}"
         yield Problem(
@@ -319,19 +319,19 @@ def _check_unambiguous(evidence: Evidence, frame: str) -> Iterator[Problem]:
 def _find_conflicts(evidence: Evidence) -> dict[str, tuple[str, Transform, Transform]]:
     """Return for each ambiguous frame a description of the time and two contradicting poses."""
     first: dict[tuple[str, int | None], Transform] = {}
-    found: dict[str, tuple[str, Transform, Transform]] = {}
+    conflicts: dict[str, tuple[str, Transform, Transform]] = {}
     for topic, stamped in (("/tf_static", False), ("/tf", True)):
         for _, pose in _iter_transforms(evidence, topic):
             # A moving frame without a stamp is another mistake, which tf2 reports.
             if stamped and not pose.stamp_ns:
                 continue
             fixed = first.get((pose.child, None))
-            known = fixed or first.setdefault((pose.child, pose.stamp_ns if stamped else None), pose)
+            earlier = fixed or first.setdefault((pose.child, pose.stamp_ns if stamped else None), pose)
             # The representations are compared, because NaN is not equal to itself.
-            if repr((known.parent, known.pose)) != repr((pose.parent, pose.pose)):
+            if repr((earlier.parent, earlier.pose)) != repr((pose.parent, pose.pose)):
                 when = ("on /tf_static and on /tf" if fixed else "for one time") if stamped else "as static"
-                found.setdefault(pose.child, (when, known, pose))
-    return found
+                conflicts.setdefault(pose.child, (when, earlier, pose))
+    return conflicts
 
 
 def transform_buffer(evidence: Evidence) -> BufferCore:
@@ -351,30 +351,30 @@ def _iter_transforms(evidence: Evidence, topic: str) -> Iterator[tuple[float, Tr
 
 
 def _check_pose(
-    found: Transform, translation: Sequence[float], yaw: float | None, tolerance: float
+    transform: Transform, translation: Sequence[float], yaw: float | None, tolerance: float
 ) -> Iterator[Problem]:
     for (axis, directions), actual, expected in zip(
-        DIRECTIONS.items(), found.translation, translation, strict=True
+        DIRECTIONS.items(), transform.translation, translation, strict=True
     ):
         if not is_close(actual, expected, tolerance):
             gap = describe_offset(actual, expected, *directions)
             where = f"{axis} = {format_number(actual, 'm')}, expected {format_number(expected, 'm')}"
-            message = f"{found.child} is {gap} in {found.parent}: {where}"
+            message = f"{transform.child} is {gap} in {transform.parent}: {where}"
             yield Problem(message, "the place of a frame is wrong")
-    if yaw is not None and not are_angles_close(turn := yaw_of(*found.rotation), yaw, YAW_TOLERANCE):
+    if yaw is not None and not are_angles_close(turn := yaw_of(*transform.rotation), yaw, YAW_TOLERANCE):
         came_yaw = f"{format_number(turn, 'rad')} about z, expected {format_number(yaw, 'rad')}"
-        yield Problem(f"{found.child} is turned by {came_yaw}", "the orientation of a frame is wrong")
+        yield Problem(f"{transform.child} is turned by {came_yaw}", "the orientation of a frame is wrong")
 
 
 def _check_heading(poses: Sequence[tuple[float, Transform]], heading: float | None) -> Iterator[Problem]:
     for seconds, pose in poses if heading is not None else ():
         (x, y, _), turn = pose.translation, yaw_of(*pose.rotation)
         if heading is not None and not are_angles_close(turn - math.atan2(y, x), heading, YAW_TOLERANCE):
-            asked = f"the direction from the origin plus {format_number(heading, 'rad')}"
+            expected_text = f"the direction from the origin plus {format_number(heading, 'rad')}"
             message = (
                 f"after {format_number(seconds, 's')} {pose.child} is turned by {format_number(turn, 'rad')}"
             )
-            yield Problem(f"{message}, expected {asked}", "the orientation of a frame is wrong")
+            yield Problem(f"{message}, expected {expected_text}", "the orientation of a frame is wrong")
             return
 
 
@@ -402,10 +402,10 @@ def expect_path(
         return [Problem(message, "a path has the wrong number of poses")]
     for which, one, expected in zip(("first", "last"), (path.poses[0], path.poses[-1]), ends, strict=True):
         place = one.pose.position
-        found = (place.x, place.y, place.z)
-        if not is_close(math.dist(found, expected), 0.0, tolerance):
-            actual, wanted = format_numbers(found), format_numbers(expected)
-            message = f"the {which} pose of {topic} is at {actual} m, expected {wanted} m"
+        position = (place.x, place.y, place.z)
+        if not is_close(math.dist(position, expected), 0.0, tolerance):
+            actual, expected_text = format_numbers(position), format_numbers(expected)
+            message = f"the {which} pose of {topic} is at {actual} m, expected {expected_text} m"
             return [Problem(message, "a pose of a path is at the wrong place")]
     q = path.poses[-1].pose.orientation
     turn = yaw_of(q.x, q.y, q.z, q.w)
@@ -466,19 +466,19 @@ def expect_joint_swing(
     without gaps, see `find_silence`.
     """
     states = received_messages(evidence, topic, STATE)
-    found = [(s, m.position[i]) for s, m in states if (i := _index(m, joint)) < len(m.position)]
-    if not found:
-        named = ", ".join(states[-1][1].name) or "no joint"
-        message = f"no position of {joint} was published on {topic}; the last message has {named}"
+    swing = [(s, m.position[i]) for s, m in states if (i := _index(m, joint)) < len(m.position)]
+    if not swing:
+        joint_names = ", ".join(states[-1][1].name) or "no joint"
+        message = f"no position of {joint} was published on {topic}; the last message has {joint_names}"
         return [Problem(message, "the position of a joint is missing")]
     if any(list(m.name).count(joint) > 1 for _, m in states):
         message = (
             f"a message on {topic} contains {joint} more than once: it is undefined which position applies"
         )
         return [Problem(message, "a joint is named more than once")]
-    times, positions = np.array(found).T
-    if (seen := times[-1] - times[0]) < evidence.seconds / 2:
-        message = f"{joint} was published for {format_number(seen, 's')} of {evidence.seconds:g} s"
+    times, positions = np.array(swing).T
+    if (duration := times[-1] - times[0]) < evidence.seconds / 2:
+        message = f"{joint} was published for {format_number(duration, 's')} of {evidence.seconds:g} s"
         return [Problem(message, NOT_ALL_THE_TIME)]
     for gap in find_silence(evidence, topic, times.tolist(), joint):
         return [Problem(gap.message, NOT_ALL_THE_TIME)]
@@ -531,25 +531,26 @@ def _compare_swing(
     joint: str,
     wave: np.ndarray[Any, Any],
     positions: np.ndarray[Any, Any],
-    wanted: tuple[float | None, float, float, float],
+    expected: tuple[float | None, float, float, float],
     tolerance: float,
 ) -> Iterator[Problem]:
     """Compare the positions with the best-fitting swing of the expected frequency."""
-    amplitude, hz, phase, middle = wanted
+    amplitude, hz, phase, middle = expected
     columns = np.array([np.sin(wave), np.cos(wave), np.ones(len(wave))]).T
     # A joint that should not move has only a middle position.
     columns[:, :2] *= amplitude != 0
     sine, cosine, came_middle = np.linalg.lstsq(columns, positions)[0].round(9)
-    actual, turned = math.hypot(sine, cosine), math.remainder(math.atan2(cosine, sine) - phase, math.tau)
-    rest = float(np.abs(columns @ (sine, cosine, came_middle) - positions).max())
-    if rest > tolerance and amplitude == 0:
-        message = f"{joint} moves by {format_number(rest, 'rad')}, expected it to stand still"
+    actual, phase_error = math.hypot(sine, cosine), math.remainder(math.atan2(cosine, sine) - phase, math.tau)
+    max_residual = float(np.abs(columns @ (sine, cosine, came_middle) - positions).max())
+    if max_residual > tolerance and amplitude == 0:
+        message = f"{joint} moves by {format_number(max_residual, 'rad')}, expected it to stand still"
         yield Problem(message, "a joint moves that should stand still")
         return
-    if rest > max(tolerance, 0.05 * actual):
+    if max_residual > max(tolerance, 0.05 * actual):
         message = f"{joint} does not follow a sine at {format_number(hz)} Hz"
         yield Problem(
-            f"{message}: it is up to {format_number(rest, 'rad')} off", "a joint does not swing as expected"
+            f"{message}: it is up to {format_number(max_residual, 'rad')} off",
+            "a joint does not swing as expected",
         )
         return
     if amplitude is None:
@@ -563,9 +564,9 @@ def _compare_swing(
     elif not is_close(actual, amplitude, tolerance):
         message = f"{joint} swings by {_format_angles(actual, amplitude)}"
         yield Problem(message, "the amplitude of a joint's position is wrong")
-    elif amplitude and not is_close(turned, 0.0, PHASE_TOLERANCE):
+    elif amplitude and not is_close(phase_error, 0.0, PHASE_TOLERANCE):
         message = (
-            f"{joint} swings with a phase error of {format_number(abs(turned), 'rad')}; "
+            f"{joint} swings with a phase error of {format_number(abs(phase_error), 'rad')}; "
             "half a turn means a wrong sign"
         )
         yield Problem(message, "the phase or the sign of a joint's position is wrong")
@@ -579,8 +580,8 @@ def _format_angles(actual: float, expected: float) -> str:
         math.radians(actual): ": is it in degrees instead of radians?",
         math.radians(math.radians(actual)): ": was an angle in degrees converted to degrees?",
     }
-    near = (hint for angle, hint in hints.items() if is_close(angle, expected, 0.01 * abs(expected)))
-    hint = next(near, "") if expected else ""
+    matching = (hint for angle, hint in hints.items() if is_close(angle, expected, 0.01 * abs(expected)))
+    hint = next(matching, "") if expected else ""
     return f"{format_number(actual, 'rad')}, expected {format_number(expected, 'rad')}{hint}"
 
 
@@ -614,9 +615,9 @@ def expect_trajectory(
 
     from course_lib.robots.trajectory import waypoints_of
 
-    when, sent = _find_trajectory(evidence, topic, index, points, of)
+    when, trajectory = _find_trajectory(evidence, topic, index, points, of)
     try:
-        *_, last = waypoints_of(sent, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
+        *_, last = waypoints_of(trajectory, list(goal), Time(nanoseconds=START_NS + round(when * 1e9)))
     # A time before 1970 raises a ValueError.
     except (CourseError, ValueError) as refused:
         return [Problem(f"the controller rejects it: {refused}", "the controller refuses the trajectory")]
@@ -634,9 +635,9 @@ def _find_trajectory(
         raise Problem(f"{counts} at least {index + 1}", "a trajectory is missing")
     if len(actual) > (of or len(actual)):
         raise Problem(f"{counts} {of}", "the count of trajectories is wrong")
-    sent = actual[index][1]
-    if len(sent.points) != (points or len(sent.points)):
-        message = f"the trajectory has {format_count(len(sent.points), 'point')}, expected {points}"
+    trajectory = actual[index][1]
+    if len(trajectory.points) != (points or len(trajectory.points)):
+        message = f"the trajectory has {format_count(len(trajectory.points), 'point')}, expected {points}"
         raise Problem(message, "a trajectory has the wrong number of points")
     return actual[index]
 

@@ -82,23 +82,23 @@ def find_silence(
             states.
         end: Time [s] until which messages are expected. None means the end of the scenario.
     """
-    stated = stated_rate(evidence, topic)
-    begin = stated.begin if begin is None else begin
+    rate = stated_rate(evidence, topic)
+    begin = rate.begin if begin is None else begin
     end = evidence.seconds if end is None else end
-    hz = hz or stated.hz
+    hz = hz or rate.hz
     arrivals = sorted({seconds for seconds in times if begin - DELIVERY <= seconds <= end})  # [s]
     gaps = [after - before for before, after in pairwise(arrivals)]  # [s]
     usual = min(LONGEST_GAP * median(gaps), evidence.seconds / 2) if gaps else evidence.seconds / 2
-    allowed = (LONGEST_GAP / hz if hz else usual) + DELIVERY  # [s]
-    if len(gaps) > 1 and min(gaps) > allowed:
-        period, limit = format_number(median(gaps), "s"), format_number(allowed, "s")
+    max_gap = (LONGEST_GAP / hz if hz else usual) + DELIVERY  # [s]
+    if len(gaps) > 1 and min(gaps) > max_gap:
+        period, limit = format_number(median(gaps), "s"), format_number(max_gap, "s")
         message = f"{noun} is published every {period}, expected messages at most {limit} apart"
         yield Problem(message, "a topic is published too slowly")
         return
     for before, after in pairwise((begin, *arrivals, end)):
-        if after - before > allowed:
+        if after - before > max_gap:
             message = f"{noun} is silent from {format_number(before, 's')} to {format_number(after, 's')}"
-            expected = f"expected messages all the time, at most {format_number(allowed, 's')} apart"
+            expected = f"expected messages all the time, at most {format_number(max_gap, 's')} apart"
             yield Problem(f"{message}, {expected}", NOT_ALL_THE_TIME)
             return
 
@@ -206,16 +206,16 @@ def expect_throughout(
         often = f"{topic} was published only once in {evidence.seconds:g} s"
         return [Problem(f"{often}, expected messages the whole time", "a topic is published only once")]
     # The default 0 must not replace the start time that a stated rate may have.
-    given = begin or None
-    return find_silence(evidence, topic, times, topic, hz=hz, begin=given, end=end)
+    first_second = begin or None
+    return find_silence(evidence, topic, times, topic, hz=hz, begin=first_second, end=end)
 
 
 @check_function("nothing on {topic} before {begin} s")
 def expect_nothing_before(evidence: Evidence, topic: str, begin: float) -> Iterable[Problem]:
     """Expect messages on a topic, the first one not before the time `begin` [s]."""
     first, _ = received_messages(evidence, topic)[0]
-    actual, wanted = format_number(first, "s"), format_number(begin, "s")
-    message = f"{topic} was published after {actual}, expected nothing before {wanted}"
+    actual, expected_text = format_number(first, "s"), format_number(begin, "s")
+    message = f"{topic} was published after {actual}, expected nothing before {expected_text}"
     return [Problem(message, "a message comes too early")] if first < begin else []
 
 
@@ -260,17 +260,17 @@ def expect_stamps(
     """
     for seconds, message in _stamped_messages(evidence, topic):
         stamp = message.header.stamp
-        late = stamp.sec - START_NS // 10**9 + stamp.nanosec / 1e9 - seconds  # [s]
+        lateness = stamp.sec - START_NS // 10**9 + stamp.nanosec / 1e9 - seconds  # [s]
         if stamp.sec == 0:
             return [Problem(f"header.stamp on {topic} is not set (sec = 0)", "a stamp is not set")]
-        if delay and not is_close(late, -delay, tolerance):
-            by = format_number(abs(late + delay), "s")
-            how = "later" if late > -delay else "earlier"
+        if delay and not is_close(lateness, -delay, tolerance):
+            by = format_number(abs(lateness + delay), "s")
+            how = "later" if lateness > -delay else "earlier"
             message = f"header.stamp on {topic} is {by} {how} than the stamp of the input"
             return [Problem(message, "a stamp is not the expected one")]
-        if not delay and not is_close(late, 0.0, tolerance):
-            where = "in the future" if late > 0 else "in the past"
-            by = format_number(abs(late), "s")
+        if not delay and not is_close(lateness, 0.0, tolerance):
+            where = "in the future" if lateness > 0 else "in the past"
+            by = format_number(abs(lateness), "s")
             message = f"header.stamp on {topic} is {by} {where}, expected the time of publishing"
             return [Problem(message, f"a stamp is {where}")]
     return []
@@ -397,8 +397,8 @@ def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end
     when = f"from {begin:g} to {end:g} s"
     if not statuses:
         return [Problem(f"no status was published {when}", "a status is missing")]
-    if most := max(len(together) for together in lists) - 1:
-        message = f"a message has {most + 1} statuses {when}, expected one"
+    if surplus := max(len(together) for together in lists) - 1:
+        message = f"a message has {surplus + 1} statuses {when}, expected one"
         return [Problem(message, "a message has more than one status")]
     reports = [at for at, m in arrays if len(m.status)]
     for gap in find_silence(
@@ -421,12 +421,12 @@ def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[C
     The first part requires the last one, and all others require the first, so that a constant level
     gets few points.
     """
-    first, *others, last = (
+    first, *middle_checks, last = (
         expect_level(level, says=says, begin=seconds * n, end=seconds * (n + 1)).titled(title)
         for n, (level, says, title) in enumerate(parts)
     )
     first = first.requiring(last)
-    return (first, *(other.requiring(first) for other in others), last.worth(LAST_WEIGHT))
+    return (first, *(other.requiring(first) for other in middle_checks), last.worth(LAST_WEIGHT))
 
 
 @check_function("{name}")

@@ -55,10 +55,10 @@ def expect_value(
             for index, (item, wanted) in enumerate(zip(value, right, strict=True))
         ]
     if parts and isinstance(value, list) and len(value) == len(parts):
-        named = zip(value, right, parts, strict=True)
+        named_items = zip(value, right, parts, strict=True)
         return [
             problem
-            for item, expected_item, part in named
+            for item, expected_item, part in named_items
             for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}")
         ]
     return compare(value, right, tolerance, unit, name)
@@ -78,11 +78,11 @@ def expect_text(
         return [
             Problem(f"{name} is {_shorten(text)}, expected a string", "the answer is empty or not a string")
         ]
-    words = f" {_normalize(text)} "
-    if wrong := [phrase for phrase in but_not if f" {_normalize(phrase)} " in words]:
+    normalized = f" {_normalize(text)} "
+    if wrong := [phrase for phrase in but_not if f" {_normalize(phrase)} " in normalized]:
         message = f"{name} is {_shorten(text)}: {wrong[0]!r} is not right, give one answer"
         return [Problem(message, "the answer is not right")]
-    if any(f" {_normalize(phrase)} " in words for phrase in any_of):
+    if any(f" {_normalize(phrase)} " in normalized for phrase in any_of):
         return []
     return [Problem(f"{name} is {_shorten(text)}: that is not the answer", "the answer is not right")]
 
@@ -111,9 +111,9 @@ def compare(value: Any, expected: Any, tolerance: float, unit: str, name: str) -
         case list(), list():
             yield from _compare_lists(value, expected, tolerance, unit, name)
         case list(), _:
-            wanted = f"a list of {len(expected)}" if expected else "an empty list"
+            expected_text = f"a list of {len(expected)}" if expected else "an empty list"
             remedy = ": put it into list( )" if actual.endswith(" generator") else ""
-            yield Problem(f"{actual}, expected {wanted}{remedy}", WRONG_KIND)
+            yield Problem(f"{actual}, expected {expected_text}{remedy}", WRONG_KIND)
         case dict(), {"object": str(kind)} if len(value) == 1 and "object" not in expected:
             yield Problem(f"{name} is {kind}, expected a dict", WRONG_KIND)
         case dict(), dict():
@@ -144,8 +144,8 @@ def _compare_lists(
         message = f"{name} has {format_count(len(value), 'item')}, expected {len(expected) or 'none'}"
         yield Problem(message, "a list has the wrong length")
     elif _is_reversed(value, expected, tolerance):
-        actual, wanted = (_shorten([_round(one) for one in row]) for row in (value, expected))
-        message = f"{name} is {actual}, expected {wanted}"
+        actual, expected_text = (_shorten([_round(one) for one in row]) for row in (value, expected))
+        message = f"{name} is {actual}, expected {expected_text}"
         yield Problem(f"{message}: the order is the other way round", WRONG_ORDER)
     else:
         for index, pair in enumerate(zip(value, expected, strict=True)):
@@ -211,23 +211,25 @@ def expect_parameters(
         sections = read_text(text)
     except ValueError as error:
         return [Problem(f"ROS rejects the file: {error}", "the parameters file cannot be read")]
-    found: dict[str, Any] = {}
-    for name, given in sections:
+    parameters: dict[str, Any] = {}
+    for name, section in sections:
         if name in (EVERY_NODE, node):
-            found |= given
+            parameters |= section
     return [
         problem
         for key, expected in values.items()
-        for problem in _check_parameter(node, key, found, expected)
+        for problem in _check_parameter(node, key, parameters, expected)
     ]
 
 
-def _check_parameter(node: str, key: str, found: Mapping[str, Any], expected: Any) -> Iterable[Problem]:
-    if key not in found:
+def _check_parameter(node: str, key: str, parameters: Mapping[str, Any], expected: Any) -> Iterable[Problem]:
+    if key not in parameters:
         return [Problem(f"{node} gets no {key} from the file", "a parameter is missing in the file")]
-    value = found[key]
+    value = parameters[key]
     if type(value) is not type(expected):
-        wanted = NAMES[type(expected)]
-        kinds = f"the {NAMES[type(value)]} {value!r}, expected {'an' if wanted[0] == 'i' else 'a'} {wanted}"
+        type_text = NAMES[type(expected)]
+        kinds = (
+            f"the {NAMES[type(value)]} {value!r}, expected {'an' if type_text[0] == 'i' else 'a'} {type_text}"
+        )
         return [Problem(f"{key} of {node} is {kinds}", "a parameter has the wrong type")]
     return compare(value, expected, 1e-9, "", f"{key} of {node}")

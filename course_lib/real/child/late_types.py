@@ -43,10 +43,10 @@ PRIMITIVES: dict[str, tuple[str, Any]] = {
 @cache
 def parse_type(text: str) -> tuple[str, int | None]:
     """Return a field's element type and its count: None for a single value, 0 for a sequence."""
-    if found := re.fullmatch(r"sequence<(.+?)(, \d+)?>", text):
-        return found[1], 0
-    if found := re.fullmatch(r"(.+)\[(\d+)\]", text):
-        return found[1], int(found[2])
+    if match := re.fullmatch(r"sequence<(.+?)(, \d+)?>", text):
+        return match[1], 0
+    if match := re.fullmatch(r"(.+)\[(\d+)\]", text):
+        return match[1], int(match[2])
     return text, None
 
 
@@ -140,10 +140,14 @@ class _Reader:
             size = count or self.primitives("I", 1)[0]
             if element in PRIMITIVES and element != "octet":
                 values = list(self.primitives(PRIMITIVES[element][0], size))
-                old = getattr(message, name)
+                default = getattr(message, name)
                 # The wheels store arrays of numbers in containers with a fixed type, which must be
                 # kept.
-                setattr(message, name, old.__class__(values) if isinstance(old, list) else _like(old, values))
+                setattr(
+                    message,
+                    name,
+                    default.__class__(values) if isinstance(default, list) else _like(default, values),
+                )
             else:
                 setattr(message, name, [self.element(element) for _ in range(size)])
         if not fields:
@@ -151,15 +155,15 @@ class _Reader:
         return message
 
 
-def _like(old: Any, values: list[Any]) -> Any:
+def _like(template: Any, values: list[Any]) -> Any:
     """Return values in the container type of a field: `array.array` or a numpy array."""
     import array
 
-    if isinstance(old, array.array):
-        return array.array(old.typecode, values)
+    if isinstance(template, array.array):
+        return array.array(template.typecode, values)
     import numpy as np
 
-    return np.array(values, dtype=old.dtype)
+    return np.array(values, dtype=template.dtype)
 
 
 def serialize(message: Any) -> bytes:
@@ -317,8 +321,8 @@ def _deserialize(cdr: int, message: int) -> bool:
     begin = _begin(cdr)
     # Each iterator of the object contains the start of the buffer and a position. The largest is
     # the end.
-    words = (ct.c_size_t * CDR_WORDS).from_address(cdr)
-    ends = [end for first, end in pairwise(words) if first == begin and end >= begin]
+    addresses = (ct.c_size_t * CDR_WORDS).from_address(cdr)
+    ends = [end for first, end in pairwise(addresses) if first == begin and end >= begin]
     _bytes[message] = ct.string_at(begin, max(ends) - begin)
     return True
 
@@ -434,8 +438,8 @@ def _message_class(name: str, about: Mapping[str, Any]) -> type:
 
     def initialize(self: Any, **values: Any) -> None:
         for field, text in fields.items():
-            given = values.pop(field) if field in values else defaults.get(field, _default(text))
-            setattr(self, field, given)
+            value = values.pop(field) if field in values else defaults.get(field, _default(text))
+            setattr(self, field, value)
         assert not values, f"Invalid arguments passed to constructor: {', '.join(sorted(values))}"
 
     def represent(self: Any) -> str:
@@ -497,7 +501,7 @@ def _service_class(name: str, module: str, request: type, response: type, type_h
     return created
 
 
-def _action_class(name: str, module: str, found: Mapping[str, type], type_hash: str) -> type:
+def _action_class(name: str, module: str, classes: Mapping[str, type], type_hash: str) -> type:
     """Return the class of an action, which consists of two services of its own and one of action_msgs."""
     from action_msgs.msg import GoalStatusArray
     from action_msgs.srv import CancelGoal
@@ -505,10 +509,10 @@ def _action_class(name: str, module: str, found: Mapping[str, type], type_hash: 
     wheels: tuple[Any, ...] = (GoalStatusArray, CancelGoal)
     for one in wheels:
         type(one).__import_type_support__()
-    services = {attribute: found[f"{name}{suffix}"] for suffix, attribute in ACTION_SERVICES.items()}
+    services = {attribute: classes[f"{name}{suffix}"] for suffix, attribute in ACTION_SERVICES.items()}
     transport = {
         **services,
-        "FeedbackMessage": found[f"{name}_FeedbackMessage"],
+        "FeedbackMessage": classes[f"{name}_FeedbackMessage"],
         "CancelGoalService": CancelGoal,
         "GoalStatusMessage": GoalStatusArray,
     }
@@ -526,7 +530,7 @@ def _action_class(name: str, module: str, found: Mapping[str, type], type_hash: 
         _keep_alive(_ActionSupport(*addresses, *_descriptions(name, type_hash)))
     )
     namespace = {
-        **{part: found[f"{name}_{part}"] for part in ("Goal", "Result", "Feedback")},
+        **{part: classes[f"{name}_{part}"] for part in ("Goal", "Result", "Feedback")},
         "Impl": type("Impl", (), transport),
         "__module__": module,
         "__init__": _reject_instances("Action"),
@@ -537,13 +541,13 @@ def _action_class(name: str, module: str, found: Mapping[str, type], type_hash: 
 
 def create_classes(types: Types) -> dict[str, type]:
     """Return all type classes of a package by name."""
-    found = {name: _message_class(name, about) for name, about in types.items() if "fields" in about}
+    classes = {name: _message_class(name, about) for name, about in types.items() if "fields" in about}
     for name, about in types.items():
         if about.get("kind") == "service":
-            parts = found[f"{name}_Request"], found[f"{name}_Response"]
-            found[name] = _service_class(name, about["module"], *parts, about["hash"])
+            parts = classes[f"{name}_Request"], classes[f"{name}_Response"]
+            classes[name] = _service_class(name, about["module"], *parts, about["hash"])
     # Actions consist of services, so they are created last.
     for name, about in types.items():
         if about.get("kind") == "action":
-            found[name] = _action_class(name, about["module"], found, about["hash"])
-    return found
+            classes[name] = _action_class(name, about["module"], classes, about["hash"])
+    return classes

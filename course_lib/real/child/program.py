@@ -95,12 +95,12 @@ class KitPackages(MetaPathFinder, Loader):
 
             command = [self._python, "-P", "-m", "course_lib.real.types", package, self._program]
             environment = os.environ | {"PYTHONPATH": self._kit}
-            done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
-            if done.returncode:
+            process = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+            if process.returncode:
                 raise ImportError(
-                    f"The types of {package} cannot be read: {done.stderr.strip()}", name=package
+                    f"The types of {package} cannot be read: {process.stderr.strip()}", name=package
                 )
-            self._classes[package] = create_classes(ast.literal_eval(done.stdout))
+            self._classes[package] = create_classes(ast.literal_eval(process.stdout))
         for name, created in self._classes[package].items():
             if name.startswith(f"{package}/{kind}/"):
                 setattr(module, name.rpartition("/")[2], created)
@@ -160,8 +160,8 @@ def spin_subject(make: Any, inputs: Sequence[str]) -> None:
         rclpy.init(args=[])
     else:
         print_begin()
-    made = make()
-    nodes = [made] if isinstance(made, rclpy.node.Node) else list(made or ())
+    subject = make()
+    nodes = [subject] if isinstance(subject, rclpy.node.Node) else list(subject or ())
     if not nodes:
         return
     wait_for_connections(nodes, inputs)

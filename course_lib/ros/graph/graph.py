@@ -156,10 +156,10 @@ class Graph:
         arguments.
         """
         parts = self._parts.setdefault(program.name, {})
-        found = parts.get(kind)
-        if not isinstance(found, kind):
-            found = parts[kind] = kind()
-        return found
+        instance = parts.get(kind)
+        if not isinstance(instance, kind):
+            instance = parts[kind] = kind()
+        return instance
 
     def add_node(self, name: str, namespace: str) -> int:
         """Add a node. Return its id, which is its position in the start order."""
@@ -259,11 +259,11 @@ class Graph:
 
     def count_stored_bytes(self) -> int:
         """Return the serialized size of all samples in transit or kept by publishers, each counted once."""
-        held = {id(sample): sample for p in self._topics.publishers.values() for sample in p.kept}
+        samples = {id(sample): sample for p in self._topics.publishers.values() for sample in p.kept}
         for action in self._clock.actions():
             if isinstance(action, _Delivery):
-                held[id(action.sample)] = action.sample
-        return sum(len(sample.cdr) for sample in held.values())
+                samples[id(action.sample)] = action.sample
+        return sum(len(sample.cdr) for sample in samples.values())
 
     def hide_node(self, node: int) -> None:
         """Hide a node and its endpoints from the lists until it wakes or publishes."""
@@ -289,14 +289,16 @@ class Graph:
         """Return the QoS policy that makes a publisher and subscription incompatible, or None."""
         return find_incompatible_policy(publisher.qos, subscription.qos)
 
-    def tap(self, listener: Callable[[Sample], None], wanted: Wanted | None = None) -> Callable[[], None]:
+    def tap(
+        self, listener: Callable[[Sample], None], select_topics: Wanted | None = None
+    ) -> Callable[[], None]:
         """Call `listener` with every sample on a topic when it is published.
 
         Return a function that ends this. As in `ros2 bag record`, requests and responses of
-        services are not included. `wanted` returns the topics that a robot has to send for the
+        services are not included. `select_topics` returns the topics that a robot has to send for the
         listener; None stands for all.
         """
-        tap = (listener, wanted)
+        tap = (listener, select_topics)
         self._taps.append(tap)
         return lambda: self._taps.remove(tap)
 
@@ -330,8 +332,8 @@ class Graph:
 
     def latched_samples(self) -> list[Sample]:
         """List the samples that publishers keep for late-joining subscriptions, oldest first."""
-        kept = [sample for p in self._topics.publishers.values() for sample in p.kept]
-        return sorted(kept, key=lambda sample: sample.stamp_ns)
+        samples = [sample for p in self._topics.publishers.values() for sample in p.kept]
+        return sorted(samples, key=lambda sample: sample.stamp_ns)
 
     def _notify_taps(self, sample: Sample) -> None:
         for listener, _ in tuple(self._taps) if sample.topic.startswith("/") else ():

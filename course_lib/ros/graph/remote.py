@@ -144,10 +144,10 @@ class Channel:
         """
         try:
             if self.deadline is not None or self._socket_deadline[0] is not None:
-                now, (known, since) = wall.monotonic(), self._socket_deadline
+                now, (applied_deadline, since) = wall.monotonic(), self._socket_deadline
                 if self.deadline is not None and self.deadline <= now and not self._is_in_overtime():
                     raise TimeoutError
-                if self.deadline != known or now - since > DEADLINE_REFRESH:
+                if self.deadline != applied_deadline or now - since > DEADLINE_REFRESH:
                     self._socket.settimeout(None if self.deadline is None else self.deadline - now)
                     self._socket_deadline = self.deadline, now
             return action(argument)
@@ -235,9 +235,9 @@ class RecordingBudget:
         else:
             self.others -= size
         if min(self.messages, self.pictures, self.others) < 0:
-            what = "messages" if self.messages < 0 else "pictures" if self.pictures < 0 else "bytes"
+            exceeded = "messages" if self.messages < 0 else "pictures" if self.pictures < 0 else "bytes"
             raise RecordingLimitError(
-                f"more {what} were published than are recorded, so it was stopped there: "
+                f"more {exceeded} were published than are recorded, so it was stopped there: "
                 "is the period of a timer too short, or does a callback publish to its own topic?"
             )
 
@@ -400,9 +400,9 @@ class GraphServer:
             )
 
     @staticmethod
-    def _check(known: bool, what: str, number: int) -> None:
-        if not known:
-            raise ChannelError(f"The process refers to {what} {number}, which it does not own.")
+    def _check(is_owned: bool, kind: str, number: int) -> None:
+        if not is_owned:
+            raise ChannelError(f"The process refers to {kind} {number}, which it does not own.")
 
 
 def _endpoint_row(info: EndpointInfo) -> tuple[Any, ...]:
@@ -416,11 +416,11 @@ def _qos(values: list[Any]) -> Qos:
     except TypeError as error:
         raise ChannelError(f"Not a QoS: {values!r:.200}") from error
     durations = (qos.deadline_ns, qos.lifespan_ns, qos.lease_ns)
-    words = (qos.history, qos.reliability, qos.durability, qos.liveliness)
+    policies = (qos.history, qos.reliability, qos.durability, qos.liveliness)
     if (
         type(qos.depth) is not int
         or not 0 <= qos.depth <= 10**6
-        or not all(isinstance(word, str) and len(word) < MAX_WORD for word in words)
+        or not all(isinstance(word, str) and len(word) < MAX_WORD for word in policies)
         or not all(d is None or type(d) is int for d in durations)
     ):
         raise ChannelError(f"Not a QoS: {values!r:.200}")
@@ -524,16 +524,16 @@ class RemoteGraph(Graph):
         self._channel.send(["idle"])
         more_follow = True
         while more_follow:
-            name, now_ns, *rest = self._channel.receive()
+            name, now_ns, *arguments = self._channel.receive()
             self._advance_to(now_ns)
             more_follow = False
             if name == "end":
                 self.ended = True
                 return False
             if name == "fire":
-                self._alarms.pop(rest[0]).action()
+                self._alarms.pop(arguments[0]).action()
             elif name == "message":
-                endpoint, cdr, source_ns, more_follow = rest
+                endpoint, cdr, source_ns, more_follow = arguments
                 self._on_message[endpoint](cdr, source_ns, now_ns)
             else:
                 raise ChannelError(f"Expected fire, message or end, got {name!r}.")

@@ -187,8 +187,8 @@ class Topics:
 
     def endpoints_on(self, topic: str) -> list[EndpointInfo]:
         """List the endpoints of a topic in the order of their creation."""
-        near = (*self._publishers_by_topic.get(topic, ()), *self._subscriptions_by_topic.get(topic, ()))
-        return sorted((end.info for end in near), key=lambda info: info.id)
+        endpoints = (*self._publishers_by_topic.get(topic, ()), *self._subscriptions_by_topic.get(topic, ()))
+        return sorted((end.info for end in endpoints), key=lambda info: info.id)
 
     def add_publisher(self, info: EndpointInfo) -> None:
         """Add a publisher. Its history depth limits the samples that it keeps."""
@@ -208,9 +208,9 @@ class Topics:
         self._subscriptions_by_topic.setdefault(info.topic, []).append(subscription)
         if info.qos.durability != "transient_local":
             return []
-        near = self._publishers_by_topic.get(info.topic, ())
-        kept = [sample for p in near if matches(p.info, info) for sample in p.kept]
-        return sorted(kept, key=lambda sample: sample.stamp_ns)
+        publishers = self._publishers_by_topic.get(info.topic, ())
+        samples = [sample for p in publishers if matches(p.info, info) for sample in p.kept]
+        return sorted(samples, key=lambda sample: sample.stamp_ns)
 
     def remove(self, endpoint: int) -> None:
         """Remove an endpoint.
@@ -231,11 +231,13 @@ class Topics:
 
     def receivers(self, publisher: EndpointInfo) -> list[Subscription]:
         """List the subscriptions that receive a publisher's samples."""
-        found = self._receivers.get(publisher.id)
-        if found is None:
-            near = self._subscriptions_by_topic.get(publisher.topic, ())
-            found = self._receivers[publisher.id] = [s for s in near if matches(publisher, s.info)]
-        return found
+        receivers = self._receivers.get(publisher.id)
+        if receivers is None:
+            subscriptions = self._subscriptions_by_topic.get(publisher.topic, ())
+            receivers = self._receivers[publisher.id] = [
+                s for s in subscriptions if matches(publisher, s.info)
+            ]
+        return receivers
 
 
 def _remove_from(by_topic: dict[str, list[Endpoint]], topic: str, endpoint: Endpoint) -> None:

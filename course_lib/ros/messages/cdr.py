@@ -247,8 +247,8 @@ class _Reader(CdrLayout):
         else:
             self.lines += [f"{value} = []", "for _ in range(n):"]
             if field.is_message:
-                read = self.add_to_scope(_reader_at(field.base, self._order))
-                self.lines += [f"    t, pos = {read}(data, pos)"]
+                reader = self.add_to_scope(_reader_at(field.base, self._order))
+                self.lines += [f"    t, pos = {reader}(data, pos)"]
             else:
                 self.lines += [f"    {self.pad_line(4)}", "    n, = length_at(data, pos)"]
                 self.lines += ["    t = text_at(data, pos + 4, n)", "    pos += 4 + n"]
@@ -314,8 +314,8 @@ def _read_lines(reader: _Reader, type_name: str) -> list[str]:
     reader.add_fields(type_name, "m")
     reader.flush()
     values: list[str] = []
-    made = factory_lines(message_class(type_name), "m", reader.scope, values)
-    return [*reader.lines, *made]
+    construction = factory_lines(message_class(type_name), "m", reader.scope, values)
+    return [*reader.lines, *construction]
 
 
 # The encapsulation header for little endian. Positions are counted after it.

@@ -137,8 +137,10 @@ def _insert_notes(value: Any, plain: Any, style: Style) -> Any:
             note = _array_note(item, field, style)
             plain[field.name] = note or _insert_notes(item, plain[field.name], style)
     elif isinstance(value, list) and style.no_strings:
-        shown = value[: style.truncate]
-        plain[: len(shown)] = [_insert_notes(*pair, style) for pair in zip(shown, plain, strict=False)]
+        visible_items = value[: style.truncate]
+        plain[: len(visible_items)] = [
+            _insert_notes(*pair, style) for pair in zip(visible_items, plain, strict=False)
+        ]
     elif isinstance(value, str) and style.no_strings:
         return _string_note(value)
     return plain
@@ -161,5 +163,5 @@ def _array_note(value: Any, field: FieldDefinition, style: Style) -> str:
     base = field.base if field.is_message else PRIMITIVES[field.base].ros_name
     if field.container == "array":
         return f"<array type: {base}[{field.size}]>"
-    bound = f"[{field.size}]" if field.size else ""
-    return f"<sequence type: {base}{bound}, length: {len(value)}>"
+    bound_text = f"[{field.size}]" if field.size else ""
+    return f"<sequence type: {base}{bound_text}, length: {len(value)}>"

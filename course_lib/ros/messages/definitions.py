@@ -122,16 +122,16 @@ def add_package(folder: Path, name: str = "") -> None:
         except TypesysError as error:
             raise CourseError(f"{path} has changed since it was read: restart the kernel.") from error
         DEFAULTS.update(read_defaults(path, package))
-    known = field_definitions()
+    definitions = field_definitions()
     for file, name in ((path, name) for path in paths for name in read_interface(path, package)):
         for field in (field for field in definition(name).fields if field.is_message):
             other = field.base.split("/")[0]
-            if field.base not in known and other != package:
+            if field.base not in definitions and other != package:
                 find_package(other)
             place = f"{file}, line {line_of_field(file, field.name)}, field {field.name}"
             if field.base == f"{package}/msg/wstring":
                 raise CourseError(f"{place}: {NO_WIDE_STRINGS}")
-            if field.base not in known:
+            if field.base not in definitions:
                 raise CourseError(f"{place}: No message type {field.base!r} here.")
 
 
@@ -172,16 +172,16 @@ def definition(type_name: str) -> MessageDefinition:
 
     Raise a CourseError with the closest names if there is none.
     """
-    known = field_definitions()
-    if type_name not in known:
+    definitions = field_definitions()
+    if type_name not in definitions:
         find_package(type_name.split("/")[0])
     service = type_name.removesuffix(EVENT_PART)
-    if service != type_name and f"{service}_Request" in known:
-        known[type_name] = event_definition(service)
-    if type_name not in known:
-        meant = did_you_mean(type_name, known, 3) or ". Written like visualization_msgs/msg/Marker."
+    if service != type_name and f"{service}_Request" in definitions:
+        definitions[type_name] = event_definition(service)
+    if type_name not in definitions:
+        meant = did_you_mean(type_name, definitions, 3) or ". Written like visualization_msgs/msg/Marker."
         raise CourseError(f"No message type {type_name!r} here{meant}")
-    constants, fields = known[type_name]
+    constants, fields = definitions[type_name]
     return MessageDefinition(
         type_name,
         {name: bytes([int(value)]) if base == "byte" else value for name, base, value in constants},
@@ -203,8 +203,8 @@ def _field(type_name: str, name: str, desc: Any) -> FieldDefinition:
     container, size = _CONTAINERS[kind], 0
     if container != "scalar":
         (kind, detail), size = detail
-    base, bound = (detail, 0) if isinstance(detail, str) else detail
-    return FieldDefinition(name, base, bound, container, size, default)
+    base, string_bound = (detail, 0) if isinstance(detail, str) else detail
+    return FieldDefinition(name, base, string_bound, container, size, default)
 
 
 # The values of rosbags.interfaces.Nodetype.

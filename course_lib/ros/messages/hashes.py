@@ -32,15 +32,15 @@ def describe_type(type_name: str) -> dict[str, dict[str, Any]]:
 
     store = _store_with(type_name)
     filler = [(_FILLER, (Nodetype.BASE, ("uint8", 0)))]
-    found: dict[str, dict[str, Any]] = {}
+    descriptions: dict[str, dict[str, Any]] = {}
     waiting = [type_name]
     while waiting:
         name = waiting.pop()
         fields = [_describe_field(*field) for field in store.fielddefs[name][1] or filler]
-        found[name] = {"type_name": name, "fields": fields}
+        descriptions[name] = {"type_name": name, "fields": fields}
         nested = {field["type"]["nested_type_name"] for field in fields} - {""}
-        waiting += sorted(nested - found.keys())
-    return found
+        waiting += sorted(nested - descriptions.keys())
+    return descriptions
 
 
 def _describe_field(name: str, form: Any) -> dict[str, Any]:
@@ -56,9 +56,9 @@ def _describe_field(name: str, form: Any) -> dict[str, Any]:
         more = _BOUNDED if capacity else _UNBOUNDED
     kind, detail = form
     nested = detail if kind == Nodetype.NAME else ""
-    bound = 0 if nested or detail[0] != "string" else detail[1]
-    base = _NESTED if nested else TIDMAP["bounded_string" if bound else detail[0]]
-    sizes = {"capacity": capacity, "string_capacity": bound, "nested_type_name": nested}
+    string_bound = 0 if nested or detail[0] != "string" else detail[1]
+    base = _NESTED if nested else TIDMAP["bounded_string" if string_bound else detail[0]]
+    sizes = {"capacity": capacity, "string_capacity": string_bound, "nested_type_name": nested}
     return {"name": name, "type": {"type_id": base + more, **sizes}}
 
 
@@ -90,8 +90,8 @@ def _store_with(type_name: str) -> "Typestore":
 
 def is_known(type_name: str) -> bool:
     """Return whether a message or service type has already been read."""
-    known = field_definitions()
-    return type_name in known or f"{type_name}_Request" in known
+    definitions = field_definitions()
+    return type_name in definitions or f"{type_name}_Request" in definitions
 
 
 @cache

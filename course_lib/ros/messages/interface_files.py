@@ -134,8 +134,8 @@ def parse_interface(text: str, file: str, path: Path | None = None) -> dict[str,
         )
     texts = dict(zip(parts, pieces, strict=True))
     if folder == "action":
-        own = f"{package}/action/{name}"
-        texts |= {part: text.format(action=own) for part, text in _ACTION_TRANSPORT.items()}
+        action_name = f"{package}/action/{name}"
+        texts |= {part: text.format(action=action_name) for part, text in _ACTION_TRANSPORT.items()}
     return {f"{package}/{folder}/{name}{part}": _parse(text, package) for part, text in texts.items()}
 
 
@@ -164,7 +164,7 @@ def _parse(text: str, package: str) -> Any:
 def parse_defaults(text: str, file: str) -> dict[tuple[str, str], Any]:
     """Parse the default values in the text of ``my_msgs/msg/Name.msg``, by type name and field."""
     package, folder, name = file.rpartition(".")[0].split("/")
-    parts, found = iter(_PARTS[folder]), {}
+    parts, defaults = iter(_PARTS[folder]), {}
     part = next(parts)
     for line in text.splitlines():
         field = _FIELD.fullmatch(line)
@@ -172,8 +172,8 @@ def parse_defaults(text: str, file: str) -> dict[tuple[str, str], Any]:
             part = next(parts)
         elif field is not None and field["default"]:
             value = _parse_value(field["type"], field["default"])
-            found[f"{package}/{folder}/{name}{part}", field["name"]] = value
-    return found
+            defaults[f"{package}/{folder}/{name}{part}", field["name"]] = value
+    return defaults
 
 
 def check_interface(path: Path) -> None:
@@ -189,10 +189,15 @@ def check_interface(path: Path) -> None:
             names.clear()
         if field is not None:
             _check_field(f"{path}, line {number}", field["name"], names)
-        given = _CONSTANT.fullmatch(line) or field
-        if given is not None and given["default"] and not _is_value_of(given["type"], given["default"]):
+        declaration = _CONSTANT.fullmatch(line) or field
+        if (
+            declaration is not None
+            and declaration["default"]
+            and not _is_value_of(declaration["type"], declaration["default"])
+        ):
             raise CourseError(
-                f"{path}, line {number}: {given['default']!r} is not a value of the type {given['type']}."
+                f"{path}, line {number}: {declaration['default']!r} is not a value of the type "
+                f"{declaration['type']}."
             )
         try:
             _parse("" if line.startswith("---") else line, "x")
@@ -247,7 +252,7 @@ def _parse_value(kind: str, text: str) -> Any:
 
 
 def _parse_scalar(kind: str, text: str) -> Any:
-    base, _, bound = kind.partition("<=")
+    base, _, max_length = kind.partition("<=")
     if base == "bool":
         if text.lower() not in _BOOLEANS:
             raise ValueError(text)
@@ -257,7 +262,7 @@ def _parse_scalar(kind: str, text: str) -> Any:
     if base in ("string", "wstring"):
         if re.fullmatch(_QUOTED, text):
             text = text[1:-1].replace(f"\\{text[0]}", text[0])
-        if bound and len(text) > int(bound):
+        if max_length and len(text) > int(max_length):
             raise ValueError(text)
         return text
     if base not in _INTEGERS:
@@ -305,12 +310,12 @@ class LazyTypes(MutableMapping[str, Any]):
 
     def __init__(
         self,
-        known: dict[str, Any],
+        definitions: dict[str, Any],
         files: Mapping[str, str],
         defaults: dict[tuple[str, str], Any],
         table: TypeTable | None = None,
     ) -> None:
-        self._known, self._defaults, self._texts = known, defaults, files
+        self._known, self._defaults, self._texts = definitions, defaults, files
         self._table = table or TypeTable({}, {})
         self._files = {name: file for file in sorted(files) for name in type_names_in(file)}
 

@@ -41,13 +41,13 @@ def make_check(field: FieldDefinition, rule: str, fits: Fits) -> Check:
 
 def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
     """Return the check of a number, a bool, a string or a byte, which is a ``bytes`` of length 1."""
-    python, bound = primitive.python, field.string_bound
+    python, max_length = primitive.python, field.string_bound
     if python is bytes:
         rule = "of type 'bytes' or 'ByteString' with length 1"
         return make_check(field, rule, lambda value: isinstance(value, bytes | bytearray) and len(value) == 1)
-    if bound:
-        rule = f"string value not longer than {bound}"
-        return make_check(field, rule, lambda value: isinstance(value, str) and len(value) <= bound)
+    if max_length:
+        rule = f"string value not longer than {max_length}"
+        return make_check(field, rule, lambda value: isinstance(value, str) and len(value) <= max_length)
     if not primitive.range_word:
         return make_check(field, f"of type '{python.__name__}'", lambda value: isinstance(value, python))
     article = "an" if python is int else "a"
@@ -91,7 +91,7 @@ def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
     All values that `array.array(code, value)` converts are accepted, as on Jazzy: integers for
     floats, numpy numbers, arrays of another type code, one-dimensional numpy arrays.
     """
-    allowed = _CONVERTED[primitive.python]
+    element_types = _CONVERTED[primitive.python]
     elements = _describe_collection(field, primitive.python, primitive)
     ranged = primitive if primitive.range_word else None
 
@@ -100,7 +100,7 @@ def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
             isinstance(value, Collection)
             and not isinstance(value, str | UserString | Mapping)
             and _is_valid_length(value, field)
-            and all(isinstance(element, allowed) for element in value)
+            and all(isinstance(element, element_types) for element in value)
             and (ranged is None or all(_is_in_range(element, ranged) for element in value))
         )
 
@@ -160,17 +160,17 @@ def _are_valid_numbers(value: "np.ndarray[Any, Any]", field: FieldDefinition, pr
 
 
 def _describe_collection(field: FieldDefinition, item: type, primitive: Primitive | None) -> str:
-    words = ["a set or sequence"]
+    phrases = ["a set or sequence"]
     if field.size:
-        words.append(f"with length {'<= ' if field.container == 'sequence' else ''}{field.size}")
+        phrases.append(f"with length {'<= ' if field.container == 'sequence' else ''}{field.size}")
     if field.string_bound:
-        words.append(f"and each string value not longer than {field.string_bound}")
-    words.append(f"and each value of type '{item.__name__}'")
+        phrases.append(f"and each string value not longer than {field.string_bound}")
+    phrases.append(f"and each value of type '{item.__name__}'")
     if primitive is not None and primitive.range_word:
         style = ".6f" if primitive.python is float else "d"
         limits = f"[{primitive.low:{style}}, {primitive.high:{style}}]"
-        words.append(f"and each {primitive.range_word} in {limits}")
-    return " ".join(words)
+        phrases.append(f"and each {primitive.range_word} in {limits}")
+    return " ".join(phrases)
 
 
 Convert = Callable[[Any], Any]
@@ -260,10 +260,10 @@ def _list(field: FieldDefinition, item: type, primitive: Primitive | None) -> Ki
     send, receive = _LISTS.get(field.base, (None, None))
 
     is_free = field.container == "sequence" and not field.size and not field.string_bound
-    allowed = {item}
+    element_types = {item}
 
     def to_wire(value: Any) -> Any:
-        if not (is_free and type(value) is list and (not value or set(map(type, value)) == allowed)):
+        if not (is_free and type(value) is list and (not value or set(map(type, value)) == element_types)):
             check(value)
         return value if send is None else send(value)
 

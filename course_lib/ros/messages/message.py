@@ -48,9 +48,9 @@ def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Call
         # A field may be named `type`.
     }
     body = ["if _args or _unknown or check_fields is not True:"]
-    given = "".join(f"{name!r}: {name}, " for name in kinds)
+    items = "".join(f"{name!r}: {name}, " for name in kinds)
     body += [
-        f"    _given = {{name: value for name, value in {{{given}}}.items() if value is not _unset}}",
+        f"    _given = {{name: value for name, value in {{{items}}}.items() if value is not _unset}}",
         "    return _general(_self, *_args, check_fields=check_fields, **_given, **_unknown)",
         "_self._check_fields = True",
     ]
@@ -66,8 +66,8 @@ def constructor(kinds: Mapping[str, Kind], general: Callable[..., None]) -> Call
         if kind.exact is not None:
             body += [f"elif _type({name}) is _{name}_exact: _self._{name} = {name}"]
         body += [f"else: _self.{name} = {name if kind.construct is None else f'_{name}_of({name})'}"]
-    named = (f"check_fields={CHECKED}", *(f"{name}=_unset" for name in kinds))
-    return compile_function("__init__", f"_self, *_args, {', '.join(named)}, **_unknown", body, scope)
+    parameters = (f"check_fields={CHECKED}", *(f"{name}=_unset" for name in kinds))
+    return compile_function("__init__", f"_self, *_args, {', '.join(parameters)}, **_unknown", body, scope)
 
 
 def compile_factory(cls: type) -> Callable[..., Any]:
@@ -142,8 +142,8 @@ class RosMessage:
 
     def __init__(self, *positional: Any, check_fields: bool = CHECKED, **values: Any) -> None:
         if positional:
-            given = f"takes 1 positional argument but {1 + len(positional)} were given"
-            error = TypeError(f"{type(self).__name__}.__init__() {given}")
+            problem = f"takes 1 positional argument but {1 + len(positional)} were given"
+            error = TypeError(f"{type(self).__name__}.__init__() {problem}")
             raise marked(error, Mistake.UNNAMED_FIELD)
         self._check_fields = check_fields  # type: ignore[misc]  # its slot is made by make_class
         unknown = values.keys() - self._KINDS.keys()
@@ -169,8 +169,8 @@ class RosMessage:
             return False
         pairs = ((getattr(self, name), getattr(other, name)) for name in self._KINDS)
         return all(
-            np.array_equal(mine, others) if isinstance(mine, np.ndarray) else mine == others
-            for mine, others in pairs
+            np.array_equal(value, other_value) if isinstance(value, np.ndarray) else value == other_value
+            for value, other_value in pairs
         )
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
@@ -197,30 +197,32 @@ class RosMessage:
         return dict(cls._fields_and_field_types)
 
 
-def make_class(given: MessageDefinition, message_class: Callable[[str], type]) -> type[RosMessage]:
+def make_class(
+    message_definition: MessageDefinition, message_class: Callable[[str], type]
+) -> type[RosMessage]:
     """Create the class of a message type.
 
     `message_class` returns the classes of nested messages.
     """
-    name = given.type_name.rsplit("/", 1)[1]
-    fields = [field for field in given.fields if field.name != PLACEHOLDER]
+    name = message_definition.type_name.rsplit("/", 1)[1]
+    fields = [field for field in message_definition.fields if field.name != PLACEHOLDER]
     slots = [*("_" + field.name for field in fields), "_check_fields"]
     kinds = {field.name: kind_of(field, message_class) for field in fields}
     defaults = {f"{f.name.upper()}__DEFAULT": f.default for f in fields if f.default is not None}
-    constants = "".join(f"\n  {constant}" for constant in given.constants)
+    constants = "".join(f"\n  {constant}" for constant in message_definition.constants)
     namespace = {
         "__doc__": f"Message class '{name}'." + (f"\n\nConstants:{constants}\n" if constants else ""),
         "__signature__": Signature([Parameter(kind, Parameter.KEYWORD_ONLY, default=...) for kind in kinds]),
-        "__module__": module_of_type(given.type_name),
+        "__module__": module_of_type(message_definition.type_name),
         "__slots__": slots,
-        "_TYPE_NAME": given.type_name,
+        "_TYPE_NAME": message_definition.type_name,
         "_KINDS": kinds,
         "_SLOTS": slots,
         "__init__": constructor(kinds, RosMessage.__init__),
         "_fields_and_field_types": {field.name: ros_type(field) for field in fields},
     }
     accessors = {name: _accessor(name, kind) for name, kind in kinds.items()}
-    return type(name, (RosMessage,), {**namespace, **given.constants, **defaults, **accessors})
+    return type(name, (RosMessage,), {**namespace, **message_definition.constants, **defaults, **accessors})
 
 
 def module_of_type(type_name: str) -> str:
@@ -229,8 +231,8 @@ def module_of_type(type_name: str) -> str:
 
     package, folder, name = type_name.split("/")
     # The parts of a service or action share one module.
-    whole = name.split("_")[0]
-    snake_case = sub("([a-z0-9])([A-Z])", r"\1_\2", sub("(.)([A-Z][a-z]+)", r"\1_\2", whole)).lower()
+    base_name = name.split("_")[0]
+    snake_case = sub("([a-z0-9])([A-Z])", r"\1_\2", sub("(.)([A-Z][a-z]+)", r"\1_\2", base_name)).lower()
     return f"{package}.{folder}._{snake_case}"
 
 
@@ -369,12 +371,12 @@ def fill_module(module: ModuleType) -> None:
         # The first part of a service or action represents the whole class, which programs import.
         first = next((part for part in (SERVICE_PARTS[0], ACTION_PARTS[0]) if name.endswith(part)), "")
         if first or "/msg/" in name:
-            whole = name.removeprefix(prefix).removesuffix(first)
-            home[whole] = public[whole] = name
+            base_name = name.removeprefix(prefix).removesuffix(first)
+            home[base_name] = public[base_name] = name
     for full_name, types in homes.items():
-        own = sys.modules.setdefault(full_name, ModuleType(full_name))
-        _make_lazy(own, types)
-        vars(module)[full_name.rpartition(".")[2]] = own
+        submodule = sys.modules.setdefault(full_name, ModuleType(full_name))
+        _make_lazy(submodule, types)
+        vars(module)[full_name.rpartition(".")[2]] = submodule
     _make_lazy(module, public)
 
 
@@ -389,8 +391,8 @@ def _make_lazy(module: ModuleType, types: Mapping[str, str]) -> None:
         if type_name.endswith(f"/{name}"):
             created: type = message_class(type_name)
         else:
-            whole = service_class if type_name.endswith(SERVICE_PARTS[0]) else action_class
-            created = whole(type_name.rpartition("/")[0] + f"/{name}")
+            make_interface = service_class if type_name.endswith(SERVICE_PARTS[0]) else action_class
+            created = make_interface(type_name.rpartition("/")[0] + f"/{name}")
         setattr(module, name, created)
         return created
 

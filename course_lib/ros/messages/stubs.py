@@ -54,14 +54,14 @@ def write_stubs(standin: Path) -> list[Path]:
     Returns:
         The files that were written. Files that are up to date are not written.
     """
-    written = []
+    files = []
     for path, text in stubs().items():
         file = standin / path
         if not file.is_file() or file.read_text(encoding="utf-8") != text:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, encoding="utf-8")
-            written.append(file)
-    return written
+            files.append(file)
+    return files
 
 
 def stubs() -> dict[Path, str]:
@@ -109,13 +109,13 @@ def _class(message: MessageDefinition) -> str:
     }
     body = [f"{name}: Final = {literal}" for name, literal in constants.items()]
     for field in fields:
-        stored, accepted = _stored_type(field), _accepted_type(field)
-        if stored == accepted:
-            body.append(f"{field.name}: {stored}")
+        stored_type, accepted_type = _stored_type(field), _accepted_type(field)
+        if stored_type == accepted_type:
+            body.append(f"{field.name}: {stored_type}")
         else:
             # A field that accepts more types than it returns is a property.
-            body += ["@property", f"def {field.name}(self) -> {stored}: ..."]
-            body += [f"@{field.name}.setter", f"def {field.name}(self, value: {accepted}) -> None: ..."]
+            body += ["@property", f"def {field.name}(self) -> {stored_type}: ..."]
+            body += [f"@{field.name}.setter", f"def {field.name}(self, value: {accepted_type}) -> None: ..."]
     values = [f"{field.name}: {_accepted_type(field)} = ..." for field in fields]
     parameters = ["self", "*", *values, "check_fields: bool = ..."]
     line = f"def __init__({', '.join(parameters)}) -> None: ..."

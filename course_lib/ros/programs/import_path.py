@@ -74,7 +74,7 @@ class HomeModuleFinder(Loader):
         cls, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """Find the home module in the table, or by the name of a class."""
-        folder, _, own = name.rpartition(".")
+        folder, _, last_name = name.rpartition(".")
         if name.partition(".")[0] not in _PACKAGES:
             return None
         if folder and name in FOLDERS:
@@ -92,7 +92,7 @@ class HomeModuleFinder(Loader):
         # For a module per class, like launch.actions.execute_process, the home is its folder.
         if home is None and folder in FOLDERS:
             names = {_WORD.sub("_", word).lower() for word in vars(import_module(folder))}
-            home = folder if own in names else None
+            home = folder if last_name in names else None
         return None if home is None else spec_from_loader(name, cls(), origin=home)
 
     def exec_module(self, module: ModuleType) -> None:
@@ -160,13 +160,13 @@ def _find_in_workspace(name: str) -> ModuleSpec | None:
     # Imported late because few programs need it, but this module is imported whenever the kit is.
     from course_lib.ros.programs.packages import has_interfaces, packages
 
-    found = packages(in_working_folder=_imports_from_working_folder())
-    for package in (name, *found) if name in found else found:
-        if spec := _python_spec(name, package, found[package]):
+    folders = packages(in_working_folder=_imports_from_working_folder())
+    for package in (name, *folders) if name in folders else folders:
+        if spec := _python_spec(name, package, folders[package]):
             return spec
-    if name in found and has_interfaces(found[name]):
+    if name in folders and has_interfaces(folders[name]):
         spec = ModuleSpec(name, None, is_package=True)
-        spec.submodule_search_locations = [str(found[name])]
+        spec.submodule_search_locations = [str(folders[name])]
         return spec
     return None
 
@@ -213,11 +213,14 @@ def _imports_from_working_folder() -> bool:
     A process that grades submissions must not import them because it was started in their folder.
     """
     try:
-        here = os.getcwd()
+        working_folder = os.getcwd()
     except OSError:
         # The working folder was deleted.
         return False
-    return any(not entry or entry == here or entry.startswith(f"{here}{os.sep}") for entry in _own_entries())
+    return any(
+        not entry or entry == working_folder or entry.startswith(f"{working_folder}{os.sep}")
+        for entry in _own_entries()
+    )
 
 
 def _own_entries() -> list[str]:
@@ -241,18 +244,18 @@ def install() -> None:
 
     Raises a CourseError if a package of the same name has already been imported from elsewhere.
     """
-    ours = str(STANDIN)
+    standin_folder = str(STANDIN)
     for name in provided_packages():
         module = sys.modules.get(name)
-        if module is not None and not _location_of(module).startswith(f"{ours}{os.sep}"):
+        if module is not None and not _location_of(module).startswith(f"{standin_folder}{os.sep}"):
             raise CourseError(
                 f"{name} has already been imported from {_location_of(module)}, so the course's own ROS "
                 "can't take its place. Restart the kernel and load course_lib first: %load_ext course_lib"
             )
     for name, value in SOURCED.items():
         os.environ.setdefault(name, value)
-    if sys.path[:1] != [ours]:
-        sys.path[:] = [ours, *(entry for entry in sys.path if entry != ours)]
+    if sys.path[:1] != [standin_folder]:
+        sys.path[:] = [standin_folder, *(entry for entry in sys.path if entry != standin_folder)]
     if _InterfaceTypesFinder not in sys.meta_path:
         sys.meta_path[:0] = [_InterfaceTypesFinder, HomeModuleFinder, PackageFolderImports]
         sys.meta_path.append(WorkspaceImports)

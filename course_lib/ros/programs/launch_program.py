@@ -111,8 +111,8 @@ class _PrefixedStream:
         """Write text. The output of a process is written line by line after its name."""
         if program.name not in self._by_program:
             return int(self._stream.write(text))
-        *lines, rest = (self._incomplete_lines.get(program.name, "") + text).split("\n")
-        self._incomplete_lines[program.name] = rest
+        *lines, incomplete = (self._incomplete_lines.get(program.name, "") + text).split("\n")
+        self._incomplete_lines[program.name] = incomplete
         if lines:
             self._write_lines(program.name, lines)
         return len(text)
@@ -128,9 +128,9 @@ class _PrefixedStream:
 
     def end(self, name: str) -> None:
         """Write the incomplete last line of a program."""
-        rest = self._incomplete_lines.pop(name, "")
-        if rest:
-            self._write_lines(name, [rest])
+        incomplete = self._incomplete_lines.pop(name, "")
+        if incomplete:
+            self._write_lines(name, [incomplete])
 
 
 _COMPLAINTS = (CourseError, RuntimeError, OSError, PackageNotFoundError, InvalidConditionExpressionError)
@@ -235,11 +235,11 @@ class LaunchProgram(Process):
         if reason := reason_in(" ".join(words)):
             raise NotHereError(reason)
         for word in words:
-            if found := _OBJECT.search(word):
+            if match := _OBJECT.search(word):
                 # An f-string with a substitution; ROS passes this string without a warning.
                 text = (
-                    f"'{word[:_MAX_WORD]}' contains a {found[1]} that has no value yet where the string is "
-                    f"made. Pass a list of its parts instead of an f-string: ['robot_', {found[1]}(…)]"
+                    f"'{word[:_MAX_WORD]}' contains a {match[1]} that has no value yet where the string is "
+                    f"made. Pass a list of its parts instead of an f-string: ['robot_', {match[1]}(…)]"
                 )
                 self.log("WARNING", "launch", text)
         self.start_function(action, executable, find_executable(package, executable, self._own), words)

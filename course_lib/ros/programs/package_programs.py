@@ -53,31 +53,36 @@ def find_executable(package: str, executable: str, own: Executables) -> Callable
 
     Raise a CourseError that lists the executables.
     """
-    found = find_package(package)
-    if found is not None and executable in found.executables:
-        return partial(_call, found, executable)
+    package_found = find_package(package)
+    if package_found is not None and executable in package_found.executables:
+        return partial(_call, package_found, executable)
     if (package, executable) in own:
         return own[package, executable]
-    if found is not None and executable in found.compiled:
+    if package_found is not None and executable in package_found.compiled:
         raise NotHereError(
             f"'{executable}' of package '{package}' is a compiled program, and this kit runs Python only. "
             "Build it with colcon on a computer with ROS 2, or write the node in Python."
         )
-    if found is None and (why := why_not_offered(package)):
+    if package_found is None and (why := why_not_offered(package)):
         is_partly_here = any(place == package for place, _ in own)
-        what = f"executable '{executable}' of package" if is_partly_here else "package"
-        raise NotHereError(f"{what} '{package}' not found: {why}")
-    if found is not None and _is_built_by_other_macros(found):
+        subject = f"executable '{executable}' of package" if is_partly_here else "package"
+        raise NotHereError(f"{subject} '{package}' not found: {why}")
+    if package_found is not None and _is_built_by_other_macros(package_found):
         raise NotHereError(
-            f"'{executable}' of package '{found.name}' cannot run here: the package has sources in C++ and "
-            f"no Python executables. Its {found.share / 'CMakeLists.txt'} builds them with its own commands."
+            f"'{executable}' of package '{package_found.name}' cannot run here: the package has "
+            "sources in C++ and "
+            f"no Python executables. Its {package_found.share / 'CMakeLists.txt'} builds them "
+            "with its own commands."
         )
-    names = [*(found.executables if found else ()), *(name for place, name in own if place == package)]
-    if not names and found is None:
+    names = [
+        *(package_found.executables if package_found else ()),
+        *(name for place, name in own if place == package),
+    ]
+    if not names and package_found is None:
         raise NotHereError(why_not_found(package))
     where = ""
-    if found is not None:
-        where = malformed_script(found.share / "setup.py") or (
+    if package_found is not None:
+        where = malformed_script(package_found.share / "setup.py") or (
             " Executables are named in console_scripts in setup.py, or by install(PROGRAMS …) in "
             "CMakeLists.txt."
         )
@@ -96,9 +101,9 @@ def _is_built_by_other_macros(package: Package) -> bool:
 
 def find_component(package: str, plugin: str, own: Executables) -> Callable[[], object]:
     """Find a component as a program. Raise a CourseError if it is a C++ component."""
-    found = find_package(package)
-    if found is not None and plugin in found.components:
-        return partial(_spin_component, found, *found.components[plugin])
+    package_found = find_package(package)
+    if package_found is not None and plugin in package_found.components:
+        return partial(_spin_component, package_found, *package_found.components[plugin])
     if plugin in _AS_EXECUTABLE:
         return find_executable(package, _AS_EXECUTABLE[plugin], own)
     if why := why_not_offered(package):
@@ -157,16 +162,16 @@ def _imported_name(package: Package, module: str, name: str) -> Any:
     _imported.add(module.partition(".")[0])
     place = location_of(package.share / "setup.py", f"{module}:{name}")
     try:
-        found = import_module(module)
+        imported = import_module(module)
     except ModuleNotFoundError as error:
         # Any other missing module is a mistake in a file of the package, which the traceback shows.
         if error.name is None or not f"{module}.".startswith(f"{error.name}."):
             raise
         raise CourseError(f"{place}: there is no module {module} in {package.share}.") from None
-    target: Any = found
+    target: Any = imported
     for part in name.split("."):
         if not hasattr(target, part):
-            near = did_you_mean(part, vars(target)) or "."
-            raise CourseError(f"{place}: the module {module} has no function {name!r}{near}")
+            suggestion = did_you_mean(part, vars(target)) or "."
+            raise CourseError(f"{place}: the module {module} has no function {name!r}{suggestion}")
         target = getattr(target, part)
     return target

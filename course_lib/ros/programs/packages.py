@@ -56,9 +56,9 @@ class _Crawl:
 
     def is_current(self) -> bool:
         """Return whether the folders and manifests are unchanged since they were read."""
-        if any(self.read_ns - changed < _FRESH_NS for changed in self.changed_ns.values()):
+        if any(self.read_ns - changed_at < _FRESH_NS for changed_at in self.changed_ns.values()):
             return False
-        return all(_changed_ns(path) == changed for path, changed in self.changed_ns.items())
+        return all(_changed_ns(path) == changed_at for path, changed_at in self.changed_ns.items())
 
 
 _crawls: dict[Path, _Crawl] = {}
@@ -71,24 +71,28 @@ def packages(*, in_working_folder: bool = True) -> dict[str, Path]:
     folders on ROS_PACKAGE_PATH and in the workspace of the working folder. If two folders of a
     workspace have the same package name, this is reported on stderr, once.
     """
-    found: dict[str, Path] = {}
+    folders_by_name: dict[str, Path] = {}
     for prefix in _paths_in_variable("AMENT_PREFIX_PATH"):
         for manifest in sorted(prefix.glob(f"share/*/{MANIFEST}")):
             if name := name_of(manifest):
-                found.setdefault(name, manifest.parent)
+                folders_by_name.setdefault(name, manifest.parent)
     for root in source_roots() if in_working_folder else _paths_in_variable("ROS_PACKAGE_PATH"):
         below = _folders_below(root)
-        _report_duplicates({name: folders for name, folders in below.items() if name not in found})
+        _report_duplicates({name: folders for name, folders in below.items() if name not in folders_by_name})
         for name, folders in below.items():
-            found.setdefault(name, folders[0])
-    return dict(sorted(found.items()))
+            folders_by_name.setdefault(name, folders[0])
+    return dict(sorted(folders_by_name.items()))
 
 
 def source_roots() -> list[Path]:
     """Return the folders in which sources of packages are searched."""
-    here = Path.cwd()
-    near = workspace_of(here)
-    return list(dict.fromkeys([*_paths_in_variable("ROS_PACKAGE_PATH"), *([near] if near else []), here]))
+    working_folder = Path.cwd()
+    workspace = workspace_of(working_folder)
+    return list(
+        dict.fromkeys(
+            [*_paths_in_variable("ROS_PACKAGE_PATH"), *([workspace] if workspace else []), working_folder]
+        )
+    )
 
 
 def packages_below(root: Path) -> dict[str, Path]:
@@ -106,10 +110,10 @@ def _folders_below(root: Path) -> dict[str, list[Path]]:
     crawl = _crawls.get(root)
     if crawl is None or not crawl.is_current():
         crawl = _crawls[root] = _crawl(root)
-    found: dict[str, list[Path]] = {}
+    folders_by_name: dict[str, list[Path]] = {}
     for name, folder in crawl.packages:
-        found.setdefault(name, []).append(folder)
-    return found
+        folders_by_name.setdefault(name, []).append(folder)
+    return folders_by_name
 
 
 def name_of(manifest: Path) -> str | None:
@@ -170,7 +174,7 @@ def _paths_in_variable(variable: str) -> list[Path]:
 def _crawl(root: Path) -> _Crawl:
     """Search a folder level by level, so that the limit excludes the most distant folders."""
     read_ns, changed_ns = wall.time_ns(), dict[str, int]()
-    found: list[tuple[str, Path]] = []
+    manifests: list[tuple[str, Path]] = []
     visited, waiting = set[str](), deque([str(root)])
     while waiting and len(visited) < _MOST_FOLDERS:
         folder = waiting.popleft()
@@ -192,10 +196,10 @@ def _crawl(root: Path) -> _Crawl:
             manifest = os.path.join(folder, MANIFEST)
             changed_ns[manifest] = _changed_ns(manifest)
             if name := name_of(Path(manifest)):
-                found.append((name, Path(folder)))
+                manifests.append((name, Path(folder)))
                 continue
         waiting += sorted(entry.path for entry in entries if _is_searched(entry))
-    return _Crawl(tuple(found), changed_ns, read_ns)
+    return _Crawl(tuple(manifests), changed_ns, read_ns)
 
 
 def _is_searched(entry: "os.DirEntry[str]") -> bool:
@@ -219,8 +223,8 @@ def _report_duplicates(below: Mapping[str, list[Path]]) -> None:
 
     Only the first few are reported in full, because a folder of many workspaces has many of them.
     """
-    claimed = {name: tuple(folders) for name, folders in below.items() if len(folders) > 1}
-    new = {name: folders for name, folders in claimed.items() if folders not in _reported}
+    duplicates = {name: tuple(folders) for name, folders in below.items() if len(folders) > 1}
+    new = {name: folders for name, folders in duplicates.items() if folders not in _reported}
     _reported.update(new.values())
     for name, folders in list(new.items())[:_MOST_REPORTED]:
         places = " and ".join(map(str, folders[:_MOST_REPORTED]))
@@ -284,15 +288,15 @@ def read_build_files(name: str, sources: Path) -> BuildFiles:
 
 @lru_cache(maxsize=1000)
 def _read(name: str, sources: Path, changed_ns: tuple[tuple[str, int], ...]) -> BuildFiles:
-    found = BuildFiles()
+    build_files = BuildFiles()
     setup_cfg, setup_py, cmake = (sources / file for file in _FILES)
-    _read_setup_cfg(setup_cfg, found)
-    _read_setup_py(name, setup_py, found)
-    _read_cmake(name, cmake, found)
+    _read_setup_cfg(setup_cfg, build_files)
+    _read_setup_py(name, setup_py, build_files)
+    _read_cmake(name, cmake, build_files)
     catkin_like = sources / "src" / name / "__init__.py"
-    if not found.package_folders and catkin_like.is_file() and not (sources / name).is_dir():
-        found.package_folders[""] = sources / "src"
-    return found
+    if not build_files.package_folders and catkin_like.is_file() and not (sources / name).is_dir():
+        build_files.package_folders[""] = sources / "src"
+    return build_files
 
 
 def executables_of(setup: Path) -> dict[str, tuple[str, str]]:
@@ -327,29 +331,33 @@ def _tree_of(setup: Path) -> ast.Module | None:
         raise CourseError(f"{setup}: {error}.") from error
 
 
-def _read_setup_py(name: str, setup: Path, found: BuildFiles) -> None:
+def _read_setup_py(name: str, setup: Path, build_files: BuildFiles) -> None:
     tree = _tree_of(setup)
     if tree is None:
         return
     values = _Values(tree, setup.parent)
-    found.executables.update(_console_scripts(tree, values))
+    build_files.executables.update(_console_scripts(tree, values))
     for node in (node for node in ast.walk(tree) if isinstance(node, ast.keyword)):
         if node.arg == "package_dir" and isinstance(node.value, ast.Dict):
             for key, value in zip(node.value.keys, node.value.values, strict=True):
                 for package, folder in zip(values.texts(key), values.texts(value), strict=False):
-                    found.package_folders[package] = setup.parent / folder
+                    build_files.package_folders[package] = setup.parent / folder
         elif node.arg == "scripts":
-            _add_scripts(found, ((Path(file).name, setup.parent / file) for file in values.texts(node.value)))
+            _add_scripts(
+                build_files, ((Path(file).name, setup.parent / file) for file in values.texts(node.value))
+            )
         elif node.arg == "data_files":
-            found.installed += _installed_files(node.value, values, setup.parent)
-    in_lib = [pair for pair in found.installed if PurePosixPath(pair[0]).parent == PurePosixPath("lib", name)]
-    _add_scripts(found, ((PurePosixPath(place).name, file) for place, file in in_lib))
+            build_files.installed += _installed_files(node.value, values, setup.parent)
+    in_lib = [
+        pair for pair in build_files.installed if PurePosixPath(pair[0]).parent == PurePosixPath("lib", name)
+    ]
+    _add_scripts(build_files, ((PurePosixPath(place).name, file) for place, file in in_lib))
 
 
 def _installed_files(data_files: ast.expr, values: "_Values", folder: Path) -> Iterator[tuple[str, Path]]:
     """Yield each installed path of `data_files` with its file, if both are inside the package."""
-    listed = values.names.get(data_files.id) if isinstance(data_files, ast.Name) else data_files
-    for entry in listed.elts if isinstance(listed, ast.List | ast.Tuple) else ():
+    file_list = values.names.get(data_files.id) if isinstance(data_files, ast.Name) else data_files
+    for entry in file_list.elts if isinstance(file_list, ast.List | ast.Tuple) else ():
         if not isinstance(entry, ast.Tuple) or len(entry.elts) != 2:
             continue
         destinations, files = (values.texts(part) for part in entry.elts)
@@ -391,7 +399,7 @@ def malformed_script(setup: Path) -> str:
     return ""
 
 
-def _read_setup_cfg(setup: Path, found: BuildFiles) -> None:
+def _read_setup_cfg(setup: Path, build_files: BuildFiles) -> None:
     parser = ConfigParser(interpolation=None)
     try:
         parser.read(setup, encoding="utf-8")
@@ -402,17 +410,19 @@ def _read_setup_cfg(setup: Path, found: BuildFiles) -> None:
     scripts = map(
         _SCRIPT.fullmatch, parser.get("options.entry_points", "console_scripts", fallback="").splitlines()
     )
-    found.executables.update({script[1]: (script[2], script[3]) for script in filter(None, scripts)})
+    build_files.executables.update({script[1]: (script[2], script[3]) for script in filter(None, scripts)})
     for line in parser.get("options", "package_dir", fallback="").splitlines():
         package, equals, folder = line.partition("=")
         if equals:
-            found.package_folders[package.strip()] = setup.parent / folder.strip()
+            build_files.package_folders[package.strip()] = setup.parent / folder.strip()
     files = parser.get("options", "scripts", fallback="").split()
-    _add_scripts(found, ((Path(file).name, setup.parent / file) for file in files))
+    _add_scripts(build_files, ((Path(file).name, setup.parent / file) for file in files))
 
 
-def _add_scripts(found: BuildFiles, scripts: Iterator[tuple[str, Path]]) -> None:
-    found.executables.update({name: file for name, file in scripts if file.is_file() and is_python(file)})
+def _add_scripts(build_files: BuildFiles, scripts: Iterator[tuple[str, Path]]) -> None:
+    build_files.executables.update(
+        {name: file for name, file in scripts if file.is_file() and is_python(file)}
+    )
 
 
 class _Values:
@@ -448,16 +458,18 @@ class _Values:
                 texts = [part.value if isinstance(part, ast.FormattedValue) else part for part in parts]
                 return ["".join(text for part in texts for text in self._evaluate(part))]
             case ast.Call(func=ast.Attribute(attr=name) | ast.Name(id=name), args=arguments):
-                words = [word for part in arguments for word in self._evaluate(part)]
-                if words and name == "join":
-                    return [os.path.join(*words)]
-                is_glob = bool(words) and name in ("glob", "iglob")
-                if is_glob and not os.path.isabs(words[0]) and ".." not in words[0]:
-                    return [str(path.relative_to(self._folder)) for path in _glob(self._folder, words[0])]
+                argument_texts = [word for part in arguments for word in self._evaluate(part)]
+                if argument_texts and name == "join":
+                    return [os.path.join(*argument_texts)]
+                is_glob = bool(argument_texts) and name in ("glob", "iglob")
+                if is_glob and not os.path.isabs(argument_texts[0]) and ".." not in argument_texts[0]:
+                    return [
+                        str(path.relative_to(self._folder)) for path in _glob(self._folder, argument_texts[0])
+                    ]
         raise ValueError("neither a string nor a list of strings")
 
 
-def _read_cmake(name: str, cmake: Path, found: BuildFiles) -> None:
+def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
     """Read the executables and Python packages of a CMakeLists.txt.
 
     Only variables that are lists are known.
@@ -465,32 +477,36 @@ def _read_cmake(name: str, cmake: Path, found: BuildFiles) -> None:
     if not cmake.is_file():
         return
     text = re.sub(r"#.*", "", cmake.read_text("utf-8", errors="replace"))
-    here = cmake.parent
+    source_folder = cmake.parent
     variables = {
         "PROJECT_NAME": [name],
         "CMAKE_PROJECT_NAME": [name],
-        **{variable: [str(here)] for variable in _SOURCE_FOLDERS},
+        **{variable: [str(source_folder)] for variable in _SOURCE_FOLDERS},
     }
-    for command, words in _CMake(variables).run(_COMMAND.findall(text)):
-        match command, words:
+    for command, arguments in _CMake(variables).run(_COMMAND.findall(text)):
+        match command, arguments:
             case "set", [variable, *values]:
                 variables[variable] = values
             case "list", ["APPEND", variable, *values]:
                 variables[variable] = [*variables.get(variable, []), *values]
             case "file", ["GLOB" | "GLOB_RECURSE", variable, *patterns]:
-                relative = [os.path.relpath(one, here) if os.path.isabs(one) else one for one in patterns]
+                relative = [
+                    os.path.relpath(one, source_folder) if os.path.isabs(one) else one for one in patterns
+                ]
                 inside = [pattern for pattern in relative if not pattern.startswith("..")]
-                variables[variable] = [str(path) for pattern in inside for path in _glob(here, pattern)]
+                variables[variable] = [
+                    str(path) for pattern in inside for path in _glob(source_folder, pattern)
+                ]
             case (("add_executable" | "rclcpp_components_register_node"), [first, *rest]):
-                found.compiled.update(
+                build_files.compiled.update(
                     (first, *_argument_after("EXECUTABLE", rest), *_argument_after("PLUGIN", rest))
                 )
             case "ament_python_install_package", [package, *rest]:
                 for folder in _argument_after("PACKAGE_DIR", rest):
-                    found.package_folders[package] = here / folder
+                    build_files.package_folders[package] = source_folder / folder
             case "install", ["PROGRAMS" | "FILES" | "DIRECTORY" as kind, *rest]:
                 if PurePosixPath(*_argument_after("DESTINATION", rest) or [""]) == PurePosixPath("lib", name):
-                    _add_scripts(found, _installed_by_cmake(here, kind, rest))
+                    _add_scripts(build_files, _installed_by_cmake(source_folder, kind, rest))
 
 
 @dataclass(frozen=True)
@@ -570,12 +586,12 @@ def _body(commands: "deque[tuple[str, str]]", kind: str) -> list[tuple[str, str]
     return body
 
 
-def _installed_by_cmake(here: Path, kind: str, words: list[str]) -> Iterator[tuple[str, Path]]:
+def _installed_by_cmake(source_folder: Path, kind: str, arguments: list[str]) -> Iterator[tuple[str, Path]]:
     """Yield the names and files of one `install(…)`."""
-    end = next((at for at, word in enumerate(words) if word in _KINDS_OF_INSTALL), len(words))
-    renamed = _argument_after("RENAME", words)
-    for word in words[:end]:
-        file = here / word
+    end = next((at for at, word in enumerate(arguments) if word in _KINDS_OF_INSTALL), len(arguments))
+    renamed = _argument_after("RENAME", arguments)
+    for word in arguments[:end]:
+        file = source_folder / word
         if kind != "DIRECTORY":
             yield (renamed[0] if renamed else file.name), file
         elif file.is_dir():
@@ -584,15 +600,15 @@ def _installed_by_cmake(here: Path, kind: str, words: list[str]) -> Iterator[tup
 
 def _words(inner: str, variables: Mapping[str, list[str]]) -> list[str]:
     """Split the arguments of a CMake command and substitute its variables."""
-    words: list[str] = []
+    arguments: list[str] = []
     for quoted, plain in _WORD.findall(inner):
-        whole = _VARIABLE.fullmatch(plain)
-        if whole is not None:
-            words += variables.get(whole[1], [])
+        single_variable = _VARIABLE.fullmatch(plain)
+        if single_variable is not None:
+            arguments += variables.get(single_variable[1], [])
         else:
             replaced = _VARIABLE.sub(lambda one: ";".join(variables.get(one[1], [])), quoted or plain)
-            words.append(replaced)
-    return words
+            arguments.append(replaced)
+    return arguments
 
 
 def _glob(folder: Path, pattern: str) -> list[Path]:
@@ -606,9 +622,9 @@ def _glob(folder: Path, pattern: str) -> list[Path]:
         return []
 
 
-def _argument_after(keyword: str, words: list[str]) -> list[str]:
+def _argument_after(keyword: str, arguments: list[str]) -> list[str]:
     """Return a list with the argument after a keyword, or [] without the keyword."""
-    return words[words.index(keyword) + 1 :][:1] if keyword in words else []
+    return arguments[arguments.index(keyword) + 1 :][:1] if keyword in arguments else []
 
 
 # Share folders of packages whose executables the kit provides.
@@ -647,8 +663,8 @@ def find_package(name: str) -> Package | None:
         folder = Path(name).resolve()
         source(folder / MANIFEST)
         return _package(name_of(folder / MANIFEST) or folder.name, folder)
-    found = packages().get(name, _OWN / name)
-    return _package(name, found) if (found / MANIFEST).is_file() else None
+    package_folder = packages().get(name, _OWN / name)
+    return _package(name, package_folder) if (package_folder / MANIFEST).is_file() else None
 
 
 def why_not_found(name: str) -> str:
@@ -676,11 +692,11 @@ def _why_skipped(name: str) -> str:
         folders[:] = [one for one in folders if not one.startswith(".") and one not in _NOT_SEARCHED]
         if "pyvenv.cfg" in files:
             folders.clear()
-        found = name_of(Path(where, MANIFEST)) if MANIFEST in files else ""
+        manifest_name = name_of(Path(where, MANIFEST)) if MANIFEST in files else ""
         folder = Path(where)
-        if found is None and folder.name == name:
+        if manifest_name is None and folder.name == name:
             return _error_of_manifest(folder / MANIFEST)
-        if found != name:
+        if manifest_name != name:
             continue
         if folder.parent.name == "share":
             prefix = folder.parents[1]
@@ -730,8 +746,8 @@ def python_path(file: Path) -> list[str]:
         return []
     package = package_folder_of(file)
     folders = packages_below(root)
-    own = [] if package is None else [package]
-    ordered = dict.fromkeys([*own, *folders.values()])
+    own_folder = [] if package is None else [package]
+    ordered = dict.fromkeys([*own_folder, *folders.values()])
     names = {folder: name for name, folder in folders.items()}
     roots = [place for folder in ordered for place in python_folders(names.get(folder, folder.name), folder)]
     holders = ([package.parent] if package else []) + [root, *(folder.parent for folder in folders.values())]
@@ -741,11 +757,11 @@ def python_path(file: Path) -> list[str]:
 def python_folders(name: str, sources: Path) -> list[Path]:
     """Return the folders in which Python finds the packages of a ROS package's sources."""
     try:
-        whole = read_build_files(name, sources).package_folders.get("")
+        root_folder = read_build_files(name, sources).package_folders.get("")
     except CourseError:
         # The syntax error in setup.py is reported where one of the executables is started.
         return [sources]
-    return [sources] if whole is None else [whole, sources]
+    return [sources] if root_folder is None else [root_folder, sources]
 
 
 def python_package(file: Path) -> str | None:
@@ -761,8 +777,8 @@ def python_package(file: Path) -> str | None:
 
 
 def _prepend_paths(variable: str, paths: list[Path]) -> None:
-    words = [str(path) for path in paths] + os.environ.get(variable, "").split(os.pathsep)
-    os.environ[variable] = os.pathsep.join(dict.fromkeys(filter(None, words)))
+    entries = [str(path) for path in paths] + os.environ.get(variable, "").split(os.pathsep)
+    os.environ[variable] = os.pathsep.join(dict.fromkeys(filter(None, entries)))
 
 
 def _package(name: str, share: Path) -> Package:
@@ -788,19 +804,21 @@ def _package(name: str, share: Path) -> Package:
 def share_folder(name: str, sources: Path) -> Path:
     """Return a folder in which the files of a package have the paths of their installation."""
     share = PurePosixPath("share", name)
-    installed = [(PurePosixPath(place), file) for place, file in read_build_files(name, sources).installed]
-    places = {str(at.relative_to(share)): file for at, file in installed if at.is_relative_to(share)}
-    moved = {place: file for place, file in places.items() if not (sources / place).exists()}
-    return _create_links(sources, tuple(sorted(moved.items()))) if moved else sources
+    installed_files = [
+        (PurePosixPath(place), file) for place, file in read_build_files(name, sources).installed
+    ]
+    places = {str(at.relative_to(share)): file for at, file in installed_files if at.is_relative_to(share)}
+    relocated = {place: file for place, file in places.items() if not (sources / place).exists()}
+    return _create_links(sources, tuple(sorted(relocated.items()))) if relocated else sources
 
 
 @cache
-def _create_links(sources: Path, moved: tuple[tuple[str, Path], ...]) -> Path:
+def _create_links(sources: Path, relocated: tuple[tuple[str, Path], ...]) -> Path:
     """Create a folder of links to the sources, and to files at their installed paths."""
     folder = Path(tempfile.mkdtemp(prefix="share_"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     _link_all(sources, folder)
-    for place, file in moved:
+    for place, file in relocated:
         at = folder
         for part in PurePosixPath(place).parts[:-1]:
             at /= part

@@ -113,8 +113,8 @@ class Program(Process):
     @property
     def is_launch_file(self) -> bool:
         """True if the file is a launch file, by its name or by the function it defines."""
-        named = self.file.name.endswith((".launch.py", "_launch.py"))
-        return named or "generate_launch_description" in self._code.co_names
+        has_launch_name = self.file.name.endswith((".launch.py", "_launch.py"))
+        return has_launch_name or "generate_launch_description" in self._code.co_names
 
     def work(self) -> None:
         """Run the file. If it only defines `main`, call that, as its console script does."""

@@ -159,11 +159,11 @@ def _keep_interpreter_state() -> Iterator[None]:
 
 def _exit_on_second_interrupt() -> Callable[[int, FrameType | None], None]:
     """Return a handler of SIGINT: the first signal interrupts as usual, the second ends the process."""
-    received: list[int] = []
+    signals: list[int] = []
 
     def handle(number: int, frame: FrameType | None) -> None:
-        received.append(number)
-        if len(received) > 1:
+        signals.append(number)
+        if len(signals) > 1:
             sys.stderr.write("Stopped at once.\n")
             sys.stderr.flush()
             os._exit(130)

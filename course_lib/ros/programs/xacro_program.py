@@ -35,22 +35,22 @@ class ProgramResult:
     code: int
 
 
-def run_xacro(words: Sequence[str]) -> ProgramResult:
+def run_xacro(arguments: Sequence[str]) -> ProgramResult:
     """Run xacro with these command-line arguments, given without "xacro" itself."""
     # xacro uses this module without importing it.
     import xml.parsers.expat  # noqa: F401  # it becomes an attribute of xml
 
     import xacro
 
-    output, errors, code, own = StringIO(), StringIO(), 0, sys.argv
-    sys.argv = ["xacro", *words]
+    output, errors, code, saved_arguments = StringIO(), StringIO(), 0, sys.argv
+    sys.argv = ["xacro", *arguments]
     try:
         with redirect_stdout(output), redirect_stderr(errors):
             xacro.main()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else 1
     finally:
-        sys.argv = own
+        sys.argv = saved_arguments
     return ProgramResult(output.getvalue(), errors.getvalue(), code)
 
 
@@ -67,42 +67,42 @@ def expand_xacro(path: Path, arguments: Mapping[str, object] | None = None) -> s
         CourseError: xacro fails; the message contains its output.
     """
     # xacro writes booleans as YAML does.
-    words = [
+    xacro_arguments = [
         f"{name}:={str(value).lower() if isinstance(value, bool) else value}"
         for name, value in (arguments or {}).items()
     ]
     before = dict(os.environ)
     try:
         source(path)
-        done = run_xacro([str(path), *words])
+        result = run_xacro([str(path), *xacro_arguments])
     finally:
         os.environ.clear()
         os.environ.update(before)
-    if done.code:
+    if result.code:
         # A macro that calls itself has the same line hundreds of times.
-        errors = re.sub(r"(?m)^(.*\n)\1+", r"\1", f"{done.errors.strip()}\n").strip()
+        errors = re.sub(r"(?m)^(.*\n)\1+", r"\1", f"{result.errors.strip()}\n").strip()
         text = f"xacro cannot expand {path}{_place_of_error(path, errors)}: {errors}"
-        if missing := _UNDEFINED.search(done.errors):
+        if missing := _UNDEFINED.search(result.errors):
             text += (
                 f"\nThe file needs a value for its argument '{missing[1]}': load_robot({str(path)!r}, "
                 f"{missing[1]}=…), or on the command line {missing[1]}:=VALUE."
             )
         raise CourseError(text)
-    return done.output
+    return result.output
 
 
 def _place_of_error(path: Path, errors: str) -> str:
     """Return " (common.xacro, line 12)" for the line that xacro's message quotes from a file, or ""."""
-    named = re.search(r"(?:processing|in) file: (.+)", errors)
-    file = Path(named[1].strip()) if named else path
+    match = re.search(r"(?:processing|in) file: (.+)", errors)
+    file = Path(match[1].strip()) if match else path
     try:
         lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
         # The file name in xacro's message does not exist on disk, such as "<stdin>".
         return ""
     for pattern, form in _QUOTES:
-        if found := re.search(pattern, errors):
-            quoted = re.compile(form.format(re.escape(found[1])))
+        if quoted_match := re.search(pattern, errors):
+            quoted = re.compile(form.format(re.escape(quoted_match[1])))
             number = next((number for number, line in enumerate(lines, start=1) if quoted.search(line)), 0)
             return f" ({file.name}, line {number})" if number else ""
     return ""

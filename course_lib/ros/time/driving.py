@@ -192,8 +192,8 @@ class LiveRun:
         self._panel = ipywidgets.HBox([button, ipywidgets.HTML(self._html())])
         # Shown by pages without this kernel, such as nbviewer or a notebook that is opened the next
         # day.
-        saved = f"{self.name} ran here. Run this cell to start it again."
-        bundle = {**self._panel._repr_mimebundle_(), "text/plain": saved}
+        saved_text = f"{self.name} ran here. Run this cell to start it again."
+        bundle = {**self._panel._repr_mimebundle_(), "text/plain": saved_text}
         display(bundle, raw=True)  # type: ignore[no-untyped-call]  # IPython does not annotate it
 
     def show_state(self, note: str = "") -> None:
@@ -398,11 +398,11 @@ class _LiveLoop:
             show_error()
             # The run is to blame if the exception was raised in a method of one of its nodes.
             frames = [frame for frame, _ in walk_tb(error.__traceback__)]
-            own = [r for r in runs if any(f.f_locals.get("self") in r.nodes for f in frames)] or runs
-            for run in own:
+            failed_runs = [r for r in runs if any(f.f_locals.get("self") in r.nodes for f in frames)] or runs
+            for run in failed_runs:
                 run.fail(error)
-            for run in set(runs).difference(own):
-                run.note = f"as {own[0].name} ended with an error"
+            for run in set(runs).difference(failed_runs):
+                run.note = f"as {failed_runs[0].name} ended with an error"
                 run.stop()
         if live_interrupts.was_pressed:
             self._on_interrupt(runs, "")

@@ -120,12 +120,12 @@ class Watch:
     @contextmanager
     def stopping(self) -> Iterator[None]:
         """Interrupt the main thread during the block if a callback that Stop waits for does not end."""
-        clicked = wall.monotonic()
-        self._clicks.append(clicked)
+        click_time = wall.monotonic()
+        self._clicks.append(click_time)
         try:
             yield
         finally:
-            self._clicks.remove(clicked)
+            self._clicks.remove(click_time)
 
     def _watch_callbacks(self, is_running: _thread.LockType) -> None:
         is_running.release()
@@ -210,10 +210,10 @@ def _interrupt(_number: int, frame: FrameType | None) -> None:
         callback.attempts += 1
         if callback.attempts > DIRECTLY and frame is not None and sys.gettrace() is None:
             # Raise it some lines later, because the current line may be in the callback's `try`.
-            remaining = itertools.count(callback.attempts % LINES, -1)
+            countdown = itertools.count(callback.attempts % LINES, -1)
 
             def trace(_frame: FrameType, event: str, _: Any) -> Any:
-                if event == "line" and next(remaining) <= 0:
+                if event == "line" and next(countdown) <= 0:
                     sys.settrace(None)
                     raise KeyboardInterrupt
                 return trace

@@ -106,7 +106,7 @@ class WallPace:
         """
         before, self._wall = self._wall, wall.monotonic()
         self._allowed_ns += self._speed.advance_ns(self._wall - before)
-        remaining = (due_ns - self._allowed_ns) * 1e-9 / self._speed.rate
-        if remaining > 0:
-            wall.sleep(min(remaining, SLICE))
-        return remaining <= 0
+        remaining_seconds = (due_ns - self._allowed_ns) * 1e-9 / self._speed.rate
+        if remaining_seconds > 0:
+            wall.sleep(min(remaining_seconds, SLICE))
+        return remaining_seconds <= 0

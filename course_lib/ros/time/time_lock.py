@@ -345,12 +345,12 @@ class TimeLock:
             if alarm is not None:
                 alarm.cancel()
         # Without an interrupt, an end or a deadline, only the condition can have ended the wait.
-        done = me.raises is None and not graph.ended and not wait.deadline_passed
+        is_ready = me.raises is None and not graph.ended and not wait.deadline_passed
         me.raise_pending()
-        done = done or ready()
-        if graph.ended and not done and not wait.deadline_passed:
+        is_ready = is_ready or ready()
+        if graph.ended and not is_ready and not wait.deadline_passed:
             me.handle_end(sleeps=until_ns is not None)
-        return done
+        return is_ready
 
     def sleep_until(self, wake_ns: int, what: str) -> None:
         """Block the calling program thread until robot time `wake_ns` [ns]."""
@@ -409,9 +409,9 @@ class TimeLock:
 
     def interrupt(self, thread: threading.Thread) -> None:
         """Raise KeyboardInterrupt in a program thread, as the end of a run does."""
-        found = self._threads.get(thread.ident or 0)
-        if found is not None and not current_graph().ended:
-            found.raises = CtrlC()
+        state = self._threads.get(thread.ident or 0)
+        if state is not None and not current_graph().ended:
+            state.raises = CtrlC()
 
     def _run_others(self, me: ProgramThread, graph: Graph) -> None:
         # `wait` has checked the condition immediately before.
@@ -531,14 +531,14 @@ class TimeLock:
     def _watch_main_thread(self, graph: Graph, end: _thread.LockType) -> None:
         from course_lib.ros.tracebacks import line_of_thread
 
-        ident, seen_ns, began = threading.main_thread().ident or 0, -1, 0.0
+        ident, seen_ns, started_at = threading.main_thread().ident or 0, -1, 0.0
         while not end.acquire(timeout=LOOK):
             me = self._threads.get(ident)
             is_running = me is not None and self._holder is me and me.wait is None
             if not is_running or graph.now_ns != seen_ns:
-                seen_ns, began = graph.now_ns, time.process_time()
+                seen_ns, started_at = graph.now_ns, time.process_time()
             # CPU time, as a program may also wait for a key or a file.
-            elif time.process_time() - began > BUSY_SECONDS and (line := line_of_thread(ident)):
+            elif time.process_time() - started_at > BUSY_SECONDS and (line := line_of_thread(ident)):
                 say(
                     f"The main thread has computed for {BUSY_SECONDS:g} s without a call of ROS ({line}). "
                     "Robot time does not advance: put rclpy.spin_once(node) or time.sleep(0.01) "

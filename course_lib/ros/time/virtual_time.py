@@ -134,8 +134,8 @@ def _start(thread: threading.Thread) -> None:
                 raise
         # Reported while the thread has its turn, so that the output of a run repeats.
         except Exception as error:
-            what = (type(error), error, error.__traceback__, thread)
-            threading.excepthook(threading.ExceptHookArgs(what))
+            hook_arguments = (type(error), error, error.__traceback__, thread)
+            threading.excepthook(threading.ExceptHookArgs(hook_arguments))
         finally:
             time_lock.leave(program_thread)
 
@@ -155,8 +155,10 @@ def _join(thread: threading.Thread, timeout: float | None = None) -> None:
     program_thread: ProgramThread | None = getattr(thread, "_program_thread", None)
     if program_thread is not None and time_lock.is_program_thread():
         until_ns = None if timeout is None else current_graph().now_ns + round(max(timeout, 0) * 1e9)
-        what = f'the end of thread "{thread.name}"'
-        if not time_lock.wait(lambda: program_thread.done, until_ns=until_ns, what=what, events_help=False):
+        awaited = f'the end of thread "{thread.name}"'
+        if not time_lock.wait(
+            lambda: program_thread.done, until_ns=until_ns, what=awaited, events_help=False
+        ):
             return
     _real_join(thread, timeout)
 

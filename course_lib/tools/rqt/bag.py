@@ -86,8 +86,8 @@ class BagView(RqtView):
         if sample is None:
             return "<p class='rqt-dim'>Choose a topic to see its last message before the cursor.</p>"
         stamp = (sample.stamp_ns - self._recording.start_ns) * 1e-9
-        words = escape(to_yaml(sample.message(), Style()))
-        return f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p><pre>{words}</pre>"
+        text = escape(to_yaml(sample.message(), Style()))
+        return f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p><pre>{text}</pre>"
 
     def _index(self, seconds: float) -> int:
         """Return the number of messages up to a time [s]."""

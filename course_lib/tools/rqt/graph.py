@@ -83,22 +83,22 @@ def _depths(names: Sequence[str], edges: Sequence[Edge]) -> dict[str, int]:
 
 def _chain(edge: Edge, depths: Mapping[str, int]) -> list[tuple[str, int]]:
     """List the cells of an edge from left to right. Long edges bend around the nodes between."""
-    left, right = sorted(edge, key=lambda name: depths[name])
-    between = range(depths[left] + 1, depths[right])
+    left_end, right_end = sorted(edge, key=lambda name: depths[name])
+    between = range(depths[left_end] + 1, depths[right_end])
     bends = [(f"{edge[0]}\0{edge[1]}\0{depth}", depth) for depth in between]
-    return [(left, depths[left]), *bends, (right, depths[right])]
+    return [(left_end, depths[left_end]), *bends, (right_end, depths[right_end])]
 
 
 def _untangle(cells: Mapping[tuple[str, int], list[str]], links: Sequence[Edge]) -> None:
     """Sort each cell by the mean position of its neighbors."""
-    near: dict[str, list[str]] = {}
+    neighbors: dict[str, list[str]] = {}
     for one, other in links:
-        near.setdefault(one, []).append(other)
-        near.setdefault(other, []).append(one)
+        neighbors.setdefault(one, []).append(other)
+        neighbors.setdefault(other, []).append(one)
     for sweep in range(_SWEEPS):
         rank = {name: index - len(cell) / 2 for cell in cells.values() for index, name in enumerate(cell)}
         for key in sorted(cells, key=lambda key: key[1], reverse=bool(sweep % 2)):
-            middle = {name: fmean([rank[n] for n in near.get(name, [name])]) for name in cells[key]}
+            middle = {name: fmean([rank[n] for n in neighbors.get(name, [name])]) for name in cells[key]}
             cells[key].sort(key=lambda name, middle=middle: (middle[name], name))  # type: ignore[misc]  # bound now
             rank |= {name: index - len(cells[key]) / 2 for index, name in enumerate(cells[key])}
 
@@ -114,7 +114,7 @@ def _place_cells(
     wide = [
         max(widths.get(n, 0.0) for (_, at), c in cells.items() if at == depth for n in c) for depth in columns
     ]
-    left = [_PAD + sum(wide[:depth]) + gap * depth for depth in columns]
+    left_edges = [_PAD + sum(wide[:depth]) + gap * depth for depth in columns]
     places: dict[str, Point] = {}
     boxes: dict[str, tuple[float, float, float, float]] = {}
     y = 0.0
@@ -125,7 +125,8 @@ def _place_cells(
             top = y + ROW * (rows - len(cell)) / 2
             if of == lane:
                 places |= {
-                    n: (left[depth] + wide[depth] / 2, top + ROW * (i + 0.5)) for i, n in enumerate(cell)
+                    n: (left_edges[depth] + wide[depth] / 2, top + ROW * (i + 0.5))
+                    for i, n in enumerate(cell)
                 }
         members = [(places[n][0], widths[n] / 2) for n, group in groups.items() if lane and group == lane]
         if members:
@@ -133,7 +134,7 @@ def _place_cells(
             boxes[lane] = start, y - 10, max(x + half for x, half in members) + 12 - start, ROW * rows + 14
         y += ROW * rows
     routes = {edge: _route(edge, chain, places, widths) for edge, chain in chains.items()}
-    size = (max((x + w for x, w in zip(left, wide, strict=True)), default=0.0) + _PAD, y + _PAD)
+    size = (max((x + w for x, w in zip(left_edges, wide, strict=True)), default=0.0) + _PAD, y + _PAD)
     return Layers({name: places[name] for name in widths}, routes, boxes, size)
 
 
@@ -141,12 +142,12 @@ def _route(
     edge: Edge, chain: Sequence[tuple[str, int]], places: Mapping[str, Point], widths: Mapping[str, float]
 ) -> list[Point]:
     """Return the points of an edge from border to border. An edge to the left is drawn lower."""
-    back = chain[0][0] != edge[0]
+    is_reversed = chain[0][0] != edge[0]
     points = [places[name] for name, _ in chain]
     (x0, y0), (x1, y1) = points[0], points[-1]
-    points[0] = x0 + widths[chain[0][0]] / 2, y0 + 7 * back
-    points[-1] = x1 - widths[chain[-1][0]] / 2, y1 + 7 * back
-    return points[::-1] if back else points
+    points[0] = x0 + widths[chain[0][0]] / 2, y0 + 7 * is_reversed
+    points[-1] = x1 - widths[chain[-1][0]] / 2, y1 + 7 * is_reversed
+    return points[::-1] if is_reversed else points
 
 
 NODES, ACTIVE, ALL = "Nodes only", "Nodes/Topics (active)", "Nodes/Topics (all)"
@@ -186,26 +187,28 @@ class GraphView(RqtView):
         topics = {name for edge in edges for name in edge} - nodes
         ends = self._ends().items()
         # The topics on which some publisher does not match some subscription.
-        bad = {t for t, e in ends for a in e for b in e if a.kind < b.kind and _mismatch(a, b)}
-        names = {name: name.strip() + _BAD * (name[1:] in bad) for name in sorted(nodes | topics)}
+        bad_topics = {t for t, e in ends for a in e for b in e if a.kind < b.kind and _mismatch(a, b)}
+        names = {name: name.strip() + _BAD * (name[1:] in bad_topics) for name in sorted(nodes | topics)}
         if not names:
             return "<p>There is no node. Create one, like node = MyNode().</p>"
-        widths = {name: 26 + 6.8 * len(words) for name, words in names.items()}
+        widths = {name: 26 + 6.8 * len(label) for name, label in names.items()}
         longest = max((len(line) for lines in edges.values() for line in lines), default=0)
         is_grouped = self["Group namespaces"]
-        groups = {name: words.rpartition("/")[0] if is_grouped else "" for name, words in names.items()}
+        groups = {name: label.rpartition("/")[0] if is_grouped else "" for name, label in names.items()}
         layers = lay_out(widths, edges, groups, 60 + 6.2 * longest)
         shapes = [_ARROW, *map(_group, layers.boxes, layers.boxes.values())]
         shapes += [_edge(layers, edge, lines) for edge, lines in edges.items()]
-        shapes += [_node(layers.places[n], widths[n], names[n], n in topics, n[1:] in bad) for n in names]
+        shapes += [
+            _node(layers.places[n], widths[n], names[n], n in topics, n[1:] in bad_topics) for n in names
+        ]
         links = (f"{names[a]} to {names[b]} {' '.join(lines)}".strip() for (a, b), lines in edges.items())
         return drawing(
             "".join(shapes), *layers.size, f"{format_count(len(nodes), 'node')}. {', '.join(links)}"
         )
 
     def _is_shown(self, name: str, kind: str) -> bool:
-        hidden = any(rule.match(name) and self[f"Hide {what}"] for what, rule in _KINDS.items())
-        return not hidden and matches_filter(name, self[f"{kind} filter"])
+        is_hidden = any(rule.match(name) and self[f"Hide {kind_name}"] for kind_name, rule in _KINDS.items())
+        return not is_hidden and matches_filter(name, self[f"{kind} filter"])
 
     def _names(self) -> dict[int, str]:
         """Return the full names of the shown nodes by id."""
@@ -217,19 +220,19 @@ class GraphView(RqtView):
 
         As in rqt, the topics of an action count as one.
         """
-        names, found = self._names(), dict[str, list[EndpointInfo]]()
+        names, ends_by_topic = self._names(), dict[str, list[EndpointInfo]]()
         for end in self.graph.endpoints():
             topic = re.sub("/_action/.*", "/action_topics", end.topic)
             if end.service is None and end.node in names and self._is_shown(topic, "Topic"):
-                found.setdefault(topic, []).append(end)
-        kept = {}
-        for topic, ends in sorted(found.items()):
+                ends_by_topic.setdefault(topic, []).append(end)
+        shown_ends = {}
+        for topic, ends in sorted(ends_by_topic.items()):
             kinds = [end.kind for end in ends]
             is_dead = self["Hide Dead sinks"] and "sub" not in kinds
             is_leaf = self["Hide Leaf topics"] and len(kinds) < 2
             if not (is_dead or is_leaf or (self["Show"] != ALL and len(set(kinds)) < 2)):
-                kept[topic] = ends
-        return kept
+                shown_ends[topic] = ends
+        return shown_ends
 
     def _edges(self) -> dict[Edge, list[str]]:
         """Return the labels of each arrow. As in rqt, names of topics begin with a space."""
@@ -264,9 +267,9 @@ def matches_filter(name: str, rule: str) -> bool:
     """
     parts = [part.strip() for part in rule.split(",") if part.strip() not in ("", "/")]
     try:
-        out = any(re.fullmatch(part[1:], name) for part in parts if part.startswith("-"))
-        wanted = [part for part in parts if not part.startswith("-")]
-        return not out and (not wanted or any(re.fullmatch(part, name) for part in wanted))
+        is_excluded = any(re.fullmatch(part[1:], name) for part in parts if part.startswith("-"))
+        included = [part for part in parts if not part.startswith("-")]
+        return not is_excluded and (not included or any(re.fullmatch(part, name) for part in included))
     except re.error as error:
         raise CourseError(
             f"{rule!r} is not a filter: {error}. Write names or patterns, like /arm/.*, -/tf"
@@ -280,7 +283,7 @@ def _group(name: str, box: tuple[float, float, float, float]) -> str:
     return frame + text(name, x + 6, y + 13, font_size=11)
 
 
-def _node(at: Point, width: float, words: str, is_topic: bool, is_bad: bool) -> str:
+def _node(at: Point, width: float, label: str, is_topic: bool, is_bad: bool) -> str:
     (x, y), half = at, width / 2
     border = {"stroke": "#c9281f", "stroke_dasharray": "4 3", "stroke_width": "2"}
     look = border if is_bad else {"stroke": "var(--rqt-text)"}
@@ -290,7 +293,7 @@ def _node(at: Point, width: float, words: str, is_topic: bool, is_bad: bool) -> 
     else:
         shape = tag("ellipse", cx=x, cy=y, rx=half, ry=_HALF, fill="#4c8dd6", fill_opacity=".18", **look)
     why = "<title>Incompatible QoS: some subscriptions do not receive all messages</title>" if is_bad else ""
-    return tag("g", why + shape + text(words, x, y + 4, "middle"))
+    return tag("g", why + shape + text(label, x, y + 4, "middle"))
 
 
 def _edge(layers: Layers, edge: Edge, lines: list[str]) -> str:

@@ -57,19 +57,19 @@ class ConsoleView(RqtView):
 
     def picture(self) -> str:
         """Return the messages that match the filters as a table."""
-        shown = [
+        matching = [
             (number, log)
             for number, log in reversed(self._logs)
             if self[_SEVERITIES.get(log.level, _SEVERITIES[20])[0]]
             and self._has("Node", log.name)
             and self._has("Text", log.msg)
         ]
-        more = f", the newest {_LOGS_SHOWN} of them here" if len(shown) > _LOGS_SHOWN else ""
-        count = f"<p class='rqt-dim'>Displaying {len(shown)} of {len(self._logs)} messages{more}</p>"
-        return count + table(_LOG_HEADS, [self._row(*one) for one in shown[:_LOGS_SHOWN]], "Log messages")
+        more = f", the newest {_LOGS_SHOWN} of them here" if len(matching) > _LOGS_SHOWN else ""
+        count = f"<p class='rqt-dim'>Displaying {len(matching)} of {len(self._logs)} messages{more}</p>"
+        return count + table(_LOG_HEADS, [self._row(*one) for one in matching[:_LOGS_SHOWN]], "Log messages")
 
-    def _has(self, control: str, words: str) -> bool:
-        return self[control].lower() in words.lower()
+    def _has(self, control: str, text: str) -> bool:
+        return self[control].lower() in text.lower()
 
     def _row(self, number: int, log: Any) -> list[str]:
         severity, sign = _SEVERITIES.get(log.level, _SEVERITIES[20])
@@ -166,7 +166,7 @@ class TopicView(RqtView):
 
 
 def _cells(texts: tuple[str, ...] | list[str]) -> str:
-    cells = "".join(tag("span", escape(words), title=words) for words in texts)
+    cells = "".join(tag("span", escape(cell_text), title=cell_text) for cell_text in texts)
     return tag("div", cells, **{"class": "rqt-cells"})
 
 
@@ -222,10 +222,10 @@ class RobotMonitorView(RqtView):
         if not self._topic:
             return f"<p>{icon('stale')}No diagnostics received yet on {' or '.join(TOPICS)}.</p>"
         age = (self.graph.now_ns - self._heard_ns) * 1e-9
-        late = f"{icon('stale')}STALE: the l" if self._is_stale(self._heard_ns) else "L"
+        stale_text = f"{icon('stale')}STALE: the l" if self._is_stale(self._heard_ns) else "L"
         levels = [self._level(path) for path in self._statuses]
         counts = " · ".join(f"{icon(level)}{levels.count(level)} {level.upper()}" for level in _LEVELS[::-1])
-        head = f"<p>{late}ast message on {self._topic} came {age:.1f} s ago. {counts}</p>"
+        head = f"<p>{stale_text}ast message on {self._topic} came {age:.1f} s ago. {counts}</p>"
         tree = table(("Device", "Level", "Message"), map(self._row, self.paths()), "Devices")
         return head + self._timeline() + tree + self._details()
 

@@ -57,14 +57,14 @@ def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
         raise CourseError(f"topic {path} does not exist{did_you_mean(path, topics)}")
     topic = max(fitting, key=len)
     type_name = topics[topic][0]
-    words = path[len(topic) :].strip("/")
-    here, steps, field = type_name, list[tuple[str, int | None]](), None
-    for word in filter(None, words.split("/")):
-        fields = {field.name: field for field in definition(here).fields} if here else {}
+    field_path = path[len(topic) :].strip("/")
+    current_type, steps, field = type_name, list[tuple[str, int | None]](), None
+    for word in filter(None, field_path.split("/")):
+        fields = {field.name: field for field in definition(current_type).fields} if current_type else {}
         step = _STEP.fullmatch(word)
         if step is None or step[1] not in fields:
             raise CourseError(
-                f"{path}: {here or 'a number'} has no field {word!r}{did_you_mean(word, fields)}"
+                f"{path}: {current_type or 'a number'} has no field {word!r}{did_you_mean(word, fields)}"
             )
         field, index = fields[step[1]], None if step[2] is None else int(step[2])
         if index is None and field.container != "scalar":
@@ -73,9 +73,9 @@ def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
             size = f"a list of {field.size}" if field.container == "array" else "not a list"
             raise CourseError(f"{path}: {word} does not exist, {field.name} is {size}.")
         steps.append((field.name, index))
-        here = field.base if field.is_message else ""
+        current_type = field.base if field.is_message else ""
     if field is None or field.is_message or PRIMITIVES[field.base].python not in (bool, int, float):
-        numbers = [f"{path}/{name}" for name in _numbers(here)] if here else []
+        numbers = [f"{path}/{name}" for name in _numbers(current_type)] if current_type else []
         why = "is not a number" if steps else f'no field specified in topic name "{path}"'
         raise CourseError(
             f"{f'{path} ' if steps else ''}{why}. Numbers here: {', '.join(numbers) or 'none'}."
@@ -169,8 +169,8 @@ class PlotView(RqtView):
         axes.grid(alpha=0.4)
         names = axes.get_legend_handles_labels()
         figure.legend(*names, loc="lower left", frameon=False, handlelength=4)
-        words = "; ".join(map(str, names[1])) or "no curve"
-        return chart(figure, f"Values from {since:.1f} s to {max(now, since + 1.0):.1f} s: {words}")
+        curve_names = "; ".join(map(str, names[1])) or "no curve"
+        return chart(figure, f"Values from {since:.1f} s to {max(now, since + 1.0):.1f} s: {curve_names}")
 
     def _choose(self) -> None:
         """Create the requested curves. Existing curves keep their points."""

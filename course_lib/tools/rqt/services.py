@@ -27,11 +27,11 @@ class ServiceCallerView(RqtView):
         """Create the controls. The first argument selects a service."""
         from ipywidgets import Textarea
 
-        wanted, names = self.target(), sorted(self._services())
-        if wanted and wanted not in names:
-            raise CourseError(f"There is no service {wanted}{did_you_mean(wanted, names) or '.'}")
+        service, names = self.target(), sorted(self._services())
+        if service and service not in names:
+            raise CourseError(f"There is no service {service}{did_you_mean(service, names) or '.'}")
         self._message = ""
-        self.add_choice("Service", names, wanted, self._choose)
+        self.add_choice("Service", names, service, self._choose)
         self.request = Textarea(description="Request", layout={"width": "98%", "height": "130px"})
         self.request.style.description_width = "initial"
         self._choose()
@@ -105,9 +105,9 @@ class ReconfigureView(RqtView):
         # it.
         self._reading = False
         self.table = VBox()
-        wanted, nodes = self.target(), parameter_nodes(self.source)
-        chosen = find_node(self.source, wanted) if wanted else nodes[0] if len(nodes) == 1 else None
-        self.add_choice("Node", nodes, chosen, self._read)
+        node_name, nodes = self.target(), parameter_nodes(self.source)
+        selected = find_node(self.source, node_name) if node_name else nodes[0] if len(nodes) == 1 else None
+        self.add_choice("Node", nodes, selected, self._read)
         self.add_text("Filter", hint="part of a name")
 
     def buttons(self) -> list[Any]:
@@ -160,9 +160,9 @@ class ReconfigureView(RqtView):
         """Create the rows of the chosen node."""
         node = self["Node"]
         self.show_notice("" if node else "Choose a node.")
-        found = self._parameters(node) if node else []
-        self._values = {name: value for name, value, _ in found}
-        self.rows = {name: self._row(name, value, about) for name, value, about in found}
+        parameters = self._parameters(node) if node else []
+        self._values = {name: value for name, value, _ in parameters}
+        self.rows = {name: self._row(name, value, about) for name, value, about in parameters}
         self.refresh()
 
     def _row(self, name: str, value: Any, about: Any) -> Any:

@@ -47,16 +47,16 @@ def tag(name: str, inside: str = "", /, **attributes: object) -> str:
 
     Floats are rounded to one decimal, and ``stroke_width`` becomes ``stroke-width``.
     """
-    words = ""
+    attributes_text = ""
     for key, value in attributes.items():
         short = f"{value:.1f}" if isinstance(value, float) else str(value)
-        words += f' {key.replace("_", "-")}="{escape(short)}"'
-    return f"<{name}{words}>{inside}</{name}>"
+        attributes_text += f' {key.replace("_", "-")}="{escape(short)}"'
+    return f"<{name}{attributes_text}>{inside}</{name}>"
 
 
-def text(words: str, x: float, y: float, anchor: str = "start", /, **attributes: object) -> str:
+def text(content: str, x: float, y: float, anchor: str = "start", /, **attributes: object) -> str:
     """Return an SVG text element."""
-    return tag("text", escape(words), x=x, y=y, text_anchor=anchor, **attributes)
+    return tag("text", escape(content), x=x, y=y, text_anchor=anchor, **attributes)
 
 
 def drawing(shapes: str, width: float, height: float, label: str) -> str:
@@ -188,14 +188,14 @@ class RqtView:
 
     def offer(self, name: str, options: Sequence[str]) -> None:
         """Replace the options of a list. The chosen option is kept if it still exists."""
-        control, kept = self.controls[name], self[name]
+        control, previous = self.controls[name], self[name]
         if control.options != tuple(options):
-            wanted = kept if kept in options else None
+            new_value = previous if previous in options else None
             self._is_updating_options = True
             # This selects the first option.
             control.options = tuple(options)
-            self._is_updating_options = wanted == kept
-            control.value = wanted
+            self._is_updating_options = new_value == previous
+            control.value = new_value
             self._is_updating_options = False
 
     def button(self, name: str, icon: str, action: Callable[[], None]) -> Any:
@@ -294,11 +294,11 @@ class RqtView:
         # Without a page, `static` draws once.
         if self._loop is None:
             return
-        left = self._due - wall.monotonic()
-        if left <= 0:
+        remaining = self._due - wall.monotonic()
+        if remaining <= 0:
             self._draw()
         elif self._refresh_timer is None:
-            self._refresh_timer = self._loop.call_later(left, self._draw)
+            self._refresh_timer = self._loop.call_later(remaining, self._draw)
 
     def _draw(self) -> None:
         if self._refresh_timer is not None:

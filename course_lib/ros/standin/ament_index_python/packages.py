@@ -46,9 +46,9 @@ def get_packages_with_prefixes() -> dict[str, str]:
 
 
 def _share(name: str) -> Path:
-    found = packages.find_package(name)
-    if found is not None:
-        return found.share
+    package = packages.find_package(name)
+    if package is not None:
+        return package.share
     reason = packages.why_not_found(name)
     absent = missing_share_folder(name, reason)
     if absent is None:

@@ -178,15 +178,15 @@ def _bayer_planes(pixels: Pixels, pattern: str) -> dict[str, Pixels]:
         row, column = divmod(place, 2)
         # Slices relative to the image without its border.
         cells = (slice(1 - row, None, 2), slice(1 - column, None, 2))
-        mine, next_to = pattern[place], pattern[place ^ 1]
+        color, next_to = pattern[place], pattern[place ^ 1]
         inner = {name: plane[1:-1, 1:-1] for name, plane in planes.items()}
-        inner[mine][cells] = 4 * centre[cells]
-        if mine == "g":
+        inner[color][cells] = 4 * centre[cells]
+        if color == "g":
             inner[next_to][cells] = beside[cells]
             inner["b" if next_to == "r" else "r"][cells] = above[cells]
         else:
             inner["g"][cells] = (beside[cells] + above[cells]) // 2
-            inner["b" if mine == "r" else "r"][cells] = corners[cells]
+            inner["b" if color == "r" else "r"][cells] = corners[cells]
     return {name: np.pad(plane[1:-1, 1:-1], 1, mode="edge") for name, plane in planes.items()}
 
 

@@ -43,18 +43,20 @@ class GenericAnalyzer:
     """
 
     def __init__(self, path: str, parameters: Parameters) -> None:
-        given = checked(parameters, GENERIC)
-        self.name = given["path"]
+        settings = checked(parameters, GENERIC)
+        self.name = settings["path"]
         self.path = f"{path}/{self.name}"
-        found = given["find_and_remove_prefix"]
-        self._starts = tuple(given["startswith"] or found)
-        self._contains = given["contains"]
-        self._patterns = [re.compile(pattern) for pattern in given["regex"]]
-        self._prefixes = [output_name(one) for one in given["remove_prefix"] or found]
-        self._timeout_ns = round(given["timeout"] * 1e9)
-        self._count = given["num_items"]
-        self._discards = given["discard_stale"]
-        missing = [DiagnosticStatus(name=name, level=STALE, message="Missing") for name in given["expected"]]
+        prefixes = settings["find_and_remove_prefix"]
+        self._starts = tuple(settings["startswith"] or prefixes)
+        self._contains = settings["contains"]
+        self._patterns = [re.compile(pattern) for pattern in settings["regex"]]
+        self._prefixes = [output_name(one) for one in settings["remove_prefix"] or prefixes]
+        self._timeout_ns = round(settings["timeout"] * 1e9)
+        self._count = settings["num_items"]
+        self._discards = settings["discard_stale"]
+        missing = [
+            DiagnosticStatus(name=name, level=STALE, message="Missing") for name in settings["expected"]
+        ]
         # (time of arrival [ns], status) by name.
         self._items = {status.name: (0, status) for status in missing}
         if not (self._starts or self._contains or self._patterns):
@@ -96,8 +98,8 @@ class GenericAnalyzer:
             header.level, header.message = OK, "OK"
         elif 0 < self._count != there:
             header.level = max(ERROR, header.level)
-            found = f"Expected {self._count}, found {there}"
-            header.message = found if there else f"No items found, expected {self._count}"
+            count_text = f"Expected {self._count}, found {there}"
+            header.message = count_text if there else f"No items found, expected {self._count}"
         for status in reported:
             for prefix in self._prefixes:
                 status.name = without_prefix(status.name, prefix)
@@ -119,8 +121,8 @@ class AnalyzerGroup:
         self.path = self.name = path
         self._failed: list[DiagnosticStatus] = []
         self._analyzers: list[GenericAnalyzer | AnalyzerGroup] = []
-        for name, own in children(parameters).items():
-            self._add(name, own)
+        for name, analyzer_parameters in children(parameters).items():
+            self._add(name, analyzer_parameters)
         if not self._analyzers and path:
             get_logger("AnalyzerGroup").error("No analyzers initialized in AnalyzerGroup '/'")
 
@@ -190,13 +192,13 @@ def checked(parameters: Parameters, table: _Table) -> dict[str, Any]:
     line.
     """
     for name in table.keys() & parameters.keys():
-        wanted, found = table[name][0], Parameter.Type.from_parameter_value(parameters[name])
-        if found is not wanted:
+        expected_type, actual_type = table[name][0], Parameter.Type.from_parameter_value(parameters[name])
+        if actual_type is not expected_type:
             example = {"STRING_ARRAY": f"['{parameters[name]}']", "DOUBLE": f"{parameters[name]}.0"}
             raise CourseError(
-                f"expected [{wanted.name.lower()}] got [{found.name.lower()}]\n"
+                f"expected [{expected_type.name.lower()}] got [{actual_type.name.lower()}]\n"
                 f"hint: {name}: {parameters[name]} in the YAML; write "
-                f"{name}: {example.get(wanted.name, table[name][1])}."
+                f"{name}: {example.get(expected_type.name, table[name][1])}."
             )
     return {name: parameters.get(name, default) for name, (_, default) in table.items()}
 
@@ -206,13 +208,17 @@ def children(parameters: Parameters) -> dict[str, dict[str, Any]]:
 
     Ignored analyzers, and those without a type or path, are left out.
     """
-    found: dict[str, dict[str, Any]] = {}
+    parameters_by_child: dict[str, dict[str, Any]] = {}
     for name, value in sorted(parameters.items()):
         parts = re.fullmatch(r"((?:analyzers\.)?[^.]+)\.(.+)", name)
         if parts:
-            found.setdefault(parts[1], {})[parts[2]] = value
+            parameters_by_child.setdefault(parts[1], {})[parts[2]] = value
     ignored = (None, "", "diagnostic_aggregator/IgnoreAnalyzer")
-    return {name: own for name, own in found.items() if own.get("type") not in ignored and own.get("path")}
+    return {
+        name: child_parameters
+        for name, child_parameters in parameters_by_child.items()
+        if child_parameters.get("type") not in ignored and child_parameters.get("path")
+    }
 
 
 def level_name(level: bytes) -> str:
@@ -253,17 +259,17 @@ class Aggregator(Node):
         options["automatically_declare_parameters_from_overrides"] = True
         super().__init__("analyzers", **options)
         parameters = {name: one.value for name, one in self.get_parameters_by_prefix("").items()}
-        given = checked(parameters, AGGREGATOR)
-        path = f"/{given['path']}" if given["path"] else ""
+        settings = checked(parameters, AGGREGATOR)
+        path = f"/{settings['path']}" if settings["path"] else ""
         self._group = AnalyzerGroup(path, parameters)
         self._other = GenericAnalyzer(path, {"path": "Other", "discard_stale": True, "startswith": [""]})
-        self._other_as_errors, self._critical = given["other_as_errors"], given["critical"]
+        self._other_as_errors, self._critical = settings["other_as_errors"], settings["critical"]
         self._top_level, self._warned = STALE, set[str]()
-        depth = given["history_depth"]
+        depth = settings["history_depth"]
         self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, depth)
         self._tree = self.create_publisher(DiagnosticArray, "/diagnostics_agg", 1)
         self._top = self.create_publisher(DiagnosticStatus, "/diagnostics_toplevel_state", 1)
-        self.create_timer(1 / given["pub_rate"], self._publish)
+        self.create_timer(1 / settings["pub_rate"], self._publish)
 
     def _on_diagnostics(self, array: Any) -> None:
         names = ", ".join(status.name for status in array.status)
@@ -274,15 +280,15 @@ class Aggregator(Node):
         for status in array.status:
             if self._critical and status.level == ERROR != self._top_level:
                 self._publish_top("toplevel_state_critical", ERROR)
-            wanted = self._group.match(status.name)
-            (self._group if wanted else self._other).analyze(status, now_ns)
+            is_matched = self._group.match(status.name)
+            (self._group if is_matched else self._other).analyze(status, now_ns)
 
     def _publish(self) -> None:
         now = self.get_clock().now()
-        others = self._other.report(now.nanoseconds)
+        other_statuses = self._other.report(now.nanoseconds)
         if self._other_as_errors:
-            others[0].level, others[0].message = ERROR, 'Unanalyzed items found in "Other"'
-        statuses = self._group.report(now.nanoseconds) + (others if len(others) > 1 else [])
+            other_statuses[0].level, other_statuses[0].message = ERROR, 'Unanalyzed items found in "Other"'
+        statuses = self._group.report(now.nanoseconds) + (other_statuses if len(other_statuses) > 1 else [])
         tree = DiagnosticArray(status=statuses)
         tree.header.stamp = now.to_msg()
         self._tree.publish(tree)

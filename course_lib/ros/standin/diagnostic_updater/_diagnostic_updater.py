@@ -141,20 +141,20 @@ class Updater:
 
     def add(self, task: DiagnosticTask | str, fn: Fill | None = None) -> None:
         """Add a task, `add(task)` or `add(name, function)`, and publish that the node starts up."""
-        added = FunctionDiagnosticTask(task, fn) if isinstance(task, str) and fn else task
-        if isinstance(added, str):
+        new_task = FunctionDiagnosticTask(task, fn) if isinstance(task, str) and fn else task
+        if isinstance(new_task, str):
             raise TypeError(f"add({task!r}): give the task's function, too, like add({task!r}, self.check).")
         with self.lock:
-            self.tasks.append(added)
-            self.publish(DiagnosticStatusWrapper(name=added.getName(), message="Node starting up"))
+            self.tasks.append(new_task)
+            self.publish(DiagnosticStatusWrapper(name=new_task.getName(), message="Node starting up"))
 
     def removeByName(self, name: str) -> bool:
         """Remove the first task with this name. Return whether there was one."""
         with self.lock:
-            found = next((task for task in self.tasks if task.name == name), None)
-            if found is not None:
-                self.tasks.remove(found)
-        return found is not None
+            removed_task = next((task for task in self.tasks if task.name == name), None)
+            if removed_task is not None:
+                self.tasks.remove(removed_task)
+        return removed_task is not None
 
     def update(self) -> None:
         """Run the tasks and publish. Warn once if all levels are OK and no hardware ID was set."""
@@ -191,9 +191,9 @@ class Updater:
         self.publisher.publish(array)
 
     def _run(self, task: DiagnosticTask) -> DiagnosticStatusWrapper:
-        given = DiagnosticStatusWrapper(name=task.name, hardware_id=self.hwid)
-        given.summary(DiagnosticStatus.ERROR, "No message was set")
-        status = task.run(given)
+        initial = DiagnosticStatusWrapper(name=task.name, hardware_id=self.hwid)
+        initial.summary(DiagnosticStatus.ERROR, "No message was set")
+        status = task.run(initial)
         try:
             level = status.level
         except AttributeError as error:

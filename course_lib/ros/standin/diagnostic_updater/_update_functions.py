@@ -62,8 +62,8 @@ class FrequencyStatus(DiagnosticTask):
             from_ns, from_count = self._history[0]
             self._history.append((now_ns, self.count))
             events, seconds = self.count - from_count, max(now_ns - from_ns, 1) * 1e-9
-        rate, bound, tolerance = events / seconds, self.params.freq_bound, self.params.tolerance
-        low, high = bound["min"] * (1 - tolerance), bound.get("max", float("inf")) * (1 + tolerance)
+        rate, limits, tolerance = events / seconds, self.params.freq_bound, self.params.tolerance
+        low, high = limits["min"] * (1 - tolerance), limits.get("max", float("inf")) * (1 + tolerance)
         if events == 0:
             stat.summary(DiagnosticStatus.ERROR, "No events recorded.")
         elif rate < low:
@@ -72,16 +72,16 @@ class FrequencyStatus(DiagnosticTask):
             stat.summary(DiagnosticStatus.WARN, "Frequency too high.")
         else:
             stat.summary(DiagnosticStatus.OK, "Desired frequency met")
-        for key, value, shown in (
+        for key, value, is_shown in (
             ("Events in window", f"{events}", True),
             ("Events since startup", f"{self.count}", True),
             ("Duration of window (s)", f"{seconds:f}", True),
             ("Actual frequency (Hz)", f"{rate:f}", True),
-            ("Target frequency (Hz)", f"{bound['min']:f}", bound["min"] == bound.get("max")),
-            ("Minimum acceptable frequency (Hz)", f"{low:f}", bound["min"] > 0),
-            ("Maximum acceptable frequency (Hz)", f"{high:f}", "max" in bound),
+            ("Target frequency (Hz)", f"{limits['min']:f}", limits["min"] == limits.get("max")),
+            ("Minimum acceptable frequency (Hz)", f"{low:f}", limits["min"] > 0),
+            ("Maximum acceptable frequency (Hz)", f"{high:f}", "max" in limits),
         ):
-            if shown:
+            if is_shown:
                 stat.add(key, value)
         return stat
 
@@ -127,21 +127,21 @@ class TimeStampStatus(DiagnosticTask):
         with self.lock:
             ages, self._ages = self._ages, []
             zero_seen, self.zero_seen = self.zero_seen, False
-        early, late = min(ages, default=0.0), max(ages, default=0.0)
+        earliest, latest = min(ages, default=0.0), max(ages, default=0.0)
         low, high = self.params.min_acceptable, self.params.max_acceptable
         stat.summary(DiagnosticStatus.OK, "Timestamps are reasonable.")
         if not ages:
             stat.summary(DiagnosticStatus.WARN, "No data since last update.")
-        elif early < low or late > high or zero_seen:
-            self.early_count += early < low
-            self.late_count += late > high
+        elif earliest < low or latest > high or zero_seen:
+            self.early_count += earliest < low
+            self.late_count += latest > high
             self.zero_count += zero_seen
             in_future = "Timestamps too far in future seen."
-            in_past = "Timestamps too far in past seen." if late > high else in_future
+            in_past = "Timestamps too far in past seen." if latest > high else in_future
             stat.summary(DiagnosticStatus.ERROR, "Zero timestamp seen." if zero_seen else in_past)
         for key, value in (
-            ("Earliest timestamp delay:", f"{early:f}"),
-            ("Latest timestamp delay:", f"{late:f}"),
+            ("Earliest timestamp delay:", f"{earliest:f}"),
+            ("Latest timestamp delay:", f"{latest:f}"),
             ("Earliest acceptable timestamp delay:", f"{low:f}"),
             ("Latest acceptable timestamp delay:", f"{high:f}"),
             ("Late diagnostic update count:", f"{self.late_count}"),

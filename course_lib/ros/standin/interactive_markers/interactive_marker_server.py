@@ -135,11 +135,11 @@ class InteractiveMarkerServer:
         moved.
         """
         with self.mutex:
-            known, update = self.marker_contexts.get(name), self.pending_updates.get(name)
-            if known is None or (update and update.update_type == UpdateContext.FULL_UPDATE):
+            stored, update = self.marker_contexts.get(name), self.pending_updates.get(name)
+            if stored is None or (update and update.update_type == UpdateContext.FULL_UPDATE):
                 return False
             keeps = header is None or not header.frame_id
-            self._set_pose(name, pose, known.int_marker.header if header is None or keeps else header)
+            self._set_pose(name, pose, stored.int_marker.header if header is None or keeps else header)
             return True
 
     def erase(self, name: str) -> bool:
@@ -186,31 +186,31 @@ class InteractiveMarkerServer:
 
     def get(self, name: str) -> InteractiveMarker | None:
         """Return a marker as it will be after `applyChanges`; None if there is none of that name."""
-        update, known = self.pending_updates.get(name), self.marker_contexts.get(name)
+        update, stored = self.pending_updates.get(name), self.marker_contexts.get(name)
         if update and update.update_type == UpdateContext.FULL_UPDATE:
             return update.int_marker
-        if known is None or (update and update.update_type == UpdateContext.ERASE):
+        if stored is None or (update and update.update_type == UpdateContext.ERASE):
             return None
         if update:
-            known.int_marker.pose = update.int_marker.pose
-        return known.int_marker
+            stored.int_marker.pose = update.int_marker.pose
+        return stored.int_marker
 
     def processFeedback(self, feedback: InteractiveMarkerFeedback) -> None:
         """Move the marker as the client requests, call the callback, and publish."""
         with self.mutex:
-            known = self.marker_contexts.get(feedback.marker_name)
-            if known is None:
+            stored = self.marker_contexts.get(feedback.marker_name)
+            if stored is None:
                 return
             now = self.node.get_clock().now()
             # After its feedback, another client has exclusive control of the marker for some time.
-            if now - known.last_feedback < _OWNED and known.last_client_id != feedback.client_id:
+            if now - stored.last_feedback < _OWNED and stored.last_client_id != feedback.client_id:
                 return
-            known.last_feedback, known.last_client_id = now, feedback.client_id
+            stored.last_feedback, stored.last_client_id = now, feedback.client_id
             if feedback.event_type == InteractiveMarkerFeedback.POSE_UPDATE:
-                own = known.int_marker.header
-                header = own if own.stamp == TimeMessage() else feedback.header
+                stored_header = stored.int_marker.header
+                header = stored_header if stored_header.stamp == TimeMessage() else feedback.header
                 self._set_pose(feedback.marker_name, feedback.pose, header)
-        callback = known.callbacks.by_type.get(feedback.event_type, known.callbacks.default)
+        callback = stored.callbacks.by_type.get(feedback.event_type, stored.callbacks.default)
         if callback is not None:
             callback(feedback)
         self.applyChanges()
@@ -237,18 +237,18 @@ class InteractiveMarkerServer:
 
     def _apply(self, message: InteractiveMarkerUpdate, name: str, update: UpdateContext) -> None:
         """Apply one change and add it to the message."""
-        known = self.marker_contexts.get(name)
+        stored = self.marker_contexts.get(name)
         marker = update.int_marker
         if update.update_type == UpdateContext.ERASE:
             if self.marker_contexts.pop(name, None):
                 message.erases.append(name)
         elif update.update_type == UpdateContext.FULL_UPDATE:
-            if known is None:
+            if stored is None:
                 now = self.node.get_clock().now()
-                known = self.marker_contexts[name] = MarkerContext(marker, update.callbacks, now)
-            known.int_marker = marker
+                stored = self.marker_contexts[name] = MarkerContext(marker, update.callbacks, now)
+            stored.int_marker = marker
             message.markers.append(marker)
-        elif known is not None:
-            known.int_marker.pose, known.int_marker.header = marker.pose, marker.header
+        elif stored is not None:
+            stored.int_marker.pose, stored.int_marker.header = marker.pose, marker.header
             pose = InteractiveMarkerPose(header=marker.header, pose=marker.pose, name=name)
             message.poses.append(pose)

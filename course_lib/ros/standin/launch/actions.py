@@ -104,9 +104,9 @@ class ResetLaunchConfigurations(Action):
     def __init__(self, launch_configurations: Mapping[Any, Some] | None = None, **options: Any) -> None:
         def do(context: LaunchContext) -> None:
             pairs = (launch_configurations or {}).items()
-            kept = {text_of(context, name): text_of(context, value) for name, value in pairs}
+            configurations = {text_of(context, name): text_of(context, value) for name, value in pairs}
             context.launch_configurations.clear()
-            context.launch_configurations.update(kept)
+            context.launch_configurations.update(configurations)
 
         super().__init__(do, **options)
 
@@ -206,8 +206,8 @@ def _replace(state: MutableMapping[str, Any], former: Mapping[str, Any]) -> None
 _PACKAGES = {"ros2": "ros2cli", "rviz2": "rviz2", "xacro": "xacro"}
 
 
-def _echo(words: Sequence[str]) -> None:
-    sys.stdout.write(" ".join(words) + "\n")
+def _echo(arguments: Sequence[str]) -> None:
+    sys.stdout.write(" ".join(arguments) + "\n")
 
 
 # Commands that run here, in robot time. They return None, because another value would be the exit
@@ -261,27 +261,34 @@ class ExecuteLocal(Action):
     def _start(self, context: LaunchContext) -> None:
         warn_about_ignored_options(context, self._options)
         react_to_exit(context, self, self._on_exit)
-        words = [text_of(context, part) for part in self.process_description.cmd]
-        program, *rest = shlex.split(words[0]) if len(words) == 1 else words
+        command_texts = [text_of(context, part) for part in self.process_description.cmd]
+        program, *program_arguments = (
+            shlex.split(command_texts[0]) if len(command_texts) == 1 else command_texts
+        )
         name = Path(program).name
         package = name if name.startswith("rqt_") else _PACKAGES.get(name)
-        if name == "ros2" and rest[:1] == ["control"]:
+        if name == "ros2" and program_arguments[:1] == ["control"]:
             # Only ros2_control provides this command, which launch files use to start its
             # controllers.
             raise NotHereError(f"`ros2 control` cannot run here: {why_not_offered('ros2_control')}")
-        if name == "ros2" and rest[:1] == ["run"] and len(rest) > 2:
-            context.runner.start(self, rest[1], rest[2], rest[3:])
+        if name == "ros2" and program_arguments[:1] == ["run"] and len(program_arguments) > 2:
+            context.runner.start(self, program_arguments[1], program_arguments[2], program_arguments[3:])
         elif package is not None:
-            context.runner.start(self, package, name, [*rest, "--ros-args"])
+            context.runner.start(self, package, name, [*program_arguments, "--ros-args"])
         elif name in _COMMANDS:
-            context.runner.start_function(self, name, partial(_COMMANDS[name], rest), rest)
+            context.runner.start_function(
+                self, name, partial(_COMMANDS[name], program_arguments), program_arguments
+            )
         # A path in the form of ExecutableInPackage.
         elif Path(program).parts[-3:-2] == ("lib",):
-            context.runner.start(self, Path(program).parent.name, name, rest)
-        elif name in _PYTHON and rest and not rest[0].startswith("-"):
-            context.runner.start_file(self, Path(rest[0]), rest[1:])
+            context.runner.start(self, Path(program).parent.name, name, program_arguments)
+        elif name in _PYTHON and program_arguments and not program_arguments[0].startswith("-"):
+            context.runner.start_file(self, Path(program_arguments[0]), program_arguments[1:])
         else:
-            command, reason = shlex.join([program, *rest]), why_not_offered(_PROJECTS.get(name, name))
+            command, reason = (
+                shlex.join([program, *program_arguments]),
+                why_not_offered(_PROJECTS.get(name, name)),
+            )
             if reason:
                 raise NotHereError(f"`{command}` cannot run here: {reason}")
             raise NotHereError(
@@ -297,9 +304,9 @@ class ExecuteProcess(ExecuteLocal):
         super().__init__(process_description=Executable(cmd=cmd), **options)
 
 
-def unknown_options(cls: str, options: Mapping[str, Any], known: set[str]) -> None:
+def unknown_options(cls: str, options: Mapping[str, Any], known_names: set[str]) -> None:
     """Raise Python's TypeError for an unknown option."""
-    for unknown in sorted(set(options) - known):
+    for unknown in sorted(set(options) - known_names):
         raise TypeError(f"{cls}.__init__() got an unexpected keyword argument {unknown!r}")
 
 
@@ -387,13 +394,13 @@ class GroupAction(Action):
         self._scoped, self._forwarding = scoped, forwarding
 
     def _open(self, context: LaunchContext) -> list[LaunchDescriptionEntity]:
-        own = [SetLaunchConfiguration(*pair) for pair in self._own.items()]
+        own_settings = [SetLaunchConfiguration(*pair) for pair in self._own.items()]
         if not self._scoped:
-            return [*own, *self.actions]
+            return [*own_settings, *self.actions]
         only_own = [ResetEnvironment(), ResetLaunchConfigurations(self._own)]
         return [
             *(PushLaunchConfigurations(), PushEnvironment()),
-            *(own if self._forwarding else only_own),
+            *(own_settings if self._forwarding else only_own),
             *self.actions,
             *(PopEnvironment(), PopLaunchConfigurations()),
         ]
@@ -521,15 +528,15 @@ def declared(entities: Entities, context: LaunchContext) -> list[DeclareLaunchAr
 
     As in ROS, an included file whose path is unknown before the launch is left out.
     """
-    found: list[DeclareLaunchArgument] = []
+    declarations: list[DeclareLaunchArgument] = []
     for entity in listed(entities):
         if isinstance(entity, DeclareLaunchArgument):
-            found.append(entity)
+            declarations.append(entity)
         elif isinstance(entity, LaunchDescription):
-            found += declared(entity.entities, context)
+            declarations += declared(entity.entities, context)
         elif isinstance(entity, GroupAction | TimerAction):
-            found += declared(entity.actions, context)
+            declarations += declared(entity.actions, context)
         elif isinstance(entity, IncludeLaunchDescription):
             with suppress(SubstitutionFailure, PackageNotFoundError):
-                found += declared(entity.source.get_launch_description(context), context)
-    return found
+                declarations += declared(entity.source.get_launch_description(context), context)
+    return declarations

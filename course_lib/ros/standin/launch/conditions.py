@@ -69,9 +69,9 @@ def as_bool(context: LaunchContext, value: bool | SomeSubstitutionsType) -> bool
         return value
     text = text_of(context, value)
     try:
-        read = {"1": True, "0": False}.get(text, yaml.safe_load(text))
+        parsed = {"1": True, "0": False}.get(text, yaml.safe_load(text))
     except yaml.YAMLError:
-        read = None
-    if not isinstance(read, bool):
+        parsed = None
+    if not isinstance(parsed, bool):
         raise SubstitutionFailure(f"Cannot convert value '{text}' to '{bool}': expected true or false")
-    return read
+    return parsed

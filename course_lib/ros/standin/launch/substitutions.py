@@ -107,10 +107,10 @@ class FindExecutable(Substitution):
     def __init__(self, *, name: Some) -> None:
         def make(context: LaunchContext) -> str:
             program = text_of(context, name)
-            found = shutil.which(program) or (program if program in _PROVIDED else None)
-            if found is None:
+            location = shutil.which(program) or (program if program in _PROVIDED else None)
+            if location is None:
                 raise SubstitutionFailure(f"executable '{program}' not found on the PATH")
-            return found
+            return location
 
         super().__init__(make)
 
@@ -120,20 +120,20 @@ class Command(Substitution):
 
     def __init__(self, command: Some, *, on_stderr: Some = "fail") -> None:
         def make(context: LaunchContext) -> str:
-            words, wanted = shlex.split(text_of(context, command)), text_of(context, on_stderr)
-            if wanted not in _ON_STDERR:
+            arguments, on_stderr_text = shlex.split(text_of(context, command)), text_of(context, on_stderr)
+            if on_stderr_text not in _ON_STDERR:
                 raise SubstitutionFailure(
                     "expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn' or 'capture'"
                 )
-            done = _finished(words)
-            what = "failed" if done.code else "showed stderr output"
-            text = f"executed command {what}. Command: {shlex.join(words)}"
-            text += f"\nCaptured stderr output: {done.errors}"
-            if done.code or (done.errors and wanted == "fail"):
+            result = _finished(arguments)
+            outcome = "failed" if result.code else "showed stderr output"
+            text = f"executed command {outcome}. Command: {shlex.join(arguments)}"
+            text += f"\nCaptured stderr output: {result.errors}"
+            if result.code or (result.errors and on_stderr_text == "fail"):
                 raise SubstitutionFailure(text)
-            if done.errors and wanted == "warn":
+            if result.errors and on_stderr_text == "warn":
                 get_logger().warning(text)
-            return done.output + (done.errors if wanted == "capture" else "")
+            return result.output + (result.errors if on_stderr_text == "capture" else "")
 
         super().__init__(make)
 
@@ -157,8 +157,8 @@ class AnonName(Substitution):
     def __init__(self, name: Some) -> None:
         def make(context: LaunchContext) -> str:
             base = text_of(context, name)
-            words = f"{base}_{socket.gethostname()}_{os.getpid()}_{random.randint(0, sys.maxsize)}"
-            unique = re.sub("[.:-]", "_", words)
+            raw_name = f"{base}_{socket.gethostname()}_{os.getpid()}_{random.randint(0, sys.maxsize)}"
+            unique = re.sub("[.:-]", "_", raw_name)
             return str(context.launch_configurations.setdefault(f"anon{base}", unique))
 
         super().__init__(make)
@@ -192,21 +192,22 @@ class ThisLaunchFileDir(Substitution):
         super().__init__(lambda context: str(Path(context.file).parent))
 
 
-def _finished(words: Sequence[str]) -> ProgramResult:
-    if Path(words[0]).name == "xacro":
-        return run_xacro(words[1:])
-    if Path(words[0]).name == "ros2" and words[1:2] in (["pkg"], ["interface"]):
+def _finished(arguments: Sequence[str]) -> ProgramResult:
+    if Path(arguments[0]).name == "xacro":
+        return run_xacro(arguments[1:])
+    if Path(arguments[0]).name == "ros2" and arguments[1:2] in (["pkg"], ["interface"]):
         # These commands need no nodes, so a process of its own gives the same answer.
-        words = [sys.executable, "-P", "-m", "course_lib", "ros2", *words[1:]]
-    elif Path(words[0]).name == "ros2":
+        arguments = [sys.executable, "-P", "-m", "course_lib", "ros2", *arguments[1:]]
+    elif Path(arguments[0]).name == "ros2":
         raise SubstitutionFailure(
-            f"`{shlex.join(words)}` cannot run here while the launch file is read. Write its output into the "
+            f"`{shlex.join(arguments)}` cannot run here while the launch file is read. Write its "
+            "output into the "
             "file, or run it with ExecuteProcess"
         )
-    if shutil.which(words[0]) is None:
-        raise SubstitutionFailure(f"file not found: {words[0]}")
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    return ProgramResult(done.stdout, done.stderr, done.returncode)
+    if shutil.which(arguments[0]) is None:
+        raise SubstitutionFailure(f"file not found: {arguments[0]}")
+    process = subprocess.run(arguments, capture_output=True, text=True, check=False)
+    return ProgramResult(process.stdout, process.stderr, process.returncode)
 
 
 _TRUE, _FALSE = ("true", "1"), ("false", "0")

@@ -109,9 +109,9 @@ def _add(context: LaunchContext, setting: str, entry: Any) -> None:
 
 def _join_namespaces(outer: str, inner: str) -> str:
     """Join a namespace to an outer one. An absolute namespace replaces the outer one."""
-    whole = inner if inner.startswith("/") or not outer else f"{outer.rstrip('/')}/{inner}"
-    whole = whole.rstrip("/")
-    return f"/{whole}" if whole and not whole.startswith("/") else whole
+    joined = inner if inner.startswith("/") or not outer else f"{outer.rstrip('/')}/{inner}"
+    joined = joined.rstrip("/")
+    return f"/{joined}" if joined and not joined.startswith("/") else joined
 
 
 _EVENT, _SERVICE = "lifecycle_msgs/msg/TransitionEvent", "lifecycle_msgs/srv/ChangeState"
@@ -240,8 +240,8 @@ class Node(Action):
         if isinstance(parameters, Mapping | str):
             raise TypeError(f"Node: parameters={parameters!r}, expected a list: parameters=[{parameters!r}]")
         if isinstance(arguments, str):
-            words = arguments.split()
-            raise TypeError(f"Node: arguments={arguments!r}, expected a list: arguments={words!r}")
+            split_arguments = arguments.split()
+            raise TypeError(f"Node: arguments={arguments!r}, expected a list: arguments={split_arguments!r}")
         unknown_options("Node", options, NO_DIFFERENCE)
         check_values(parameters)
         self._package, self._executable = package, executable
@@ -255,14 +255,14 @@ class Node(Action):
     def _start(self, context: LaunchContext) -> None:
         warn_about_ignored_options(context, self._options)
         react_to_exit(context, self, self._on_exit)
-        executable, given = text_of(context, self._executable), self._given
-        words = [text_of(context, word) for word in self._arguments]
+        executable, common = text_of(context, self._executable), self._given
+        arguments = [text_of(context, word) for word in self._arguments]
         ros_words = [text_of(context, word) for word in self._ros_arguments]
-        words = [*words, "--ros-args", *ros_words, *given.words(context)]
+        arguments = [*arguments, "--ros-args", *ros_words, *common.words(context)]
         if self._package is None:
-            context.runner.start_file(self, Path(executable), words)
+            context.runner.start_file(self, Path(executable), arguments)
         else:
-            context.runner.start(self, text_of(context, self._package), executable, words)
+            context.runner.start(self, text_of(context, self._package), executable, arguments)
 
 
 class LifecycleNode(Node):
@@ -315,8 +315,8 @@ class LifecycleNode(Node):
     def _request(self, context: LaunchContext, link: _LifecycleLink, transition: int) -> None:
         """Request a transition. If the node is not available yet, try again later."""
         if self._is_running and not link.request(transition):
-            again = Action(lambda context: self._request(context, link, transition))
-            context.runner.later(_LOOK, again)
+            retry = Action(lambda context: self._request(context, link, transition))
+            context.runner.later(_LOOK, retry)
 
 
 class ComposableNode:
@@ -353,8 +353,8 @@ class ComposableNode:
         """Start the component unless its condition is false."""
         if self._condition is None or self._condition.evaluate(context):
             package, plugin = text_of(context, self._package), text_of(context, self._plugin)
-            words = ["--ros-args", *self._given.words(context)]
-            context.runner.start_component(action, package, plugin, words)
+            arguments = ["--ros-args", *self._given.words(context)]
+            context.runner.start_component(action, package, plugin, arguments)
 
 
 class LoadComposableNodes(Action):
@@ -427,8 +427,8 @@ class LifecycleTransition(Action):
 
     def _begin(self, context: LaunchContext) -> list[Action]:
         numbers = []
-        for given in self._ids:
-            text = str(given) if isinstance(given, int) else text_of(context, given)
+        for transition_id in self._ids:
+            text = str(transition_id) if isinstance(transition_id, int) else text_of(context, transition_id)
             try:
                 numbers.append(int(text))
             except ValueError as error:

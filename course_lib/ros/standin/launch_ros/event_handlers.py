@@ -24,12 +24,12 @@ class OnStateTransition(BaseEventHandler):
     ) -> None:
         if not isinstance(target_lifecycle_node, LifecycleNode | None):
             raise RuntimeError("OnStateTransition requires a 'LifecycleNode' action as the target")
-        wanted = (target_lifecycle_node, transition, start_state, goal_state)
+        expected = (target_lifecycle_node, transition, start_state, goal_state)
 
         def matches(event: Event) -> bool:
             if not isinstance(event, StateTransition):
                 return False
             there = (event.action, event.transition, event.start_state, event.goal_state)
-            return all(one in (None, other) for one, other in zip(wanted, there, strict=True))
+            return all(one in (None, other) for one, other in zip(expected, there, strict=True))
 
         super().__init__(matcher=matcher or matches, entities=entities, handle_once=handle_once)

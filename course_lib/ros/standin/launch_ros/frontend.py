@@ -48,10 +48,10 @@ def _parsed(value: Any) -> Any:
 
 
 def _inner_parameters(entity: Entity, name: str) -> dict[Any, Any] | None:
-    found = [built(child, _PARAMETER) for child in entity.named(name)]
-    if not all(isinstance(one, dict) for one in found):
+    parameters = [built(child, _PARAMETER) for child in entity.named(name)]
+    if not all(isinstance(one, dict) for one in parameters):
         raise entity.error("a param with 'from' cannot stand in another one")
-    return {key: value for one in found for key, value in one.items()} or None
+    return {key: value for one in parameters for key, value in one.items()} or None
 
 
 def _parameter(

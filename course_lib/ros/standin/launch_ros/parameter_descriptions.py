@@ -139,10 +139,10 @@ def _read(text: str, name: str) -> Any:
     except yaml.YAMLError:
         value = None
     if not isinstance(value, bool | int | float | str | list):
-        shown = repr(text) if len(text) <= _SHOWN else f"{text[:_SHOWN]!r}…"
+        excerpt = repr(text) if len(text) <= _SHOWN else f"{text[:_SHOWN]!r}…"
         raise TypeError(
             f"Unable to parse the value of parameter {name} as yaml. If the parameter is meant to be a "
             "string, try wrapping it in launch_ros.parameter_descriptions.ParameterValue(value, "
-            f"value_type=str). The value is {shown}"
+            f"value_type=str). The value is {excerpt}"
         )
     return value

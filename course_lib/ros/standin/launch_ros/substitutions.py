@@ -47,8 +47,8 @@ class ExecutableInPackage(FindPackagePrefix):
         if context.runner is not None and context.runner.has_executable(package, name):
             return str(INSTALLED.parent / "lib" / package / name)
         prefix = super().perform(context)
-        found = find_package(package)
-        if found is None or name not in found.executables:
+        package_found = find_package(package)
+        if package_found is None or name not in package_found.executables:
             raise SubstitutionFailure(f"executable '{name}' not found on the libexec directory of '{prefix}'")
         return str(Path(prefix) / "lib" / package / name)
 
@@ -58,12 +58,12 @@ class Parameter(Substitution):
 
     def __init__(self, name: SomeSubstitutionsType, *, default: Any = None) -> None:
         def make(context: LaunchContext) -> str:
-            wanted = text_of(context, name)
+            parameter_name = text_of(context, name)
             for entry in context.launch_configurations.get(PARAMETERS, ()):
-                if isinstance(entry, Mapping) and wanted in entry:
-                    return str(entry[wanted])
+                if isinstance(entry, Mapping) and parameter_name in entry:
+                    return str(entry[parameter_name])
             if default is None:
-                raise SubstitutionFailure(f"parameter '{wanted}' not found")
+                raise SubstitutionFailure(f"parameter '{parameter_name}' not found")
             return text_of(context, default if isinstance(default, list | Substitution) else str(default))
 
         super().__init__(make)

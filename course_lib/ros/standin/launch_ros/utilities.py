@@ -38,10 +38,10 @@ def prefix_namespace(base_ns: str | None, ns: str | None) -> str | None:
     if base_ns is None and ns is None:
         return None
     if ns is None:
-        whole = base_ns or ""
+        joined = base_ns or ""
     else:
-        whole = ns if not base_ns or is_namespace_absolute(ns) else f"{base_ns.rstrip('/')}/{ns}"
-    return whole if is_root_namespace(whole) else whole.rstrip("/")
+        joined = ns if not base_ns or is_namespace_absolute(ns) else f"{base_ns.rstrip('/')}/{ns}"
+    return joined if is_root_namespace(joined) else joined.rstrip("/")
 
 
 def normalize_remap_rule(remap_rule: SomeRemapRule) -> RemapRule:
@@ -64,17 +64,17 @@ def normalize_parameters(parameters: SomeParameters) -> Parameters:
     if isinstance(parameters, str) or not isinstance(parameters, Sequence):
         raise TypeError(f"Expecting list of parameters, got {parameters}")
     check_values(parameters)
-    known = (Mapping, Parameter, ParameterFile)
-    return tuple(one if isinstance(one, known) else ParameterFile(one) for one in parameters)
+    parameter_types = (Mapping, Parameter, ParameterFile)
+    return tuple(one if isinstance(one, parameter_types) else ParameterFile(one) for one in parameters)
 
 
 def evaluate_parameters(context: LaunchContext, parameters: Parameters) -> EvaluatedParameters:
     """Return the paths of parameter files, and dictionaries with values by full name."""
-    found: list[Any] = []
+    evaluated: list[Any] = []
     for one in parameters:
         if isinstance(one, Mapping):
             values = flat_values(context, one)
-            found.append({name: tuple(v) if isinstance(v, list) else v for name, v in values})
+            evaluated.append({name: tuple(v) if isinstance(v, list) else v for name, v in values})
         else:
-            found.append(one.evaluate(context) if isinstance(one, ParameterFile) else one)
-    return tuple(found)
+            evaluated.append(one.evaluate(context) if isinstance(one, ParameterFile) else one)
+    return tuple(evaluated)

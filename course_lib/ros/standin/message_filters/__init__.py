@@ -165,8 +165,10 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
             self._keep(msg, stamp, my_queue)
             # For each queue, the stamps within `slop`, the closest first.
             slop_ns = self.slop.nanoseconds
-            near = ([other for other in queue if abs(other - stamp) <= slop_ns] for queue in self.queues)
-            choices = [sorted(stamps, key=lambda other: abs(other - stamp)) for stamps in near]
+            near_stamps = (
+                [other for other in queue if abs(other - stamp) <= slop_ns] for queue in self.queues
+            )
+            choices = [sorted(stamps, key=lambda other: abs(other - stamp)) for stamps in near_stamps]
             if my_queue_index is not None:
                 # A message that is older than a full queue has been dropped.
                 choices[my_queue_index] = [stamp] if stamp in my_queue else []
@@ -182,11 +184,11 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
         if not choices:
             return chosen
         for stamp in choices[0]:
-            both = (*chosen, stamp)
-            if max(both) - min(both) < self.slop.nanoseconds:
-                found = self._together(choices[1:], both)
-                if found is not None:
-                    return found
+            extended = (*chosen, stamp)
+            if max(extended) - min(extended) < self.slop.nanoseconds:
+                match = self._together(choices[1:], extended)
+                if match is not None:
+                    return match
         return None
 
 

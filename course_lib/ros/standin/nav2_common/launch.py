@@ -24,8 +24,8 @@ class ParseMultiRobotPose:
     """
 
     def __init__(self, target_argument: str) -> None:
-        words = (word for word in sys.argv[1:] if word.startswith(f"{target_argument}:="))
-        self._text = next(words, "").removeprefix(f"{target_argument}:=")
+        matching = (word for word in sys.argv[1:] if word.startswith(f"{target_argument}:="))
+        self._text = next(matching, "").removeprefix(f"{target_argument}:=")
 
     def value(self) -> dict[str, dict[str, float]]:
         """Return x, y, z [m], roll, pitch and yaw [rad] of each robot. Missing values are 0."""
@@ -97,10 +97,10 @@ class RewrittenYaml(Substitution):
                 key: _value(text_of(context, text), convert_types) for key, text in param_rewrites.items()
             }
             _rewrite(data, values)
-            others = {key: text_of(context, text) for key, text in (value_rewrites or {}).items()}
+            rewrites = {key: text_of(context, text) for key, text in (value_rewrites or {}).items()}
             for (inside, key), _ in list(_leaves(data, "")):
-                if isinstance(inside[key], str) and inside[key] in others:
-                    inside[key] = _value(others[inside[key]], convert_types)
+                if isinstance(inside[key], str) and inside[key] in rewrites:
+                    inside[key] = _value(rewrites[inside[key]], convert_types)
             names = {key: text_of(context, text) for key, text in (key_rewrites or {}).items()}
             root = text_of(context, root_key or "")
             renamed = _renamed(data, names)

@@ -62,23 +62,23 @@ def init(
     """
     if not isinstance(signal_handler_options, SignalHandlerOptions | None):
         raise TypeError("install_signal_handlers(): incompatible function arguments.")
-    chosen = context or get_default_context()
-    if context is None and chosen.graph.notebook and chosen.is_valid:
+    used_context = context or get_default_context()
+    if context is None and used_context.graph.notebook and used_context.is_valid:
         say("rclpy.init() was already called; everything keeps running.")
-        return InitContextManager(chosen)
+        return InitContextManager(used_context)
     try:
-        chosen.init(args, domain_id=domain_id)
+        used_context.init(args, domain_id=domain_id)
     except RCLError as error:
         if str(error).startswith(NOT_INITIALIZED):
             get_logger("rcl").error("Failed to parse global arguments")
         raise
-    for warning in chosen.arguments.warnings:
+    for warning in used_context.arguments.warnings:
         get_logger("rcl").warning(warning)
     if signal_handler_options is None:
         signal_handler_options = SignalHandlerOptions.ALL if context is None else SignalHandlerOptions.NO
-    if not chosen.graph.notebook:
+    if not used_context.graph.notebook:
         install_signal_handlers(signal_handler_options)
-    return InitContextManager(chosen)
+    return InitContextManager(used_context)
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
@@ -109,22 +109,22 @@ def create_node(node_name: str, **options: Unpack[NodeOptions]) -> Node:
 
 def spin(node: Node, executor: Executor | None = None) -> None:
     """Run the node's callbacks until shutdown or the end of the run; in a cell, until ■ is pressed."""
-    with _with_node(executor, node) as chosen:
-        chosen.spin()
+    with _with_node(executor, node) as used_executor:
+        used_executor.spin()
 
 
 def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
     """Run one callback. Wait for it at most `timeout_sec` [s], without limit if that is None."""
-    with _with_node(executor, node, keep=True) as chosen, chosen._course_beside_live():
-        chosen.spin_once(timeout_sec=timeout_sec)
+    with _with_node(executor, node, keep=True) as used_executor, used_executor._course_beside_live():
+        used_executor.spin_once(timeout_sec=timeout_sec)
 
 
 def spin_until_future_complete(
     node: Node, future: Future[Any], executor: Executor | None = None, timeout_sec: float | None = None
 ) -> None:
     """Run the node's callbacks until a future is done or `timeout_sec` [s] have passed."""
-    with _with_node(executor, node, keep=True) as chosen, chosen._course_beside_live():
-        chosen.spin_until_future_complete(future, timeout_sec)
+    with _with_node(executor, node, keep=True) as used_executor, used_executor._course_beside_live():
+        used_executor.spin_until_future_complete(future, timeout_sec)
 
 
 @contextmanager
@@ -133,13 +133,13 @@ def _with_node(executor: Executor | None, node: Node, *, keep: bool = False) -> 
 
     With `keep`, a node that was there before stays.
     """
-    chosen = executor or get_global_executor()
-    added = chosen.add_node(node)
+    used_executor = executor or get_global_executor()
+    is_new = used_executor.add_node(node)
     try:
-        yield chosen
+        yield used_executor
     finally:
-        if added or not keep:
-            chosen.remove_node(node)
+        if is_new or not keep:
+            used_executor.remove_node(node)
 
 
 def _uninstall(context: Context | None, uninstall_handlers: bool | None) -> None:

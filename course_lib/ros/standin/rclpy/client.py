@@ -64,9 +64,9 @@ class Client(ServiceEnd):
                 "callback has ended. Use call_async() with add_done_callback() or await; or a "
                 "MultiThreadedExecutor, with the client in another callback group."
             )
-        what = f"the response of {self._course_full_name} and {_SPINNER}"
+        awaited = f"the response of {self._course_full_name} and {_SPINNER}"
         with named_when_interrupted(lambda: "" if self.__is_spun() else f"it waited in vain for {_SPINNER}."):
-            wait_until(self._course_node, lambda: not future._pending(), timeout_sec, what)
+            wait_until(self._course_node, lambda: not future._pending(), timeout_sec, awaited)
         if future._pending():
             self.remove_pending_request(future)
             if timeout_sec is None and not self.__is_spun():
@@ -105,10 +105,10 @@ class Client(ServiceEnd):
 
         Return whether it is available.
         """
-        what = f"the service {self._course_full_name}"
+        awaited = f"the service {self._course_full_name}"
         why = "" if timeout_sec is not None else self.__missing_service
         with named_when_interrupted(lambda: why):
-            return wait_for_partner(self._course_node, self._course_is_ready, timeout_sec, what)
+            return wait_for_partner(self._course_node, self._course_is_ready, timeout_sec, awaited)
 
     def _course_is_for_me(self, client: int) -> bool:
         """Return whether a response belongs to a request of this client."""
@@ -148,7 +148,7 @@ class Client(ServiceEnd):
 
 
 def wait_for_partner(
-    node: NodeHandle, is_ready: Callable[[], bool], timeout_sec: float | None, what: str
+    node: NodeHandle, is_ready: Callable[[], bool], timeout_sec: float | None, awaited: str
 ) -> bool:
     """Poll for a partner, at most `timeout_sec` [s], without limit if None.
 
@@ -162,5 +162,5 @@ def wait_for_partner(
         while node.context.ok() and not is_ready():
             if end_ns is not None and graph.now_ns >= end_ns:
                 break
-            time_lock.sleep_until(graph.now_ns + POLL_NS, what)
+            time_lock.sleep_until(graph.now_ns + POLL_NS, awaited)
     return is_ready()

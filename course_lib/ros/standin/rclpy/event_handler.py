@@ -148,8 +148,10 @@ class EventCallbacks:
 
     def bind(self, node: NodeHandle, topic: str, callback_group: CallbackGroup) -> Events:
         """Create the receivers of events. Callbacks run in an executor, warnings are logged directly."""
-        given = {name: getattr(self, name) for name in self._events}
-        callbacks: dict[str, Report] = {name: one for name, one in given.items() if one is not None}
+        handler_by_event = {name: getattr(self, name) for name in self._events}
+        callbacks: dict[str, Report] = {
+            name: one for name, one in handler_by_event.items() if one is not None
+        }
         tell: dict[str, Report] = {}
         handlers: list[EventHandler] = []
         if self.use_default_callbacks:

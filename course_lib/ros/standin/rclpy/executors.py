@@ -239,11 +239,11 @@ class Executor(AbstractContextManager["Executor"]):
     def _course_joined_by(self, nodes: Sequence[HandledNode]) -> Iterator[None]:
         """Run the callbacks of further nodes during the block, in a thread that belongs to the program."""
         with time_lock.hold():
-            added = [node for node in nodes if self.add_node(node)]
+            new_nodes = [node for node in nodes if self.add_node(node)]
             try:
                 yield
             finally:
-                for node in added:
+                for node in new_nodes:
                     self.remove_node(node)
 
     @contextmanager
@@ -292,9 +292,9 @@ class Executor(AbstractContextManager["Executor"]):
                     return ready
                 continue
             can_run = ready.entity.callback_group.can_execute(ready.entity)
-            found = self.__take(ready) if can_run else None
-            if found is not None:
-                return found
+            task = self.__take(ready) if can_run else None
+            if task is not None:
+                return task
         self.__polled = None
         return None
 
@@ -374,8 +374,8 @@ class Executor(AbstractContextManager["Executor"]):
     def __require_context(self, limit_ns: int) -> None:
         """Raise the error that rclpy raises when it starts to wait in a context that was shut down."""
         if not self.context.is_valid:
-            what = "create timer" if limit_ns > 0 else "initialize wait set"
-            raise RCLError(f"failed to {what}: {INVALID_CONTEXT}")
+            operation = "create timer" if limit_ns > 0 else "initialize wait set"
+            raise RCLError(f"failed to {operation}: {INVALID_CONTEXT}")
 
     def wait_for_ready_callbacks(
         self,
@@ -449,9 +449,9 @@ class Executor(AbstractContextManager["Executor"]):
             return self.__next_callback()
         if not self.__round and self.__has_run_tasks:
             self.__has_run_tasks = False
-            found = self.__next_callback()
-            if found is not None:
-                return found
+            next_task = self.__next_callback()
+            if next_task is not None:
+                return next_task
         if not self.__round:
             self.__round = self.__tasks_in_order()
         while self.__round:
@@ -477,9 +477,9 @@ class Executor(AbstractContextManager["Executor"]):
                     first = turn
             if first is None:
                 return None
-            taken = self.__take(first)
-            if taken is not None:
-                return taken
+            task = self.__take(first)
+            if task is not None:
+                return task
 
     def __take(self, turn: Turn) -> Task | None:
         """Return the task for an entity's turn, or None if its event is no longer valid."""
@@ -600,18 +600,18 @@ class _Global:
 
 def get_global_executor() -> Executor:
     """Return the executor that `spin` uses if none is passed."""
-    kept = current_graph().part(_Global)
-    if kept.executor is None or (not kept.executor.context.is_valid and get_default_context().is_valid):
-        kept.executor = SingleThreadedExecutor()
-        kept.executor.context.on_shutdown(_drop_global_executor)
-    return kept.executor
+    holder = current_graph().part(_Global)
+    if holder.executor is None or (not holder.executor.context.is_valid and get_default_context().is_valid):
+        holder.executor = SingleThreadedExecutor()
+        holder.executor.context.on_shutdown(_drop_global_executor)
+    return holder.executor
 
 
 def _drop_global_executor() -> None:
-    kept = current_graph().part(_Global)
-    if kept.executor is not None:
-        kept.executor.shutdown()
-        kept.executor = None
+    holder = current_graph().part(_Global)
+    if holder.executor is not None:
+        holder.executor.shutdown()
+        holder.executor = None
 
 
 def wait_driving_live_nodes(ready: Callable[[], bool], *, seconds: float | None) -> bool:
@@ -627,7 +627,7 @@ def wait_driving_live_nodes(ready: Callable[[], bool], *, seconds: float | None)
     return ready()
 
 
-def wait_until(node: NodeHandle, ready: Callable[[], bool], timeout_sec: float | None, what: str) -> None:
+def wait_until(node: NodeHandle, ready: Callable[[], bool], timeout_sec: float | None, awaited: str) -> None:
     """Wait until `ready()`, at most `timeout_sec` [s].
 
     In a notebook, live nodes run during the wait.
@@ -637,4 +637,4 @@ def wait_until(node: NodeHandle, ready: Callable[[], bool], timeout_sec: float |
         return
     until_ns = None if timeout_sec is None else node.graph.now_ns + round(timeout_sec * 1e9)
     with time_lock.hold():
-        time_lock.wait(ready, until_ns=until_ns, what=what)
+        time_lock.wait(ready, until_ns=until_ns, what=awaited)

@@ -174,8 +174,10 @@ class Node:
         self.__parameter_store = ParameterStore(self.handle.full_name, self.__clock, events, overrides)
         self.__allow_undeclared_parameters = allow_undeclared_parameters
         if automatically_declare_parameters_from_overrides:
-            given = [(name, parameter.value, ParameterDescriptor()) for name, parameter in overrides.items()]
-            self.declare_parameters("", given, ignore_override=True)
+            declarations = [
+                (name, parameter.value, ParameterDescriptor()) for name, parameter in overrides.items()
+            ]
+            self.declare_parameters("", declarations, ignore_override=True)
         self.__time_source = TimeSource(node=self)
         self.__time_source.attach_clock(self.__clock)
         if start_parameter_services:
@@ -338,8 +340,8 @@ class Node:
 
     def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
         """Wait at most `timeout` [s] for a node. Return whether it exists."""
-        wanted, until = f"/{fully_qualified_node_name.removeprefix('/')}", time.time() + timeout
-        while wanted not in self.get_fully_qualified_node_names():
+        full_name, until = f"/{fully_qualified_node_name.removeprefix('/')}", time.time() + timeout
+        while full_name not in self.get_fully_qualified_node_names():
             if time.time() >= until:
                 return False
             time.sleep(_LOOK)
@@ -462,8 +464,10 @@ class Node:
         require_type(msg_type, "message")
         profile = self.__overridden_profile("publisher", full_topic, qos_profile, qos_overriding_options)
         claim_topic(node, "publisher", full_topic, type_name(msg_type))
-        added = node.graph.add_publisher(node.id, full_topic, type_name(msg_type), to_qos(profile, "pub"))
-        publisher = publisher_class(Endpoint(node, added, full_topic), msg_type, topic, profile)
+        publisher_id = node.graph.add_publisher(
+            node.id, full_topic, type_name(msg_type), to_qos(profile, "pub")
+        )
+        publisher = publisher_class(Endpoint(node, publisher_id, full_topic), msg_type, topic, profile)
         self.__keep_endpoint(publisher, events or PublisherEventCallbacks(), group)
         return publisher
 

@@ -32,8 +32,8 @@ class Parameter:
                 if kind.check(parameter_value):
                     return kind
             is_list = isinstance(parameter_value, (list, tuple, array.array))
-            what = "a list of one" if is_list else "one"
-            raise TypeError(f"The given value is not {what} of the allowed types '{parameter_value}'.")
+            expected = "a list of one" if is_list else "one"
+            raise TypeError(f"The given value is not {expected} of the allowed types '{parameter_value}'.")
 
         def check(self, parameter_value: object) -> bool:
             """Return whether a value is of this type."""
@@ -162,9 +162,9 @@ def parameter_dict_from_yaml_file(
         raise RuntimeError(
             f"Param file does not contain parameters for {missing[0]},only for nodes: {list(nodes)} "
         )
-    wanted = ["/**"] if use_wildcard and "/**" in nodes else []
-    wanted += target_nodes or [name for name in nodes if name != "/**"]
-    if not wanted:
+    selected_nodes = ["/**"] if use_wildcard and "/**" in nodes else []
+    selected_nodes += target_nodes or [name for name in nodes if name != "/**"]
+    if not selected_nodes:
         raise RuntimeError("Param file does not contain selected parameters")
-    values = {f"{namespace}{name}": value for node in wanted for name, value in nodes[node].items()}
+    values = {f"{namespace}{name}": value for node in selected_nodes for name, value in nodes[node].items()}
     return {name: Parameter(name, value=value).to_parameter_msg() for name, value in values.items()}

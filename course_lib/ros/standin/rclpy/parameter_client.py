@@ -69,8 +69,8 @@ class AsyncParameterClient:
 
         Return whether they are available.
         """
-        what = f"the parameters of {self.remote_node_name}"
-        return wait_for_partner(self.node.handle, self.__are_ready, timeout_sec, what)
+        awaited = f"the parameters of {self.remote_node_name}"
+        return wait_for_partner(self.node.handle, self.__are_ready, timeout_sec, awaited)
 
     def list_parameters(
         self, prefixes: list[str] | None = None, depth: int | None = None, callback: OnDone | None = None

@@ -92,14 +92,14 @@ class ParameterEventHandler:
         event: ParameterEvent, parameter_name: str, node_name: str
     ) -> ParameterMsg | None:
         """Return a parameter that an event reports as new or changed, or None."""
-        found = ParameterEventHandler.get_parameters_from_event(event)
-        same = (one for one in found if one.name == parameter_name and event.node == node_name)
+        parameters = ParameterEventHandler.get_parameters_from_event(event)
+        same = (one for one in parameters if one.name == parameter_name and event.node == node_name)
         return next(same, None)
 
     def __on_event(self, event: ParameterEvent) -> None:
         for handle in [one for one in self.__handles if isinstance(one, ParameterCallbackHandle)]:
-            found = self.get_parameter_from_event(event, handle.parameter_name, handle.node_name)
-            if found is not None:
-                handle.callback(found)
+            parameter = self.get_parameter_from_event(event, handle.parameter_name, handle.node_name)
+            if parameter is not None:
+                handle.callback(parameter)
         for every in [one for one in self.__handles if isinstance(one, ParameterEventCallbackHandle)]:
             every.callback(event)

@@ -72,16 +72,21 @@ def qos_check_compatible(publisher_qos: Any, subscription_qos: Any) -> tuple[QoS
 
 def _doubts(publisher: Any, subscription: Any) -> Iterator[str]:
     for policy, (requested, of_publisher, offered, of_subscription) in _DOUBTS.items():
-        ours, theirs = getattr(publisher, policy).name, getattr(subscription, policy).name
-        if ours in _OPEN and theirs in _OPEN:
+        publisher_value, subscription_value = (
+            getattr(publisher, policy).name,
+            getattr(subscription, policy).name,
+        )
+        if publisher_value in _OPEN and subscription_value in _OPEN:
             # This misspelling is ROS's own.
             spelled = "durabilty" if policy == "durability" else policy
-            both = f"is {ours.lower()} and subscription {policy} is {theirs.lower()}"
-            yield f"Publisher {spelled} {both}"
-        elif ours in _OPEN and theirs == requested:
-            yield of_publisher.format(ours.lower())
-        elif ours == offered and theirs in _OPEN:
-            yield of_subscription.format(theirs.lower())
+            description = (
+                f"is {publisher_value.lower()} and subscription {policy} is {subscription_value.lower()}"
+            )
+            yield f"Publisher {spelled} {description}"
+        elif publisher_value in _OPEN and subscription_value == requested:
+            yield of_publisher.format(publisher_value.lower())
+        elif publisher_value == offered and subscription_value in _OPEN:
+            yield of_subscription.format(subscription_value.lower())
 
 
 def _errors(publisher: Any, subscription: Any) -> Iterator[str]:
@@ -122,8 +127,8 @@ class _DeprecatedAlias:
         self._name, self._deprecated = name, deprecated
 
     def __get__(self, instance: object, policy: "type[QoSPolicyEnum]") -> "QoSPolicyEnum":
-        old, new = (f"{policy.__name__}.{name}" for name in (self._deprecated, self._name))
-        warnings.warn(f"{old} is deprecated. Use {new} instead.", stacklevel=2)
+        old_name, new = (f"{policy.__name__}.{name}" for name in (self._deprecated, self._name))
+        warnings.warn(f"{old_name} is deprecated. Use {new} instead.", stacklevel=2)
         return policy[self._name]
 
 
@@ -257,10 +262,10 @@ class QoSProfile:
         if name not in _DEFAULTS:
             raise AttributeError(f"'QoSProfile' object has no attribute '{name}'")
         policy = POLICIES.get(name)
-        wanted = int if policy else type(_DEFAULTS.get(name))
-        if not isinstance(value, wanted):
+        expected_type = int if policy else type(_DEFAULTS.get(name))
+        if not isinstance(value, expected_type):
             raise AssertionError(
-                f"The '{name}' of a QoSProfile must be {(policy or wanted).__name__}: {value!r}"
+                f"The '{name}' of a QoSProfile must be {(policy or expected_type).__name__}: {value!r}"
             )
         if name == "depth" and value == 0 and self.history == HistoryPolicy.KEEP_LAST:
             warnings.warn(

@@ -45,15 +45,20 @@ class ServiceEnd(Entity):
         names = [f"{prefix}{full_name}{suffix}" for prefix, suffix in SERVICE_TOPICS]
         types = [type_name(part) for part in (srv_type.Request, srv_type.Response)]
         claim_service(node, "client" if asks else "service", full_name, types[0])
-        sent, received = (0, 1) if asks else (1, 0)
-        offered, wanted = to_qos(qos_profile, "pub"), to_qos(qos_profile, "sub")
-        self._course_id = graph.add_publisher(node.id, names[sent], types[sent], offered)
+        sent_index, received_index = (0, 1) if asks else (1, 0)
+        offered_qos, requested_qos = to_qos(qos_profile, "pub"), to_qos(qos_profile, "sub")
+        self._course_id = graph.add_publisher(node.id, names[sent_index], types[sent_index], offered_qos)
         received_id = graph.add_subscription(
-            node.id, self._course_entity, names[received], types[received], wanted, self.__receive
+            node.id,
+            self._course_entity,
+            names[received_index],
+            types[received_index],
+            requested_qos,
+            self.__receive,
         )
         self.__ends = (
-            Endpoint(node, self._course_id, names[sent]),
-            Endpoint(node, received_id, names[received]),
+            Endpoint(node, self._course_id, names[sent_index]),
+            Endpoint(node, received_id, names[received_index]),
         )
         self.__ends[0].claimed = f"rq{full_name}"
         self._course_queue: deque[tuple[int, int, bytes]] = deque()

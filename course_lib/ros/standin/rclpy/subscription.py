@@ -49,10 +49,10 @@ class Subscription(Entity, TopicEnd[MsgT]):
         self.__queue: deque[tuple[bytes, int, int]] = deque()
         qos = to_qos(qos_profile, "sub")
         self.__capacity = qos.depth if qos.history == "keep_last" else None
-        added = node.graph.add_subscription(
+        subscription_id = node.graph.add_subscription(
             node.id, self._course_entity, full_topic, type_name(msg_type), qos, self.__receive
         )
-        TopicEnd.__init__(self, Endpoint(node, added, full_topic), msg_type, topic, qos_profile)
+        TopicEnd.__init__(self, Endpoint(node, subscription_id, full_topic), msg_type, topic, qos_profile)
 
     def _course_is_ready(self) -> bool:
         """Return whether a received message waits for the callback."""

@@ -238,10 +238,10 @@ class Rate:
             )
 
         def wakes() -> bool:
-            ended = self._is_destroyed or self._timer._course_is_destroyed or self.__context.is_shut_down
-            return ended or self.__has_ticked
+            is_over = self._is_destroyed or self._timer._course_is_destroyed or self.__context.is_shut_down
+            return is_over or self.__has_ticked
 
-        what = "a rate's next tick, for which another thread has to spin the node"
+        awaited = "a rate's next tick, for which another thread has to spin the node"
         node, sleeper = self._timer._course_node, threading.get_ident()
         overdue_ns = node.graph.now_ns + 2 * self._timer.timer_period_ns + _OVERDUE_NS
         reminder = node.graph.call_at(
@@ -250,7 +250,7 @@ class Rate:
         self.__sleepers += 1
         try:
             with time_lock.hold():
-                time_lock.wait(wakes, until_ns=None, what=what)
+                time_lock.wait(wakes, until_ns=None, what=awaited)
         except KeyboardInterrupt:
             self.__remind(sleeper)
             raise

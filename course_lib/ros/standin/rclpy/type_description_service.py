@@ -30,11 +30,11 @@ class TypeDescriptionService:
             )
             node.declare_parameter(name, True, about)
         self.enabled = False
-        chosen = node.get_parameter(name)
-        if chosen.type_ is Parameter.Type.BOOL:
-            self.enabled = chosen.value
-        elif chosen.type_ is not Parameter.Type.NOT_SET:
-            reason = f"Invalid type for parameter '{name}' {chosen.type_!r} should be bool"
+        parameter = node.get_parameter(name)
+        if parameter.type_ is Parameter.Type.BOOL:
+            self.enabled = parameter.value
+        elif parameter.type_ is not Parameter.Type.NOT_SET:
+            reason = f"Invalid type for parameter '{name}' {parameter.type_!r} should be bool"
             get_logger(node.handle.logger_name).error(reason)
         if self.enabled:
             node.create_service(GetTypeDescription, f"{node.handle.name}/get_type_description", self.__answer)
@@ -53,17 +53,17 @@ class TypeDescriptionService:
         if name is None:
             response.failure_reason = "Type not currently in use by this node"
             return response
-        first, *others = describe_type(name).values()
+        first, *referenced = describe_type(name).values()
         response.type_description.type_description = _individual(first)
-        others.sort(key=lambda one: one["type_name"])
-        response.type_description.referenced_type_descriptions = [_individual(one) for one in others]
+        referenced.sort(key=lambda one: one["type_name"])
+        response.type_description.referenced_type_descriptions = [_individual(one) for one in referenced]
         if request.include_type_sources:
-            for used in (one["type_name"] for one in (first, *others)):
+            for type_name in (one["type_name"] for one in (first, *referenced)):
                 # Service types and their events are not defined by a message's file.
-                if used in field_definitions() and not used.endswith(EVENT_PART):
+                if type_name in field_definitions() and not type_name.endswith(EVENT_PART):
                     # The definition without comments and nested types.
-                    text = typestore().generate_msgdef(used)[0].partition("=" * 80)[0]
-                    source = TypeSource(type_name=used, encoding="msg", raw_file_contents=text)
+                    text = typestore().generate_msgdef(type_name)[0].partition("=" * 80)[0]
+                    source = TypeSource(type_name=type_name, encoding="msg", raw_file_contents=text)
                     response.type_sources.append(source)
         response.successful = True
         return response
@@ -71,8 +71,8 @@ class TypeDescriptionService:
     def __used(self) -> dict[str, str]:
         """Return the types of the node's endpoints by their hashes."""
         handle = self._node.handle
-        mine = (info for info in handle.graph.endpoints() if info.node == handle.id)
-        names = {info.type_name if info.service is None else info.service[1] for info in mine}
+        endpoints = (info for info in handle.graph.endpoints() if info.node == handle.id)
+        names = {info.type_name if info.service is None else info.service[1] for info in endpoints}
         return {type_hash(name): name for name in sorted(names)}
 
 

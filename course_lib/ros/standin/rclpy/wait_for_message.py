@@ -17,18 +17,18 @@ def wait_for_message(
     """
     if not node.context.is_valid:
         raise RCLError(f"failed to initialize wait set: {INVALID_CONTEXT}")
-    received: list[Any] = []
-    subscription = node.create_subscription(msg_type, topic, received.append, qos_profile)
+    messages: list[Any] = []
+    subscription = node.create_subscription(msg_type, topic, messages.append, qos_profile)
 
     def is_there() -> bool:
-        return bool(received) or subscription._course_is_ready()
+        return bool(messages) or subscription._course_is_ready()
 
     try:
         limit = None if time_to_wait < 0 else time_to_wait
         wait_until(node.handle, is_there, limit, f"a message on {subscription.topic_name}")
-        take = None if received else subscription._course_take()
+        take = None if messages else subscription._course_take()
         if take is not None:
             take()
-        return bool(received), received[0] if received else None
+        return bool(messages), messages[0] if messages else None
     finally:
         node.destroy_subscription(subscription)

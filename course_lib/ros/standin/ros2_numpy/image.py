@@ -21,8 +21,8 @@ def image_to_numpy(msg: Image) -> NDArray[Any]:
     dtype, channels = _format_of(msg.encoding)
     dtype = dtype.newbyteorder(">" if msg.is_bigendian else "<")
     rows = np.frombuffer(bytes(msg.data), np.uint8).reshape(msg.height, msg.step)
-    used = np.ascontiguousarray(rows[:, : msg.width * channels * dtype.itemsize])
-    pixels = used.view(dtype).reshape(msg.height, msg.width, channels)
+    image_bytes = np.ascontiguousarray(rows[:, : msg.width * channels * dtype.itemsize])
+    pixels = image_bytes.view(dtype).reshape(msg.height, msg.width, channels)
     return pixels[..., 0] if channels == 1 else pixels
 
 
@@ -56,7 +56,7 @@ def numpy_to_image(arr: Any, encoding: str) -> Image:
 
 def _format_of(encoding: str) -> tuple["np.dtype[Any]", int]:
     try:
-        found = encoding_of(encoding)
+        parsed = encoding_of(encoding)
     except RuntimeError as error:
         raise TypeError(f"Unrecognized encoding {encoding}") from error
-    return found.dtype, found.channels
+    return parsed.dtype, parsed.channels

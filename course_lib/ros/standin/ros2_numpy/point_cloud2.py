@@ -25,8 +25,8 @@ class CloudArray(np.ndarray[Any, np.dtype[Any]]):
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, str) and key == "xyz" and "xyz" not in (self.dtype.names or ()):
             return get_xyz_points(np.asarray(self), remove_nans=False)
-        found = super().__getitem__(key)
-        return np.asarray(found) if isinstance(key, str) else found
+        item = super().__getitem__(key)
+        return np.asarray(item) if isinstance(key, str) else item
 
 
 @converts_to_numpy(PointCloud2)
@@ -39,8 +39,8 @@ def pointcloud2_to_array(cloud_msg: PointCloud2, squeeze: bool = True) -> CloudA
     dtype = dtype.newbyteorder(">" if cloud_msg.is_bigendian else "<")
     rows = np.frombuffer(bytes(cloud_msg.data), np.uint8)
     rows = rows.reshape(cloud_msg.height, cloud_msg.row_step or cloud_msg.width * cloud_msg.point_step)
-    used = np.ascontiguousarray(rows[:, : cloud_msg.width * cloud_msg.point_step])
-    points = used.view(dtype).reshape(cloud_msg.height, cloud_msg.width)
+    point_bytes = np.ascontiguousarray(rows[:, : cloud_msg.width * cloud_msg.point_step])
+    points = point_bytes.view(dtype).reshape(cloud_msg.height, cloud_msg.width)
     return (points[0] if squeeze and cloud_msg.height == 1 else points).view(CloudArray)
 
 
@@ -123,14 +123,14 @@ def pointcloud2_to_xyz_array(cloud_msg: PointCloud2, remove_nans: bool = True) -
 
 def split_rgb_field(cloud_arr: Any) -> NDArray[Any]:
     """Return a copy in which the uint8 fields r, g and b replace the field rgb."""
-    packed = np.ascontiguousarray(cloud_arr["rgb"]).view(np.uint32)
+    packed_colors = np.ascontiguousarray(cloud_arr["rgb"]).view(np.uint32)
     names = [name for name in cloud_arr.dtype.names if name != "rgb"]
     kinds = [(name, cloud_arr.dtype[name]) for name in names] + [(name, np.uint8) for name in "rgb"]
     split = np.zeros(cloud_arr.shape, dtype=kinds)
     for name in names:
         split[name] = cloud_arr[name]
     for name, shift in (("r", 16), ("g", 8), ("b", 0)):
-        split[name] = (packed >> shift) & 255
+        split[name] = (packed_colors >> shift) & 255
     return split
 
 
@@ -146,8 +146,8 @@ def merge_rgb_fields(cloud_arr: Any) -> NDArray[Any]:
         np.asarray(cloud_arr[name]).astype(np.uint32) << shift
         for name, shift in zip("rgb", (16, 8, 0), strict=True)
     ]
-    packed = shifted[0] | shifted[1] | shifted[2]
-    merged["rgb"] = packed.view(np.float32)
+    packed_colors = shifted[0] | shifted[1] | shifted[2]
+    merged["rgb"] = packed_colors.view(np.float32)
     # numpy's type stubs support one element type only.
     return merged  # type: ignore[no-any-return]
 
@@ -159,8 +159,8 @@ def _structured(parts: Mapping[str, Any]) -> NDArray[Any]:
     split = {name: xyz[:, column] for column, name in enumerate("xyz")}
     if "rgb" in parts:
         r, g, b = np.asarray(parts["rgb"]).reshape(-1, 3).astype(np.uint32).T
-        packed: Any = (r << 16) | (g << 8) | b
-        split["rgb"] = packed
+        packed_colors: Any = (r << 16) | (g << 8) | b
+        split["rgb"] = packed_colors
     if "intensity" in parts:
         split["intensity"] = np.asarray(parts["intensity"], dtype=np.float32).ravel()
     points = np.zeros(len(xyz), dtype=[(name, values.dtype) for name, values in split.items()])

@@ -65,9 +65,9 @@ def metadata(folder: Path, recording: Recording) -> BagMetadata:
 
 def topics(folder: Path, recording: Recording) -> list[TopicInformation]:
     """List the topics of a bag, including topics without messages."""
-    offered = {(topic.name, topic.type_name): list(topic.offered) for topic in recording.topics()}
+    offered_qos = {(topic.name, topic.type_name): list(topic.offered) for topic in recording.topics()}
     counts = topic_counts(bag_metadata(folder), recording)
     return [
-        TopicInformation(TopicMetadata(number, name, kind, "cdr", offered.get((name, kind), [])), count)
+        TopicInformation(TopicMetadata(number, name, kind, "cdr", offered_qos.get((name, kind), [])), count)
         for number, ((name, kind), count) in enumerate(counts.items(), start=1)
     ]

@@ -105,9 +105,11 @@ def get_registered_readers() -> set[str]:
     return set(STORAGES)
 
 
-def _is_selected(chosen: StorageFilter, topic: str) -> bool:
-    names = [*chosen.topics, *chosen.services_events]
-    is_included = topic in names or bool(chosen.regex and re.search(chosen.regex, topic))
-    is_excluded = topic in [*chosen.exclude_topics, *chosen.exclude_service_events]
-    is_excluded = is_excluded or bool(chosen.regex_to_exclude and re.search(chosen.regex_to_exclude, topic))
-    return (is_included or not (names or chosen.regex)) and not is_excluded
+def _is_selected(storage_filter: StorageFilter, topic: str) -> bool:
+    names = [*storage_filter.topics, *storage_filter.services_events]
+    is_included = topic in names or bool(storage_filter.regex and re.search(storage_filter.regex, topic))
+    is_excluded = topic in [*storage_filter.exclude_topics, *storage_filter.exclude_service_events]
+    is_excluded = is_excluded or bool(
+        storage_filter.regex_to_exclude and re.search(storage_filter.regex_to_exclude, topic)
+    )
+    return (is_included or not (names or storage_filter.regex)) and not is_excluded

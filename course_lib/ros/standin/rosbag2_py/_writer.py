@@ -87,7 +87,7 @@ class SequentialWriter:
             return
         if self._options.snapshot_mode:
             self._cache.append((topic_name, message, time_stamp))
-            size = sum(len(kept) for _, kept, _ in self._cache)
+            size = sum(len(data_cached) for _, data_cached, _ in self._cache)
             while size > self._options.max_cache_size:
                 size -= len(self._cache.popleft()[1])
             return

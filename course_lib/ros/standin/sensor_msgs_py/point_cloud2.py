@@ -41,8 +41,10 @@ def read_points(
     points = np.ndarray(shape=(cloud.width * cloud.height,), dtype=kind, buffer=cloud.data)
     if field_names is not None:
         names = list(field_names)
-        known = points.dtype.names or ()
-        assert all(name in known for name in names), "Requests field is not in the fields of the PointCloud!"
+        available_names = points.dtype.names or ()
+        assert all(name in available_names for name in names), (
+            "Requests field is not in the fields of the PointCloud!"
+        )
         points = points[names]
     if cloud.is_bigendian != (sys.byteorder != "little"):
         points = points.byteswap()
@@ -109,29 +111,29 @@ def create_cloud(
     """Create a cloud from an array (points, fields), a structured array, or rows of values."""
     kind = dtype_from_fields(fields, point_step)
     if not isinstance(points, np.ndarray):
-        packed = np.array([tuple(point) for point in points], dtype=kind)
+        structured = np.array([tuple(point) for point in points], dtype=kind)
     elif points.dtype.names is None:
         same = all(field.datatype == fields[0].datatype for field in fields[1:])
         assert same, "All fields need to have the same datatype. Pass a structured NumPy array otherwise."
-        packed = unstructured_to_structured(points, dtype=kind)
+        structured = unstructured_to_structured(points, dtype=kind)
     else:
         assert points.dtype == kind, (
             "PointFields and structured NumPy array dtype do not match for all fields! Check their "
             "field order, names and types."
         )
-        packed = points
-    assert packed.ndim <= 2, "Too many dimensions for organized cloud!"
+        structured = points
+    assert structured.ndim <= 2, "Too many dimensions for organized cloud!"
     cloud = PointCloud2(
         header=header,
-        height=packed.shape[1] if packed.ndim == 2 else 1,
-        width=packed.shape[0],
+        height=structured.shape[1] if structured.ndim == 2 else 1,
+        width=structured.shape[0],
         is_dense=False,
         is_bigendian=sys.byteorder != "little",
         fields=list(fields),
-        point_step=packed.dtype.itemsize,
-        row_step=packed.dtype.itemsize * packed.shape[0],
+        point_step=structured.dtype.itemsize,
+        row_step=structured.dtype.itemsize * structured.shape[0],
     )
-    cloud.data = array("B", packed.tobytes())
+    cloud.data = array("B", structured.tobytes())
     return cloud
 
 

@@ -49,8 +49,8 @@ def do_transform_pose(pose: Pose, transform: TransformStamped) -> Pose:
 
     Its quaternion has w >= 0.
     """
-    (x, y, z), turned = _placed(transform, pose.position, pose.orientation)
-    qx, qy, qz, qw = turned if turned[3] >= 0 else (-part for part in turned)
+    (x, y, z), rotation = _placed(transform, pose.position, pose.orientation)
+    qx, qy, qz, qw = rotation if rotation[3] >= 0 else (-part for part in rotation)
     return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
 
 
@@ -79,8 +79,8 @@ def do_transform_polygon_stamped(polygon: PolygonStamped, transform: TransformSt
 def transform_covariance(cov_in: Floats, transform: TransformStamped) -> Floats:
     """Transform a covariance of (x, y, z, rotation about x, y, z) to the parent frame, shape (36,)."""
     turn = Transform.from_message(transform).matrix()[:3, :3]
-    both = np.kron(np.eye(2), turn)
-    covariance: Floats = both @ np.reshape(cov_in, (6, 6)) @ both.T
+    block_rotation = np.kron(np.eye(2), turn)
+    covariance: Floats = block_rotation @ np.reshape(cov_in, (6, 6)) @ block_rotation.T
     return covariance.reshape(36)
 
 

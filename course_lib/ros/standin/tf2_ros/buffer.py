@@ -70,9 +70,9 @@ class Buffer(BufferInterface):
 
         Wait for it at most `timeout`.
         """
-        asked = target_frame, source_frame, _ns(time)
-        self._wait(lambda: self._core.can_transform(*asked), timeout)
-        return _message(self._core.lookup(*asked))
+        query = target_frame, source_frame, _ns(time)
+        self._wait(lambda: self._core.can_transform(*query), timeout)
+        return _message(self._core.lookup(*query))
 
     def lookup_transform_full(
         self,
@@ -84,9 +84,9 @@ class Buffer(BufferInterface):
         timeout: Duration = NO_WAIT,
     ) -> TransformStamped:
         """Return the transform between two frames at two times, via a fixed frame."""
-        asked = target_frame, _ns(target_time), source_frame, _ns(source_time), fixed_frame
-        self._wait(lambda: self._core.can_transform_full(*asked), timeout)
-        return _message(self._core.lookup_full(*asked))
+        query = target_frame, _ns(target_time), source_frame, _ns(source_time), fixed_frame
+        self._wait(lambda: self._core.can_transform_full(*query), timeout)
+        return _message(self._core.lookup_full(*query))
 
     def can_transform(
         self,
@@ -97,8 +97,8 @@ class Buffer(BufferInterface):
         return_debug_tuple: bool = False,
     ) -> Any:
         """Return whether a lookup would succeed; with `return_debug_tuple` also the reason if not."""
-        asked = target_frame, source_frame, _ns(time)
-        problem = self._wait(lambda: self._core.can_transform(*asked), timeout)
+        query = target_frame, source_frame, _ns(time)
+        problem = self._wait(lambda: self._core.can_transform(*query), timeout)
         time_lock.poll()
         return (problem is None, problem or "") if return_debug_tuple else problem is None
 
@@ -106,12 +106,12 @@ class Buffer(BufferInterface):
         self, target_frame: str, source_frame: str, time: AnyTime
     ) -> Future[TransformStamped]:
         """Return a future that is done when the transform is available."""
-        asked = target_frame, source_frame, _ns(time)
+        query = target_frame, source_frame, _ns(time)
         future: Future[TransformStamped] = Future()
 
         def look() -> None:
-            if future._pending() and self._core.can_transform(*asked) is None:
-                future.set_result(_message(self._core.lookup(*asked)))
+            if future._pending() and self._core.can_transform(*query) is None:
+                future.set_result(_message(self._core.lookup(*query)))
 
         self._on_new_data[look] = None
         future.add_done_callback(lambda _: self._on_new_data.pop(look))
@@ -171,8 +171,8 @@ class Buffer(BufferInterface):
             else:
                 until_ns = graph.now_ns + timeout.nanoseconds
                 with time_lock.hold():
-                    what = "a transform, for which another thread has to spin the listener's node"
-                    time_lock.wait(lambda: ask() is None, until_ns=until_ns, what=what)
+                    awaited = "a transform, for which another thread has to spin the listener's node"
+                    time_lock.wait(lambda: ask() is None, until_ns=until_ns, what=awaited)
         return ask()
 
 
@@ -184,13 +184,13 @@ def _ns(time: AnyTime) -> int:
     raise TypeError("time must have sec and nanosec, or nanoseconds.")
 
 
-def _message(found: tf2.Transform) -> TransformStamped:
-    seconds, nanoseconds = divmod(found.stamp_ns, 10**9)
-    (x, y, z), (qx, qy, qz, qw) = found.pose
+def _message(transform: tf2.Transform) -> TransformStamped:
+    seconds, nanoseconds = divmod(transform.stamp_ns, 10**9)
+    (x, y, z), (qx, qy, qz, qw) = transform.pose
     return TransformStamped(
         header=Header(
-            stamp=builtin_interfaces.msg.Time(sec=seconds, nanosec=nanoseconds), frame_id=found.parent
+            stamp=builtin_interfaces.msg.Time(sec=seconds, nanosec=nanoseconds), frame_id=transform.parent
         ),
-        child_frame_id=found.child,
+        child_frame_id=transform.child,
         transform=Transform(translation=Vector3(x=x, y=y, z=z), rotation=Quaternion(x=qx, y=qy, z=qz, w=qw)),
     )

@@ -129,6 +129,6 @@ class BufferInterface:
         """
         do_transform = TransformRegistration().get(type(object_stamped))
         header: Header = getattr(object_stamped, "header")  # noqa: B009  # Obj is any type with a header
-        found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
-        carried: Obj = do_transform(object_stamped, found)
-        return carried
+        transform = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
+        transformed: Obj = do_transform(object_stamped, transform)
+        return transformed

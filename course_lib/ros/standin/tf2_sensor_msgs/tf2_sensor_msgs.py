@@ -19,8 +19,8 @@ def transform_points(point_cloud: Any, transform: Transform) -> Matrix:
     """Transform points, shape (N, 3), to the parent frame of the transform."""
     shift, turn = transform.translation, transform.rotation
     rotation = quat2mat((turn.w, turn.x, turn.y, turn.z))
-    placed: Matrix = point_cloud @ rotation.T + (shift.x, shift.y, shift.z)
-    return placed
+    transformed: Matrix = point_cloud @ rotation.T + (shift.x, shift.y, shift.z)
+    return transformed
 
 
 def do_transform_cloud(cloud: PointCloud2, transform: Transform | TransformStamped) -> PointCloud2:
@@ -34,9 +34,9 @@ def do_transform_cloud(cloud: PointCloud2, transform: Transform | TransformStamp
     present = {field.name for field in cloud.fields}
     assert present.issuperset(_XYZ), "Point cloud needs the fields x, y, and z for the transformation"
     points = read_points(cloud).copy()
-    placed = transform_points(structured_to_unstructured(points[_XYZ]), transform)
+    transformed = transform_points(structured_to_unstructured(points[_XYZ]), transform)
     for column, name in enumerate(_XYZ):
-        points[name] = placed[:, column]
+        points[name] = transformed[:, column]
     return create_cloud(header, cloud.fields, points, cloud.point_step)
 
 

@@ -132,12 +132,12 @@ def built(entity: Entity, element: Element) -> Any:
 
 
 def _condition(entity: Entity) -> Condition | None:
-    chosen = {name: entity.get(name) for name in ("if", "unless")}
-    if None not in chosen.values():
+    conditions = {name: entity.get(name) for name in ("if", "unless")}
+    if None not in conditions.values():
         raise entity.error("if and unless conditions can't be used simultaneously")
-    if chosen["if"] is not None:
-        return IfCondition(parse_substitution(chosen["if"]))
-    return None if chosen["unless"] is None else UnlessCondition(parse_substitution(chosen["unless"]))
+    if conditions["if"] is not None:
+        return IfCondition(parse_substitution(conditions["if"]))
+    return None if conditions["unless"] is None else UnlessCondition(parse_substitution(conditions["unless"]))
 
 
 def text(entity: Entity, name: str) -> Parts | None:
@@ -175,14 +175,14 @@ def pairs(first: str, second: str) -> Reader:
 
 def launch_arguments(entity: Entity, name: str) -> list[Any] | None:
     """Read the arguments of an included file: `let` elements, or `arg` elements as in older files."""
-    found = [pair for tag in ("arg", "let") for pair in pairs("name", "value")(entity, tag) or ()]
-    return found or None
+    argument_pairs = [pair for tag in ("arg", "let") for pair in pairs("name", "value")(entity, tag) or ()]
+    return argument_pairs or None
 
 
 def mapping(entity: Entity, name: str) -> dict[Any, Any] | None:
     """Read child elements with a name and a value as a dictionary."""
-    found = pairs("name", "value")(entity, name)
-    return None if found is None else dict(found)
+    item_pairs = pairs("name", "value")(entity, name)
+    return None if item_pairs is None else dict(item_pairs)
 
 
 def several(element: Element) -> Reader:
@@ -207,17 +207,17 @@ def command_line(entity: Entity, name: str) -> list[Parts] | None:
     value = entity.get(name)
     if value is None:
         return None
-    words: list[Parts] = []
+    arguments: list[Parts] = []
     # Whether the next part continues the last word.
     joins = False
     for part in parse_substitution(value):
         if not isinstance(part, TextSubstitution):
-            words = [*words[:-1], [*words[-1], part]] if joins else [*words, [part]]
+            arguments = [*arguments[:-1], [*arguments[-1], part]] if joins else [*arguments, [part]]
             joins = True
             continue
         pieces = [TextSubstitution(text=piece) for piece in shlex.split(part.text)]
         if pieces and joins and not part.text[0].isspace():
-            words[-1] = [*words[-1], pieces.pop(0)]
-        words += [[piece] for piece in pieces]
+            arguments[-1] = [*arguments[-1], pieces.pop(0)]
+        arguments += [[piece] for piece in pieces]
         joins = not part.text[-1:].isspace()
-    return words
+    return arguments

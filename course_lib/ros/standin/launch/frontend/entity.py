@@ -148,13 +148,13 @@ class YamlEntity(Entity):
 
     def named(self, name: str) -> "Sequence[YamlEntity]":
         """Return the mappings in the list of a key."""
-        found = self._mapping().get(name)
+        items = self._mapping().get(name)
         self._asked.add(name)
-        if found is None:
+        if items is None:
             return []
-        if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-            raise self.error(f"{name} is {str(found)[:60]}, expected a list of mappings")
-        return [YamlEntity(name, self._lines.get(id(one), self.line), one, self._lines) for one in found]
+        if not isinstance(items, list) or not all(isinstance(one, dict) for one in items):
+            raise self.error(f"{name} is {str(items)[:60]}, expected a list of mappings")
+        return [YamlEntity(name, self._lines.get(id(one), self.line), one, self._lines) for one in items]
 
     def get(self, name: str, kind: type | None = str) -> Any:
         """Return the value of a key."""
@@ -184,11 +184,11 @@ def _fits(value: object, kind: type | None) -> bool:
     return isinstance(value, kind) and not (kind is int and isinstance(value, bool))
 
 
-def _unexpected(what: str, name: str, known: Sequence[str]) -> str:
+def _unexpected(kind: str, name: str, known_names: Sequence[str]) -> str:
     if name == "ns":
-        return f"unexpected {what} 'ns'. In ROS 2 write <push-ros-namespace namespace=\"…\"/> in a group"
-    there = f" It has: {', '.join(sorted(known))}." if known else ""
-    return f"unexpected {what} '{name}'{did_you_mean(name, known) or '.'}{there}"
+        return f"unexpected {kind} 'ns'. In ROS 2 write <push-ros-namespace namespace=\"…\"/> in a group"
+    there = f" It has: {', '.join(sorted(known_names))}." if known_names else ""
+    return f"unexpected {kind} '{name}'{did_you_mean(name, known_names) or '.'}{there}"
 
 
 # The package has no type information.
@@ -302,8 +302,8 @@ def _check_size(root: Any) -> None:
         node, depth = waiting.pop()
         count += 1
         if depth > 2 * _DEEPEST or count > _MOST:
-            what = f"more than {_MOST} values" if count > _MOST else f"more than {_DEEPEST} nested elements"
-            raise EntityError(node.start_mark.line + 1, f"{what}, with all aliases followed")
+            excess = f"more than {_MOST} values" if count > _MOST else f"more than {_DEEPEST} nested elements"
+            raise EntityError(node.start_mark.line + 1, f"{excess}, with all aliases followed")
         if isinstance(node, yaml.SequenceNode):
             waiting += [(one, depth + 1) for one in node.value]
         elif isinstance(node, yaml.MappingNode):

@@ -76,9 +76,9 @@ class _Reader:
 
     def fail(self, expected: str) -> NoReturn:
         """Raise a ValueError for the current position."""
-        rest = self.text[self.at : self.at + 20]
-        found = f"found {rest!r}" if rest else "the text ends"
-        raise ValueError(f"{self.text!r}, character {self.at + 1}: expected {expected}, {found}")
+        excerpt = self.text[self.at : self.at + 20]
+        found_text = f"found {excerpt!r}" if excerpt else "the text ends"
+        raise ValueError(f"{self.text!r}, character {self.at + 1}: expected {expected}, {found_text}")
 
     def _parts(self, pattern: re.Pattern[str], quote: str) -> Parts:
         parts: Parts = []
@@ -123,22 +123,22 @@ class _Reader:
         return parts
 
     def _takes(self, character: str) -> bool:
-        taken = self.text.startswith(character, self.at)
-        self.at += taken
-        return taken
+        is_next = self.text.startswith(character, self.at)
+        self.at += is_next
+        return is_next
 
 
 def _made(name: str, arguments: Sequence[Parts], text: str) -> Substitution:
     form = SUBSTITUTIONS.get(name)
     if form is None:
-        known = [*SUBSTITUTIONS]
-        hint = did_you_mean(name, known) or f". There are: {', '.join(sorted(known))}"
+        names = [*SUBSTITUTIONS]
+        hint = did_you_mean(name, names) or f". There are: {', '.join(sorted(names))}"
         if name in _OF_ROS_1:
             hint = f". In ROS 2 write $({_OF_ROS_1[name]} …)"
         raise ValueError(f"{text}: there is no substitution '{name}'{hint}")
     if len(arguments) < form.least or (form.most is not None and len(arguments) > form.most):
-        most = "more" if form.most is None else form.most
-        expected = form.least if form.least == form.most else f"{form.least} to {most}"
+        max_text = "more" if form.most is None else form.most
+        expected = form.least if form.least == form.most else f"{form.least} to {max_text}"
         raise ValueError(
             f"{text}: {name} has {len(arguments)} arguments, expected {expected}. Arguments with spaces "
             "stand in quotes"

@@ -189,8 +189,8 @@ class ActionClient:
 
         Return whether there is one.
         """
-        what = f"the action {self._action_name}"
-        return wait_for_partner(self._node.handle, self._course_is_ready, timeout_sec, what)
+        awaited = f"the action {self._action_name}"
+        return wait_for_partner(self._node.handle, self._course_is_ready, timeout_sec, awaited)
 
     def destroy(self) -> None:
         """Destroy the clients and subscriptions that make up the action client."""

@@ -305,12 +305,12 @@ class ActionServer:
         info, key = GoalInfo(goal_id=request.goal_id), bytes(request.goal_id.uuid)
         answer = self.action_type.Impl.SendGoalService.Response()
         if key not in self._goal_handles:
-            wanted = await await_or_execute(self._goal_callback, request.goal)
-            if not isinstance(wanted, GoalResponse):
+            goal_response = await await_or_execute(self._goal_callback, request.goal)
+            if not isinstance(goal_response, GoalResponse):
                 self._logger.warning(
                     "Goal request callback did not return a GoalResponse type. Rejecting goal."
                 )
-            answer.accepted = wanted is GoalResponse.ACCEPT
+            answer.accepted = goal_response is GoalResponse.ACCEPT
         if answer.accepted:
             info.stamp = answer.stamp = self._node.get_clock().now().to_msg()
             self._goal_handles[key] = ServerGoalHandle(self, info, request.goal)

@@ -51,9 +51,9 @@ class Arguments:
     # Warnings that rcl logs about the command line.
     warnings: list[str] = field(default_factory=list)
 
-    def renamed(self, node_name: str, what: str, name: str) -> str:
-        """Apply the remapping rules to a node name (`what` is __node) or namespace (__ns)."""
-        return next((rule.to for rule in self._of(node_name) if rule.match == what), name)
+    def renamed(self, node_name: str, kind: str, name: str) -> str:
+        """Apply the remapping rules to a node name (`kind` is __node) or namespace (__ns)."""
+        return next((rule.to for rule in self._of(node_name) if rule.match == kind), name)
 
     def remapped(self, full: str, node_name: str, namespace: str, kind: names.Kind) -> str:
         """Apply the remapping rules to a fully qualified topic or service name."""
@@ -66,12 +66,12 @@ class Arguments:
 
     def parameters(self, full_node_name: str) -> dict[str, Parameter]:
         """Return the parameter overrides of one node, by parameter name."""
-        found: dict[str, Parameter] = {}
+        parameters: dict[str, Parameter] = {}
         for nodes, values in self.overrides:
             if _pattern(nodes).fullmatch(full_node_name):
                 # In rcl an empty list has no type, so it is not a value.
-                found |= {n: Parameter(n, value=None if v == [] else v) for n, v in values.items()}
-        return found
+                parameters |= {n: Parameter(n, value=None if v == [] else v) for n, v in values.items()}
+        return parameters
 
     def _of(self, node_name: str) -> Iterator[Remap]:
         return (rule for rule in self.remaps if rule.node in (None, node_name))
@@ -85,7 +85,7 @@ def parse(args: Sequence[str]) -> Arguments:
         UnknownROSArgsError: There are arguments that ROS does not know.
     """
     parsed, unknown = Arguments(), list[str]()
-    words = (word for word, is_for_ros in _split(args) if is_for_ros)
+    arguments = (word for word, is_for_ros in _split(args) if is_for_ros)
     for word in (word for word, is_for_ros in _split(args) if not is_for_ros):
         remap = _ros_1_remap(word)
         if remap is not None:
@@ -94,19 +94,19 @@ def parse(args: Sequence[str]) -> Arguments:
                 f"Found remap rule '{word}'. This syntax is deprecated. "
                 f"Use '--ros-args --remap {word}' instead."
             )
-    for word in words:
+    for word in arguments:
         flag = _FLAGS.get(word, word)
         if flag not in _WORDS:
             unknown.append(word)
             continue
-        what, missing = _WORDS[flag]
-        value = next(words, None)
+        kind, missing = _WORDS[flag]
+        value = next(arguments, None)
         if value is None:
             raise RCLInvalidROSArgsError(f"{INVALID_ARGUMENTS}Couldn't parse trailing {word} flag. {missing}")
         try:
             _add(parsed, flag, value)
         except ValueError as error:
-            complaint = f"Couldn't parse {what}: '{word} {value}'. Error: {error}"
+            complaint = f"Couldn't parse {kind}: '{word} {value}'. Error: {error}"
             raise RCLInvalidROSArgsError(f"{INVALID_ARGUMENTS}{complaint}") from error
     if unknown:
         raise UnknownROSArgsError(repr(unknown))

@@ -85,8 +85,8 @@ class Endpoint:
         me = next((info for info in on_topic if info.id == self.id), None)
         if me is None:
             return []
-        others = [info for info in on_topic if info.kind != me.kind]
-        return [(me, other) if me.kind == "pub" else (other, me) for other in others]
+        partners = [info for info in on_topic if info.kind != me.kind]
+        return [(me, other) if me.kind == "pub" else (other, me) for other in partners]
 
 
 def _sides(graph: Graph, *infos: EndpointInfo) -> list[Events]:
@@ -139,10 +139,10 @@ def claim_topic(node: NodeHandle, kind: Literal["publisher", "subscription"], to
 
     Raise the errors of rcl and Fast DDS if the context has another type for it.
     """
-    wanted = (
+    conflict = (
         f"create_publisher() called for existing topic name rt{topic} with incompatible type {_idl(type_)}"
     )
-    reason = wanted if kind == "publisher" else "invalid allocator"
+    reason = conflict if kind == "publisher" else "invalid allocator"
     try:
         node.context.claim_type(topic, type_, f"Failed to create {kind}: {reason}")
     except RCLError as error:
@@ -151,8 +151,8 @@ def claim_topic(node: NodeHandle, kind: Literal["publisher", "subscription"], to
 
 def claim_service(node: NodeHandle, kind: Literal["service", "client"], name: str, type_: str) -> None:
     """Register a service's type. Raise the error of rcl if the context has another type for it."""
-    wanted = f"existing request topic name rq{name}Request with incompatible type {_idl(type_)}"
-    failed = f"failed to create {kind}: create_{kind}() called for {wanted}"
+    conflict = f"existing request topic name rq{name}Request with incompatible type {_idl(type_)}"
+    failed = f"failed to create {kind}: create_{kind}() called for {conflict}"
     try:
         node.context.claim_type(f"rq{name}", type_, failed)
     except RCLError as error:
@@ -169,10 +169,10 @@ def require_type(given: Any, kind: Literal["message", "service", "action"]) -> N
     """Raise rclpy's error if a class is not a type of this kind."""
     if not isinstance(given, type) or not hasattr(given, "_TYPE_NAME"):
         raise AttributeError(NO_TYPE_SUPPORT.format(type(given).__name__))
-    found = (
+    actual_kind = (
         "message" if issubclass(given, RosMessage) else "service" if hasattr(given, "Request") else "action"
     )
-    if found != kind:
+    if actual_kind != kind:
         first, second = (other for other in ("message", "service", "action") if other != kind)
         raise RuntimeError(
             f"The {kind} type provided is not valid ({given}), this might be a {first} or {second}"

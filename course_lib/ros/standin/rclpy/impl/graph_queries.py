@@ -158,21 +158,21 @@ def service_endpoints(node: NodeHandle, service_name: str, failed: str) -> list[
     return [info for info in infos if info.service is not None and info.service[0] == full]
 
 
-def endpoints_of(asking: NodeHandle, name: str, namespace: str, what: str) -> list[EndpointInfo]:
+def endpoints_of(asking: NodeHandle, name: str, namespace: str, kind: str) -> list[EndpointInfo]:
     """List the endpoints of a node. Raise an RCLError if there is no such node."""
     try:
         names.validate_node_name(name)
         names.validate_namespace(namespace)
     except NameValidationException as error:
-        failed = f"failed to get {what} names and types: {error.error_msg}, result: 2"
+        failed = f"failed to get {kind} names and types: {error.error_msg}, result: 2"
         raise RCLError(failed) from None
     graph = asking.graph
-    found = [node.id for node in graph.nodes() if (node.name, node.namespace) == (name, namespace)]
-    if not found:
+    node_ids = [node.id for node in graph.nodes() if (node.name, node.namespace) == (name, namespace)]
+    if not node_ids:
         raise NodeNameNonExistentError(
-            f"cannot get {what} names and types for nonexistent node: error not set"
+            f"cannot get {kind} names and types for nonexistent node: error not set"
         )
-    return [info for info in graph.endpoints() if info.node == found[0]]
+    return [info for info in graph.endpoints() if info.node == node_ids[0]]
 
 
 def services(endpoints: Iterable[EndpointInfo]) -> NamesAndTypes:
@@ -204,19 +204,19 @@ def to_qos(profile: QoSProfile, kind: Literal["pub", "sub"]) -> Qos:
     """
     if not isinstance(profile, QoSProfile):
         raise AttributeError(f"'{type(profile).__name__}' object has no attribute 'get_c_qos_profile'")
-    chosen = {name: getattr(profile, name) for name in POLICIES}
-    if any(one.name == "UNKNOWN" for one in chosen.values()):
+    policy_values = {name: getattr(profile, name) for name in POLICIES}
+    if any(one.name == "UNKNOWN" for one in policy_values.values()):
         failed = "publisher: create_publisher() failed setting topic QoS"
         raise RCLError(f"Failed to create {failed if kind == 'pub' else 'subscription: invalid allocator'}")
-    if kind == "pub" and chosen["durability"] is DurabilityPolicy.SYSTEM_DEFAULT:
+    if kind == "pub" and policy_values["durability"] is DurabilityPolicy.SYSTEM_DEFAULT:
         # DDS specifies volatile as the default of a writer; Fast DDS uses transient local.
-        chosen["durability"] = DurabilityPolicy.TRANSIENT_LOCAL
+        policy_values["durability"] = DurabilityPolicy.TRANSIENT_LOCAL
     # For BEST_AVAILABLE, the value that matches most endpoints: a publisher offers the strongest
     # value, a subscription requests the weakest.
     best = 0 if kind == "pub" else 1
     policies: dict[str, Any] = {
         name: _FITTING[name][best] if one.name == "BEST_AVAILABLE" else one.name.lower()
-        for name, one in chosen.items()
+        for name, one in policy_values.items()
         if one
     }
     if kind == "sub":

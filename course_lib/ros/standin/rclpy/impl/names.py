@@ -54,14 +54,14 @@ _AFTER_SOUND: Rules = (
 )
 
 
-def _absolute(what: str, unless: str, length: str, limit: int, limit_name: str) -> Rules:
+def _absolute(subject: str, unless: str, length: str, limit: int, limit_name: str) -> Rules:
     return (
-        (r"^\Z", f"{what} must not be empty"),
-        (r"^[^/]", f"{what} must be absolute, it must lead with a '/'"),
-        (r"/\Z", f"{what} must not end with a '/'{unless}"),
-        (r"[^A-Za-z0-9_/]", f"{what} must not contain characters other than alphanumerics, '_', or '/'"),
-        (r"/(?P<at>/)", f"{what} must not contain repeated '/'"),
-        (r"/(?P<at>[0-9])", f"{what} must not have a token that starts with a number"),
+        (r"^\Z", f"{subject} must not be empty"),
+        (r"^[^/]", f"{subject} must be absolute, it must lead with a '/'"),
+        (r"/\Z", f"{subject} must not end with a '/'{unless}"),
+        (r"[^A-Za-z0-9_/]", f"{subject} must not contain characters other than alphanumerics, '_', or '/'"),
+        (r"/(?P<at>/)", f"{subject} must not contain repeated '/'"),
+        (r"/(?P<at>[0-9])", f"{subject} must not have a token that starts with a number"),
         (rf"^.{{{limit - 1}}}(?P<at>.)(?=.)", f"{length} should not exceed '{limit_name}'"),
     )
 
@@ -116,7 +116,7 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
         raise RCLError("failed to do name expansion: input_topic_name argument is null")
     if not isinstance(topic_name, str):
         raise TypeError("rclpy_expand_topic_name(): incompatible function arguments.")
-    for check, what, name in (
+    for check, kind, name in (
         (validate_topic_name, "topic name", topic_name),
         (validate_node_name, "node name", node_name),
         (validate_namespace, "node namespace", node_namespace),
@@ -124,7 +124,7 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
         try:
             check(name)
         except NameValidationException as error:
-            raise ValueError(f"{what} '{name}' is invalid: {error.error_msg}") from None
+            raise ValueError(f"{kind} '{name}' is invalid: {error.error_msg}") from None
     return _expanded(topic_name, node_name, node_namespace)
 
 
@@ -183,11 +183,11 @@ def validate_parameter_name(name: str) -> bool:
 def _expanded(topic: str, node_name: str, namespace: str) -> str:
     prefix = namespace.rstrip("/")
     expanded = f"{prefix}/{node_name}{topic[1:]}" if topic.startswith("~") else topic
-    known = {"node": node_name, "ns": namespace, "namespace": namespace}
+    replacements = {"node": node_name, "ns": namespace, "namespace": namespace}
     for word in re.findall(r"\{(\w*)\}", expanded):
-        if word not in known:
+        if word not in replacements:
             raise ValueError(f"topic name '{topic}' is invalid: unknown substitution: {{{word}}}")
-        expanded = expanded.replace(f"{{{word}}}", known[word])
+        expanded = expanded.replace(f"{{{word}}}", replacements[word])
     return expanded if expanded.startswith("/") else f"{prefix}/{expanded}"
 
 
@@ -198,6 +198,6 @@ def join(namespace: str, name: str) -> str:
 
 def _refuse(name: str, rules: Rules, error: Callable[[str, str, int], Exception], start: int = 0) -> None:
     for pattern, complaint in rules:
-        found = re.search(pattern, name[start:], re.DOTALL)
-        if found:
-            raise error(name, complaint, start + found.start("at" if "at" in found.groupdict() else 0))
+        match = re.search(pattern, name[start:], re.DOTALL)
+        if match:
+            raise error(name, complaint, start + match.start("at" if "at" in match.groupdict() else 0))

@@ -71,9 +71,9 @@ class ParameterStore:
     ) -> list[Parameter]:
         """Declare parameters, each given as (name), (name, value) or (name, value, descriptor)."""
         declared: list[tuple[Parameter, ParameterDescriptor]] = []
-        for index, given in enumerate(parameters):
-            _require_declaration(index, given)
-            name, value, descriptor = _declaration(*given, namespace=namespace)
+        for index, item in enumerate(parameters):
+            _require_declaration(index, item)
+            name, value, descriptor = _declaration(*item, namespace=namespace)
             if not ignore_override and name in self.overrides:
                 value = self.overrides[name].value
             declared.append((Parameter(name, value=value), descriptor))
@@ -133,15 +133,15 @@ class ParameterStore:
         return SetParametersResult(successful=True)
 
 
-def _require_declaration(index: int, given: Any) -> None:
-    """Raise rclpy's TypeError unless `given` is (name), (name, value) or (name, value, descriptor)."""
+def _require_declaration(index: int, item: Any) -> None:
+    """Raise rclpy's TypeError unless `item` is (name), (name, value) or (name, value, descriptor)."""
     at = f"at index {index} in parameters list"
-    if not 1 <= len(given) <= 3:
-        raise TypeError(f"Invalid parameter tuple length {at}: {given}; expecting length between 1 and 3")
-    if not isinstance(given[0], str):
-        raise TypeError(f"First element {given[0]} {at} is not a str.")
-    if len(given) == 3 and not isinstance(given[2], ParameterDescriptor):
-        raise TypeError(f"Third element {given[2]} {at} is not a ParameterDescriptor.")
+    if not 1 <= len(item) <= 3:
+        raise TypeError(f"Invalid parameter tuple length {at}: {item}; expecting length between 1 and 3")
+    if not isinstance(item[0], str):
+        raise TypeError(f"First element {item[0]} {at} is not a str.")
+    if len(item) == 3 and not isinstance(item[2], ParameterDescriptor):
+        raise TypeError(f"Third element {item[2]} {at} is not a ParameterDescriptor.")
 
 
 def _declaration(name: str, *more: Any, namespace: str) -> tuple[str, Any, ParameterDescriptor]:
@@ -201,9 +201,9 @@ def _refusal(
     return ""
 
 
-def _outside_integers(parameter: Parameter, allowed: IntegerRange) -> str:
-    low, high = sorted((allowed.from_value, allowed.to_value))
-    name, value, step = parameter.name, parameter.value, allowed.step
+def _outside_integers(parameter: Parameter, value_range: IntegerRange) -> str:
+    low, high = sorted((value_range.from_value, value_range.to_value))
+    name, value, step = parameter.name, parameter.value, value_range.step
     if not low <= value <= high:
         return f"Parameter {name} out of range. Min: {low}, Max: {high}, value: {value}"
     if value not in (low, high) and step and (value - low) % step:
@@ -212,9 +212,9 @@ def _outside_integers(parameter: Parameter, allowed: IntegerRange) -> str:
     return ""
 
 
-def _outside_doubles(parameter: Parameter, allowed: FloatingPointRange) -> str:
-    low, high = sorted((allowed.from_value, allowed.to_value))
-    name, value, step = parameter.name, parameter.value, allowed.step
+def _outside_doubles(parameter: Parameter, value_range: FloatingPointRange) -> str:
+    low, high = sorted((value_range.from_value, value_range.to_value))
+    name, value, step = parameter.name, parameter.value, value_range.step
     if any(isclose(value, end, rel_tol=CLOSE) for end in (low, high)):
         return ""
     # rcl's text has no full stop here, unlike the text for integers.

@@ -49,9 +49,9 @@ class CallSite:
 
         Raise a ValueError if its options have changed.
         """
-        for what, value in options.items():
-            if value != self.options[what]:
-                raise ValueError(f"{what} cannot be changed between calls.")
+        for option, value in options.items():
+            if value != self.options[option]:
+                raise ValueError(f"{option} cannot be changed between calls.")
         parameters = self.options["Logging filter parameters"]
         for name in options["Requested logging filters"]:
             if name == "throttle":
@@ -94,8 +94,8 @@ class RcutilsLogger:
     def get_effective_level(self) -> LoggingSeverity:
         """Return the level of this logger or of the nearest ancestor that has one; INFO by default."""
         levels = current_graph().part(LogLevels).by_logger
-        found = (levels[name] for name in _with_ancestors(self.name) if levels.get(name))
-        return LoggingSeverity(next(found, LoggingSeverity.INFO))
+        ancestor_levels = (levels[name] for name in _with_ancestors(self.name) if levels.get(name))
+        return LoggingSeverity(next(ancestor_levels, LoggingSeverity.INFO))
 
     def is_enabled_for(self, severity: LoggingSeverity | int) -> bool:
         """Return whether messages of a severity are logged."""
@@ -209,22 +209,22 @@ def _with_ancestors(name: str) -> list[str]:
     return [".".join(parts[:count]) for count in range(len(parts), 0, -1)] + ([""] if name else [])
 
 
-def _collect_options(severity: LoggingSeverity, name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def _collect_options(severity: LoggingSeverity, name: str, keywords: Mapping[str, Any]) -> dict[str, Any]:
     """Collect the options of a call under the names that rclpy's error uses if one of them changes."""
-    filters = [each for each, options in FILTERS.items() if any(given.get(option) for option in options)]
+    filters = [each for each, options in FILTERS.items() if any(keywords.get(option) for option in options)]
     for each in filters:
-        if FILTERS[each][0] not in given:
+        if FILTERS[each][0] not in keywords:
             raise TypeError(
                 f'required parameter "{FILTERS[each][0]}" not specified '
                 f'but is required for the the logging filter "{each}"'
             )
-    for option in given:
+    for option in keywords:
         if option not in KNOWN:
             raise TypeError(f'parameter "{option}" is not one of the recognized logging options "{KNOWN}"')
-    source = given.get("throttle_time_source_type", _CLOCK)
+    source = keywords.get("throttle_time_source_type", _CLOCK)
     if not isinstance(source, Clock):
         raise ValueError(f'Received throttle_time_source_type of "{source}" is not a clock instance')
-    parameters = {option: given.get(option) for each in filters for option in FILTERS[each]}
+    parameters = {option: keywords.get(option) for each in filters for option in FILTERS[each]}
     return {
         "Logger severity": severity,
         "Logger name": name,

@@ -115,23 +115,23 @@ class StateMachine:
         """List the transitions from the current state."""
         return [step for step in STEPS if step.start == self.label]
 
-    def find(self, wanted: int | str) -> Step | None:
+    def find(self, transition: int | str) -> Step | None:
         """Return the transition with this id or label.
 
         If there is none, log rcl's warning and return None.
         """
-        found = [step for step in self.steps() if wanted in (step.number, step.label)]
-        if not found:
-            text = f"No transition matching {wanted} found for current state {self.label}"
+        matching = [step for step in self.steps() if transition in (step.number, step.label)]
+        if not matching:
+            text = f"No transition matching {transition} found for current state {self.label}"
             get_logger("rcl_lifecycle").warning(text)
-        return found[0] if found else None
+        return matching[0] if matching else None
 
-    def go(self, wanted: int | str) -> None:
+    def go(self, transition: int | str) -> None:
         """Execute a transition.
 
         Raise an RCLError if the current state has none with this id or label.
         """
-        step = self.find(wanted)
+        step = self.find(transition)
         if step is None:
             raise RCLError(
                 "Failed to trigger lifecycle state machine transition: Transition is not registered."
@@ -181,23 +181,23 @@ class LifecycleServices:
         node.create_service(
             srv.ChangeState, f"{prefix}/change_state", self._change_state, callback_group=group
         )
-        for name, (kind, field, read) in queries.items():
-            answer = partial(self._answer, field, read)
+        for name, (kind, field, get_value) in queries.items():
+            answer = partial(self._answer, field, get_value)
             node.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
 
     def _change_state(self, request: Any, response: Any) -> Any:
         """Trigger the requested transition, identified by its label or, without a label, by its number."""
-        wanted = request.transition.id
+        transition_id = request.transition.id
         if request.transition.label:
             step = self._machine.find(request.transition.label)
             if step is None:
                 return response
-            wanted = step.number
-        response.success = self._change(wanted) is TransitionCallbackReturn.SUCCESS
+            transition_id = step.number
+        response.success = self._change(transition_id) is TransitionCallbackReturn.SUCCESS
         return response
 
-    def _answer(self, field: str, read: Callable[[], Any], request: Any, response: Any) -> Any:
-        setattr(response, field, read())
+    def _answer(self, field: str, get_value: Callable[[], Any], request: Any, response: Any) -> Any:
+        setattr(response, field, get_value())
         return response
 
 
@@ -338,10 +338,10 @@ class LifecycleNodeMixin(ManagedEntity):
                 return result
         return TransitionCallbackReturn.SUCCESS
 
-    def __change_state(self, wanted: int) -> TransitionCallbackReturn:
+    def __change_state(self, transition_id: int) -> TransitionCallbackReturn:
         machine = self.__state_machine
         before = LifecycleState(label=machine.label, state_id=machine.number)
-        machine.go(wanted)
+        machine.go(transition_id)
         result = self.__execute_callback(before)
         machine.go(result.to_label())
         if result is TransitionCallbackReturn.ERROR:
