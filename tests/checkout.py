@@ -19,9 +19,9 @@ def need_git() -> None:
 def tracked() -> list[Path]:
     """List the files, relative to ROOT."""
     need_git()
-    listed = subprocess.run(
+    process = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False, timeout=PATIENCE
     )
-    if listed.returncode != 0:
+    if process.returncode != 0:
         pytest.skip("not a git checkout")
-    return [path for path in map(Path, listed.stdout.splitlines()) if (ROOT / path).is_file()]
+    return [path for path in map(Path, process.stdout.splitlines()) if (ROOT / path).is_file()]

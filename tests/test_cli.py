@@ -87,16 +87,16 @@ def bad_inputs(tmp_path: Path) -> Path:
 def test_invalid_input_gives_a_one_line_error_and_exit_code_2(
     bad_inputs: Path, in_process: Callable[..., Typed], words: str
 ) -> None:
-    done = in_process(*words.format(program=PROGRAM).split(), cwd=bad_inputs)
-    assert done.returncode == 2, done.stdout + done.stderr
-    assert "Traceback" not in done.stdout + done.stderr
-    (line,) = done.stderr.splitlines()
+    process = in_process(*words.format(program=PROGRAM).split(), cwd=bad_inputs)
+    assert process.returncode == 2, process.stdout + process.stderr
+    assert "Traceback" not in process.stdout + process.stderr
+    (line,) = process.stderr.splitlines()
     assert line.startswith("error: ")
 
 
 def test_installed_command_rejects_invalid_input_with_exit_code_2(bad_inputs: Path) -> None:
-    done = course("run", "folder", cwd=bad_inputs)
-    assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
+    process = course("run", "folder", cwd=bad_inputs)
+    assert (process.returncode, process.stdout, len(process.stderr.splitlines())) == (2, "", 1)
 
 
 @pytest.mark.slow
@@ -108,9 +108,9 @@ def test_debug_option_shows_the_traceback(tmp_path: Path) -> None:
     "command", ["", "lab", "run", "ros2", "render", "check", "submit", "grade", "release", "bag info"]
 )
 def test_every_command_has_help(tmp_path: Path, in_process: Callable[..., Typed], command: str) -> None:
-    done = in_process(*command.split(), "--help", cwd=tmp_path)
-    assert done.returncode == 0
-    assert "Usage: course" in done.stdout
+    process = in_process(*command.split(), "--help", cwd=tmp_path)
+    assert process.returncode == 0
+    assert "Usage: course" in process.stdout
 
 
 @pytest.mark.parametrize(
@@ -128,14 +128,14 @@ def test_every_command_has_help(tmp_path: Path, in_process: Callable[..., Typed]
 def test_invalid_arguments_point_to_the_help_of_their_command(
     tmp_path: Path, in_process: Callable[..., Typed], words: str, command: str
 ) -> None:
-    done = in_process(*words.split(), cwd=tmp_path)
-    assert done.stderr.endswith(f". See: {command} --help\n")
+    process = in_process(*words.split(), cwd=tmp_path)
+    assert process.stderr.endswith(f". See: {command} --help\n")
 
 
 def test_sim_time_without_a_robot_is_rejected(tmp_path: Path, in_process: Callable[..., Typed]) -> None:
-    done = in_process("view", "--bag", "somewhere", "--use-sim-time", cwd=tmp_path)
-    assert done.returncode == 2
-    assert "--robot dds/HOST" in done.stderr
+    process = in_process("view", "--bag", "somewhere", "--use-sim-time", cwd=tmp_path)
+    assert process.returncode == 2
+    assert "--robot dds/HOST" in process.stderr
 
 
 @pytest.mark.slow
@@ -149,8 +149,8 @@ def test_exit_code_of_run_is_the_exit_code_of_the_program(tmp_path: Path) -> Non
 @pytest.mark.parametrize("before", [[], ["--"]])
 def test_ros_args_and_arguments_after_two_dashes_reach_the_program(tmp_path: Path, before: list[str]) -> None:
     (tmp_path / "says.py").write_text("import sys\nprint(sys.argv)")
-    done = course("run", "says.py", *before, "--ros-args", "-r", "a:=b", cwd=tmp_path)
-    assert done.stdout == "['says.py', '--ros-args', '-r', 'a:=b']\n"
+    process = course("run", "says.py", *before, "--ros-args", "-r", "a:=b", cwd=tmp_path)
+    assert process.stdout == "['says.py', '--ros-args', '-r', 'a:=b']\n"
 
 
 @pytest.mark.parametrize("content", ["raise ImportError('a broken ROS')", "import _rclpy_pybind11"])
@@ -159,9 +159,9 @@ def test_rclpy_on_the_python_path_is_ignored(tmp_path: Path, content: str) -> No
     foreign.mkdir(parents=True)
     (foreign / "__init__.py").write_text(content)
     (tmp_path / "hello.py").write_text(HELLO)
-    done = course("run", "hello.py", cwd=tmp_path, PYTHONPATH=str(foreign.parent))
-    assert done.returncode == 0, done.stderr
-    assert str(Path(course_lib.__file__).parent) in done.stderr
+    process = course("run", "hello.py", cwd=tmp_path, PYTHONPATH=str(foreign.parent))
+    assert process.returncode == 0, process.stderr
+    assert str(Path(course_lib.__file__).parent) in process.stderr
 
 
 def test_programs_run_together_share_one_graph_with_separate_main_modules(tmp_path: Path) -> None:
@@ -171,17 +171,19 @@ def test_programs_run_together_share_one_graph_with_separate_main_modules(tmp_pa
         "node.create_subscription(Int32, 'count', lambda m: node.get_logger().info(f'heard {m.data}'), 10)\n"
         "rclpy.spin(node)\n"
     )
-    done = course("run", "hears.py", str(PROGRAM), "--seconds", "0.5", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "[INFO] [1700000000.401000000] [hears]: heard 4" in done.stderr
+    process = course("run", "hears.py", str(PROGRAM), "--seconds", "0.5", cwd=tmp_path)
+    assert process.returncode == 0, process.stderr
+    assert "[INFO] [1700000000.401000000] [hears]: heard 4" in process.stderr
 
 
 @pytest.mark.slow
 def test_ros2_command_inspects_programs_and_bags(tmp_path: Path) -> None:
-    done = course("ros2", "--run", str(PROGRAM), "--seconds", "0.35", "topic", "echo", "/count", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("---\n") == 3
+    process = course(
+        "ros2", "--run", str(PROGRAM), "--seconds", "0.35", "topic", "echo", "/count", cwd=tmp_path
+    )
+    assert process.returncode == 0, process.stderr
+    assert process.stdout.count("---\n") == 3
     course("run", str(PROGRAM), "--seconds", "1", "--bag", "bag", cwd=tmp_path)
-    listed = course("ros2", "--bag", "bag", "topic", "list", "-t", cwd=tmp_path)
-    assert "/count [std_msgs/msg/Int32]\n" in listed.stdout
+    output = course("ros2", "--bag", "bag", "topic", "list", "-t", cwd=tmp_path)
+    assert "/count [std_msgs/msg/Int32]\n" in output.stdout
     assert course("ros2", "--bag", "bag", "service", "list", cwd=tmp_path).returncode == 0

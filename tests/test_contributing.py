@@ -59,7 +59,7 @@ def run(line: str, folder: Path) -> None:
     program, *words = shlex.split(line)
     command = [sys.executable, *(["-m", program] if program != "python" else []), *words]
     environment = {**os.environ, "PYTHONPATH": str(folder)}
-    done = subprocess.run(
+    process = subprocess.run(
         command,
         cwd=folder,
         env=environment,
@@ -68,7 +68,7 @@ def run(line: str, folder: Path) -> None:
         check=False,
         timeout=5 * PATIENCE,
     )
-    assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
+    assert process.returncode == 0, f"{line}\n{process.stdout}\n{process.stderr}"
 
 
 @pytest.mark.slow

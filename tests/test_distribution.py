@@ -42,8 +42,8 @@ def build(out: Path, *which: str) -> None:
         (copy / path).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(ROOT / path, copy / path)
     command = [sys.executable, "-m", "build", "--no-isolation", *which, "--outdir", str(out), str(copy)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=5 * PATIENCE)
-    assert done.returncode == 0, done.stdout + done.stderr
+    process = subprocess.run(command, capture_output=True, text=True, timeout=5 * PATIENCE)
+    assert process.returncode == 0, process.stdout + process.stderr
 
 
 def wheel(folder: Path) -> Path:
@@ -53,8 +53,8 @@ def wheel(folder: Path) -> Path:
 
 def test_sdist_and_wheel_pass_the_strict_twine_check(built: Path) -> None:
     command = [sys.executable, "-m", "twine", "check", "--strict", *map(str, built.iterdir())]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=5 * PATIENCE)
-    assert done.returncode == 0, done.stdout
+    process = subprocess.run(command, capture_output=True, text=True, timeout=5 * PATIENCE)
+    assert process.returncode == 0, process.stdout
     assert len(list(built.iterdir())) == 2
 
 
@@ -136,10 +136,10 @@ def install(home: Path, *what: str | Path) -> None:
 def run(home: Path, program: str, *words: str | Path) -> str:
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     command = [str(home / "venv" / "bin" / program), *map(str, words)]
-    done = subprocess.run(command, cwd=home, env=environment, capture_output=True, text=True, timeout=900)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert str(ROOT) not in done.stdout + done.stderr
-    return done.stdout
+    process = subprocess.run(command, cwd=home, env=environment, capture_output=True, text=True, timeout=900)
+    assert process.returncode == 0, process.stdout + process.stderr
+    assert str(ROOT) not in process.stdout + process.stderr
+    return process.stdout
 
 
 def test_installed_wheel_runs_the_demo_and_creates_a_student_folder(home: Path) -> None:

@@ -34,13 +34,13 @@ def test_too_deeply_nested_json_is_rejected() -> None:
         read_json(DEEP)
 
 
-@pytest.mark.parametrize(("read", "name", "said"), READERS, ids=[name for _, name, _ in READERS])
+@pytest.mark.parametrize(("read", "name", "message"), READERS, ids=[name for _, name, _ in READERS])
 def test_too_deeply_nested_file_is_reported(
-    read: Callable[[Path], object], name: str, said: str, tmp_path: Path
+    read: Callable[[Path], object], name: str, message: str, tmp_path: Path
 ) -> None:
     (tmp_path / name).parent.mkdir(exist_ok=True)
     (tmp_path / name).write_text(DEEP)
-    with pytest.raises(CourseError, match=said):
+    with pytest.raises(CourseError, match=message):
         read(tmp_path)
 
 

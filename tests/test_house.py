@@ -106,8 +106,8 @@ def test_documents_and_notebooks_import_only_public_modules(path: Path) -> None:
 @pytest.mark.parametrize("module", sorted(PUBLIC))
 def test_public_modules_can_be_imported_alone_and_load_all_their_names(module: str) -> None:
     code = f"import {module} as public; print(*[getattr(public, name).__class__ for name in public.__all__])"
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=PATIENCE
     )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.strip()
+    assert process.returncode == 0, process.stderr
+    assert process.stdout.strip()

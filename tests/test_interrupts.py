@@ -19,5 +19,5 @@ print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)
 @pytest.mark.skipif(os.name != "posix", reason="only POSIX hands ignored signals on")
 def test_background_test_processes_can_be_interrupted() -> None:
     command = (sys.executable, "-c", BEGUN_BEHIND_AMPERSAND)
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=PATIENCE)
-    assert done.stdout == "True\n"
+    process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=PATIENCE)
+    assert process.stdout == "True\n"

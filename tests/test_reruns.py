@@ -55,7 +55,7 @@ def test_repeated_test_gets_new_fixtures_of_its_file_and_package(tmp_path: Path)
     (tmp_path / "test_page.py").write_text(FILE)
     plugins = ("-p", "pytest_rerunfailures", "-p", "tests.reruns")
     command = [sys.executable, "-m", "pytest", *plugins, "--reruns", "1", "-rR", str(tmp_path)]
-    done = subprocess.run(
+    process = subprocess.run(
         command,
         cwd=tmp_path,
         env=os.environ | {"PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
@@ -64,5 +64,5 @@ def test_repeated_test_gets_new_fixtures_of_its_file_and_package(tmp_path: Path)
         timeout=PATIENCE,
         check=False,
     )
-    assert done.returncode == 0, done.stdout
-    assert "3 passed, 1 rerun" in done.stdout
+    assert process.returncode == 0, process.stdout
+    assert "3 passed, 1 rerun" in process.stdout

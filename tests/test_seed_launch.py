@@ -25,9 +25,9 @@ pytestmark = pytest.mark.skipif(not DOCUMENTS, reason="COURSE_SEEDS names no fol
 def cut(beginning: str, ending: str) -> str:
     """Extract a section from a document, including its end."""
     text = next(t for document in DOCUMENTS if beginning in (t := document.read_text()))
-    found = re.search(re.escape(beginning) + ".*?" + ending, text, re.DOTALL)
-    assert found is not None
-    return found[0]
+    match = re.search(re.escape(beginning) + ".*?" + ending, text, re.DOTALL)
+    assert match is not None
+    return match[0]
 
 
 def test_dashboard_launch_file_starts_the_exported_package(
@@ -63,9 +63,9 @@ def test_painting_launch_file_opens_its_layout_and_starts_the_node(
     (tmp_path / "node.py").write_text(node)
     export(tmp_path / "node.py", "paint_path", tmp_path, nodes=["PaintPathNode"])
     _, code = recorded(bringup / "launch" / "rviz_launch2.py", *settings, seconds=0.2)
-    shown = capsys.readouterr()
+    captured = capsys.readouterr()
     assert code == 0
-    assert "Transform not available" in shown.err
-    layout = Path(shown.out.split("--rviz ")[1].split()[0])
+    assert "Transform not available" in captured.err
+    layout = Path(captured.out.split("--rviz ")[1].split()[0])
     assert f"Topic: {topic}/visualization_marker" in layout.read_text()
     layout.unlink()

@@ -63,9 +63,9 @@ def program(name: str) -> str:
 def run(bag: Path, *files: Path, seconds: float = SECONDS) -> Recording:
     options = ["--seconds", f"{seconds}", "--bag", str(bag)]
     command = [sys.executable, "-m", "course_lib", "run", *map(str, files), *options]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    process = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     # Programs that call rclpy.shutdown() after Ctrl+C end with this error on the real rclpy as well.
-    assert done.returncode == 0 or "rcl_shutdown already called" in done.stderr, done.stderr
+    assert process.returncode == 0 or "rcl_shutdown already called" in process.stderr, process.stderr
     return read_bag(bag)
 
 

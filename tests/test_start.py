@@ -88,10 +88,10 @@ def test_files_named_like_python_modules_do_not_break_a_run(tmp_path: Path) -> N
 
 def test_no_heavy_module_is_imported_before_the_restart() -> None:
     code = "import sys, course_lib.__main__; print(*({'numpy', 'typer', 'rclpy'} & sys.modules.keys()))"
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=PATIENCE
     )
-    assert done.stdout == "\n"
+    assert process.stdout == "\n"
 
 
 @pytest.mark.slow
@@ -176,14 +176,14 @@ def test_small_program_runs_without_importing_unnecessary_modules(tmp_path: Path
         "import sys, rclpy\nrclpy.init()\nrclpy.create_node('n')\n"
         "print(*sorted({'typer', 'pydantic', 'yaml', 'launch', 'rosbags', 'IPython'} & sys.modules.keys()))\n"
     )
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-m", "course_lib", "run", "p.py"],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         timeout=PATIENCE,
     )
-    assert (done.stdout, done.stderr, done.returncode) == ("\n", "", 0)
+    assert (process.stdout, process.stderr, process.returncode) == ("\n", "", 0)
 
 
 @pytest.mark.sample(1)
@@ -192,6 +192,6 @@ def test_small_program_runs_without_importing_unnecessary_modules(tmp_path: Path
 )
 def test_error_of_a_common_command_is_one_line(line: str, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "course_lib", *line.split()]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
-    assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1)
-    assert done.stderr.startswith("error: ")
+    process = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE)
+    assert (process.returncode, process.stdout, len(process.stderr.splitlines())) == (2, "", 1)
+    assert process.stderr.startswith("error: ")

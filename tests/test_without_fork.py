@@ -22,7 +22,7 @@ def test_submission_command_without_fork_is_rejected_in_one_line(
     monkeypatch.setattr(sys, "argv", ["course", command, "some", "words"])
     with pytest.raises(SystemExit):
         cli.main()
-    said = capsys.readouterr().err.splitlines()
-    assert len(said) == 1
-    assert said[0].startswith(f"error: course {command} needs Linux, macOS or WSL2: on this system (win32)")
-    assert ("check() works" in said[0]) == (command == "check")
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith(f"error: course {command} needs Linux, macOS or WSL2: on this system (win32)")
+    assert ("check() works" in lines[0]) == (command == "check")

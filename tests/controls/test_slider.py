@@ -20,11 +20,11 @@ def test_int_slider_accepts_only_integers_and_slider_gives_floats() -> None:
 
 
 def test_value_observers_are_called_once_per_change() -> None:
-    slider, heard = Slider(max=3), list[float]()
-    slider.observe(lambda change: heard.append(change["new"]), "value")
+    slider, received = Slider(max=3), list[float]()
+    slider.observe(lambda change: received.append(change["new"]), "value")
     for value in (1.0, 1.0, 2.5):
         slider.value = value
-    assert heard == [1.0, 2.5]
+    assert received == [1.0, 2.5]
 
 
 def test_slider_callback_gets_the_initial_and_each_new_value() -> None:

@@ -72,7 +72,7 @@ def test_every_solution_has_an_exercise() -> None:
 
 
 @pytest.mark.parametrize(
-    ("cell", "said"),
+    ("cell", "message"),
     [
         (
             "# solution: a is empty\na = 1",
@@ -83,7 +83,7 @@ def test_every_solution_has_an_exercise() -> None:
     ],
 )
 def test_invalid_solution_marker_is_reported_in_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cell: str, said: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cell: str, message: str
 ) -> None:
     write_notebook(tmp_path / "week09_solution.ipynb", [cell])
     monkeypatch.setattr(exercise_module, "solutions_dir", lambda: tmp_path)
@@ -91,5 +91,5 @@ def test_invalid_solution_marker_is_reported_in_one_line(
         exercise_module.main()
     line = str(leaving.value.code)
     assert line.startswith(f"error: {tmp_path / 'week09_solution.ipynb'}: ")
-    assert said in line
+    assert message in line
     assert "\n" not in line

@@ -45,11 +45,11 @@ def test_folder_for_lesson_files_is_created(tmp_path: Path, release: Path) -> No
 
 
 def test_missing_files_are_copied_and_a_second_call_changes_nothing(tmp_path: Path, release: Path) -> None:
-    mine = tmp_path / "new" / "course"
-    assert prepare(mine).added == ("week01_exercise.ipynb", "assets/map.txt")
-    assert prepare(mine).lines() == []
-    (mine / "assets" / "map.txt").unlink()
-    assert prepare(mine).added == ("assets/map.txt",)
+    own_file = tmp_path / "new" / "course"
+    assert prepare(own_file).added == ("week01_exercise.ipynb", "assets/map.txt")
+    assert prepare(own_file).lines() == []
+    (own_file / "assets" / "map.txt").unlink()
+    assert prepare(own_file).added == ("assets/map.txt",)
 
 
 def test_newer_release_replaces_files_that_were_only_run(tmp_path: Path, release: Path) -> None:
@@ -61,27 +61,27 @@ def test_newer_release_replaces_files_that_were_only_run(tmp_path: Path, release
 
 
 def test_newer_version_is_written_once_next_to_an_edited_file(tmp_path: Path, release: Path) -> None:
-    mine = tmp_path / "mine" / "week01_exercise.ipynb"
-    prepare(mine.parent)
-    mine.write_text(notebook("my answer"))
+    own_file = tmp_path / "mine" / "week01_exercise.ipynb"
+    prepare(own_file.parent)
+    own_file.write_text(notebook("my answer"))
     (release / "week01_exercise.ipynb").write_text(notebook("second"))
-    report = prepare(mine.parent)
+    report = prepare(own_file.parent)
     assert report.beside == ("week01_exercise_new.ipynb",)
     assert "the new version is next to yours: week01_exercise_new.ipynb" in "\n".join(report.lines())
-    assert mine.read_text() == notebook("my answer")
-    assert (mine.parent / "week01_exercise_new.ipynb").read_text() == notebook("second")
-    assert prepare(mine.parent).lines() == []
+    assert own_file.read_text() == notebook("my answer")
+    assert (own_file.parent / "week01_exercise_new.ipynb").read_text() == notebook("second")
+    assert prepare(own_file.parent).lines() == []
     (release / "week01_exercise.ipynb").write_text(notebook("third"))
-    assert prepare(mine.parent).beside == ("week01_exercise_new2.ipynb",)
+    assert prepare(own_file.parent).beside == ("week01_exercise_new2.ipynb",)
 
 
 def test_manually_damaged_notebook_counts_as_edited(tmp_path: Path, release: Path) -> None:
-    mine = tmp_path / "mine" / "week01_exercise.ipynb"
-    prepare(mine.parent)
-    mine.write_text("{ half a notebook")
+    own_file = tmp_path / "mine" / "week01_exercise.ipynb"
+    prepare(own_file.parent)
+    own_file.write_text("{ half a notebook")
     (release / "week01_exercise.ipynb").write_text(notebook("second"))
-    assert prepare(mine.parent).beside == ("week01_exercise_new.ipynb",)
-    assert mine.read_text() == "{ half a notebook"
+    assert prepare(own_file.parent).beside == ("week01_exercise_new.ipynb",)
+    assert own_file.read_text() == "{ half a notebook"
 
 
 def test_new_exercises_get_the_stored_id(tmp_path: Path, release: Path) -> None:

@@ -63,18 +63,18 @@ def test_wrong_prediction_shows_its_explanation_and_the_result(
     lines = capsys.readouterr().out.splitlines()
     wrong = question.answer(WRONG)
     assert wrong is not None
-    said = f"You predicted: {WRONG}. ✘ Not this one. {wrong.reason}"
+    message = f"You predicted: {WRONG}. ✘ Not this one. {wrong.reason}"
     happened = f"What happened: {RIGHT}. {question.right.reason}"
-    assert " ".join(lines) == f"{said} {happened}"
+    assert " ".join(lines) == f"{message} {happened}"
     assert max(map(len, lines)) <= WIDTH
 
 
 def test_correct_prediction_is_confirmed_with_the_measurement(capsys: pytest.CaptureFixture[str]) -> None:
     choose(RIGHT)
     compare("week01.ground", "z = 0.0 m")
-    said, *_, measured = capsys.readouterr().out.splitlines()
-    assert said.startswith(f"You predicted: {RIGHT}. ✔ Right. ")
-    assert measured == "Measured: z = 0.0 m"
+    lines, *_, output_lines = capsys.readouterr().out.splitlines()
+    assert lines.startswith(f"You predicted: {RIGHT}. ✔ Right. ")
+    assert output_lines == "Measured: z = 0.0 m"
 
 
 def test_stored_prediction_is_selected_when_the_cell_is_rerun() -> None:

@@ -195,7 +195,7 @@ def test_wheel_of_the_release_creates_a_student_folder(out: Path, tmp_path: Path
     )
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
     command = [sys.executable, "-c", code]
-    said = subprocess.run(
+    process = subprocess.run(
         command,
         cwd=tmp_path,
         env=environment,
@@ -204,9 +204,9 @@ def test_wheel_of_the_release_creates_a_student_folder(out: Path, tmp_path: Path
         text=True,
         timeout=5 * PATIENCE,
     ).stdout.splitlines()
-    assert said[0] == str(tmp_path / "site" / "course_lib")
+    assert process[0] == str(tmp_path / "site" / "course_lib")
     assert {"week00_welcome.ipynb", "week01_first_marker.ipynb", "week01_exercise.ipynb"} <= set(
-        said[1].split()
+        process[1].split()
     )
     assert not list((tmp_path / "site").rglob("*solution*"))
 
@@ -233,10 +233,10 @@ def test_extensions_inside_released_files_are_rejected(tmp_path: Path) -> None:
 def test_image_build_command_creates_the_student_folder(
     path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = re.search(r"course lab my_course --no-server", (checkout_root() / path).read_text())
-    assert found
+    match = re.search(r"course lab my_course --no-server", (checkout_root() / path).read_text())
+    assert match
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", found.group().split())
+    monkeypatch.setattr(sys, "argv", match.group().split())
     with pytest.raises(SystemExit) as left:
         cli.main()
     assert left.value.code == 0

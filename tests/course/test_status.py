@@ -57,11 +57,11 @@ def test_status_reports_when_everything_is_packed(state: State, tmp_path: Path) 
 
 
 @pytest.mark.parametrize(
-    ("left", "told"), [(-1, "over"), (5, "5 h left"), (71, "71 h left"), (24 * 9 + 1, "9 days left")]
+    ("remaining", "told"), [(-1, "over"), (5, "5 h left"), (71, "71 h left"), (24 * 9 + 1, "9 days left")]
 )
-def test_deadline_is_in_course_time_with_the_remaining_time(left: float, told: str) -> None:
+def test_deadline_is_in_course_time_with_the_remaining_time(remaining: float, told: str) -> None:
     zone, deadline = ZoneInfo("Asia/Amman"), datetime(2027, 3, 7, 23, 59)
-    now = (deadline.replace(tzinfo=zone) - timedelta(hours=left)).astimezone(UTC)
+    now = (deadline.replace(tzinfo=zone) - timedelta(hours=remaining)).astimezone(UTC)
     assert _due(deadline, now, zone) == f"07 Mar 23:59, {told}"
 
 

@@ -30,7 +30,7 @@ class Bench:
         self.marker = self.session.add("rviz_default_plugins/Marker", "Marker", {"Topic": TOPIC})
         self.array = self.session.add("rviz_default_plugins/MarkerArray", "MarkerArray", {"Topic": ARRAY})
 
-    def hear(self, topic: str, message: Any, at: float = 0.0, qos: Qos | None = None) -> None:
+    def publish(self, topic: str, message: Any, at: float = 0.0, qos: Qos | None = None) -> None:
         """Publish a message."""
         assert isinstance(message, RosMessage)
         sample = Sample(ns(at), topic, type_name(message), serialize(message), qos or Qos(), 1)
@@ -38,10 +38,10 @@ class Bench:
 
     def show(self, *markers: Marker, at: float = 0.0) -> None:
         """Publish markers in one array, and update the scene."""
-        self.hear(ARRAY, MarkerArray(markers=list(markers)), at)
-        self.look(at)
+        self.publish(ARRAY, MarkerArray(markers=list(markers)), at)
+        self.update(at)
 
-    def look(self, at: float = 0.0) -> None:
+    def update(self, at: float = 0.0) -> None:
         """Update the scene."""
         self.session.update(ns(at))
 
@@ -62,9 +62,9 @@ class Bench:
         message.transform.translation = Vector3(x=at_xyz[0], y=at_xyz[1], z=at_xyz[2])
         message.transform.rotation = Quaternion(z=float(np.sin(yaw / 2)), w=float(np.cos(yaw / 2)))
         qos = Qos(durability="transient_local") if static else Qos()
-        self.hear("/tf_static" if static else "/tf", TFMessage(transforms=[message]), at, qos)
+        self.publish("/tf_static" if static else "/tf", TFMessage(transforms=[message]), at, qos)
 
-    def said(self, display: Display, name: str) -> tuple[Level, str] | None:
+    def status(self, display: Display, name: str) -> tuple[Level, str] | None:
         """Return RViz's status of a name."""
         rows = {row.name: row for row in display.rows() if row.level != "hint"}
         return (rows[name].level, rows[name].text) if name in rows else None
@@ -75,7 +75,7 @@ class Bench:
             row.text for row in self.session.rows() if row.display == display.name and row.level == "hint"
         ]
 
-    def shown(self) -> list[str]:
+    def marker_names(self) -> list[str]:
         """Return the names of the visible markers, ns/id."""
         paths = [path for path in self.scene.objects() if self.scene.visible(path)]
         return sorted({"/".join(path.split("/")[-3:-1]) for path in paths})
@@ -94,13 +94,13 @@ def marker(
     kind: int = Marker.CUBE, number: int = 0, *, ns: str = "n", frame: str = "map", **fields: Any
 ) -> Marker:
     """Create a red marker of 1 m at the origin."""
-    made = Marker(type=kind, id=number, ns=ns, **fields)
-    made.header.frame_id = frame
+    message = Marker(type=kind, id=number, ns=ns, **fields)
+    message.header.frame_id = frame
     if "scale" not in fields:
-        made.scale = Vector3(x=1.0, y=1.0, z=1.0)
+        message.scale = Vector3(x=1.0, y=1.0, z=1.0)
     if "color" not in fields:
-        made.color = ColorRGBA(r=1.0, a=1.0)
-    return made
+        message.color = ColorRGBA(r=1.0, a=1.0)
+    return message
 
 
 def at(x: float) -> Pose:

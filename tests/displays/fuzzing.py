@@ -171,11 +171,11 @@ def _show_one(chance: random.Random, bench: Bench, display: Display, class_name:
             cdr = mutated_bytes(chance, cdr)
         bench.session.receive(Sample(now_ns, topic, type_name(message), cdr, LATCHED, 1))
     if chance.random() < 0.1:
-        moved = TransformStamped(child_frame_id=FRAME)
-        moved.header.frame_id = "base"
-        transforms = TFMessage(transforms=[moved])
+        transform = TransformStamped(child_frame_id=FRAME)
+        transform.header.frame_id = "base"
+        transforms = TFMessage(transforms=[transform])
         mutate(chance, transforms, 3)
-        bench.hear("/tf", transforms, seconds)
+        bench.publish("/tf", transforms, seconds)
     if chance.random() < 0.1:
         prop = chance.choice(display.properties)
         if not prop.is_read_only and prop.label not in ("Enabled", "Topic", "Description File"):
@@ -279,8 +279,8 @@ def show_urdfs(seed: int, count: int) -> Iterator[str]:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             try:
-                bench.hear("/robot_description", String(data=text), number * 0.05, LATCHED)
-                bench.look(number * 0.05 + 0.01)
+                bench.publish("/robot_description", String(data=text), number * 0.05, LATCHED)
+                bench.update(number * 0.05 + 0.01)
                 if number % 20 == 0:
                     bench.session.rows()
                     draw(bench.scene, (32, 24))

@@ -124,9 +124,9 @@ def polygon(x: float) -> PolygonStamped:
 def handled(x: float) -> InteractiveMarkerUpdate:
     """Create markers that can be moved; the second message has another one."""
     control = InteractiveMarkerControl(interaction_mode=InteractiveMarkerControl.MOVE_AXIS)
-    made = InteractiveMarker(name=f"m{x}", description="words", controls=[control])
-    made.header.frame_id = FRAME
-    return InteractiveMarkerUpdate(type=InteractiveMarkerUpdate.UPDATE, markers=[made])
+    message = InteractiveMarker(name=f"m{x}", description="words", controls=[control])
+    message.header.frame_id = FRAME
+    return InteractiveMarkerUpdate(type=InteractiveMarkerUpdate.UPDATE, markers=[message])
 
 
 # Message factories by topic for each class; their argument [m] distinguishes successive messages.

@@ -45,6 +45,6 @@ def test_axes_are_drawn_at_their_frame_and_hidden_while_it_is_unknown() -> None:
 def test_axes_radius_is_drawn_as_the_diameter() -> None:
     session = RvizSession(Scene(), "map")
     session.add(AXES, "Axes", {}, Radius=0.2)
-    drawn = session.context.scene.node(NODE).object
-    assert isinstance(drawn, Solids)
-    np.testing.assert_allclose(np.linalg.norm(drawn.placements[:, :3, 0], axis=1), 0.2)
+    drawable = session.context.scene.node(NODE).object
+    assert isinstance(drawable, Solids)
+    np.testing.assert_allclose(np.linalg.norm(drawable.placements[:, :3, 0], axis=1), 0.2)

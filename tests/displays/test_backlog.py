@@ -60,8 +60,8 @@ def both(class_name: str = "rviz_default_plugins/Marker", topic: str | None = "/
 
 
 def described(viewer: Viewer) -> tuple[str, list[str], bytes]:
-    said = str(viewer.statuses())
-    return said, sorted(viewer.scene.objects()), encoding.snapshot(viewer.scene)
+    text = str(viewer.statuses())
+    return text, sorted(viewer.scene.objects()), encoding.snapshot(viewer.scene)
 
 
 @pytest.mark.parametrize("class_name", [name for name in REGISTRY if name.startswith("rviz")])

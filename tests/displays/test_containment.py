@@ -111,8 +111,8 @@ def test_exception_in_a_display_is_its_status_and_other_displays_continue(
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         bench, faulty = bench_with(method, monkeypatch)
-        bench.hear("/points", point())
-        bench.look()
+        bench.publish("/points", point())
+        bench.update()
         if method == "on_changed":
             faulty["Topic/Filter size"] = 3
         rows = {row.name: row for row in bench.session.rows() if row.display == "Faulty"}
@@ -129,7 +129,7 @@ def test_exception_in_a_display_is_warned_about_once_with_its_line(monkeypatch: 
         warnings.simplefilter("always")
         bench, _ = bench_with("update", monkeypatch)
         for step in range(20):
-            bench.look(step / 10)
+            bench.update(step / 10)
     (warning,) = [one for one in caught if one.category is DisplayFaultWarning]
     assert "tests/displays/test_containment.py, line" in str(warning.message)
 
@@ -137,10 +137,10 @@ def test_exception_in_a_display_is_warned_about_once_with_its_line(monkeypatch: 
 def test_exception_status_is_cleared_when_the_display_works_again(monkeypatch: pytest.MonkeyPatch) -> None:
     bench, faulty = bench_with("convert", monkeypatch)
     with pytest.warns(DisplayFaultWarning):
-        bench.hear("/points", point())
+        bench.publish("/points", point())
     monkeypatch.setattr(FaultyDisplay, "fails_in", "")
-    bench.hear("/points", point(), 0.1)
-    bench.look(0.1)
+    bench.publish("/points", point(), 0.1)
+    bench.update(0.1)
     assert [row for row in faulty.rows() if row.level == "error"] == []
 
 
@@ -157,10 +157,10 @@ def test_messages_after_a_failing_one_are_shown(monkeypatch: pytest.MonkeyPatch)
     for number in range(4):
         late = point(float(number))
         late.header.frame_id = "late"
-        bench.hear("/points", late)
+        bench.publish("/points", late)
     bench.transform("base", "late")
     with pytest.warns(DisplayFaultWarning):
-        bench.look(0.1)
+        bench.update(0.1)
     assert shown == [0.0, 2.0, 3.0]
 
 
@@ -172,7 +172,7 @@ def test_interrupts_are_not_caught(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(FaultyDisplay, "convert", convert)
     with pytest.raises(KeyboardInterrupt):
-        bench.hear("/points", point())
+        bench.publish("/points", point())
 
 
 def test_undecodable_message_is_an_error_status_without_a_warning() -> None:
@@ -181,8 +181,8 @@ def test_undecodable_message_is_an_error_status_without_a_warning() -> None:
     bench.session.receive(
         Sample(START_NS, "/points", "geometry_msgs/msg/PointStamped", b"\0\1\0\0abc", Qos(), 1)
     )
-    assert bench.said(fine, "Message") is not None
-    level, text = bench.said(fine, "Message") or ("", "")
+    assert bench.status(fine, "Message") is not None
+    level, text = bench.status(fine, "Message") or ("", "")
     assert level == "error"
     assert "These 7 bytes are not a valid geometry_msgs/msg/PointStamped" in text
 
@@ -203,10 +203,10 @@ def test_exception_in_a_custom_display_is_reported_with_its_line(monkeypatch: py
         own = bench.session.add("my_robot/Careless", "Careless", {"Topic": "/words"})
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            bench.hear("/words", String(data="x"))
+            bench.publish("/words", String(data="x"))
     finally:
         del REGISTRY["my_robot/Careless"]
-    level, text = bench.said(own, "Message") or ("", "")
+    level, text = bench.status(own, "Message") or ("", "")
     assert level == "error"
     assert text.startswith("IndexError: my own (test_containment.py, line ")
     assert text.endswith('raise IndexError("my own"))')
@@ -247,7 +247,7 @@ def test_exception_in_a_panel_does_not_affect_the_publisher() -> None:
 
     bench.session.after_frame.append(fail)
     with pytest.warns(DisplayFaultWarning):
-        bench.look()
+        bench.update()
     (row,) = [row for row in bench.session.rows() if row.name == "Page"]
     assert (row.display, row.level) == ("Global Status", "error")
 

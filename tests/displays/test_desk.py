@@ -50,11 +50,11 @@ class Page:
 
 @pytest.fixture
 def viewer(graph: Graph) -> Viewer:
-    made = Viewer()
-    made.add("Marker", topic="/m")
+    viewer = Viewer()
+    viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())
-    made.look()
-    return made
+    viewer.look()
+    return viewer
 
 
 @pytest.fixture
@@ -212,9 +212,9 @@ def test_tool_properties_are_edited_and_saved(page: Page, viewer: Viewer, graph:
     (end,) = (end for end in graph.endpoints() if end.topic == "/my_goal")
     assert (end.qos.reliability, end.qos.depth) == ("best_effort", 5)
     page.ask(act="SaveLayout", name="tools.rviz")
-    again = RvizSession(Scene())
-    again.apply(read_layout("tools.rviz"))
-    assert [again.tools[5]["Covariance x"], again.tools[6]["Topic"]] == [0.5, "/my_goal"]
+    reloaded = RvizSession(Scene())
+    reloaded.apply(read_layout("tools.rviz"))
+    assert [reloaded.tools[5]["Covariance x"], reloaded.tools[6]["Topic"]] == [0.5, "/my_goal"]
 
 
 def test_displays_are_added_to_the_selected_group(page: Page, viewer: Viewer) -> None:
@@ -279,12 +279,12 @@ def test_waiting_for_a_click_without_a_page_fails_immediately(viewer: Viewer) ->
 
 
 def test_click_callbacks_are_called(viewer: Viewer, graph: Graph) -> None:
-    heard: list[Any] = []
-    callback: Callable[[Any], None] = viewer.on_click(heard.append)
-    assert callback == heard.append
+    received: list[Any] = []
+    callback: Callable[[Any], None] = viewer.on_click(received.append)
+    assert callback == received.append
     viewer._repr_mimebundle_()
     assert viewer._cell._view is not None
     click = {"type": "click", "page": "one", "number": 0, "origin": [0, 0, 1], "direction": [0, 0, -1]}
     viewer._cell._view.link.receive(click)
-    assert [(one.path, one.origin) for one in heard] == [(None, (0, 0, 1))]
+    assert [(one.path, one.origin) for one in received] == [(None, (0, 0, 1))]
     viewer.close()

@@ -31,15 +31,15 @@ def bench() -> Bench:
 
 def add(bench: Bench, **properties: Any) -> Display:
     display = bench.session.add("rviz_default_plugins/Effort", "Effort", {"Topic": "/states"}, **properties)
-    bench.hear("/robot_description", String(data=ROBOT), qos=LATCHED)
+    bench.publish("/robot_description", String(data=ROBOT), qos=LATCHED)
     return display
 
 
 def publish(bench: Bench, frame: str = "map", **efforts: float) -> None:
     message = JointState(name=list(efforts), effort=list(efforts.values()))
     message.header.frame_id = frame
-    bench.hear("/states", message)
-    bench.look()
+    bench.publish("/states", message)
+    bench.update()
 
 
 def parts(bench: Bench) -> dict[str, Any]:
@@ -117,7 +117,7 @@ def test_joint_that_cannot_be_drawn_has_its_own_status(
 ) -> None:
     display = add(bench, **({"TF Prefix": "other"} if "other" in text else {}))
     publish(bench, **efforts)
-    assert bench.said(display, name) == ("error", text)
+    assert bench.status(display, name) == ("error", text)
     assert parts(bench) == {}
 
 
@@ -125,18 +125,18 @@ def test_joint_state_with_unequal_numbers_of_joints_and_efforts_is_rejected(benc
     display = add(bench)
     message = JointState(name=["along_z"])
     message.header.frame_id = "map"
-    bench.hear("/states", message)
-    bench.look()
-    said = bench.said(display, "Topic")
-    assert said == ("error", "Received a joint state msg with different joint names and efforts size!")
+    bench.publish("/states", message)
+    bench.update()
+    status = bench.status(display, "Topic")
+    assert status == ("error", "Received a joint state msg with different joint names and efforts size!")
 
 
 def test_missing_or_invalid_robot_description_is_reported(bench: Bench) -> None:
     display = bench.session.add("rviz_default_plugins/Effort", "Effort", {"Topic": "/states"})
     publish(bench, along_z=5.0)
-    assert bench.said(display, "Process message") == ("error", "Robot model might not be loaded yet")
-    bench.hear("/robot_description", String(data="<robot>"), qos=LATCHED)
-    assert bench.said(display, "URDF") == ("error", "Unable to parse robot model description!")
+    assert bench.status(display, "Process message") == ("error", "Robot model might not be loaded yet")
+    bench.publish("/robot_description", String(data="<robot>"), qos=LATCHED)
+    assert bench.status(display, "URDF") == ("error", "Unable to parse robot model description!")
 
 
 def test_joint_states_without_a_frame_are_dropped_as_in_rviz(bench: Bench) -> None:

@@ -128,19 +128,19 @@ def look(class_name: str, early: tuple[tuple[str, Any], ...], late: str = "", va
         display[late] = value
     for number in range(2):
         for topic, message in messages(class_name, number):
-            bench.hear(topic, message, float(number), LATCHED)
-        bench.look(number + 0.5)
+            bench.publish(topic, message, float(number), LATCHED)
+        bench.update(number + 0.5)
     bench.transform("base", "arm", (0.0, 3.0, 0.0), at=1.6, static=False)
     if late:
         display[late] = value
-    bench.look(2.0)
+    bench.update(2.0)
     scene = bench.scene
     seen = {path: plain(vars(drawable)) for path, drawable in scene.objects().items()}
     places = {path: scene.world_transform(path).round(6).tobytes() for path in seen}
     shown = {path: scene.visible(path) for path in seen}
     asked = [(subscription.topic, subscription.qos) for subscription in display.subscriptions]
-    said = [row for row in display.rows() if row.name in ("URDF", "Topic")]
-    return seen, places, shown, asked, said
+    texts = [row for row in display.rows() if row.name in ("URDF", "Topic")]
+    return seen, places, shown, asked, texts
 
 
 @cache

@@ -17,9 +17,9 @@ def grid(bench: Bench, **properties: Any) -> Display:
 
 
 def lines(bench: Bench) -> Lines:
-    found = bench.scene.objects()[NODE]
-    assert isinstance(found, Lines)
-    return found
+    drawable = bench.scene.objects()[NODE]
+    assert isinstance(drawable, Lines)
+    return drawable
 
 
 def ends(bench: Bench) -> npt.NDArray[np.float64]:
@@ -55,9 +55,9 @@ def test_normal_cell_count_adds_layers_and_posts() -> None:
 
 def test_billboards_have_a_width_and_lines_do_not() -> None:
     bench = Bench()
-    made = grid(bench, line_width=0.1)
+    display = grid(bench, line_width=0.1)
     assert lines(bench).width == 0.0
-    made["Line Style"] = "Billboards"
+    display["Line Style"] = "Billboards"
     assert lines(bench).width == pytest.approx(0.1)
 
 
@@ -67,18 +67,18 @@ def test_offset_and_reference_frame_move_the_grid() -> None:
     grid(bench, reference_frame="base", offset=(2.0, 0.0, 0.5), plane_cell_count=1)
     np.testing.assert_allclose(ends(bench).mean(axis=0), [10, 2, 1.5])
     bench.transform("map", "base", (0.0, 0.0, 0.0), at=1.0)
-    bench.look(1.0)
+    bench.update(1.0)
     np.testing.assert_allclose(ends(bench).mean(axis=0), [2, 0, 0.5])
 
 
 def test_unknown_frame_hides_the_grid_and_is_an_error_with_rviz_text() -> None:
     bench = Bench()
-    made = grid(bench, reference_frame="base")
+    display = grid(bench, reference_frame="base")
     assert not bench.scene.visible(NODE)
-    assert bench.said(made, "Transform") == ("error", "Could not transform from [base] to [map]")
-    made["Reference Frame"] = "<Fixed Frame>"
+    assert bench.status(display, "Transform") == ("error", "Could not transform from [base] to [map]")
+    display["Reference Frame"] = "<Fixed Frame>"
     assert bench.scene.visible(NODE)
-    assert bench.said(made, "Transform") == ("ok", "Ok")
+    assert bench.status(display, "Transform") == ("ok", "Ok")
 
 
 def test_grid_is_redrawn_after_a_change_of_the_fixed_frame() -> None:
@@ -92,10 +92,10 @@ def test_grid_is_redrawn_after_a_change_of_the_fixed_frame() -> None:
 def test_oversized_grid_is_reported_and_not_drawn() -> None:
     bench = Bench()
     display = grid(bench, plane_cell_count=10**9, normal_cell_count=10**6)
-    bench.look()
+    bench.update()
     assert len(lines(bench).points) == 0
     assert "at most 100000 are drawn" in bench.hints(display)[0]
     display["Plane Cell Count"], display["Normal Cell Count"] = 4, 0
-    bench.look()
+    bench.update()
     assert len(lines(bench).points) == 20
     assert bench.hints(display) == []

@@ -15,8 +15,8 @@ PATH = "displays/GridCells/drawn/cells"
 def show(bench: Bench, **fields: Any) -> None:
     message = GridCells(**{"cell_width": 0.5, "cell_height": 0.25, "cells": CELLS, **fields})
     message.header.frame_id = "base"
-    bench.hear("/cells", message)
-    bench.look()
+    bench.publish("/cells", message)
+    bench.update()
 
 
 @pytest.fixture
@@ -59,4 +59,4 @@ def test_message_rejected_by_rviz_clears_the_cells_and_has_its_status(
 ) -> None:
     show(bench, **fields)
     assert PATH not in bench.scene.objects()
-    assert bench.said(display, "Topic") == (level, text)
+    assert bench.status(display, "Topic") == (level, text)

@@ -72,9 +72,9 @@ Visualization Manager:
 def session(tmp_path: Path) -> RvizSession:
     path = tmp_path / "view.rviz"
     path.write_text(LAYOUT)
-    made = RvizSession(Scene())
-    made.apply(read_layout(path))
-    return made
+    session = RvizSession(Scene())
+    session.apply(read_layout(path))
+    return session
 
 
 def test_layout_sets_options_displays_and_view(session: RvizSession) -> None:
@@ -139,10 +139,10 @@ def test_invalid_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) 
     path.write_text(
         LAYOUT.replace("Cell Size: 2", "Cell Size: wide").replace("3.5", "far").replace("XYO", "O")
     )
-    made = RvizSession(Scene())
-    made.apply(read_layout(path))
-    assert made.displays[0]["Cell Size"] == 1.0
-    hints = [row.text for row in made.rows() if row.level == "hint"]
+    session = RvizSession(Scene())
+    session.apply(read_layout(path))
+    assert session.displays[0]["Cell Size"] == 1.0
+    hints = [row.text for row in session.rows() if row.level == "hint"]
     assert any("'Cell Size' is 'wide', expected a number" in hint for hint in hints)
     assert any("'Distance' is 'far', expected a number" in hint for hint in hints)
 
@@ -151,18 +151,18 @@ def test_invalid_values_keep_the_default_and_are_shown_as_hints(tmp_path: Path) 
 def test_numbers_out_of_range_in_rviz_are_ignored(value: str, tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(LAYOUT.replace("X: 1", f"X: {value}").replace("Cell Size: 2", f"Cell Size: {value}"))
-    made = RvizSession(Scene())
-    made.apply(read_layout(path))
-    assert (made.view["Focal Point"], made.displays[0]["Cell Size"]) == ((0.0, 0.0, 0.0), 1.0)
+    session = RvizSession(Scene())
+    session.apply(read_layout(path))
+    assert (session.view["Focal Point"], session.displays[0]["Cell Size"]) == ((0.0, 0.0, 0.0), 1.0)
 
 
 def test_unknown_view_becomes_an_orbit_with_a_hint(tmp_path: Path) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(LAYOUT.replace("rviz_default_plugins/XYOrbit", "my_pkg/Drone"))
-    made = RvizSession(Scene())
-    made.apply(read_layout(path))
-    assert repr(made.view) == "Orbit"
-    assert any("Drone is not one of Orbit, XYOrbit" in row.text for row in made.rows())
+    session = RvizSession(Scene())
+    session.apply(read_layout(path))
+    assert repr(session.view) == "Orbit"
+    assert any("Drone is not one of Orbit, XYOrbit" in row.text for row in session.rows())
 
 
 BROKEN = {
@@ -215,10 +215,10 @@ def test_valid_entries_of_a_partly_invalid_layout_are_loaded_and_others_are_hint
 ) -> None:
     path = tmp_path / "view.rviz"
     path.write_text(ODD[name][0])
-    made = RvizSession(Scene())
-    made.apply(read_layout(path))
-    assert ODD[name][1] in [row.text for row in made.rows() if (row.name, row.level) == ("Layout", "hint")]
-    assert document(made)
+    session = RvizSession(Scene())
+    session.apply(read_layout(path))
+    assert ODD[name][1] in [row.text for row in session.rows() if (row.name, row.level) == ("Layout", "hint")]
+    assert document(session)
 
 
 def test_missing_or_binary_layout_file_is_an_error(tmp_path: Path) -> None:

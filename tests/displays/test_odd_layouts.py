@@ -63,9 +63,9 @@ def check(text: str, folder: Path) -> None:
     session.apply(layout)
     session.rows()
     save_rviz(session, second)
-    again = RvizSession(Scene())
-    again.apply(read_layout(second))
-    save_rviz(again, third)
+    reloaded = RvizSession(Scene())
+    reloaded.apply(read_layout(second))
+    save_rviz(reloaded, third)
     assert third.read_text() == second.read_text()
 
 

@@ -36,9 +36,9 @@ def restored_registry() -> Iterator[None]:
 @pytest.fixture
 def lesson() -> None:
     """Run the code that the docstring shows, which is the lesson's, but for the viewer."""
-    shown = re.search(r"::\n\n(.*?)\n\n    viewer\.add", registry.__doc__ or "", re.S)
-    assert shown
-    exec(dedent(shown[1]), {})
+    match = re.search(r"::\n\n(.*?)\n\n    viewer\.add", registry.__doc__ or "", re.S)
+    assert match
+    exec(dedent(match[1]), {})
 
 
 def battery(percentage: float, frame: str = "base") -> BatteryState:
@@ -50,15 +50,15 @@ def battery(percentage: float, frame: str = "base") -> BatteryState:
 def shown(bench: Bench, percentage: float = 0.5) -> Display:
     display = bench.session.add(CLASS, "Battery", {"Topic": "/battery"})
     bench.transform("map", "base", (2.0, 0.0, 0.0))
-    bench.hear("/battery", battery(percentage))
-    bench.look()
+    bench.publish("/battery", battery(percentage))
+    bench.update()
     return display
 
 
 def bar(bench: Bench) -> Solids:
-    found = bench.scene.objects()[BAR]
-    assert isinstance(found, Solids)
-    return found
+    drawable = bench.scene.objects()[BAR]
+    assert isinstance(drawable, Solids)
+    return drawable
 
 
 @pytest.mark.usefixtures("lesson")
@@ -69,7 +69,7 @@ def test_custom_display_draws_messages_in_their_frame() -> None:
         bar(bench).placements[0], np.diag([0.1, 0.1, 0.5, 1]) + 0.25 * np.eye(4)[2][:, None] * np.eye(4)[3]
     )
     np.testing.assert_allclose(bench.scene.world_transform(BAR)[:3, 3], [2, 0, 0])
-    assert bench.said(display, "Topic") is not None
+    assert bench.status(display, "Topic") is not None
     display["Height"] = 2.0
     assert bar(bench).placements[0, 2, 2] == 1.0
     display["Enabled"] = False
@@ -80,8 +80,8 @@ def test_custom_display_draws_messages_in_their_frame() -> None:
 def test_custom_display_waits_for_its_frame() -> None:
     bench = Bench()
     display = bench.session.add(CLASS, "Battery", {"Topic": "/battery"})
-    bench.hear("/battery", battery(0.5, "nowhere"))
-    bench.look()
+    bench.publish("/battery", battery(0.5, "nowhere"))
+    bench.update()
     assert BAR not in bench.scene.objects()
     assert "waiting for tf2" in bench.hints(display)[0]
 
@@ -91,13 +91,13 @@ def test_custom_display_is_saved_in_a_layout_and_restored(tmp_path: Path) -> Non
     bench = Bench()
     shown(bench)["Height"] = 2.0
     save_rviz(bench.session, tmp_path / "mine.rviz")
-    again = RvizSession(Scene())
-    again.apply(read_layout(tmp_path / "mine.rviz"))
-    (display,) = (display for display in again.displays if display.name == "Battery")
+    reloaded = RvizSession(Scene())
+    reloaded.apply(read_layout(tmp_path / "mine.rviz"))
+    (display,) = (display for display in reloaded.displays if display.name == "Battery")
     assert (display.class_name, display["Height"], display["Topic"]) == (CLASS, 2.0, "/battery")
     del REGISTRY[CLASS]
-    again.apply(read_layout(tmp_path / "mine.rviz"))
-    assert isinstance(again.displays[-1], FailedDisplay)
+    reloaded.apply(read_layout(tmp_path / "mine.rviz"))
+    assert isinstance(reloaded.displays[-1], FailedDisplay)
 
 
 @pytest.mark.usefixtures("lesson")
@@ -119,12 +119,12 @@ def test_exception_in_the_drawing_method_is_a_status_and_later_messages_are_draw
 
     bench = Bench()
     display = shown(bench, 0.0)
-    level, text = bench.said(display, "Drawing") or ("", "")
+    level, text = bench.status(display, "Drawing") or ("", "")
     assert level == "error"
     assert "ZeroDivisionError" in text
     assert "1 / message.percentage" in text
-    bench.hear("/battery", battery(0.5))
-    assert bench.said(display, "Drawing") is None
+    bench.publish("/battery", battery(0.5))
+    assert bench.status(display, "Drawing") is None
     assert bar(bench).placements[0, 2, 2] == 2.0
 
 
@@ -139,16 +139,16 @@ def test_messages_without_a_header_are_drawn_in_the_fixed_frame() -> None:
 
     bench = Bench()
     bench.session.add(CLASS, "Battery", {"Topic": "/speed"})
-    bench.hear("/speed", Float32(data=3.0))
+    bench.publish("/speed", Float32(data=3.0))
     assert bar(bench).placements[0, 0, 0] == 3.0
 
 
 @pytest.mark.parametrize(
-    ("name", "said"), [("", "my_robot/Thing"), ("rviz_default_plugins/TF", "belongs to RViz")]
+    ("name", "message"), [("", "my_robot/Thing"), ("rviz_default_plugins/TF", "belongs to RViz")]
 )
-def test_custom_display_requires_a_unique_name(name: str, said: str) -> None:
+def test_custom_display_requires_a_unique_name(name: str, message: str) -> None:
     class ThingDisplay(OwnDisplay):
         class_name = name
 
-    with pytest.raises(CourseError, match=said):
+    with pytest.raises(CourseError, match=message):
         register(ThingDisplay)

@@ -29,7 +29,7 @@ def test_polygon_is_a_closed_thin_line_in_its_frame() -> None:
     bench = Bench()
     bench.transform("map", "base", (5.0, 0.0, 0.0))
     display = add(bench)
-    bench.hear("/polygon", polygon(*CORNERS, frame="base"))
+    bench.publish("/polygon", polygon(*CORNERS, frame="base"))
     assert line(bench).points.tolist() == [list(corner) for corner in (*CORNERS, CORNERS[0])]
     assert (line(bench).width, line(bench).strip) == (0.0, True)
     assert bench.scene.world_transform(PATH)[0, 3] == 5.0
@@ -40,9 +40,9 @@ def test_polygon_is_a_closed_thin_line_in_its_frame() -> None:
 def test_empty_polygon_clears_the_last_one_and_a_non_finite_one_does_not() -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/polygon", polygon(*CORNERS))
-    bench.hear("/polygon", polygon((np.inf, 0.0, 0.0)))
-    assert bench.said(display, "Topic") == ("error", INVALID)
+    bench.publish("/polygon", polygon(*CORNERS))
+    bench.publish("/polygon", polygon((np.inf, 0.0, 0.0)))
+    assert bench.status(display, "Topic") == ("error", INVALID)
     assert line(bench)
-    bench.hear("/polygon", polygon())
+    bench.publish("/polygon", polygon())
     assert line(bench) is None

@@ -41,10 +41,10 @@ class Thing(PropertyHolder):
 
 @pytest.mark.parametrize("label", ["Line Style/Line Width", "Line Width", "line_width"])
 def test_property_is_accessed_by_path_unique_label_or_python_name(label: str) -> None:
-    thing = Thing()
-    thing[label] = 2
-    assert thing["Line Style/Line Width"] == 2.0
-    assert thing.seen == ["Line Style/Line Width"]
+    drawable = Thing()
+    drawable[label] = 2
+    assert drawable["Line Style/Line Width"] == 2.0
+    assert drawable.seen == ["Line Style/Line Width"]
 
 
 def test_conversion_to_a_dict_includes_all_values() -> None:
@@ -53,9 +53,9 @@ def test_conversion_to_a_dict_includes_all_values() -> None:
 
 
 def test_setting_an_equal_value_is_not_a_change() -> None:
-    thing = Thing()
-    thing["Cell Size"] = 1
-    assert thing.seen == []
+    drawable = Thing()
+    drawable["Cell Size"] = 1
+    assert drawable.seen == []
 
 
 def test_unknown_label_error_suggests_close_labels() -> None:
@@ -74,7 +74,7 @@ def test_invalid_value_is_reported_with_the_valid_values() -> None:
 
 
 def test_layout_sets_the_listed_properties_and_reports_invalid_values() -> None:
-    thing = Thing()
+    drawable = Thing()
     config = {
         "Cell Size": "wide",
         "Line Style": {"Value": "Billboards", "Line Width": 0.5},
@@ -82,9 +82,9 @@ def test_layout_sets_the_listed_properties_and_reports_invalid_values() -> None:
         "Foreign": 1,
         "Shape": None,
     }
-    (wrong,) = thing.load(config)
+    (wrong,) = drawable.load(config)
     assert wrong == "Thing: 'Cell Size' is 'wide', expected a number."
-    values = [thing[prop.label] for prop in Thing.properties]
+    values = [drawable[prop.label] for prop in Thing.properties]
     assert values == [1.0, "Billboards", 0.5, 1.0, 0.25]
 
 
@@ -138,40 +138,40 @@ def test_invalid_value_is_an_error_with_the_expected_type(convert: Any, given: A
 
 
 def grown() -> Thing:
-    thing = Thing()
-    thing.grow(Property("Links/arm", True, flag), Property("Links/a/b", True, flag, ("Links", "a/b")))
-    return thing
+    drawable = Thing()
+    drawable.grow(Property("Links/arm", True, flag), Property("Links/a/b", True, flag, ("Links", "a/b")))
+    return drawable
 
 
 def test_dynamic_property_behaves_like_others_until_removed() -> None:
-    thing = grown()
-    thing["Links/arm"] = False
-    thing["a/b"] = False
-    assert thing.seen == ["Links/arm", "Links/a/b"]
-    thing.shrink("Links")
-    assert thing.properties == Thing.properties
+    drawable = grown()
+    drawable["Links/arm"] = False
+    drawable["a/b"] = False
+    assert drawable.seen == ["Links/arm", "Links/a/b"]
+    drawable.shrink("Links")
+    assert drawable.properties == Thing.properties
     with pytest.raises(CourseError, match="no property 'arm'"):
-        thing["arm"] = True
+        drawable["arm"] = True
 
 
 def test_dynamic_property_is_initialized_from_the_layout_or_its_former_value() -> None:
-    thing = Thing()
-    thing.load({"Links": {"arm": {"Value": False}, "hand": 3}})
-    assert thing.grow(Property("Links/arm", True, flag)) == []
-    assert thing["arm"] is False
-    thing["arm"] = True
-    thing.shrink("Links")
-    thing.grow(Property("Links/arm", True, flag))
-    assert thing["arm"] is True
-    assert thing.grow(Property("Links/hand", True, flag)) == [
+    drawable = Thing()
+    drawable.load({"Links": {"arm": {"Value": False}, "hand": 3}})
+    assert drawable.grow(Property("Links/arm", True, flag)) == []
+    assert drawable["arm"] is False
+    drawable["arm"] = True
+    drawable.shrink("Links")
+    drawable.grow(Property("Links/arm", True, flag))
+    assert drawable["arm"] is True
+    assert drawable.grow(Property("Links/hand", True, flag)) == [
         "Thing: 'Links/hand' is 3, expected True or False."
     ]
 
 
 def test_read_only_property_rejects_values() -> None:
-    thing = Thing()
-    thing.grow(Property("Tree/Parent", "", read_only))
-    thing.load({"Tree": {"Parent": "map"}})
+    drawable = Thing()
+    drawable.grow(Property("Tree/Parent", "", read_only))
+    drawable.load({"Tree": {"Parent": "map"}})
     with pytest.raises(CourseError, match="the property is read-only"):
-        thing["Parent"] = "map"
-    assert thing["Parent"] == ""
+        drawable["Parent"] = "map"
+    assert drawable["Parent"] == ""

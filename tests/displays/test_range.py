@@ -23,16 +23,16 @@ def measured(distance: float, low: float = 0.5, high: float = 4.0) -> Range:
 
 
 def cones(bench: Bench) -> np.ndarray:
-    found = bench.scene.objects()[PATH]
-    assert isinstance(found, Solids)
-    return found.placements
+    drawable = bench.scene.objects()[PATH]
+    assert isinstance(drawable, Solids)
+    return drawable.placements
 
 
 def test_cone_opens_along_x_from_the_sensor_with_the_field_of_view() -> None:
     bench = Bench()
     add(bench)
-    bench.hear("/range", measured(2.0))
-    bench.look()
+    bench.publish("/range", measured(2.0))
+    bench.update()
     (cone,) = cones(bench)
     tip, base, rim = ((cone @ (*point, 1.0))[:3] for point in ((0, 0, 0.5), (0, 0, -0.5), (0.5, 0, -0.5)))
     assert np.linalg.norm(tip) < 0.01 * 2.0  # RViz draws it slightly nearer
@@ -58,8 +58,8 @@ def test_cone_opens_along_x_from_the_sensor_with_the_field_of_view() -> None:
 def test_out_of_range_measurement_has_zero_length(message: Range, length: float) -> None:
     bench = Bench()
     add(bench)
-    bench.hear("/range", message)
-    bench.look()
+    bench.publish("/range", message)
+    bench.update()
     assert np.linalg.norm(cones(bench)[0, :3, 2]) == pytest.approx(length)
 
 
@@ -67,8 +67,8 @@ def test_buffer_length_limits_the_number_of_measurements() -> None:
     bench = Bench()
     display = add(bench, buffer_length=3)
     for distance in (1.0, 1.5, 2.0, 2.5):
-        bench.hear("/range", measured(distance))
-    bench.look()
+        bench.publish("/range", measured(distance))
+    bench.update()
     np.testing.assert_allclose(np.linalg.norm(cones(bench)[:, :3, 2], axis=1), [1.5, 2.0, 2.5])
     display["Buffer Length"] = 1
     assert PATH not in bench.scene.objects()
@@ -77,9 +77,9 @@ def test_buffer_length_limits_the_number_of_measurements() -> None:
 def test_color_and_alpha_equal_the_properties() -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/range", measured(1.0))
-    bench.look()
+    bench.publish("/range", measured(1.0))
+    bench.update()
     display["Color"] = (255, 0, 0)
-    found = bench.scene.objects()[PATH]
-    assert isinstance(found, Solids)
-    assert found.colors.tolist() == [1.0, 0.0, 0.0, 0.5]
+    drawable = bench.scene.objects()[PATH]
+    assert isinstance(drawable, Solids)
+    assert drawable.colors.tolist() == [1.0, 0.0, 0.0, 0.5]

@@ -100,12 +100,12 @@ def test_bag_is_rendered_to_an_image_or_page_with_its_problems_reported(tmp_path
     layout = tmp_path / "view.rviz"
     layout.write_text(LAYOUT.replace("Enabled: false", "Enabled: true").replace("/world", "map"))
     size = (80, 60)
-    said = render_bag(tmp_path / "bag", rviz=layout, png=tmp_path / "out.png", size=size)
+    message = render_bag(tmp_path / "bag", rviz=layout, png=tmp_path / "out.png", size=size)
     assert (tmp_path / "out.png").stat().st_size > 0
-    assert said.startswith(f"Wrote {tmp_path / 'out.png'}, drawn by ")
-    assert "Boxes / n/0: error: For frame [mapp]: Fixed Frame [map] does not exist" in said
-    said = render_bag(tmp_path / "bag", html=tmp_path / "out.html")
-    assert said.startswith(f"Wrote {tmp_path / 'out.html'}.")
+    assert message.startswith(f"Wrote {tmp_path / 'out.png'}, drawn by ")
+    assert "Boxes / n/0: error: For frame [mapp]: Fixed Frame [map] does not exist" in message
+    message = render_bag(tmp_path / "bag", html=tmp_path / "out.html")
+    assert message.startswith(f"Wrote {tmp_path / 'out.html'}.")
     assert "<html" in (tmp_path / "out.html").read_text()[:200].lower()
 
 
@@ -141,9 +141,9 @@ def test_bag_with_malformed_messages_is_drawn_with_error_statuses(tmp_path: Path
     layout.write_text(
         json.dumps({"Visualization Manager": {"Global Options": options, "Displays": displays}})
     )
-    said = render_bag(tmp_path / "bag", rviz=layout, png=tmp_path / "a.png", size=(160, 120))
-    assert "Robot / URDF: hint: Material [m] has malformed color rgba values" in said
-    assert "Marker / Message" not in said
+    message = render_bag(tmp_path / "bag", rviz=layout, png=tmp_path / "a.png", size=(160, 120))
+    assert "Robot / URDF: hint: Material [m] has malformed color rgba values" in message
+    assert "Marker / Message" not in message
     assert render_bag(tmp_path / "bag", html=tmp_path / "a.html")
     early = render_bag(tmp_path / "bag", rviz=layout, at=0.15, png=tmp_path / "b.png", size=(160, 120))
     assert "Marker / Message: error: These 7 bytes are not a valid visualization_msgs/msg/Marker" in early

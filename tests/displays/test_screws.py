@@ -44,7 +44,9 @@ def add(bench: Bench, name: str, **properties: Any) -> Display:
 
 def drawn(bench: Bench) -> dict[str, Any]:
     objects = bench.scene.objects().items()
-    return {path.rpartition("/")[2]: thing for path, thing in objects if path.startswith("displays/Shown/")}
+    return {
+        path.rpartition("/")[2]: drawable for path, drawable in objects if path.startswith("displays/Shown/")
+    }
 
 
 def ends(solids: Any, number: int = 0) -> np.ndarray:
@@ -58,7 +60,7 @@ def test_arrows_have_the_scaled_length_of_both_vectors(
 ) -> None:
     bench = Bench()
     display = add(bench, name)
-    bench.hear("/screw", make((0.0, 3.0, 0.0), (0.0, 0.0, -1.0)))
+    bench.publish("/screw", make((0.0, 3.0, 0.0), (0.0, 0.0, -1.0)))
     parts = drawn(bench)
     np.testing.assert_allclose(ends(parts[f"{straight} shaft"]), [[0, 0, 0], [0, 6, 0]], atol=1e-6)
     np.testing.assert_allclose(ends(parts[f"{straight} head"])[1], [0, 7.8, 0], atol=1e-6)
@@ -78,7 +80,7 @@ def test_circle_around_the_rotation_vector_follows_the_right_hand_rule(
 ) -> None:
     bench = Bench()
     add(bench, name, **{f"{turning.lower()}_arrow_scale": 1.0})
-    bench.hear("/screw", make(NONE, axis))
+    bench.publish("/screw", make(NONE, axis))
     assert f"{straight} shaft" not in drawn(bench)
     length = np.linalg.norm(axis)
     along, points = np.array(axis) / length, drawn(bench)["circle 0"].points
@@ -96,7 +98,7 @@ def test_history_keeps_the_newest_screws(name: str, make: Make, straight: str, t
     bench = Bench()
     display = add(bench, name, history_length=2)
     for size in (1.0, 2.0, 3.0):
-        bench.hear("/screw", make((size, 0.0, 0.0), (size, 0.0, 0.0)))
+        bench.publish("/screw", make((size, 0.0, 0.0), (size, 0.0, 0.0)))
     shafts = drawn(bench)[f"{straight} shaft"]
     assert [ends(shafts, i)[1, 0] for i in range(2)] == pytest.approx([4, 6])
     display["History Length"] = 1
@@ -111,7 +113,7 @@ def test_arrows_shorter_than_their_width_are_not_drawn(
 ) -> None:
     bench = Bench()
     display = add(bench, name)
-    bench.hear("/screw", make((0.2, 0.0, 0.0), (0.2, 0.0, 0.0)))
+    bench.publish("/screw", make((0.2, 0.0, 0.0), (0.2, 0.0, 0.0)))
     assert not drawn(bench)
     display["Arrow Width"] = 0.3
     assert {f"{straight} shaft", f"{turning} shaft"} <= drawn(bench).keys()
@@ -120,7 +122,7 @@ def test_arrows_shorter_than_their_width_are_not_drawn(
 def test_small_velocities_are_shown_on_request() -> None:
     bench = Bench()
     display = add(bench, "TwistStamped")
-    bench.hear("/screw", twist((0.1, 0.0, 0.0), NONE))
+    bench.publish("/screw", twist((0.1, 0.0, 0.0), NONE))
     display["Hide Small Values"] = False
     assert sorted(drawn(bench)) == ["Linear head", "Linear shaft"]
 
@@ -129,11 +131,11 @@ def test_nan_values_are_an_error_or_zero_if_a_wrench_accepts_them() -> None:
     bench = Bench()
     display = add(bench, "Wrench")
     wrong = wrench((np.nan, 0.0, 2.0), NONE)
-    bench.hear("/screw", wrong)
-    assert bench.said(display, "Topic") == ("error", INVALID)
+    bench.publish("/screw", wrong)
+    assert bench.status(display, "Topic") == ("error", INVALID)
     assert not drawn(bench)
     display["Accept NaN Values"] = True
-    bench.hear("/screw", wrong)
-    said = "Message might contain floating point values (nans or infs)"
-    assert bench.said(display, "Topic") == ("ok", said)
+    bench.publish("/screw", wrong)
+    message = "Message might contain floating point values (nans or infs)"
+    assert bench.status(display, "Topic") == ("ok", message)
     np.testing.assert_allclose(ends(drawn(bench)["Force shaft"])[1], [0, 0, 4], atol=1e-6)

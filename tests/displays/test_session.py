@@ -10,19 +10,19 @@ from tests.displays.bench import ARRAY, TOPIC, Bench, marker, ns
 
 def test_message_is_shown_in_the_next_frame() -> None:
     bench = Bench()
-    bench.hear(TOPIC, marker(), at=1.0)
-    assert bench.shown() == []
-    bench.hear("/chatter", MarkerArray(), at=1.02)
-    assert bench.shown() == []
-    bench.hear("/chatter", MarkerArray(), at=1.04)
-    assert bench.shown() == ["n/0"]
+    bench.publish(TOPIC, marker(), at=1.0)
+    assert bench.marker_names() == []
+    bench.publish("/chatter", MarkerArray(), at=1.02)
+    assert bench.marker_names() == []
+    bench.publish("/chatter", MarkerArray(), at=1.04)
+    assert bench.marker_names() == ["n/0"]
 
 
 def test_simultaneous_transform_is_used_regardless_of_arrival_order() -> None:
     bench = Bench()
-    bench.hear(ARRAY, MarkerArray(markers=[marker(frame="base")]))
+    bench.publish(ARRAY, MarkerArray(markers=[marker(frame="base")]))
     bench.transform("map", "base", (3.0, 0.0, 0.0))
-    bench.look()
+    bench.update()
     assert bench.place("n/0")[0, 3] == 3.0
 
 
@@ -30,9 +30,9 @@ def test_drawables_expire_without_a_message() -> None:
     bench = Bench()
     bench.show(marker(lifetime=Duration(sec=1)))
     bench.session.tick(ns(0.9))
-    assert bench.shown() == ["n/0"]
+    assert bench.marker_names() == ["n/0"]
     bench.session.tick(ns(1.1))
-    assert bench.shown() == []
+    assert bench.marker_names() == []
 
 
 def test_message_is_deserialized_once_for_all_displays(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -46,17 +46,17 @@ def test_message_is_deserialized_once_for_all_displays(monkeypatch: pytest.Monke
         return deserialize(cdr, cls)
 
     monkeypatch.setattr("course_lib.ros.messages.deserialize", counted)
-    bench.hear(TOPIC, marker())
-    bench.hear("/nobody_listens", marker())
+    bench.publish(TOPIC, marker())
+    bench.publish("/nobody_listens", marker())
     assert count == 1
 
 
 def test_displays_with_equal_names_have_separate_nodes() -> None:
     bench = Bench()
     added = [bench.session.add("rviz_default_plugins/Marker", "a/b", {"Topic": TOPIC}) for _ in range(2)]
-    bench.hear(TOPIC, marker())
-    bench.look()
-    assert bench.shown() == ["n/0"]
+    bench.publish(TOPIC, marker())
+    bench.update()
+    assert bench.marker_names() == ["n/0"]
     assert len(bench.scene.objects()) == 3
     bench.session.remove(added[0])
     assert len(bench.scene.objects()) == 2
@@ -76,7 +76,7 @@ def test_unknown_class_is_kept_and_reported_with_rviz_text() -> None:
 
 def test_hint_for_a_silent_topic_lists_active_topics_of_its_type() -> None:
     bench = Bench()
-    bench.hear("/marker", marker())
+    bench.publish("/marker", marker())
     assert bench.hints(bench.marker) == [
         "no message has arrived on /markers; messages of its type arrive on /marker."
     ]
@@ -85,24 +85,24 @@ def test_hint_for_a_silent_topic_lists_active_topics_of_its_type() -> None:
 def test_all_messages_of_a_recording_are_delivered_regardless_of_qos() -> None:
     bench = Bench(match_qos=False)
     bench.array["Durability Policy"] = "Transient Local"
-    bench.hear(ARRAY, MarkerArray(markers=[marker()]), qos=Qos(durability="volatile"))
-    bench.look()
-    assert bench.shown() == ["n/0"]
+    bench.publish(ARRAY, MarkerArray(markers=[marker()]), qos=Qos(durability="volatile"))
+    bench.update()
+    assert bench.marker_names() == ["n/0"]
 
 
 def test_backward_time_jump_resets_all_displays_as_in_rviz() -> None:
     bench = Bench()
     bench.transform("map", "base", at=5.0, static=False)
-    bench.hear(TOPIC, marker(), at=5.0)
-    bench.look(5.0)
-    bench.hear("/chatter", MarkerArray(), at=1.0)
-    bench.look(1.0)
-    assert bench.shown() == []
+    bench.publish(TOPIC, marker(), at=5.0)
+    bench.update(5.0)
+    bench.publish("/chatter", MarkerArray(), at=1.0)
+    bench.update(1.0)
+    assert bench.marker_names() == []
     hint = "RViz's log: Detected jump back in time. Resetting RViz."
     assert hint in [row.text for row in bench.session.rows()]
-    bench.hear(TOPIC, marker(), at=1.5)
-    bench.look(1.5)
-    assert bench.shown() == ["n/0"]
+    bench.publish(TOPIC, marker(), at=1.5)
+    bench.update(1.5)
+    assert bench.marker_names() == ["n/0"]
 
 
 def test_transforms_ignored_by_tf2_cause_a_hint() -> None:
@@ -121,7 +121,7 @@ def test_view_follows_its_target_frame() -> None:
     bench = Bench()
     bench.session.view["Target Frame"] = "base"
     bench.transform("map", "base", (10.0, 0.0, 0.0), static=False)
-    bench.look(0.1)
+    bench.update(0.1)
     np.testing.assert_allclose(bench.scene.camera.target, [10, 0, 0])
 
 
@@ -138,8 +138,8 @@ def test_unknown_target_frame_causes_a_hint_until_it_is_known() -> None:
 
 def test_unchanged_view_does_not_move_the_camera() -> None:
     bench = Bench()
-    said: list[str] = []
-    bench.scene.listen(lambda what, path: said.append(what))
+    changes: list[str] = []
+    bench.scene.listen(lambda what, path: changes.append(what))
     for at in (0.1, 0.2, 0.3):
-        bench.look(at)
-    assert "look" not in said
+        bench.update(at)
+    assert "look" not in changes

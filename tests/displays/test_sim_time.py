@@ -20,8 +20,8 @@ from tests.displays.bench import TOPIC, Bench, marker
 
 def say_time(bench: Bench, sim: float, at: float) -> None:
     seconds, nanoseconds = divmod(round(sim * 1e9), 10**9)
-    bench.hear("/clock", Clock(clock=Time(sec=seconds, nanosec=nanoseconds)), at=at)
-    bench.look(at)
+    bench.publish("/clock", Clock(clock=Time(sec=seconds, nanosec=nanoseconds)), at=at)
+    bench.update(at)
 
 
 def hints(bench: Bench) -> list[str]:
@@ -43,33 +43,33 @@ def test_only_a_viewer_with_sim_time_subscribes_to_the_clock(bench: Bench) -> No
 
 def test_lifetimes_expire_by_the_clock_topic(bench: Bench) -> None:
     say_time(bench, 100.0, at=0.0)
-    bench.hear(TOPIC, marker(lifetime=Duration(sec=1)), at=0.1)
-    bench.look(20.0)
-    assert bench.shown() == ["n/0"]
+    bench.publish(TOPIC, marker(lifetime=Duration(sec=1)), at=0.1)
+    bench.update(20.0)
+    assert bench.marker_names() == ["n/0"]
     say_time(bench, 100.9, at=20.1)
-    assert bench.shown() == ["n/0"]
+    assert bench.marker_names() == ["n/0"]
     say_time(bench, 101.1, at=20.2)
-    assert bench.shown() == []
+    assert bench.marker_names() == []
 
 
 def test_backward_clock_jump_resets_the_viewer_as_in_rviz(bench: Bench) -> None:
     say_time(bench, 100.0, at=0.0)
     bench.transform("map", "base", at=0.0, static=False)
-    bench.hear(TOPIC, marker(), at=0.1)
-    bench.look(0.2)
+    bench.publish(TOPIC, marker(), at=0.1)
+    bench.update(0.2)
     say_time(bench, 99.9, at=0.3)
-    assert bench.shown() == []
+    assert bench.marker_names() == []
     assert bench.session.context.frames.transform("base") is None
     assert hints(bench) == ["RViz's log: Detected jump back in time. Resetting RViz."]
 
 
 def test_changed_time_source_resets_the_viewer_as_in_rviz(bench: Bench) -> None:
-    bench.hear(TOPIC, marker(), at=0.1)
-    bench.look(0.2)
+    bench.publish(TOPIC, marker(), at=0.1)
+    bench.update(0.2)
     bench.session.set_sim_time(True)
-    assert bench.shown() == ["n/0"]
+    assert bench.marker_names() == ["n/0"]
     bench.session.set_sim_time(False)
-    assert bench.shown() == []
+    assert bench.marker_names() == []
     assert hints(bench) == ["RViz's log: Detected time source change. Resetting RViz."]
 
 
@@ -97,15 +97,15 @@ def simulator(monkeypatch: pytest.MonkeyPatch) -> Iterator[Node]:
 
 
 def test_viewer_with_sim_time_follows_the_clock_and_uses_it_for_stamps(simulator: Node) -> None:
-    viewer, heard = Viewer(use_sim_time=True), list[PointStamped]()
+    viewer, messages = Viewer(use_sim_time=True), list[PointStamped]()
     marker_display = viewer.add("Marker", "/marker")
-    simulator.create_subscription(PointStamped, "/clicked_point", heard.append, 10)
+    simulator.create_subscription(PointStamped, "/clicked_point", messages.append, 10)
     spin_for(1.5, simulator)
     click = PublishGesture("Publish Point", (1.0, 2.0, 0.0), 0.0)
     assert viewer.session.context.node is not None
     publish(viewer.session.context.node, viewer.session.tools, "map", click)
     spin_for(0.5, simulator)
-    assert heard[0].header.stamp == Time(sec=42)
+    assert messages[0].header.stamp == Time(sec=42)
     assert marker_display.context.now_ns == 42 * 10**9
     assert viewer.use_sim_time
     viewer.use_sim_time = False

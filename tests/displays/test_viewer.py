@@ -236,10 +236,10 @@ def test_shown_robot_follows_a_frame_and_is_hidden_while_tf2_does_not_know_it(gr
     viewer.show_robot(simple_painter(), frame="base_link", at=(0.0, 0.0, 0.5))
     path = "robots/painter"
     assert not viewer.scene.visible(path)
-    moved = TransformStamped(child_frame_id="base_link")
-    moved.header.frame_id, moved.transform.translation.x = "map", 2.0
-    moved.transform.rotation.w = 1.0
-    publish(graph, "/tf_static", TFMessage(transforms=[moved]), LATCHED)
+    message = TransformStamped(child_frame_id="base_link")
+    message.header.frame_id, message.transform.translation.x = "map", 2.0
+    message.transform.rotation.w = 1.0
+    publish(graph, "/tf_static", TFMessage(transforms=[message]), LATCHED)
     viewer.look()
     assert viewer.scene.visible(path)
     assert viewer.scene.world_transform(path)[:3, 3].tolist() == [2.0, 0.0, 0.5]
@@ -306,10 +306,10 @@ def test_look_is_saved_in_the_layout_and_the_default_look_of_rviz_is_not(
     viewer.options["Look"] = "Studio"
     viewer.save_rviz(path)
     assert path.read_text().replace("    Look: Studio\n", "") == plain
-    again = Viewer.from_rviz(path)
-    assert (again.options["Look"], again.scene.look) == ("Studio", "Studio")
-    again.options["Look"] = "RViz"
-    again.save_rviz(path)
+    reloaded = Viewer.from_rviz(path)
+    assert (reloaded.options["Look"], reloaded.scene.look) == ("Studio", "Studio")
+    reloaded.options["Look"] = "RViz"
+    reloaded.save_rviz(path)
     assert path.read_text() == plain
     with pytest.raises(CourseError, match="'Look' is 'studio', expected one of 'RViz', 'Studio'"):
         viewer.options["Look"] = "studio"
@@ -329,9 +329,9 @@ def test_options_and_tools_are_set_by_their_rviz_labels(graph: Graph, tmp_path: 
     viewer.options["Background Color"] = "#ffffff"
     viewer.tool("2D Goal Pose")["Topic"] = "/my_goal"
     viewer.save_rviz(tmp_path / "mine.rviz")
-    again = Viewer.from_rviz(tmp_path / "mine.rviz")
-    assert (again.options["Frame Rate"], again.scene.background) == (10, (255, 255, 255))
-    assert again.tool("2D Goal Pose")["Topic"] == "/my_goal"
+    reloaded = Viewer.from_rviz(tmp_path / "mine.rviz")
+    assert (reloaded.options["Frame Rate"], reloaded.scene.background) == (10, (255, 255, 255))
+    assert reloaded.tool("2D Goal Pose")["Topic"] == "/my_goal"
     with pytest.raises(
         CourseError, match="No tool has the label 'Goal'; the tools are Interact, Move Camera"
     ):
@@ -344,6 +344,6 @@ def test_displays_are_added_to_groups(graph: Graph, tmp_path: Path) -> None:
     viewer = Viewer()
     boxes, names = viewer.add("Marker", group="Seen"), viewer.add("TF", group="Seen")
     viewer.save_rviz(tmp_path / "mine.rviz")
-    again = Viewer.from_rviz(tmp_path / "mine.rviz")
-    (group,) = (member for member in again.session.tree.members if isinstance(member, Group))
+    reloaded = Viewer.from_rviz(tmp_path / "mine.rviz")
+    (group,) = (member for member in reloaded.session.tree.members if isinstance(member, Group))
     assert (group.name, [display.name for display in group.displays()]) == ("Seen", [boxes.name, names.name])

@@ -68,7 +68,7 @@ def test_viewer_exists_while_a_page_shows_it_and_ends_with_its_last_view(
     graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     viewer = Viewer()
-    known = weakref.ref(viewer)
+    viewer_reference = weakref.ref(viewer)
     viewer._repr_mimebundle_()
     assert viewer._cell._view is not None
     view = viewer._cell._view
@@ -79,9 +79,9 @@ def test_viewer_exists_while_a_page_shows_it_and_ends_with_its_last_view(
     monkeypatch.setattr("IPython.core.getipython.get_ipython", lambda: shell)
     del viewer
     view.link.receive({"type": "views", "count": 1})
-    assert known() is not None
+    assert viewer_reference() is not None
     view.link.receive({"type": "views", "count": 0})
-    assert known() is None
+    assert viewer_reference() is None
     assert graph._taps == []
     assert (names, history) == ({"_": "", "_oh": {8: None}}, {8: None})
     assert not pace.pages

@@ -110,10 +110,10 @@ def test_view_properties_survive_conversion_to_a_camera_and_back(view: ViewContr
 
 @pytest.mark.parametrize("kind", [Orbit, ThirdPersonFollower])
 def test_changed_view_type_keeps_the_camera_position(kind: type[ViewController]) -> None:
-    frames, made = turned_frames(), kind()
+    frames, view = turned_frames(), kind()
     former = FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0), target_frame="base")
-    made.mimic(former, frames)
-    np.testing.assert_allclose(made.camera(frames).eye, former.camera(frames).eye, atol=1e-9)
+    view.mimic(former, frames)
+    np.testing.assert_allclose(view.camera(frames).eye, former.camera(frames).eye, atol=1e-9)
 
 
 @pytest.mark.parametrize("view", [Orbit, XYOrbit, ThirdPersonFollower, FPS, TopDownOrtho, FrameAligned])
@@ -143,16 +143,16 @@ def test_changed_target_frame_keeps_the_camera_position(kind: type[ViewControlle
 
 
 def test_xy_orbit_focal_point_is_on_the_ground_regardless_of_the_previous_view() -> None:
-    made, former = XYOrbit(), FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0))
-    made.mimic(former, Frames("map"))
-    assert made["Focal Point"][2] == 0.0
-    np.testing.assert_allclose(made.camera(Frames("map")).eye, former.camera(Frames("map")).eye, atol=1e-9)
+    view, former = XYOrbit(), FPS(yaw=4.0, pitch=0.7, position=(1.0, 2.0, 3.0))
+    view.mimic(former, Frames("map"))
+    assert view["Focal Point"][2] == 0.0
+    np.testing.assert_allclose(view.camera(Frames("map")).eye, former.camera(Frames("map")).eye, atol=1e-9)
 
 
 def test_xy_orbit_without_visible_ground_is_reset() -> None:
-    made = XYOrbit(distance=3.0)
-    made.mimic(FPS(pitch=-0.5), Frames("map"))
-    assert [made[label] for label in ("Distance", "Focal Point")] == [10.0, (0.0, 0.0, 0.0)]
+    view = XYOrbit(distance=3.0)
+    view.mimic(FPS(pitch=-0.5), Frames("map"))
+    assert [view[label] for label in ("Distance", "Focal Point")] == [10.0, (0.0, 0.0, 0.0)]
 
 
 AXES = {"+x axis": (0, 1, 0), "-y axis": (1, 0, 0), "-z axis": (0, 0, -1)}  # of base in turned_frames

@@ -94,8 +94,8 @@ def test_tools_are_saved_with_their_settings(layout: Path, tmp_path: Path) -> No
     session = session_of(layout)
     pose = next(tool for tool in session.tools if tool.class_name.endswith("SetInitialPose"))
     pose["Covariance x"], pose["Reliability Policy"] = 0.5, "Best Effort"
-    again = session_of(saved_path(session, tmp_path))
-    same = next(tool for tool in again.tools if tool.class_name.endswith("SetInitialPose"))
+    reloaded = session_of(saved_path(session, tmp_path))
+    same = next(tool for tool in reloaded.tools if tool.class_name.endswith("SetInitialPose"))
     assert (same["Covariance x"], same["Topic/Reliability Policy"]) == (0.5, "Best Effort")
 
 

@@ -122,16 +122,16 @@ def test_name_documented_as_missing_does_not_exist(name: str) -> None:
 def found(name: str) -> object:
     """Return the module, class or function of a dotted name. All components except the last must exist."""
     module, _, rest = name.partition(".")
-    thing: object = importlib.import_module(module)
+    drawable: object = importlib.import_module(module)
     parts = rest.split(".")
     for count, part in enumerate(parts, 1):
         try:
-            thing = getattr(thing, part)
+            drawable = getattr(drawable, part)
         except AttributeError:
-            if count < len(parts) and not isinstance(thing, type(ast)):
+            if count < len(parts) and not isinstance(drawable, type(ast)):
                 pytest.fail(f"{name}: {part} should be there")
-            thing = importlib.import_module(f"{module}.{'.'.join(parts[:count])}")
-    return thing
+            drawable = importlib.import_module(f"{module}.{'.'.join(parts[:count])}")
+    return drawable
 
 
 def test_rqt_views_match_the_documented_views() -> None:

@@ -109,23 +109,23 @@ def _nothing() -> None:
 
 def hears(session: zenoh.Session, *keys: str) -> list[tuple[str, bytes]]:
     """Return a list to which samples on these keys are appended."""
-    heard: list[tuple[str, bytes]] = []
+    received: list[tuple[str, bytes]] = []
 
     def put(sample: zenoh.Sample) -> None:
-        heard.append((str(sample.key_expr), bytes(sample.payload)))
+        received.append((str(sample.key_expr), bytes(sample.payload)))
 
     for key in keys:
         session.declare_subscriber(key, Callback(put, _nothing, indirect=False))
-    return heard
+    return received
 
 
 def sees_tokens(session: zenoh.Session) -> list[str]:
     """Return a list that fills with the keys of all tokens."""
-    seen: list[str] = []
+    observed: list[str] = []
 
     def add(sample: zenoh.Sample) -> None:
-        seen.append(str(sample.key_expr))
+        observed.append(str(sample.key_expr))
 
     for key in ("**", "@ros2_lv/**", "**/@adv/**", "@course/**"):
         session.liveliness().declare_subscriber(key, Callback(add, _nothing, indirect=False), history=True)
-    return seen
+    return observed

@@ -37,18 +37,18 @@ STREAMS = (
 
 def grid(size: int) -> OccupancyGrid:
     """Return a square map of so many cells of 0.1 m a side, half of them taken."""
-    made = OccupancyGrid(data=[0, 100] * (size * size // 2))
-    made.info.width, made.info.height, made.info.resolution = size, size, 0.1
-    made.info.origin.orientation.w = 1.0
-    return made
+    grid = OccupancyGrid(data=[0, 100] * (size * size // 2))
+    grid.info.width, grid.info.height, grid.info.resolution = size, size, 0.1
+    grid.info.origin.orientation.w = 1.0
+    return grid
 
 
 def transform(parent: str, child: str, x: float) -> TransformStamped:
     """Return a transform by so much ahead, [m]."""
-    made = TransformStamped(child_frame_id=child)
-    made.header.frame_id = parent
-    made.transform.translation.x, made.transform.rotation.w = x, 1.0
-    return made
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id = parent
+    message.transform.translation.x, message.transform.rotation.w = x, 1.0
+    return message
 
 
 def cloud() -> PointCloud2:

@@ -39,7 +39,7 @@ def test_messages_of_a_student_without_driving_rights_do_not_reach_the_robot(
     classroom: Classroom, mode: str
 ) -> None:
     chance = random.Random(mode)
-    heard = hears(classroom.robot, "**", "**/@adv/**", "@ros2_lv/**", "@course/**")
+    received = hears(classroom.robot, "**", "**/@adv/**", "@ros2_lv/**", "@course/**")
     tokens = sees_tokens(classroom.robot)
     asked: list[str] = []
 
@@ -65,7 +65,7 @@ def test_messages_of_a_student_without_driving_rights_do_not_reach_the_robot(
             key = chance.choice(KEYS).format(t=TYPE)
             student.put(key, b"go") if attempt == "put" else student.delete(key)
     end_of_queue(classroom, student, asked)
-    assert heard == []
+    assert received == []
     assert set(asked) == {"0/reset/t/h"}
     assert [key for key in tokens[before:] if "evil" in key or "@adv" in key or "@course" in key] == []
     del marker, serving, kept  # until here they are there
@@ -114,16 +114,16 @@ def test_students_may_publish_in_their_namespace_and_other_domains_but_not_as_th
     classroom: Classroom,
 ) -> None:
     ann, bob = classroom.student(classroom.ann), classroom.student(classroom.bob)
-    heard = hears(bob, "**")
+    received = hears(bob, "**")
     keys = ["0/students/s1234/note/t/h", "7/note/t/h"]
 
     def talk() -> bool:
         for key in ("0/scan/t/h", "0/students/b_1/note/t/h", *keys):
             ann.put(key, b"hello")
-        return {key for key, _ in heard} >= set(keys)
+        return {key for key, _ in received} >= set(keys)
 
     wait_for(talk, "Bob hears Ann")
-    assert {key for key, _ in heard} == set(keys)
+    assert {key for key, _ in received} == set(keys)
 
 
 @pytest.mark.slow

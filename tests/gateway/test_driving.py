@@ -23,77 +23,81 @@ def commands(room: Classroom) -> list[tuple[str, bytes]]:
 
 @pytest.mark.slow
 def test_only_the_driver_moves_the_robot_and_other_commands_are_counted(classroom: Classroom) -> None:
-    ann, bob, heard = classroom.student(classroom.ann), classroom.student(classroom.bob), commands(classroom)
+    ann, bob, received = (
+        classroom.student(classroom.ann),
+        classroom.student(classroom.bob),
+        commands(classroom),
+    )
     classroom.gateway.set_driver(classroom.bob)
 
     def drive() -> bool:
         ann.put(f"0/students/s1234/{KEY}", AHEAD + b"ann")
         bob.put(f"0/students/b_1/{KEY}", AHEAD)
         time.sleep(0.05)
-        return len(heard) > 5 and classroom.gateway.held["s1234"] > 5
+        return len(received) > 5 and classroom.gateway.held["s1234"] > 5
 
     wait_for(drive, "Bob drives")
-    assert {payload for _, payload in heard} <= {AHEAD, STAND}
-    assert {key for key, _ in heard} == {f"0/{KEY}"}
+    assert {payload for _, payload in received} <= {AHEAD, STAND}
+    assert {key for key, _ in received} == {f"0/{KEY}"}
     assert classroom.gateway.held["b_1"] == classroom.gateway.passed["s1234"] == 0
 
 
 @pytest.mark.slow
 def test_robot_stops_when_the_driver_changes(classroom: Classroom) -> None:
-    ann, heard = classroom.student(classroom.ann), commands(classroom)
+    ann, received = classroom.student(classroom.ann), commands(classroom)
     classroom.gateway.set_driver(classroom.ann)
 
     def drive() -> bool:
         ann.put(f"0/students/s1234/{KEY}", AHEAD)
         time.sleep(0.05)
-        return len(heard) > 0
+        return len(received) > 0
 
     wait_for(drive, "Ann drives")
     classroom.gateway.set_driver(classroom.bob)
-    wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
+    wait_for(lambda: received[-1][1] == STAND, "the robot stops")
     passed = classroom.gateway.passed["s1234"]
     held = classroom.gateway.held["s1234"]
     ann.put(f"0/students/s1234/{KEY}", AHEAD)
     wait_for(lambda: classroom.gateway.held["s1234"] > held, "Ann is held back")
     assert classroom.gateway.passed["s1234"] == passed
-    assert heard[-1][1] == STAND
+    assert received[-1][1] == STAND
 
 
 @pytest.mark.slow
 def test_missing_driver_commands_stop_the_robot_once(classroom: Classroom) -> None:
-    ann, heard = classroom.student(classroom.ann), commands(classroom)
+    ann, received = classroom.student(classroom.ann), commands(classroom)
     classroom.gateway.set_driver(classroom.ann)
 
     def drive() -> bool:
         ann.put(f"0/students/s1234/{KEY}", AHEAD)
         time.sleep(0.05)
-        return len(heard) > 0
+        return len(received) > 0
 
     wait_for(drive, "Ann drives")
-    wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
-    until_then = [*heard]
+    wait_for(lambda: received[-1][1] == STAND, "the robot stops")
+    until_then = [*received]
     time.sleep(1.0)
-    assert heard == until_then
+    assert received == until_then
 
 
 @pytest.mark.slow
 def test_moving_command_with_trailing_bytes_counts_as_motion(classroom: Classroom) -> None:
-    ann, heard = classroom.student(classroom.ann), commands(classroom)
+    ann, received = classroom.student(classroom.ann), commands(classroom)
     classroom.gateway.set_driver(classroom.ann)
     longer = AHEAD + bytes(48)  # its last 48 bytes stand still
 
     def drive() -> bool:
         ann.put(f"0/students/s1234/{KEY}", longer)
         time.sleep(0.05)
-        return len(heard) > 0
+        return len(received) > 0
 
     wait_for(drive, "Ann drives")
-    wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
+    wait_for(lambda: received[-1][1] == STAND, "the robot stops")
 
 
 @pytest.mark.slow
 def test_unknown_types_use_no_memory_and_wildcards_are_not_forwarded(classroom: Classroom) -> None:
-    ann, heard = classroom.student(classroom.ann), commands(classroom)
+    ann, received = classroom.student(classroom.ann), commands(classroom)
     classroom.gateway.set_driver(classroom.ann)
 
     def flood() -> bool:
@@ -102,18 +106,18 @@ def test_unknown_types_use_no_memory_and_wildcards_are_not_forwarded(classroom: 
         for number in range(40):
             ann.put(f"0/students/s1234/cmd_vel/a::msg::dds_::T{number}_/RIHS01_{'0' * 64}", b"1")
         time.sleep(0.05)
-        return classroom.gateway.held["s1234"] >= 40 - MOST_KEYS and len(dict(heard)) >= MOST_KEYS
+        return classroom.gateway.held["s1234"] >= 40 - MOST_KEYS and len(dict(received)) >= MOST_KEYS
 
     wait_for(flood, "the first keys arrive, the rest is held back")
-    assert len(dict(heard)) == MOST_KEYS
-    assert all("/a::msg::dds_::T" in key for key, _ in heard)
+    assert len(dict(received)) == MOST_KEYS
+    assert all("/a::msg::dds_::T" in key for key, _ in received)
 
 
 @pytest.mark.slow
 def test_kit_drives_with_the_command_topic_of_the_robot_and_is_listed_on_the_page(
     classroom: Classroom,
 ) -> None:
-    heard = commands(classroom)
+    received = commands(classroom)
     classroom.gateway.set_driver(classroom.ann)
     link = ZenohLink(classroom.ann.address(classroom.place))
     node = link.node("driver", "/")
@@ -123,10 +127,10 @@ def test_kit_drives_with_the_command_topic_of_the_robot_and_is_listed_on_the_pag
     def drive() -> bool:
         outlet.put(AHEAD)
         time.sleep(0.05)
-        return len(heard) > 0
+        return len(received) > 0
 
     wait_for(drive, "the kit drives")
-    assert heard[0] == (f"0/{KEY}", AHEAD)
+    assert received[0] == (f"0/{KEY}", AHEAD)
     wait_for(lambda: "s1234" in classroom.gateway.connected_students(), "the gateway knows the kit")
     assert classroom.ann.token not in link.address
     del kept

@@ -142,8 +142,8 @@ def test_week_7_dashboard_runs_on_a_robot_with_panels_on_another_kit(
         advance_until(kit, partial(good, viewer, name), f"{name}: {viewer.statuses()}")
     assert any("Detections/labels" in path for path in viewer.scene.objects())
     words = ("param", "set", "/perception_node", "confidence_threshold", "1.0")
-    said = course(tmp_path, "ros2", "--robot", behind.address, "--call", SERVICE, *words)
-    assert "Set parameter successful" in said
+    output = course(tmp_path, "ros2", "--robot", behind.address, "--call", SERVICE, *words)
+    assert "Set parameter successful" in output
     advance_until(
         kit, lambda: not any("Detections/" in path for path in viewer.scene.objects()), "no detection is left"
     )

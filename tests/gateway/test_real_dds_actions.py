@@ -41,9 +41,9 @@ def test_student_sends_goals_to_the_real_robot_through_the_router(tmp_path: Path
         ann = load_users(tmp_path / "course_router", None, "", place)[1]
         link = ["--robot", ann.address(place), "--call", "/fib", *domain]
         command = [*kit, "run", str(client), *link]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=3 * PATIENCE)
+        process = subprocess.run(command, capture_output=True, text=True, timeout=3 * PATIENCE)
         router.send_signal(signal.SIGINT)
         assert router.wait(PATIENCE) == 0, log.read_text()
     finally:
         programs.end(lambda: None)
-    assert done.stdout == EXPECTED, done.stderr + log.read_text()
+    assert process.stdout == EXPECTED, process.stderr + log.read_text()

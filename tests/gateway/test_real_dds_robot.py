@@ -54,9 +54,9 @@ class Lab:
         options = ["--robot", user.address(self._place), "--domain", str(self.domain)]
         options += ["--send", send] * bool(send) + ["--call", call] * bool(call)
         command = [sys.executable, "-m", "course_lib", "ros2", *options, *words]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
+        process = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+        assert process.returncode == 0, process.stdout + process.stderr
+        return process.stdout
 
     def close(self) -> None:
         """End the router and the robot as Ctrl+C does."""
@@ -75,8 +75,8 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
 
 def test_student_discovers_nodes_and_topics_of_the_real_robot(lab: Lab) -> None:
     assert {"/gateway", "/lab/robot"} <= set(lab.ros2(lab.bob, "node", "list").split())
-    listed = lab.ros2(lab.bob, "topic", "list", "-t").splitlines()
-    assert {"/lab/scan [sensor_msgs/msg/LaserScan]", "/cmd_vel [geometry_msgs/msg/Twist]"} <= set(listed)
+    lines = lab.ros2(lab.bob, "topic", "list", "-t").splitlines()
+    assert {"/lab/scan [sensor_msgs/msg/LaserScan]", "/cmd_vel [geometry_msgs/msg/Twist]"} <= set(lines)
     assert "Reliability: BEST_EFFORT" in lab.ros2(lab.bob, "topic", "info", "-v", "/lab/scan")
 
 

@@ -43,8 +43,8 @@ rclpy.spin(Driver())
 def x_of(folder: Path, router: str) -> float:
     """Return where the robot is, [m]."""
     words = ("topic", "echo", "--once", "/odom", "--field", "pose.pose.position.x")
-    said = course(folder, "ros2", "--robot", router, *words)
-    return float(said.splitlines()[0])
+    output = course(folder, "ros2", "--robot", router, *words)
+    return float(output.splitlines()[0])
 
 
 @pytest.mark.slow
@@ -70,8 +70,8 @@ def test_unmodified_node_drives_through_the_gateway_only_while_its_student_is_th
     driven = x_of(tmp_path, robot.router)
     assert driven > 0.1
     assert x_of(tmp_path, robot.router) == driven  # it stands
-    seen = course(tmp_path, "ros2", "--robot", bob.address(place), "topic", "list")
-    assert {"/scan", "/odom", "/cmd_vel"} <= set(seen.splitlines())
+    output = course(tmp_path, "ros2", "--robot", bob.address(place), "topic", "list")
+    assert {"/scan", "/odom", "/cmd_vel"} <= set(output.splitlines())
     assert "right" in drive(f"tcp/s1234:wrong@{place[4:]}")
     robot.stop()
 
@@ -135,8 +135,8 @@ def test_robot_over_dds_uses_the_rclpy_of_the_kit_if_ros_is_not_installed(
     robot = start_robot("dds")
     assert "in another process, on the kit's own rclpy." in repr(robot)
     words = ("--robot", robot.address, "--domain", str(robot.domain))
-    listed = course(tmp_path, "ros2", *words, "node", "list")
-    assert listed.splitlines() == ["/base", "/laser_scanner", "/robot_state_publisher"]
+    output = course(tmp_path, "ros2", *words, "node", "list")
+    assert output.splitlines() == ["/base", "/laser_scanner", "/robot_state_publisher"]
     # The laser is 0.25 m ahead of the middle of the room, whose walls are 3.9 m away.
     ranges = course(tmp_path, "ros2", *words, "topic", "echo", "--once", "/scan", "--field", "ranges")
     numbers = [float(one) for one in re.findall(r"\d+\.\d+", ranges)]

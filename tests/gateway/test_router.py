@@ -85,8 +85,10 @@ def says(log: Path, text: str) -> None:
 
 def course(folder: Path, *words: str) -> str:
     command = [sys.executable, "-m", "course_lib", *words]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=PATIENCE)
-    return done.stdout + done.stderr
+    process = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, check=False, timeout=PATIENCE
+    )
+    return process.stdout + process.stderr
 
 
 def users_in(folder: Path) -> list[Access]:
@@ -178,14 +180,14 @@ def test_stuck_and_flooding_students_do_not_delay_others(
 
 def test_robot_stops_when_the_driver_process_is_killed(tmp_path: Path, routed: Routed) -> None:
     place, robot, log = routed
-    heard = hears(robot, "0/cmd_vel/**")
+    received = hears(robot, "0/cmd_vel/**")
     course(tmp_path, "router", "--driver", "b.1")
     bob = users_in(tmp_path)[2]
     process = student_process(DRIVING, place, bob, f"0/students/{bob.name}/{KEY}")
-    wait_for(lambda: len(heard) > 5, "Bob drives")
+    wait_for(lambda: len(received) > 5, "Bob drives")
     process.kill()
     process.wait()
-    wait_for(lambda: heard[-1][1] == STAND, "the robot stops")
+    wait_for(lambda: received[-1][1] == STAND, "the robot stops")
     assert "Traceback" not in log.read_text()
 
 
@@ -197,15 +199,15 @@ def test_gateway_reconnects_to_a_restarted_robot_router(
     log = started("router", "--listen", place, "--robot", there)
     says(log, "guest drives")
     student = opened(place, users_in(tmp_path)[1])
-    heard = hears(student, "0/**")
+    received = hears(student, "0/**")
     for times in range(1, 4):
         robot = opened(mode="router", **{"listen/endpoints": [there]})
         wait_for(lambda n=times: log.read_text().count("is linked") == n, "the link")  # type: ignore[misc]
-        heard.clear()
+        received.clear()
 
         def scanned(robot: zenoh.Session = robot) -> bool:
             robot.put("0/scan/t/h", b"scan")
-            return len(heard) > 0
+            return len(received) > 0
 
         wait_for(scanned, "a scan arrives")
         robot.close()  # type: ignore[no-untyped-call]  # untyped there
@@ -246,7 +248,7 @@ def test_students_connect_only_by_tls_if_a_certificate_is_set(
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (("--send", "cmd_vel"), "--send cmd_vel: expected a full ROS name"),
         (("--listen", "tls/127.0.0.1:1"), "use a certificate with tls"),
@@ -256,14 +258,16 @@ def test_students_connect_only_by_tls_if_a_certificate_is_set(
         (("--students", "missing.csv"), "missing.csv can't be read"),
     ],
 )
-def test_invalid_options_are_reported_in_one_line(tmp_path: Path, words: tuple[str, ...], said: str) -> None:
+def test_invalid_options_are_reported_in_one_line(
+    tmp_path: Path, words: tuple[str, ...], message: str
+) -> None:
     output = course(tmp_path, "router", "--robot-port", str(free_port()), *words)
-    assert said in output
+    assert message in output
     assert output.count("\n") == 1
 
 
 @pytest.mark.parametrize(
-    ("settings", "said"),
+    ("settings", "message"),
     [
         (Settings("tcp/0.0.0.0:7448", "dds/127.0.0"), "an IPv4 address has four numbers"),
         (Settings("tcp/0.0.0.0:7448", "tcp/"), "'tcp/' is not an address of a robot"),
@@ -274,9 +278,9 @@ def test_invalid_options_are_reported_in_one_line(tmp_path: Path, words: tuple[s
     ],
 )
 def test_malformed_address_is_reported_before_a_file_is_written(
-    tmp_path: Path, settings: Settings, said: str
+    tmp_path: Path, settings: Settings, message: str
 ) -> None:
-    with pytest.raises(CourseError, match=said):
+    with pytest.raises(CourseError, match=message):
         router(settings, tmp_path / "course_router", None, "", "", print)
     assert not any(tmp_path.iterdir())
 
@@ -291,9 +295,9 @@ def test_robot_on_the_gateway_computer_connects_to_the_printed_port(
     says(log, f"for its nodes:  export ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"{there}\"]'")
     says(log, "for rmw_zenohd:   export ZENOH_CONFIG_OVERRIDE='connect/endpoints=[\"tcp/")
     says(log, "guest drives")
-    taken = course(tmp_path, "router", "--listen", f"tcp/127.0.0.1:{free_port()}", "--robot-port", str(port))
-    assert f"can't listen at {there}" in taken
-    assert "--robot-port takes another" in taken
+    output = course(tmp_path, "router", "--listen", f"tcp/127.0.0.1:{free_port()}", "--robot-port", str(port))
+    assert f"can't listen at {there}" in output
+    assert "--robot-port takes another" in output
     nodes = {"listen/endpoints": ["tcp/127.0.0.1:0"], "scouting/gossip/enabled": True}  # as rmw_zenoh has it
     sensor, controller = (opened(there, mode="peer", **nodes) for _ in range(2))
     student = opened(place, users_in(tmp_path)[1])

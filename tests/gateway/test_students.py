@@ -48,11 +48,11 @@ def test_gateway_without_a_roster_has_one_guest(tmp_path: Path) -> None:
     assert [user.student for user in load_users(tmp_path, None, "", PLACE)] == ["(robot)", "guest"]
 
 
-@pytest.mark.parametrize("who", ["robot", "(robot)", "zed", ""])
-def test_unknown_student_cannot_drive(tmp_path: Path, who: str) -> None:
+@pytest.mark.parametrize("student", ["robot", "(robot)", "zed", ""])
+def test_unknown_student_cannot_drive(tmp_path: Path, student: str) -> None:
     users = load_users(tmp_path, with_roster(tmp_path, "a1"), "", PLACE)
     with pytest.raises(CourseError, match="no such student"):
-        find_student(users, who)
+        find_student(users, student)
     assert find_student(users, " A1 ").student == "a1"
 
 

@@ -134,12 +134,12 @@ def status_lines() -> Iterator[str]:
         for moment in ("no message", "a message", "its frame is known"):
             if moment == "a message":
                 for topic, message in messages(name, 1):
-                    bench.hear(topic, message, 0.1)
+                    bench.publish(topic, message, 0.1)
             elif moment == "its frame is known":
                 bench.transform("map", "arm")
                 for topic, message in messages(name, 2):
-                    bench.hear(topic, message, 0.2)
-            bench.look(0.3)
+                    bench.publish(topic, message, 0.2)
+            bench.update(0.3)
             rows = [row for row in bench.session.rows() if row.display in ("it", "Global Status")]
             yield f"{name}, {moment}:"
             yield from (f"  {row.display} | {row.name} | {row.level} | {row.text}" for row in rows)

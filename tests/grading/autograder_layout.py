@@ -39,7 +39,7 @@ def graded_upload(archive: Path, handed_in: Path, root: Path) -> dict[str, Any]:
 
 def _run(script: Path, root: Path, **changed: str) -> None:
     environment = {**os.environ, **changed}
-    done = subprocess.run(
+    process = subprocess.run(
         ["bash", script],
         cwd=root,
         env=environment,
@@ -48,4 +48,4 @@ def _run(script: Path, root: Path, **changed: str) -> None:
         check=False,
         timeout=5 * PATIENCE,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert process.returncode == 0, process.stdout + process.stderr

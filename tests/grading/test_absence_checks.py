@@ -47,8 +47,8 @@ def test_expect_gone_needs_an_object_that_was_shown_and_removed(
     ],
 )
 def test_premature_message_is_reported(evidence: MakeEvidence, at: float, message: str) -> None:
-    came = evidence((at, "/words", String()), (2.0, "/words", String()))
-    assert expect_nothing_before("/words", 1.0).judge(came).message == message
+    recorded = evidence((at, "/words", String()), (2.0, "/words", String()))
+    assert expect_nothing_before("/words", 1.0).judge(recorded).message == message
 
 
 @pytest.mark.parametrize(
@@ -73,8 +73,8 @@ def test_image_without_pixels_is_reported(evidence: MakeEvidence, image: Any, me
 
 def test_later_images_without_pixels_are_accepted(evidence: MakeEvidence) -> None:
     first, later = Image(width=1, height=1, step=1, data=[1]), Image(width=1, height=1, step=1)
-    came = evidence((1.0, "/image", first), (2.0, "/image", later))
-    assert expect_images("/image").judge(came).score == 1
+    recorded = evidence((1.0, "/image", first), (2.0, "/image", later))
+    assert expect_images("/image").judge(recorded).score == 1
 
 
 @pytest.mark.parametrize(
@@ -87,5 +87,5 @@ def test_later_images_without_pixels_are_accepted(evidence: MakeEvidence) -> Non
     ],
 )
 def test_text_length_is_counted_in_words(text: Any, message: str) -> None:
-    came = Evidence("week06.x", "public", 0.0, returns=(text,))
-    assert expect_length(2, 3).judge(came).message == message
+    evidence = Evidence("week06.x", "public", 0.0, returns=(text,))
+    assert expect_length(2, 3).judge(evidence).message == message

@@ -175,8 +175,8 @@ def test_hint_ladder_restarts_in_a_new_kernel() -> None:
 def test_messages_that_take_most_of_the_check_time_are_reported(evidence: Callable[..., Evidence]) -> None:
     small, large = Marker(points=[Point()]), Marker(points=[Point()] * 100_000)
     assert large_message_hint([evidence((1.0, "/small", small))]) == []
-    (said,) = large_message_hint([evidence((1.0, "/small", small), (1.5, "/large", large))])
-    assert said.startswith("This took long: a message on /large holds 2 MB")
+    (message,) = large_message_hint([evidence((1.0, "/small", small), (1.5, "/large", large))])
+    assert message.startswith("This took long: a message on /large holds 2 MB")
 
 
 @pytest.mark.parametrize(
@@ -208,8 +208,8 @@ def test_nan_is_detected_in_doubles_floats_and_long_lists(evidence: Callable[...
         (Marker(points=points), "points[7].y"),
         (Marker(color=ColorRGBA(g=math.nan)), "color.g"),
     ):
-        (said,) = nan_hint([evidence((1.0, "/m", message))])
-        assert f"{place} on /m" in said
+        (line,) = nan_hint([evidence((1.0, "/m", message))])
+        assert f"{place} on /m" in line
     assert nan_hint([evidence((1.0, "/m", Marker(id=-1, text="odd")))]) == []
 
 
@@ -225,16 +225,16 @@ def test_after_an_exception_hints_on_missing_messages_are_omitted() -> None:
     stopped = replace(
         result(failing("nothing was published on an expected topic")), errors=("ValueError: x",)
     )
-    said = [advice.hint(TASK, stopped) for _ in range(2)]
-    assert said == [[f"Hint: {AFTER_AN_ERROR}"], [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]]
+    messages = [advice.hint(TASK, stopped) for _ in range(2)]
+    assert messages == [[f"Hint: {AFTER_AN_ERROR}"], [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]]
 
 
 def test_hint_ladder_starts_when_an_exception_repeats() -> None:
     advice, texts = Advice(), ("ValueError: x", "TypeError: y", "TypeError: y")
     errors = [f"{text} (cell In[{cell}], line {cell}: x())" for cell, text in enumerate(texts)]
-    said = [advice.hint(TASK, replace(result(failing(MISTAKE)), errors=(error,))) for error in errors]
+    messages = [advice.hint(TASK, replace(result(failing(MISTAKE)), errors=(error,))) for error in errors]
     after = f"Hint: {AFTER_AN_ERROR}"
-    assert said == [[after], [after], [after, "Hint 1 of 3: one"]]
+    assert messages == [[after], [after], [after, "Hint 1 of 3: one"]]
 
 
 def solution_code(week: str) -> str:

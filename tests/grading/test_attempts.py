@@ -47,9 +47,9 @@ def test_file_numbering_of_the_platform_determines_the_newest_attempt(
 ) -> None:
     put(tmp_path, {f"ada7/{older}": notebook("x = 1"), f"ada7/{newer}": notebook("x = 2")})
     os.utime(tmp_path / "ada7" / newer, (1, 1))  # the time of a copy has no meaning
-    (found,) = find_submissions(tmp_path)
-    assert found.path == tmp_path / "ada7" / newer
-    assert f"ada7/{newer} counts, not ada7/{older}" in found.notes
+    (submission,) = find_submissions(tmp_path)
+    assert submission.path == tmp_path / "ada7" / newer
+    assert f"ada7/{newer} counts, not ada7/{older}" in submission.notes
 
 
 def test_trusted_submission_times_take_precedence_over_file_numbering(tmp_path: Path) -> None:
@@ -65,9 +65,9 @@ def test_newer_file_of_another_type_does_not_replace_the_exercise_and_is_reporte
     tmp_path: Path, bad: bytes
 ) -> None:
     put(tmp_path, {f"ada/{NAME}": notebook(), "ada/week01_exercise (1).ipynb": bad})
-    (found,) = find_submissions(tmp_path)
-    assert (found.path.name, found.problem) == (NAME, "")
-    assert any("not ada/week01_exercise (1).ipynb" in note for note in found.notes)
+    (submission,) = find_submissions(tmp_path)
+    assert (submission.path.name, submission.problem) == (NAME, "")
+    assert any("not ada/week01_exercise (1).ipynb" in note for note in submission.notes)
 
 
 def test_newest_file_is_reported_if_the_exercise_is_missing(tmp_path: Path) -> None:
@@ -98,9 +98,9 @@ def test_files_claiming_the_same_student_id_do_not_replace_each_other(course: Co
 def test_newest_attempt_of_a_student_counts_without_a_platform(tmp_path: Path) -> None:
     names = ("week01_exercise_ada.zip", "week01_exercise_ada (1).zip")
     put(tmp_path, {name: packed(f"x = {n}", "ada") for n, name in enumerate(names)})
-    (found,) = find_submissions(tmp_path)
-    assert (found.path.name, found.problem) == (names[1], "")
-    assert len(found.rivals) == 2
+    (submission,) = find_submissions(tmp_path)
+    assert (submission.path.name, submission.problem) == (names[1], "")
+    assert len(submission.rivals) == 2
 
 
 def test_all_attempts_at_the_exercise_are_judged_if_the_best_counts(tmp_path: Path) -> None:

@@ -75,8 +75,8 @@ def test_zip_bomb_is_limited_and_affects_only_its_student(
     monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 40 * MEGABYTE)
     monkeypatch.setattr(archives, "MAX_UNPACKED_FILES", 100)
     (tmp_path / "in.zip").write_bytes(zipped({place: BOMBS[kind](), f"zoe/{NAME}": notebook()}))
-    done = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
-    assert done.refused
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    assert collection.refused
     assert total(tmp_path / "out") < 45 * MEGABYTE
     assert sum(1 for path in (tmp_path / "out").rglob("*") if path.is_file()) <= 103
     assert [one.student for one in find_submissions(tmp_path / "out")] == ["zoe"]
@@ -103,9 +103,9 @@ def test_unpack_limit_applies_to_all_archives_of_a_student_together(
     monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 10 * MEGABYTE)
     bombs = {f"Ada_7_assignsubmission_file_/{n}.zip": zips_in_a_zip(1, 3, MEGABYTE) for n in range(9)}
     (tmp_path / "in.zip").write_bytes(zipped(bombs))
-    done = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
     assert total(tmp_path / "out") < 11 * MEGABYTE
-    (refused,) = done.refused
+    (refused,) = collection.refused
     assert "all archives of Ada (7) together unpack to more than 10000000 bytes" in refused
 
 
@@ -116,8 +116,8 @@ def test_submission_package_with_an_unsupported_compression_method_is_rejected(
     with zipfile.ZipFile(tmp_path / "a.zip", "w", method) as archive:
         archive.writestr("receipt.json", '{"exercise": "week01_exercise"}')
         archive.writestr(NAME, notebook())
-    (found,) = find_submissions(tmp_path)
-    assert f"compression method {method}, expected stored or deflated" in found.problem
+    (submission,) = find_submissions(tmp_path)
+    assert f"compression method {method}, expected stored or deflated" in submission.problem
 
 
 def test_paths_that_cannot_be_created_are_rejected_individually(tmp_path: Path) -> None:
@@ -125,8 +125,8 @@ def test_paths_that_cannot_be_created_are_rejected_individually(tmp_path: Path) 
         {"x.py": b"1", "x.py/y.py": b"2", "/".join(["d" * 150] * 9) + "/z.py": b"3", "ok.py": b"4"}
     )
     (tmp_path / "in.zip").write_bytes(zipped({"ada/a.zip": inner, f"zoe/{NAME}": notebook()}))
-    done = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
-    assert len(done.refused) == 2
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    assert len(collection.refused) == 2
     assert (tmp_path / "out/ada/ok.py").is_file()
 
 
@@ -138,6 +138,6 @@ def test_unpack_limits_exceed_the_size_of_normal_submissions() -> None:
 def test_zip_bomb_is_rejected_with_one_line_messages(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
     (tmp_path / "in/bomb.zip").write_bytes(zips_in_a_zip(6, 2))
-    done: Collection = collect(tmp_path / "in", tmp_path / "out", UTC)
-    assert all("\n" not in line for line in done.refused)
+    collection: Collection = collect(tmp_path / "in", tmp_path / "out", UTC)
+    assert all("\n" not in line for line in collection.refused)
     assert total(tmp_path / "out") <= MAX_UNPACKED_BYTES

@@ -88,8 +88,8 @@ def test_complete_rubric_rows_are_summed_and_kept_when_regrading(kinds: Course, 
     args = (out, "ada", "week05_exercise", "week05.essay")
     mark_by_hand(*args, "5", row="1", comment="clear", course=kinds)
     assert line(out)[2] == "needs_marking"
-    said = mark_by_hand(*args, "7.5", row="an ex", comment="<i>short</i>", course=kinds)
-    assert said == "ada week05_exercise: 7.5 for week05.essay (an example); now 68, graded"
+    message = mark_by_hand(*args, "7.5", row="an ex", comment="<i>short</i>", course=kinds)
+    assert message == "ada week05_exercise: 7.5 for week05.essay (an example); now 68, graded"
     assert line(out) == (85, 68, "graded")
     assert "<td>needs_marking</td>" not in (out / "reports/index.html").read_text()
     assert "an example: &lt;i&gt;short&lt;/i&gt;" in (out / "reports/ada/week05_exercise.html").read_text()
@@ -153,11 +153,11 @@ def test_mark_without_its_submission_file_is_reported(
 ) -> None:
     (tmp_path / "in/ada").rename(tmp_path / "in/bob")
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=kinds)
-    said = "Please review: the file is gone, but its mark counts: ada week05_exercise. Moved or withdrawn?"
-    assert said in capsys.readouterr().out
+    message = "Please review: the file is gone, but its mark counts: ada week05_exercise. Moved or withdrawn?"
+    assert message in capsys.readouterr().out
     (tmp_path / "out/results/ada/week05_exercise.json").unlink()
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=kinds, resume=True)
-    assert said not in capsys.readouterr().out
+    assert message not in capsys.readouterr().out
     assert "ada,week05" not in (tmp_path / "out/gradebook.csv").read_text()
 
 
@@ -173,8 +173,8 @@ def test_marking_a_rejected_file_is_an_error(kinds: Course, tmp_path: Path) -> N
 def test_task_is_matched_by_short_name_or_id_and_student_by_any_spelling(
     kinds: Course, tmp_path: Path
 ) -> None:
-    said = mark_by_hand(tmp_path / "out", "ADA", "week05", "essay", "40", course=kinds)
-    assert said == "ada week05_exercise: 40 for week05.essay; now 80, graded"
+    message = mark_by_hand(tmp_path / "out", "ADA", "week05", "essay", "40", course=kinds)
+    assert message == "ada week05_exercise: 40 for week05.essay; now 80, graded"
 
 
 @pytest.mark.parametrize(
@@ -207,8 +207,8 @@ def test_withdrawing_a_mark_restores_the_points_of_the_checks(kinds: Course, tmp
     before = line(out)
     mark_by_hand(*args, "motto", "3", comment="copied", course=kinds)
     mark_by_hand(*args, "essay", "40", course=kinds)
-    said = mark_by_hand(*args, "motto", withdraw=True, course=kinds)
-    assert said == "ada week05_exercise: mark for week05.motto withdrawn; now 80, graded"
+    message = mark_by_hand(*args, "motto", withdraw=True, course=kinds)
+    assert message == "ada week05_exercise: mark for week05.motto withdrawn; now 80, graded"
     assert "copied" not in (out / "reports/ada/week05_exercise.html").read_text()
     mark_by_hand(*args, "essay", withdraw=True, course=kinds)
     assert line(out) == before
@@ -226,8 +226,8 @@ def test_withdrawn_rubric_row_needs_marking_again(kinds: Course, tmp_path: Path)
     for row in ("1", "2"):
         mark_by_hand(*args, "5", row=row, course=kinds)
     assert line(out)[2] == "graded"
-    said = mark_by_hand(*args, row="2", withdraw=True, course=kinds)
-    assert said.startswith("ada week05_exercise: mark for week05.essay (an example) withdrawn")
+    message = mark_by_hand(*args, row="2", withdraw=True, course=kinds)
+    assert message.startswith("ada week05_exercise: mark for week05.essay (an example) withdrawn")
     assert line(out)[2] == "needs_marking"
 
 
@@ -256,8 +256,8 @@ def test_concurrent_marks_are_serialized(
             waiting = [pool.submit(mark_by_hand, *args, one, course=kinds) for one in points]
             time.sleep(0.5)
             assert not any(one.done() for one in waiting)
-        said = [one.result(timeout=60) for one in waiting]
-    assert len(said) == len(points)
+        messages = [one.result(timeout=60) for one in waiting]
+    assert len(messages) == len(points)
     entries = json.loads((out / "marks/ada/week05_exercise.json").read_text())
     assert sorted(entry["points"] for entry in entries) == [1, 2, 3, 4, 5, 6]
     assert f"{out} is in use by process" in capsys.readouterr().out

@@ -139,9 +139,9 @@ def test_week_missing_in_course_toml_is_reported_with_the_entry_to_write(course:
 def test_extension_applies_to_every_spelling_of_an_id(course: Course) -> None:
     path = course.exercises / "course.toml"
     path.write_text(path.read_text() + "[weeks.week01.extensions]\nAda_1 = 2026-10-13T12:00:00\n")
-    late = read_course_file(path).deadline("week01", "ada_1")
-    assert late is not None
-    assert late.isoformat() == "2026-10-13T12:00:00+02:00"
+    course_file = read_course_file(path).deadline("week01", "ada_1")
+    assert course_file is not None
+    assert course_file.isoformat() == "2026-10-13T12:00:00+02:00"
 
 
 def test_missing_course_file_is_reported(course: Course) -> None:

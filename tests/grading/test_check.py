@@ -44,9 +44,9 @@ def test_full_public_score_announces_the_hidden_checks(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     check("week01.red_cube", red_cube())
-    said = capsys.readouterr().out
-    assert "week01.red_cube (A red cube): 2 of 2 checks passed" in said
-    assert said.strip().splitlines()[-2:] == [
+    output = capsys.readouterr().out
+    assert "week01.red_cube (A red cube): 2 of 2 checks passed" in output
+    assert output.strip().splitlines()[-2:] == [
         "all public checks passed; hidden checks run at grading",
         "60 of 60 points so far. Next is task 2: Half of it.",
     ]
@@ -82,19 +82,19 @@ def test_success_message_has_an_icon_and_the_next_step_unlike_failure() -> None:
 def test_hint_for_the_mistake_precedes_the_ladder_and_its_last_step_is_repeated(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    said = []
+    printed = []
     for _ in range(5):
         check("week01.red_cube", red_cube("position.z = 0.5", "position.z = 0.0"))
-        said.append(capsys.readouterr().out.strip().splitlines())
-    assert said[0][-1].startswith("Hint: pose.position is the centre of the shape.")
-    assert [lines[-1] for lines in said[1:]] == [
+        printed.append(capsys.readouterr().out.strip().splitlines())
+    assert printed[0][-1].startswith("Hint: pose.position is the centre of the shape.")
+    assert [lines[-1] for lines in printed[1:]] == [
         "Hint 1 of 3: Which fields has a marker?",
         "Hint 2 of 3: The centre is half an edge up.",
         "Hint 3 of 3: Set position.z to 0.5.",
         "Hint 3 of 3: Set position.z to 0.5.",
     ]
-    assert "✗ failed" in said[0][1]
-    assert "0.50 m too low" in said[0][1]
+    assert "✗ failed" in printed[0][1]
+    assert "0.50 m too low" in printed[0][1]
 
 
 def test_each_mistake_gets_its_own_hint(
@@ -119,19 +119,19 @@ def test_unchanged_stub_does_not_advance_the_hint_ladder(
 ) -> None:
     stub = red_cube("self.publisher.publish(marker)", "raise NotImplementedError('publish it')")
     check("week01.red_cube", stub)
-    said = capsys.readouterr().out
-    assert "still stops at the line with raise NotImplementedError" in said
-    assert said.count("publish it") == 1
-    assert "Hint" not in said
+    output = capsys.readouterr().out
+    assert "still stops at the line with raise NotImplementedError" in output
+    assert output.count("publish it") == 1
+    assert "Hint" not in output
 
 
 def test_exception_is_shown_with_the_student_line_and_no_traceback(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     check("week01.red_cube", red_cube("marker.color.r =", "marker.colour.r ="))
-    said = capsys.readouterr().out
-    assert "AttributeError: 'Marker' object has no attribute 'colour'" in said
-    assert "Traceback" not in said
+    output = capsys.readouterr().out
+    assert "AttributeError: 'Marker' object has no attribute 'colour'" in output
+    assert "Traceback" not in output
 
 
 def test_passing_a_value_instead_of_a_function_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
@@ -199,8 +199,8 @@ def test_printed_output_is_shown_and_repeated_lines_are_counted(
     assert "It printed:\n  | got 4.0\n" in capsys.readouterr().out
     says = "self.publisher.publish(marker); self.get_logger().info('published')"
     check("week01.red_cube", red_cube("self.publisher.publish(marker)", says))
-    said = capsys.readouterr().out
-    assert "[red_cube]: published\n  | … repeated 2 times\n" in said
+    output = capsys.readouterr().out
+    assert "[red_cube]: published\n  | … repeated 2 times\n" in output
 
 
 def test_excessive_output_is_truncated_after_its_beginning(capsys: pytest.CaptureFixture[str]) -> None:
@@ -245,10 +245,10 @@ def test_shared_cause_is_not_repeated_in_every_row(
     red_cube: Callable[..., Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
     check("week01.red_cube", red_cube("self.publisher.publish(marker)", "pass"))
-    said = capsys.readouterr().out
-    assert said.count("nothing was published") == 1
-    assert said.count("✗ failed") == 1
-    assert "0 of 2 checks passed" in said
+    output = capsys.readouterr().out
+    assert output.count("nothing was published") == 1
+    assert output.count("✗ failed") == 1
+    assert "0 of 2 checks passed" in output
 
 
 def test_printed_output_is_escaped_in_html() -> None:

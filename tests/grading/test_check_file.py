@@ -33,10 +33,10 @@ def test_incorrect_notebook_shows_failure_reasons_and_cell_errors(
 ) -> None:
     code = right.replace("length / 2", "length") + "# next cell\nnothing\n"
     assert not check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code))
-    said = capsys.readouterr().out
-    assert "NameError: name 'nothing' is not defined" in said
-    assert "expected 2.00 m: 2.00 m too much" in said
-    assert "Hint: Compute one case by hand" in said
+    output = capsys.readouterr().out
+    assert "NameError: name 'nothing' is not defined" in output
+    assert "expected 2.00 m: 2.00 m too much" in output
+    assert "Hint: Compute one case by hand" in output
 
 
 def test_notebook_that_is_not_an_exercise_is_rejected(write_notebook: WriteNotebook, tmp_path: Path) -> None:
@@ -90,10 +90,10 @@ def test_notebook_and_command_line_show_equal_tables(
     capsys.readouterr()
     for task, name in (("red_cube", "RedCubeNode"), ("half", "half"), ("answer", "answer")):
         check(f"week01.{task}", names[name])
-    shown = capsys.readouterr().out.strip()
+    output = capsys.readouterr().out.strip()
     # After a task that passes, a notebook also shows the points so far and the next task.
-    shown = "\n".join(line for line in shown.splitlines() if "points so far" not in line)
-    assert shown.split("\nweek01.")[1:] == [
+    output = "\n".join(line for line in output.splitlines() if "points so far" not in line)
+    assert output.split("\nweek01.")[1:] == [
         table.strip().removeprefix("week01.") for table in on_the_command_line[1:]
     ]
 
@@ -104,18 +104,18 @@ def test_missing_import_is_reported_once_for_all_cells(
     code = right.replace("from rclpy.node import Node\n", "")
     more = "# next cell\nclass Other(Node): ...\n# next cell\nOther()\n# next cell\nRedCubeNode()\n"
     assert not check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code + more))
-    said = capsys.readouterr().out
-    assert said.count("NameError") == 1
-    assert "name 'Node' is not defined" in said
-    assert "hint: import it: `from rclpy.node import Node`" in said
-    assert "3 more cells cannot run for the same reason." in said
+    output = capsys.readouterr().out
+    assert output.count("NameError") == 1
+    assert "name 'Node' is not defined" in output
+    assert "hint: import it: `from rclpy.node import Node`" in output
+    assert "3 more cells cannot run for the same reason." in output
     assert (
         "week01.red_cube (A red cube): not checked, because RedCubeNode cannot run; the reason is above."
-        in said
+        in output
     )
-    assert "week01.half (Half of it): 1 of 1 checks passed" in said
+    assert "week01.half (Half of it): 1 of 1 checks passed" in output
     assert student_state().get("progress", "week01.red_cube")["score"] == 0
-    assert "Hint" not in said
+    assert "Hint" not in output
 
 
 def test_errors_with_independent_causes_are_all_reported(
@@ -123,11 +123,11 @@ def test_errors_with_independent_causes_are_all_reported(
 ) -> None:
     more = "# next cell\nx = 1 / 0\n# next cell\ny = x\n# next cell\nz = w\n# next cell\n{}['k']\n"
     check_file(write_notebook(tmp_path / "week01_exercise.ipynb", right + more))
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     for cause in ("ZeroDivisionError", "name 'w' is not defined", "KeyError"):
-        assert cause in said
-    assert "name 'x'" not in said
-    assert "1 more cell cannot run" in said
+        assert cause in output
+    assert "name 'x'" not in output
+    assert "1 more cell cannot run" in output
 
 
 def test_output_printed_in_the_sandbox_is_shown(
@@ -144,8 +144,8 @@ def test_missing_import_cell_is_reported_once_for_all_undefined_names(
     code = "# next cell\n".join(["class RedCubeNode(Node): ...\n", "rclpy.init()\n", "x = math.pi\n", "x\n"])
     half = "# next cell\ndef half(length):\n    return np.divide(length, 2)\n"
     check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code + half))
-    said = capsys.readouterr().out
-    assert said.count("NameError") == 1
-    assert "No cell imports or defines Node, rclpy, math: is the cell with the imports missing?" in said
-    assert "3 more cells cannot run for the same reason." in said
-    assert "week01.half (Half of it): not checked, because half cannot run; the reason is above." in said
+    output = capsys.readouterr().out
+    assert output.count("NameError") == 1
+    assert "No cell imports or defines Node, rclpy, math: is the cell with the imports missing?" in output
+    assert "3 more cells cannot run for the same reason." in output
+    assert "week01.half (Half of it): not checked, because half cannot run; the reason is above." in output

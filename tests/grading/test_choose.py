@@ -60,10 +60,10 @@ def found_in(out: Path) -> dict[str, list[str]]:
 
 
 def rejected_in(out: Path) -> dict[str, str]:
-    found = find_submissions(out, with_refused=True)
+    submissions = find_submissions(out, with_refused=True)
     return {
         one.student.removeprefix("participant410000"): f"{one.exercise}: {one.problem}"
-        for one in found
+        for one in submissions
         if one.problem
     }
 
@@ -71,7 +71,7 @@ def rejected_in(out: Path) -> dict[str, str]:
 def test_other_weeks_in_a_zip_are_ignored_and_listed(tmp_path: Path) -> None:
     collected(tmp_path, {"Ada": {NAME: work(1, "on_time = 1")}, "Bob": {NAME: work(1)}})
     before = (tmp_path / "out/participant4100001" / NAME).read_bytes()
-    done = collected(
+    collection = collected(
         tmp_path,
         {"Ada": {"all.zip": whole_course()}, "Bob": {"week02_exercise.ipynb": work(2)}},
     )
@@ -84,12 +84,12 @@ def test_other_weeks_in_a_zip_are_ignored_and_listed(tmp_path: Path) -> None:
         "week01_exercise.ipynb",
         "week02_exercise.ipynb",
     ]
-    (aside, other), ignored = done.aside[:2], done.aside[2]
+    (aside, other), ignored = collection.aside[:2], collection.aside[2]
     assert (
         "week01_exercise.ipynb: it is week01_exercise, but this download counts for week02_exercise" in aside
     )
     assert "week02_lesson.ipynb: it is not an exercise" in other
-    assert ", 2 set aside." in done.summary(tmp_path)
+    assert ", 2 set aside." in collection.summary(tmp_path)
     assert ignored == (
         "ignored: Ada: 6 exercises as released: week03_exercise, week04_exercise, week05_exercise, "
         "week06_exercise, week07_exercise, week08_exercise"
@@ -97,10 +97,11 @@ def test_other_weeks_in_a_zip_are_ignored_and_listed(tmp_path: Path) -> None:
 
 
 def test_exercise_submitted_by_every_student_is_detected(tmp_path: Path) -> None:
-    done = collected(tmp_path, {"Ada": {"all.zip": whole_course()}, "Bob": {NAME: work(1)}})
+    collection = collected(tmp_path, {"Ada": {"all.zip": whole_course()}, "Bob": {NAME: work(1)}})
     assert found_in(tmp_path / "out") == {"1": ["week01_exercise"], "2": ["week01_exercise"]}
     assert any(
-        "it is week02_exercise, but this download counts for week01_exercise" in line for line in done.aside
+        "it is week02_exercise, but this download counts for week01_exercise" in line
+        for line in collection.aside
     )
 
 
@@ -145,11 +146,11 @@ def test_unknown_exercise_is_rejected_with_a_list_of_the_exercises(tmp_path: Pat
 
 def test_unchanged_copy_does_not_replace_edited_work_in_the_same_submission(tmp_path: Path) -> None:
     files = {"a/week01_exercise.ipynb": work(1), "z/week01_exercise (2).ipynb": released(1)}
-    done = collected(tmp_path, {"Ada": files})
+    collection = collected(tmp_path, {"Ada": files})
     (one,) = find_submissions(tmp_path / "out")
     assert one.notebook is not None
     assert one.notebook.cells == ("mine = 1",)
-    assert done.aside == ["ignored: Ada: 1 exercise as released: week01_exercise"]
+    assert collection.aside == ["ignored: Ada: 1 exercise as released: week01_exercise"]
 
 
 def test_unchanged_exercise_alone_is_a_submission(tmp_path: Path) -> None:
@@ -160,16 +161,16 @@ def test_unchanged_exercise_alone_is_a_submission(tmp_path: Path) -> None:
 
 
 def test_nbgrader_folder_with_several_assignments_is_sorted_by_assignment(tmp_path: Path) -> None:
-    for who in ("ada", "bob"):
+    for student in ("ada", "bob"):
         for week in (1, 2):
-            folder = tmp_path / f"in/submitted/{who}/week0{week}"
+            folder = tmp_path / f"in/submitted/{student}/week0{week}"
             folder.mkdir(parents=True)
             (folder / f"week0{week}_exercise.ipynb").write_bytes(work(week))
     (tmp_path / "in/submitted/bob/week02/week01_exercise.ipynb").write_bytes(work(1, "late = 1"))
-    done = collect(tmp_path / "in", tmp_path / "out", UTC)
+    collection = collect(tmp_path / "in", tmp_path / "out", UTC)
     both = ["week01_exercise", "week02_exercise"]
     assert found_in(tmp_path / "out") == {"ada": both, "bob": both}
-    assert len(done.aside) == 1
+    assert len(collection.aside) == 1
     bobs = {one.exercise: one.path for one in find_submissions(tmp_path / "out") if one.student == "bob"}
     assert bobs["week01_exercise"].parent.name == "week01"
     collect(tmp_path / "in", tmp_path / "2", UTC, exercise="week02")
@@ -215,13 +216,13 @@ REFUSED = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_student_with_only_rejected_files_has_a_row_with_reason_and_advice(tmp_path: Path, name: str) -> None:
     data, why = REFUSED[name]
-    done = collected(tmp_path, {"Ada": {NAME: work(1)}, "Bob": {name: data}})
+    collection = collected(tmp_path, {"Ada": {NAME: work(1)}, "Bob": {name: data}})
     (row,) = rejected_in(tmp_path / "out").values()
     assert row.startswith("week01_exercise: ")
     assert why in row
     assert row.endswith("Submit week01_exercise.ipynb, or the zip that `course submit` writes")
-    assert done.rejected == {"participant4100002"}
-    assert "1 student rejected" in done.summary(tmp_path)
+    assert collection.rejected == {"participant4100002"}
+    assert "1 student rejected" in collection.summary(tmp_path)
 
 
 def test_resubmission_clears_an_earlier_rejection(tmp_path: Path) -> None:
@@ -265,8 +266,8 @@ NAMES = ("week01_exercise.ipynb.txt", "week01_exercise.json", "week01_exercise.i
 
 @pytest.mark.parametrize("name", NAMES)
 def test_notebook_renamed_by_the_operating_system_is_accepted(tmp_path: Path, name: str) -> None:
-    done = collected(tmp_path, {"Ada": {name: work(1)}})
-    assert (done.refused, found_in(tmp_path / "out")) == ([], {"1": ["week01_exercise"]})
+    collection = collected(tmp_path, {"Ada": {name: work(1)}})
+    assert (collection.refused, found_in(tmp_path / "out")) == ([], {"1": ["week01_exercise"]})
 
 
 @pytest.mark.parametrize("name", NAMES[:3])
@@ -349,12 +350,13 @@ def test_command_accepts_exercise_and_layout_and_exits_with_1_if_a_file_is_rejec
         tmp_path / "m.zip", [Handed("Ada", 1, "", files={NAME: work(1), "week02_exercise.ipynb": work(2)})]
     )
     command = ("collect", "m.zip", "--out", "in")
-    asked = run_course(*command, cwd=tmp_path)
-    assert (asked.returncode, "Add --exercise week01_exercise" in asked.stderr) == (2, True)
-    done = run_course(*command, "--exercise", "week02", "--layout", "moodle", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    process = run_course(*command, cwd=tmp_path)
+    assert (process.returncode, "Add --exercise week01_exercise" in process.stderr) == (2, True)
+    completed = run_course(*command, "--exercise", "week02", "--layout", "moodle", cwd=tmp_path)
+    assert completed.returncode == 0, completed.stderr
     assert (
-        "set aside: Ada_1_assignsubmission_file_/week01_exercise.ipynb: it is week01_exercise" in done.stdout
+        "set aside: Ada_1_assignsubmission_file_/week01_exercise.ipynb: it is week01_exercise"
+        in completed.stdout
     )
     moodle_zip(tmp_path / "m.zip", [Handed("Ada", 1, "", files={NAME: work(1), "a.pdf": b"1"})])
     assert run_course(*command, cwd=tmp_path).returncode == 1

@@ -61,9 +61,9 @@ def test_identical_files_are_run_once_and_reported_to_staff(
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
     assert len(runs) == 1  # as both have the same personal values
     assert marks(tmp_path / "out") == {"ada": 110, "dora": 110}
-    said = capsys.readouterr().out
-    assert "ada  week01_exercise  note: the same file as that of dora" in said
-    assert "dora  week01_exercise  note: the file has the ID ada, but dora submitted it" in said
+    output = capsys.readouterr().out
+    assert "ada  week01_exercise  note: the same file as that of dora" in output
+    assert "dora  week01_exercise  note: the file has the ID ada, but dora submitted it" in output
 
 
 @pytest.mark.slow

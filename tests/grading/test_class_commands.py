@@ -55,15 +55,15 @@ def return_with_comments(in_process: Callable[..., Typed], tmp_path: Path) -> No
     """Enter points for a rejected file and an oral exam. Return marks, comments and reports of a section."""
 
     def course(*words: str) -> str:
-        done = in_process(*words, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+        process = in_process(*words, cwd=tmp_path)
+        assert process.returncode == 0, process.stderr
+        return process.stdout
 
     without = ("--without-file", "--comment")
-    said = course("mark", "graded", "b2", "week01", "70.5", *without, "On paper, <b>clear</b>")
-    assert said == "b2 week01_exercise: 70.5 without a file; now graded\n"
-    said = course("mark", "graded", "C3", "week01_exercise", "90", *without, 'Oral exam, "good"')
-    assert said == "c3 week01_exercise, who is new in the gradebook: 90 without a file; now graded\n"
+    output = course("mark", "graded", "b2", "week01", "70.5", *without, "On paper, <b>clear</b>")
+    assert output == "b2 week01_exercise: 70.5 without a file; now graded\n"
+    output = course("mark", "graded", "C3", "week01_exercise", "90", *without, 'Oral exam, "good"')
+    assert output == "c3 week01_exercise, who is new in the gradebook: 90 without a file; now graded\n"
     page = (tmp_path / "graded/reports/b2/week01_exercise.html").read_text()
     assert "70.5 points" in page
     assert "On paper, &lt;b&gt;clear&lt;/b&gt;" in page
@@ -82,13 +82,13 @@ def return_with_comments(in_process: Callable[..., Typed], tmp_path: Path) -> No
         ("90", 'Oral exam, "good"'),
     ]
     section = ("--section", "b", "--roster", "class.csv")
-    said = course("mark", "graded", "--lms", "worksheet.csv", *names, *comments, *section)
-    assert said == "Wrote filled.csv: 2 marks after the late policy; turn off the platform's late policy.\n"
+    output = course("mark", "graded", "--lms", "worksheet.csv", *names, *comments, *section)
+    assert output == "Wrote filled.csv: 2 marks after the late policy; turn off the platform's late policy.\n"
     filled = list(csv.DictReader((tmp_path / "filled.csv").read_text().splitlines(keepends=True)))
     assert [row["Grade"] for row in filled] == ["", "70.5", "90"]
-    said = course("feedback", "graded", "--lms", "moodle", "--exercise", "week01_exercise", *section)
-    assert "a1" not in said
+    output = course("feedback", "graded", "--lms", "moodle", "--exercise", "week01_exercise", *section)
+    assert "a1" not in output
     with zipfile.ZipFile(tmp_path / "graded/feedback/week01_exercise_moodle.zip") as archive:
         assert archive.namelist() == ["Bob_102_assignfeedback_file_week01_exercise.html"]
-    said = course("mark", "graded", "c3", "week01", "--without-file", "--withdraw")
-    assert said == "c3 week01_exercise: mark without a file withdrawn; now rejected\n"
+    output = course("mark", "graded", "c3", "week01", "--without-file", "--withdraw")
+    assert output == "c3 week01_exercise: mark without a file withdrawn; now rejected\n"

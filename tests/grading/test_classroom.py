@@ -30,10 +30,10 @@ def git(folder: Path, *words: str) -> str:
         "GIT_AUTHOR_DATE": "2001-01-01T00:00:00Z",
         "GIT_COMMITTER_DATE": "2001-01-01T00:00:00Z",
     }
-    done = subprocess.run(
+    process = subprocess.run(
         ["git", *identity, *words], cwd=folder, env=clock, capture_output=True, check=True, timeout=PATIENCE
     )
-    return done.stdout.decode().strip()
+    return process.stdout.decode().strip()
 
 
 def clone_of(clones: Path, login: str) -> Path:
@@ -67,17 +67,17 @@ def test_clone_becomes_the_submission_of_its_login_at_push_time(tmp_path: Path, 
     texts = [json.dumps([later, push(heads["Ada-L"])], indent=1), json.dumps([push(heads["l"])])]
     (tmp_path / "pushes.json").write_text("\n".join(texts))
     out = tmp_path / "submissions"
-    said = collect_clones(clones, out, tmp_path / "roster.csv", tmp_path / "pushes.json")
-    assert said == [f"Collected 2 students into {out}. Next: course grade {out} --out graded"]
-    found = find_submissions(out)
-    assert [(one.student, one.exercise) for one in found] == [
+    lines = collect_clones(clones, out, tmp_path / "roster.csv", tmp_path / "pushes.json")
+    assert lines == [f"Collected 2 students into {out}. Next: course grade {out} --out graded"]
+    submissions = find_submissions(out)
+    assert [(one.student, one.exercise) for one in submissions] == [
         ("ada1", f"{WEEK}_exercise"),
         ("bob2", f"{WEEK}_exercise"),
     ]
-    assert {one.received.time.isoformat() for one in found if one.received.time} == {
+    assert {one.received.time.isoformat() for one in submissions if one.received.time} == {
         "2026-10-11T22:30:00+00:00"
     }
-    assert all(one.received.is_trusted for one in found)
+    assert all(one.received.is_trusted for one in submissions)
     assert (out / "ada1/my_files/my.rviz").is_file()
     rows = list(csv.DictReader((out / "received.csv").open()))
     assert {row["id_from"] for row in rows} == {"roster"}
@@ -97,12 +97,12 @@ def test_hostile_and_unknown_clones_are_reported_and_other_clones_collected(
     (clones / "robotics-cleo/.git").mkdir()
     (clones / "robotics-cleo/my_course/week03_exercise.ipynb").write_text("[" * 100_000)
     out = tmp_path / "submissions"
-    said = "\n".join(collect_clones(clones, out, tmp_path / "roster.csv", None))
-    assert "refused: robotics-eve: its name ends with no login of the class list" in said
-    assert "refused: robotics-ada-l: ada1 has two clones" in said
-    assert "2 students without the time of the push" in said
-    found = {(one.student, one.exercise, bool(one.problem)) for one in find_submissions(out)}
-    assert found == {("ada1", f"{WEEK}_exercise", False), ("cleo3", "week03_exercise", True)}
+    text = "\n".join(collect_clones(clones, out, tmp_path / "roster.csv", None))
+    assert "refused: robotics-eve: its name ends with no login of the class list" in text
+    assert "refused: robotics-ada-l: ada1 has two clones" in text
+    assert "2 students without the time of the push" in text
+    by_student = {(one.student, one.exercise, bool(one.problem)) for one in find_submissions(out)}
+    assert by_student == {("ada1", f"{WEEK}_exercise", False), ("cleo3", "week03_exercise", True)}
     assert Ledger.read(out, UTC).received(out / "ada1/week01_exercise.ipynb", {}).time is None
 
 
@@ -111,16 +111,16 @@ def test_unchanged_clone_is_not_a_submission(tmp_path: Path, clones: Path) -> No
     (clones / "robotics-ada-l/.git").mkdir()
     prepare(clones / "robotics-l/work")  # not where GitHub's checks and the grader look
     (clones / "robotics-l/.git").mkdir()
-    said = collect_clones(clones, tmp_path / "submissions", tmp_path / "roster.csv", None)
-    assert said[:2] == [
+    lines = collect_clones(clones, tmp_path / "submissions", tmp_path / "roster.csv", None)
+    assert lines[:2] == [
         f"ada1: no exercise in {clones / 'robotics-ada-l' / 'my_course'} differs from the released one",
         f"bob2: no exercise in {clones / 'robotics-l'} differs from the released one",
     ]
-    assert "Collected 0 students" in said[-1]
+    assert "Collected 0 students" in lines[-1]
 
 
 @pytest.mark.parametrize(
-    ("roster", "pushes", "said"),
+    ("roster", "pushes", "message"),
     [
         ("id,name\nada1,Ada\n", "[]", "needs a column 'login'"),
         (ROSTER, "[]", "has no push with 'after' and 'timestamp'"),
@@ -130,10 +130,12 @@ def test_unchanged_clone_is_not_a_submission(tmp_path: Path, clones: Path) -> No
         (ROSTER, "", "has no push"),
     ],
 )
-def test_invalid_roster_or_push_file_is_reported(tmp_path: Path, roster: str, pushes: str, said: str) -> None:
+def test_invalid_roster_or_push_file_is_reported(
+    tmp_path: Path, roster: str, pushes: str, message: str
+) -> None:
     (tmp_path / "roster.csv").write_text(roster)
     (tmp_path / "pushes.json").write_text(pushes)
-    with pytest.raises(CourseError, match=said):
+    with pytest.raises(CourseError, match=message):
         collect_clones(tmp_path, tmp_path / "out", tmp_path / "roster.csv", tmp_path / "pushes.json")
 
 

@@ -55,39 +55,41 @@ def kept(out: Path) -> list[str]:
 
 
 def test_moodle_zip_is_collected_with_both_naming_schemes(sort: Sort, tmp_path: Path) -> None:
-    done = sort({
+    collection = sort({
         f"Ada Lovelace_12345_assignsubmission_file_/{NAME}": notebook("a = 1"),
         f"Bob O'Neil_777_assignsubmission_file_{NAME}": notebook("b = 1"),
         "Bob O'Neil_777_assignsubmission_onlinetext_/onlinetext.html": b"<p>",
     })  # fmt: skip
     assert kept(tmp_path / "out") == [f"participant12345/{NAME}", f"participant777/{NAME}", "received.csv"]
-    assert len(done.refused) == 1
-    found = {s.student: s.received for s in find_submissions(tmp_path / "out")}
-    assert {(r.time, r.source) for r in found.values()} == {(None, "unknown")}  # members have download times
-    assert any("add --roster" in note for note in done.notes)
+    assert len(collection.refused) == 1
+    by_student = {s.student: s.received for s in find_submissions(tmp_path / "out")}
+    assert {(r.time, r.source) for r in by_student.values()} == {
+        (None, "unknown")
+    }  # members have download times
+    assert any("add --roster" in note for note in collection.notes)
     assert "Ada Lovelace" in (tmp_path / "out/received.csv").read_text()
 
 
 def test_canvas_names_with_late_marker_and_second_attempt_are_collected(sort: Sort, tmp_path: Path) -> None:
-    done = sort({
+    collection = sort({
         f"lovelaceada_11_900_{NAME}": notebook("a = 1"),
         f"bobsonbob_LATE_12_901_{NAME}": notebook("b = 1"),
         "bobsonbob_12_902_week01_exercise-1.ipynb": notebook("b = 2"),
     })  # fmt: skip
-    assert not done.refused
+    assert not collection.refused
     assert kept(tmp_path / "out") == [
         f"11/{NAME}",
         "12/week01_exercise-1.ipynb",
         f"12/{NAME}",
         "received.csv",
     ]
-    late = [row["file"] for row in done.rows.values() if row["late"] == "yes"]
+    late = [row["file"] for row in collection.rows.values() if row["late"] == "yes"]
     assert late == [f"12/{NAME}"]
-    assert "1 late according to the platform" in done.summary(tmp_path)
+    assert "1 late according to the platform" in collection.summary(tmp_path)
     first, second = (one.received for one in find_submissions(tmp_path / "out"))
     assert (first.time, first.late, second.late) == (None, False, False)  # of the second try
-    assert len(done.notes) == 1
-    assert "Canvas's zip has no times" in min(done.notes)
+    assert len(collection.notes) == 1
+    assert "Canvas's zip has no times" in min(collection.notes)
 
 
 def test_attempt_with_the_higher_number_counts_at_equal_times(sort: Sort, tmp_path: Path) -> None:
@@ -104,9 +106,9 @@ def test_name_that_a_spreadsheet_would_evaluate_is_escaped(sort: Sort, tmp_path:
 def test_platform_csv_maps_numbers_to_student_ids(sort: Sort, tmp_path: Path) -> None:
     (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_12345_assignsubmission_file_/{NAME}": notebook()}))
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 12345,A 7\nParticipant 8,b\n")
-    done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
     assert kept(tmp_path / "out") == [f"a7/{NAME}", "received.csv"]
-    assert "note: student IDs are from the column 'ID number' of grades.csv" in done.notes
+    assert "note: student IDs are from the column 'ID number' of grades.csv" in collection.notes
 
 
 def test_student_missing_in_the_platform_csv_is_reported(sort: Sort, tmp_path: Path) -> None:
@@ -115,8 +117,8 @@ def test_student_missing_in_the_platform_csv_is_reported(sort: Sort, tmp_path: P
     }
     (tmp_path / "in.zip").write_bytes(zipped(files))
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 8,b\n")
-    done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
-    assert "note: Ada L is not in the roster, and gets the ID participant12345" in done.notes
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
+    assert "note: Ada L is not in the roster, and gets the ID participant12345" in collection.notes
 
 
 @pytest.mark.parametrize("rows", ["Participant 8,b\nParticipant 9,B", "Participant 8,b\nParticipant 8,c"])
@@ -137,8 +139,8 @@ def test_attempts_in_nbgrader_inbound_keep_their_times_and_the_newest_counts(tmp
         (folder / "timestamp.txt").write_text(time)
     (tmp_path / "in/inbound/+week01+2026-03-09 17:30:00 UTC").mkdir()
     (tmp_path / f"in/inbound/+week01+2026-03-09 17:30:00 UTC/{NAME}").write_bytes(notebook())
-    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
-    assert (done.students, len(done.refused)) == ({"ada1"}, 1)
+    collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    assert (collection.students, len(collection.refused)) == ({"ada1"}, 1)
     (one,) = find_submissions(tmp_path / "out")
     assert (one.student, one.notebook and one.notebook.cells) == ("ada1", ("x = 2",))
     assert one.received.time is not None
@@ -150,9 +152,9 @@ def test_nbgrader_folders_keep_their_timestamps(tmp_path: Path) -> None:
     folder.mkdir(parents=True)
     (folder / NAME).write_bytes(notebook())
     (folder / "timestamp.txt").write_text("2026-10-11 10:00:00 UTC")
-    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
-    (found,) = find_submissions(tmp_path / "out")
-    assert (found.student, found.received.source, done.count) == ("ada", "timestamp.txt", 1)
+    collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    (submission,) = find_submissions(tmp_path / "out")
+    assert (submission.student, submission.received.source, collection.count) == ("ada", "timestamp.txt", 1)
 
 
 def test_repeated_collect_changes_nothing_and_a_new_version_is_added(sort: Sort, tmp_path: Path) -> None:
@@ -165,7 +167,7 @@ def test_nested_archives_belong_to_the_student_of_the_outer_archive(sort: Sort, 
     forged = zipped(
         {f"Bob_99_assignsubmission_file_/{NAME}": notebook(), "timestamp.txt": b"2020-01-01 0:00 UTC"}
     )
-    done = sort(
+    collection = sort(
         {
             "ada/homework.zip": zipped({"again.zip": forged}),
             f"Bob_99_assignsubmission_file_/{NAME}": notebook("b"),
@@ -173,7 +175,7 @@ def test_nested_archives_belong_to_the_student_of_the_outer_archive(sort: Sort, 
     )
     mine = f"ada/Bob_99_assignsubmission_file_/{NAME}"
     assert kept(tmp_path / "out") == [mine, f"participant99/{NAME}", "received.csv"]
-    assert "timestamp.txt: unsupported file type; expected one of" in done.refused[0]
+    assert "timestamp.txt: unsupported file type; expected one of" in collection.refused[0]
 
 
 def special(name: str, mode: int) -> zipfile.ZipInfo:
@@ -210,10 +212,10 @@ HOSTILE: dict[str, tuple[Bytes, str]] = {
 @pytest.mark.parametrize("kind", HOSTILE)
 def test_unsafe_files_are_rejected_and_the_rest_is_collected(sort: Sort, tmp_path: Path, kind: str) -> None:
     files, why = HOSTILE[kind]
-    done = sort({**files, f"zoe/{NAME}": notebook()})
-    assert why in done.refused[0]
-    assert len(done.refused) == 1
-    assert all(line.isprintable() for line in done.refused)
+    collection = sort({**files, f"zoe/{NAME}": notebook()})
+    assert why in collection.refused[0]
+    assert len(collection.refused) == 1
+    assert all(line.isprintable() for line in collection.refused)
     assert kept(tmp_path) == ["in.zip", "out/received.csv", f"out/zoe/{NAME}"]
 
 
@@ -222,8 +224,8 @@ def test_first_of_two_archive_members_with_one_name_counts(sort: Sort, tmp_path:
     with pytest.warns(UserWarning, match="Duplicate"), zipfile.ZipFile(second, "a") as archive:
         archive.writestr(f"ada/{NAME}", notebook("second"))
     (tmp_path / "in.zip").write_bytes(second.getvalue())
-    done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
-    assert "twice" in done.refused[0]
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
+    assert "twice" in collection.refused[0]
     assert b"first" in (tmp_path / "out/ada" / NAME).read_bytes()
 
 
@@ -236,8 +238,8 @@ def test_name_with_a_null_byte_and_locked_file_are_rejected(sort: Sort, tmp_path
         second = data.index(header, data.index(header) + 1)
         struct.pack_into("<H", data, second + flags, 1)
     (tmp_path / "in.zip").write_bytes(data)
-    done = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
-    assert len(done.refused) == 2
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
+    assert len(collection.refused) == 2
     assert kept(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
 
 
@@ -245,9 +247,11 @@ def test_nested_archive_exceeding_the_size_limit_is_not_unpacked_further(
     sort: Sort, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", 1000)
-    done = sort({"ada/a.zip": zipped({f"{n}.py": b"#" * 250 for n in range(9)}), f"zoe/{NAME}": notebook()})
-    assert "more than 1000 bytes" in done.refused[0]
-    assert len(done.refused) == 1
+    collection = sort(
+        {"ada/a.zip": zipped({f"{n}.py": b"#" * 250 for n in range(9)}), f"zoe/{NAME}": notebook()}
+    )
+    assert "more than 1000 bytes" in collection.refused[0]
+    assert len(collection.refused) == 1
     assert "ada/4.py" not in kept(tmp_path / "out")
     assert f"zoe/{NAME}" in kept(tmp_path / "out")
 
@@ -260,8 +264,8 @@ def test_symlinks_and_pipes_in_a_folder_are_rejected(tmp_path: Path) -> None:
     (tmp_path / "in/bob").symlink_to(tmp_path / "secret")
     (tmp_path / "in/zoe/week02_exercise.ipynb").symlink_to(tmp_path / "secret" / NAME)
     os.mkfifo(tmp_path / "in/zoe/week03_exercise.ipynb")
-    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
-    assert len(done.refused) == 3
+    collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    assert len(collection.refused) == 3
     assert kept(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
 
 
@@ -295,9 +299,9 @@ def test_names_in_a_student_archive_are_those_of_its_author(tmp_path: Path, kind
         data = undeclared.replace(b"####", "öß".encode())
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada/work.zip").write_bytes(data)
-    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
     names = sorted(path.name for path in (tmp_path / "out/ada/sub").iterdir())
-    assert (names, done.refused) == (["Größe.yaml", "week01_exercise.ipynb"], [])
+    assert (names, collection.refused) == (["Größe.yaml", "week01_exercise.ipynb"], [])
 
 
 @pytest.mark.parametrize(
@@ -306,8 +310,11 @@ def test_names_in_a_student_archive_are_those_of_its_author(tmp_path: Path, kind
 def test_backslashes_in_a_student_archive_do_not_lead_elsewhere(tmp_path: Path, name: str) -> None:
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada/work.zip").write_bytes(zipped({name: notebook()}))
-    done = collect(tmp_path / "in", tmp_path / "out", AMMAN)
-    assert (done.count, [line.split(": ")[-1] for line in done.refused]) == (0, ["its path leads elsewhere"])
+    collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
+    assert (collection.count, [line.split(": ")[-1] for line in collection.refused]) == (
+        0,
+        ["its path leads elsewhere"],
+    )
 
 
 @pytest.mark.parametrize(

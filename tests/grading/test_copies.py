@@ -93,11 +93,11 @@ def test_three_identical_solutions_with_different_ids_are_reported(
     write_notebook(tmp_path / "in/dora" / NAME, "x = 1", student="dora")
     out = tmp_path / "out"
     grade(tmp_path / "in", out, jobs=1, course=course)
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     assert (
-        "Please review: similar code: 3 submissions (ada week01_exercise, bob week01_exercise, cleo" in said
+        "Please review: similar code: 3 submissions (ada week01_exercise, bob week01_exercise, cleo" in output
     )
-    assert str(out / "reports" / PAGE) in said
+    assert str(out / "reports" / PAGE) in output
     index = (out / "reports/index.html").read_text()
     assert f'<a href="{PAGE}#cluster-1">similar code: bob, cleo</a>' in index
     assert index.count("similar code: ") == 4  # three lines, and one on top
@@ -277,9 +277,9 @@ def test_submissions_that_were_not_compared_are_listed_in_index_and_terminal(
     write_notebook(tmp_path / "in/ada" / NAME, f"{right}\nexec('x = 1')", student="ada")
     write_notebook(tmp_path / "in/bob" / NAME, OWN, student="bob")
     grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
-    said = capsys.readouterr().out
-    assert "Please review: code not compared: 1 submission (ada week01_exercise)" in said
-    assert PAGE in said
+    output = capsys.readouterr().out
+    assert "Please review: code not compared: 1 submission (ada week01_exercise)" in output
+    assert PAGE in output
     assert "code not compared: uses exec" in (tmp_path / "out/reports/index.html").read_text()
     assert "not compared" not in (tmp_path / "out/reports/ada/week01_exercise.html").read_text()
 

@@ -61,11 +61,11 @@ def write_old_result(out: Path, **changed: Any) -> Path:
 
 
 def test_result_of_version_0_3_is_read(tmp_path: Path) -> None:
-    marked = read_result(write_old_result(tmp_path))
-    assert marked.row.mark == Mark(50.0, 100.0, 2, 10.0, 40.0)
-    assert marked.result.submission.received.time == datetime(2026, 10, 13, 8, tzinfo=UTC)
-    assert marked.result.submission.path == Path("ada/week01_exercise.ipynb")
-    assert (marked.result.isolation, marked.result.attempts[0].final) == ("full", 40.0)
+    result = read_result(write_old_result(tmp_path))
+    assert result.row.mark == Mark(50.0, 100.0, 2, 10.0, 40.0)
+    assert result.result.submission.received.time == datetime(2026, 10, 13, 8, tzinfo=UTC)
+    assert result.result.submission.path == Path("ada/week01_exercise.ipynb")
+    assert (result.result.isolation, result.result.attempts[0].final) == ("full", 40.0)
 
 
 def test_result_is_unchanged_after_writing_and_reading(tmp_path: Path) -> None:

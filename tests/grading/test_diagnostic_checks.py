@@ -33,33 +33,35 @@ def test_expected_level_applies_to_the_time_range_of_the_check(
     evidence: MakeEvidence, level: str, says: str, begin: float, message: str
 ) -> None:
     good, bad = (DiagnosticStatus.OK, "Normal: 30"), (DiagnosticStatus.ERROR, "low")
-    came = evidence(status(1, *good), status(2, *good), status(3, *bad), status(4, *bad), seconds=9.0)
+    recorded = evidence(status(1, *good), status(2, *good), status(3, *bad), status(4, *bad), seconds=9.0)
     # The status at the beginning of a part refers to the second before it.
     check = expect_level(level, says=says, begin=begin, end=begin + 2)
-    assert check.judge(came).message == message
+    assert check.judge(recorded).message == message
 
 
 @pytest.mark.parametrize(("levels", "passed"), [("OE", 2), ("OO", 0), ("EE", 1), ("EO", 0)])
 def test_constant_level_earns_less_than_a_quarter(evidence: MakeEvidence, levels: str, passed: int) -> None:
     words = {"O": (DiagnosticStatus.OK, "normal"), "E": (DiagnosticStatus.ERROR, "low")}
-    came = evidence(*(status(2.0 + 3.0 * n, *words[level]) for n, level in enumerate(levels)), seconds=6.0)
+    recorded = evidence(
+        *(status(2.0 + 3.0 * n, *words[level]) for n, level in enumerate(levels)), seconds=6.0
+    )
     checks = expect_levels(("OK", "normal", "well"), ("ERROR", "low", "bad"))
     task = Task("week06.x", "X", "node", "X", ("a", "b", "c"))
-    result = judge_task(task, 10, False, [Run(Scenario("public", checks=checks), came)])
+    result = judge_task(task, 10, False, [Run(Scenario("public", checks=checks), recorded)])
     assert sum(check.passed for check in result.checks) == passed
     assert passed == 2 or result.fraction < 0.25
 
 
 def test_missing_diagnostics_messages_are_reported(evidence: MakeEvidence) -> None:
-    said = expect_level("OK", says="", begin=0.0, end=2.0).judge(evidence()).message
-    assert "nothing was published on /diagnostics" in said
+    message = expect_level("OK", says="", begin=0.0, end=2.0).judge(evidence()).message
+    assert "nothing was published on /diagnostics" in message
 
 
 def test_two_statuses_in_one_message_are_reported(evidence: MakeEvidence) -> None:
     two = [DiagnosticStatus(level=DiagnosticStatus.OK, message="normal") for _ in range(2)]
-    came = evidence((2.0, "/diagnostics", DiagnosticArray(status=two)))
-    said = expect_level("OK", says="normal", begin=0.0, end=2.0).judge(came).message
-    assert said == "a message has 2 statuses from 0 to 2 s, expected one"
+    recorded = evidence((2.0, "/diagnostics", DiagnosticArray(status=two)))
+    message = expect_level("OK", says="normal", begin=0.0, end=2.0).judge(recorded).message
+    assert message == "a message has 2 statuses from 0 to 2 s, expected one"
 
 
 @pytest.fixture
@@ -112,8 +114,8 @@ def test_fact_must_have_the_expected_value_and_type(
 def test_missing_fact_is_reported(evidence: MakeEvidence) -> None:
     given: tuple[tuple[Any, ...], ...] = ((), (None,), ({},))
     for returns in given:
-        said = expect_fact("threshold", serial=26).judge(evidence(returns=returns)).message
-        assert said == "the returned dict has no key 'threshold'"
+        message = expect_fact("threshold", serial=26).judge(evidence(returns=returns)).message
+        assert message == "the returned dict has no key 'threshold'"
 
 
 @pytest.mark.parametrize("name", ["image_rate", "image_width", "threshold"])

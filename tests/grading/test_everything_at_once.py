@@ -65,10 +65,10 @@ def test_trajectories_to_every_position_fail_the_check(evidence: MakeEvidence) -
 
 def test_path_properties_must_be_satisfied_by_a_single_path(evidence: MakeEvidence) -> None:
     def path(length: float, frame: str = "map") -> Any:
-        made = Path(poses=[PoseStamped(), PoseStamped()])
-        made.header.frame_id = frame
-        made.poses[1].pose.position.x = length
-        return made
+        message = Path(poses=[PoseStamped(), PoseStamped()])
+        message.header.frame_id = frame
+        message.poses[1].pose.position.x = length
+        return message
 
     check = expect_path("/plan", count=2, frame="map", ends=((0, 0, 0), (2, 0, 0)))
     assert check.judge(evidence((1.0, "/plan", path(2.0)))).score == 1

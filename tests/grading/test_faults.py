@@ -73,8 +73,8 @@ def test_killed_grader_resumes_with_the_same_results(
         assert {path: path.stat().st_mtime_ns for path in finished} == finished  # nothing was graded twice
         finished = {path: path.stat().st_mtime_ns for path in out.glob("results/*/*.json")}
     last = start_grader(course, out, 2, "resume")
-    said = last.communicate(timeout=SECONDS)[0]
-    assert last.returncode == 0, said
+    output = last.communicate(timeout=SECONDS)[0]
+    assert last.returncode == 0, output
     assert {path: path.stat().st_mtime_ns for path in finished} == finished
     assert fingerprint(out) == undisturbed
 
@@ -94,8 +94,8 @@ def test_killed_worker_processes_do_not_change_marks(
         for process in _wait_until(partial(_below, grader.pid, kind, enough)):
             process.kill()
         pause.unlink()
-    said = grader.communicate(timeout=SECONDS)[0]
-    assert grader.returncode == 0, said
+    output = grader.communicate(timeout=SECONDS)[0]
+    assert grader.returncode == 0, output
     assert fingerprint(out) == undisturbed
 
 

@@ -50,25 +50,25 @@ def write(course: Course, text: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("old", "new", "said"), FAULTS)
+@pytest.mark.parametrize(("old", "new", "message"), FAULTS)
 def test_faulty_week_is_reported_with_its_line_only_when_the_week_is_needed(
-    course: Course, old: str, new: str, said: str
+    course: Course, old: str, new: str, message: str
 ) -> None:
     path = write(course, TWO.replace(old, new))
     catalog = load_catalog(course.exercises, course.solutions)
     assert len(catalog.of_week("week01")) == 3
-    read = read_course_file(path)
-    read.require_valid("week01")
+    course_file = read_course_file(path)
+    course_file.require_valid("week01")
     for look in (
         lambda: catalog.of_week("week02"),
         lambda: catalog.task("week02.post"),
-        lambda: read.deadline("week02", "ada"),
-        read.require_valid,
+        lambda: course_file.deadline("week02", "ada"),
+        course_file.require_valid,
     ):
         with pytest.raises(CourseError) as refusal:
             look()
         assert str(refusal.value).startswith(str(path))
-        assert said in str(refusal.value)
+        assert message in str(refusal.value)
 
 
 def test_missing_points_are_not_reported_for_a_faulty_week(course: Course) -> None:
@@ -89,15 +89,15 @@ def test_submissions_of_a_faulty_week_are_rejected_and_others_graded(
     write(course, FAULTY)
     for week in ("week01", "week02"):
         write_notebook(tmp_path / f"in/ada/{week}_exercise.ipynb", "x = 1")
-    found = find_submissions(tmp_path / "in")
+    submissions = find_submissions(tmp_path / "in")
     for only in ("*", "*/week02*"):
         with pytest.raises(CourseError, match=f"nothing is graded: .*{SAID}.*Until then, --only"):
-            plan_attempts(found, course, only)
-    alone = [one for one in found if one.exercise.startswith("week02")]
+            plan_attempts(submissions, course, only)
+    alone = [one for one in submissions if one.exercise.startswith("week02")]
     with pytest.raises(CourseError, match="nothing is graded: ") as refused:
         plan_attempts(alone, course, "*")
     assert "Meanwhile" not in str(refused.value)
-    (attempts,) = plan_attempts(found, course, "*/week01*")
+    (attempts,) = plan_attempts(submissions, course, "*/week01*")
     assert attempts.jobs
 
 

@@ -37,8 +37,8 @@ def test_final_reports_show_hidden_checks_until_reverted(
     course: Course, tmp_path: Path, graded: Path
 ) -> None:
     assert HIDDEN_VALUE not in page(graded)
-    said = show_hidden_checks(graded, EXERCISE, course=course)
-    assert said.startswith("1 report of week01_exercise: they show hidden checks")
+    message = show_hidden_checks(graded, EXERCISE, course=course)
+    assert message.startswith("1 report of week01_exercise: they show hidden checks")
     assert HIDDEN_VALUE in page(graded)
     assert "(hidden)" in page(graded)
     mark_by_hand(graded, "ada", EXERCISE, "half", "1", course=course)
@@ -78,7 +78,7 @@ def test_file_submitted_after_a_mark_without_a_file_needs_review(
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (
             ("ada", "week01", "5"),
@@ -91,9 +91,9 @@ def test_file_submitted_after_a_mark_without_a_file_needs_review(
     ],
 )
 def test_invalid_mark_without_a_file_is_rejected_and_not_stored(
-    course: Course, graded: Path, words: tuple[str, str, str], said: str
+    course: Course, graded: Path, words: tuple[str, str, str], message: str
 ) -> None:
-    with pytest.raises(CourseError, match=said):
+    with pytest.raises(CourseError, match=message):
         mark_without_file(graded, *words, course=course)
     assert not (graded / "results/bob").exists()
 

@@ -186,8 +186,8 @@ def test_broken_check_scores_zero_and_is_reported_to_staff_only(
     page = (out / "reports/right/week01_exercise.html").read_text()
     assert "a fault in the course" in page
     assert "IndexError" not in page
-    said = mark_by_hand(out, "right", "week01_exercise", "week01.half", "40", course=course)
-    assert said.endswith("now 110, graded")
+    message = mark_by_hand(out, "right", "week01_exercise", "week01.half", "40", course=course)
+    assert message.endswith("now 110, graded")
 
 
 def test_selection_pattern_without_matches_is_rejected(
@@ -216,13 +216,13 @@ def test_resume_rejudges_results_of_changed_checks(
     grade(submissions, out, jobs=1, course=course)
     evidence = next((out / "evidence").glob("*.gz"))
     made = evidence.stat().st_mtime_ns
-    judged = read_result(out / "results/ada/week01_exercise.json").result.digest
+    stored_result = read_result(out / "results/ada/week01_exercise.json").result.digest
     check_file = course.exercises / "checks/week01.py"
     check_file.write_text(check_file.read_text() + "# another hint\n")
     rules_of.cache_clear()  # as a grader started anew
     grade(submissions, out, jobs=1, resume=True, course=course)
     result = read_result(out / "results/ada/week01_exercise.json")
-    assert result.result.digest not in ("", judged)
+    assert result.result.digest not in ("", stored_result)
     assert evidence.stat().st_mtime_ns == made
 
 

@@ -84,8 +84,8 @@ def test_insufficient_sandbox_exits_with_2_before_running_submissions(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert with_layers(*off)(*options) == code
-    said = capsys.readouterr()
-    assert says in said.out + said.err
+    captured = capsys.readouterr()
+    assert says in captured.out + captured.err
     assert (tmp_path / "out/results").exists() == (code == 0)
 
 
@@ -123,10 +123,10 @@ def test_terminal_interrupts_during_process_start_print_no_traceback(course: Cou
     for _ in range(2):
         os.killpg(grader.pid, signal.SIGINT)
         time.sleep(0.3)
-    said = grader.communicate(timeout=60)[0]
+    output = grader.communicate(timeout=60)[0]
     assert grader.returncode in (130, -signal.SIGINT)
-    assert "Traceback" not in said
-    assert "resource_tracker" not in said
+    assert "Traceback" not in output
+    assert "resource_tracker" not in output
 
 
 @pytest.mark.slow
@@ -146,9 +146,9 @@ def test_further_interrupts_print_no_traceback_and_leave_no_half_written_result(
     for _ in range(3):
         grader.send_signal(signal.SIGINT)
         time.sleep(gap)
-    said = grader.communicate(timeout=60)[0]
+    output = grader.communicate(timeout=60)[0]
     assert grader.returncode in (130, -signal.SIGINT)
-    assert "Traceback" not in said
-    assert "Exception ignored" not in said
+    assert "Traceback" not in output
+    assert "Exception ignored" not in output
     for path in tmp_path.glob("out/results/*/[!.]*.json"):
         json.loads(path.read_text())

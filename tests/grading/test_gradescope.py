@@ -285,7 +285,7 @@ def test_autograder_zip_has_top_level_scripts_and_answers_of_one_week(tmp_path: 
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"week": "week99"}, "no exercise of 'week99'; weeks with an exercise: week01, week02"),
         ({"week": "week0\n"}, "no exercise of"),
@@ -296,7 +296,7 @@ def test_autograder_zip_has_top_level_scripts_and_answers_of_one_week(tmp_path: 
     ],
 )
 def test_invalid_autograder_request_is_an_error_with_the_reason(
-    tmp_path: Path, change: dict[str, str], said: str
+    tmp_path: Path, change: dict[str, str], message: str
 ) -> None:
     roster = None
     if "roster" in change:
@@ -305,7 +305,7 @@ def test_invalid_autograder_request_is_an_error_with_the_reason(
     out = tmp_path / change.get("out", "a.zip")
     week, hidden = change.get("week", "week01"), change.get("hidden", "hidden")
     (tmp_path / "roster.csv").touch()
-    with pytest.raises(CourseError, match=re.escape(said)):
+    with pytest.raises(CourseError, match=re.escape(message)):
         write_autograder(week, out, hidden=hidden, need="partial", roster=roster)
 
 

@@ -131,9 +131,9 @@ def test_submission_with_a_foreign_id_is_judged_with_the_values_of_its_submitter
         MISMATCH,
     )
     assert f"the file has the ID {ada}, but {bob} submitted it" in made[bob]["message"]
-    said = capsys.readouterr().out.splitlines()
+    lines = capsys.readouterr().out.splitlines()
     assert any(
-        line.startswith(f"Please review: {MISMATCH}: 1 submission ({bob} week01_exercise)") for line in said
+        line.startswith(f"Please review: {MISMATCH}: 1 submission ({bob} week01_exercise)") for line in lines
     )
     index = (tmp_path / "out/reports/index.html").read_text()
     assert index.count(f"<strong>{MISMATCH}</strong>") == 1
@@ -154,8 +154,8 @@ def test_withheld_mark_is_released_after_manual_marking(
         return [line.rsplit(",", 1)[1] for line in (tmp_path / "to.csv").read_text().splitlines()[1:]]
 
     assert filled()[0] == ""
-    said = mark_by_hand(out, "bob", "week01_exercise", "week01.half", "40", comment="typo", course=course)
-    assert said.endswith("graded")
+    message = mark_by_hand(out, "bob", "week01_exercise", "week01.half", "40", comment="typo", course=course)
+    assert message.endswith("graded")
     assert filled()[0] != ""
     assert f"<strong>{MISMATCH}</strong>" in (out / "reports/index.html").read_text()
 

@@ -36,13 +36,13 @@ SWING = expect_joint_swing("pan", amplitude=0.5, hz=0.5, middle=0.2)
 
 
 def test_joints_in_any_order_pass_with_the_expected_swing(evidence: MakeEvidence) -> None:
-    came = evidence(*swing())
+    recorded = evidence(*swing())
     for check in (
         expect_joint_states(NAMES),
         SWING,
         expect_joint_swing("lift", amplitude=0.0, hz=0.0, middle=1.0),
     ):
-        assert check.judge(came).message == "as expected"
+        assert check.judge(recorded).message == "as expected"
 
 
 def test_swing_time_may_start_one_period_before_the_first_message(evidence: MakeEvidence) -> None:
@@ -120,9 +120,9 @@ def test_constant_positions_are_not_a_motion(evidence: MakeEvidence, amplitude: 
 
 
 def test_positions_of_several_still_joints_are_checked_together(evidence: MakeEvidence) -> None:
-    came = evidence(*swing(amplitude=0.0))
-    assert expect_joints_still({"pan": 0.2, "lift": 1.0}).judge(came).message == "as expected"
-    verdict = expect_joints_still({"pan": 0.2, "lift": 0.5, "knee": 0.0}).judge(came)
+    recorded = evidence(*swing(amplitude=0.0))
+    assert expect_joints_still({"pan": 0.2, "lift": 1.0}).judge(recorded).message == "as expected"
+    verdict = expect_joints_still({"pan": 0.2, "lift": 0.5, "knee": 0.0}).judge(recorded)
     assert "the middle of lift is 1.00 rad, expected 0.50 rad" in verdict.message
     assert "no position of knee was published on /joint_states" in verdict.message
 
@@ -148,10 +148,10 @@ def test_joint_with_several_positions_in_one_message_is_reported(
     for _, _, state in states:
         state.name = [*state.name, "pan", "pan"]
         state.position = [*state.position, 0.2, 0.9]
-    came = evidence(*states)
-    verdict = SWING.judge(came)
+    recorded = evidence(*states)
+    verdict = SWING.judge(recorded)
     assert verdict.score == 0
     assert "contains pan more than once" in verdict.message
     assert verdict.mistake == "a joint is named more than once"
-    assert expect_joint_states(NAMES).judge(came).mistake == "a joint is named more than once"
-    assert expect_joint_swing("lift", amplitude=0.0, hz=0.0, middle=1.0).judge(came).score == 1
+    assert expect_joint_states(NAMES).judge(recorded).mistake == "a joint is named more than once"
+    assert expect_joint_swing("lift", amplitude=0.0, hz=0.0, middle=1.0).judge(recorded).score == 1

@@ -35,7 +35,7 @@ def settings(course: Course, late: str, more: str = "") -> Path:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("accepted_days = 2.5", "line 5: late: accepted_days: 2.5, expected a whole number of started days"),
         ("accepted_days = -1", "line 5: late: accepted_days: -1, expected a number of at least 0"),
@@ -45,10 +45,10 @@ def settings(course: Course, late: str, more: str = "") -> Path:
         ("max_percents = 50", "late: max_percents: unknown key 'max_percents', known: accepted_days"),
     ],
 )
-def test_invalid_late_policy_is_rejected_with_its_line(course: Course, text: str, said: str) -> None:
+def test_invalid_late_policy_is_rejected_with_its_line(course: Course, text: str, message: str) -> None:
     with pytest.raises(CourseError) as raised:
         read_course_file(settings(course, text))
-    assert said.removeprefix("line 5: ") in str(raised.value)
+    assert message.removeprefix("line 5: ") in str(raised.value)
     assert "course.toml line" in str(raised.value)
 
 
@@ -77,8 +77,8 @@ def test_default_grace_period_covers_the_last_minute_of_the_deadline() -> None:
 
 
 def test_group_extension_applies_to_its_members(course: Course) -> None:
-    found = read_course_file(settings(course, "", GROUPS))
-    days = {student: found.deadline("week01", student) for student in ("ada", "bob", "eve")}
+    course_file = read_course_file(settings(course, "", GROUPS))
+    days = {student: course_file.deadline("week01", student) for student in ("ada", "bob", "eve")}
     assert {student: day and day.day for student, day in days.items()} == {"ada": 12, "bob": 14, "eve": 11}
 
 

@@ -29,12 +29,12 @@ Publish = Callable[[float], Iterable[Any]]  # markers, or arrays of them, of a t
 def marker(
     kind: int, position: Sequence[float], scale: Sequence[float], color: Sequence[float], **more: Any
 ) -> Any:
-    made = Marker(type=kind, ns=more.pop("ns", "shapes"), **more)
-    made.header.frame_id = "map"
-    made.pose.position.x, made.pose.position.y, made.pose.position.z = map(float, position)
-    made.scale.x, made.scale.y, made.scale.z = map(float, scale)
-    made.color.r, made.color.g, made.color.b, made.color.a = map(float, color)
-    return made
+    message = Marker(type=kind, ns=more.pop("ns", "shapes"), **more)
+    message.header.frame_id = "map"
+    message.pose.position.x, message.pose.position.y, message.pose.position.z = map(float, position)
+    message.scale.x, message.scale.y, message.scale.z = map(float, scale)
+    message.color.r, message.color.g, message.color.b, message.color.a = map(float, color)
+    return message
 
 
 def red_cube(number: int = 0, **more: Any) -> Any:

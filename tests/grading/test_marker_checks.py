@@ -85,12 +85,12 @@ def test_invisible_cube_is_reported(evidence: MakeEvidence, cube: MakeCube) -> N
 def test_invisible_marker_fails_every_check_and_is_not_counted(
     evidence: MakeEvidence, cube: MakeCube, changes: dict[str, Any], why: str
 ) -> None:
-    came = evidence((1, TOPIC, cube(**changes)))
-    verdict = expect_marker(TOPIC, frame="map", position=(0, 0, 0.5)).judge(came)
+    recorded = evidence((1, TOPIC, cube(**changes)))
+    verdict = expect_marker(TOPIC, frame="map", position=(0, 0, 0.5)).judge(recorded)
     assert (verdict.score, verdict.mistake) == (0, "a marker is invisible")
     assert verdict.message.endswith(f"is invisible: {why}")
-    assert f"1 more is invisible: {why}" in expect_marker_count(TOPIC, 1).judge(came).message
-    assert expect_marker_count(TOPIC, 0).judge(came).score == 1
+    assert f"1 more is invisible: {why}" in expect_marker_count(TOPIC, 1).judge(recorded).message
+    assert expect_marker_count(TOPIC, 0).judge(recorded).score == 1
 
 
 @pytest.mark.parametrize(
@@ -188,10 +188,10 @@ def test_text_points_and_yaw_are_compared(evidence: MakeEvidence, cube: MakeCube
 
     points = [Point(x=1.0), Point(y=1.0)]
     marker = cube(text="hello", points=points, pose__orientation__w=0.0, pose__orientation__z=1.0)
-    came = evidence((1, TOPIC, marker))
+    recorded = evidence((1, TOPIC, marker))
     check = expect_marker(TOPIC, text="hello", points=[(0, 1, 0), (1, 0, 0)], yaw=-3.14159)
-    assert check.judge(came).score == 1
-    wrong = expect_marker(TOPIC, text="hi", points=[(0, 1, 0), (2, 0, 0)], yaw=0.0).judge(came)
+    assert check.judge(recorded).score == 1
+    wrong = expect_marker(TOPIC, text="hi", points=[(0, 1, 0), (2, 0, 0)], yaw=0.0).judge(recorded)
     for part in ("reads 'hello'", "no point at (2.00, 0.00, 0.00) m", "turned by 3.14 rad"):
         assert part in wrong.message
 
@@ -199,8 +199,8 @@ def test_text_points_and_yaw_are_compared(evidence: MakeEvidence, cube: MakeCube
 def test_invalid_message_bytes_count_as_no_message(evidence: MakeEvidence, cube: MakeCube) -> None:
     from dataclasses import replace
 
-    came = evidence((1, TOPIC, cube()))
-    broken = replace(came, samples=tuple(replace(s, cdr=b"\0\1\0\0\xff\xff") for s in came.samples))
+    recorded = evidence((1, TOPIC, cube()))
+    broken = replace(recorded, samples=tuple(replace(s, cdr=b"\0\1\0\0\xff\xff") for s in recorded.samples))
     assert RED_CUBE.judge(broken).score == 0
 
 
@@ -225,14 +225,14 @@ def test_wrong_marker_lifetime_is_reported_in_seconds(evidence: MakeEvidence, cu
 
 def test_marker_is_checked_at_the_requested_time(evidence: MakeEvidence, cube: MakeCube) -> None:
     short = cube(lifetime__sec=1)
-    came = evidence(
+    recorded = evidence(
         (0.5, TOPIC, cube()), (1.0, TOPIC, cube(action=Marker.DELETE)), (2.0, TOPIC, short), seconds=4
     )
     counts = [(0.4, 0), (0.6, 1), (1.5, 0), (2.5, 1), (3.5, 0), (None, 0)]
     for at, count in counts:
-        assert expect_marker_count(TOPIC, count, at=at).judge(came).message == "as expected"
-    assert expect_marker(TOPIC, at=0.6, position=(0, 0, 0.5)).judge(came).score == 1
-    messages = [expect_marker(TOPIC, at=at).judge(came).message for at in (0.4, 1.5, None)]
+        assert expect_marker_count(TOPIC, count, at=at).judge(recorded).message == "as expected"
+    assert expect_marker(TOPIC, at=0.6, position=(0, 0, 0.5)).judge(recorded).score == 1
+    messages = [expect_marker(TOPIC, at=at).judge(recorded).message for at in (0.4, 1.5, None)]
     assert messages == [
         f"{TOPIC} shows no marker after 0.40 s: the first one is published later",
         f"{TOPIC} shows no marker after 1.50 s: all were deleted, or their lifetime is over",
@@ -241,16 +241,16 @@ def test_marker_is_checked_at_the_requested_time(evidence: MakeEvidence, cube: M
 
 
 def test_reversed_arrow_is_reported(evidence: MakeEvidence, cube: MakeCube) -> None:
-    came = evidence((1, TOPIC, cube(type=Marker.ARROW, points=[Point(), Point(x=1.0)])))
-    assert expect_marker(TOPIC, points=((0, 0, 0), (1, 0, 0))).judge(came).score == 1
-    verdict = expect_marker(TOPIC, points=((1, 0, 0), (0, 0, 0))).judge(came)
+    recorded = evidence((1, TOPIC, cube(type=Marker.ARROW, points=[Point(), Point(x=1.0)])))
+    assert expect_marker(TOPIC, points=((0, 0, 0), (1, 0, 0))).judge(recorded).score == 1
+    verdict = expect_marker(TOPIC, points=((1, 0, 0), (0, 0, 0))).judge(recorded)
     assert verdict.message == "the arrow points the other way: from the second point to the first"
 
 
 def test_unspecified_scale_component_is_not_compared(evidence: MakeEvidence, cube: MakeCube) -> None:
-    came = evidence((1, TOPIC, cube(scale__y=7.0)))
-    assert expect_marker(TOPIC, scale=(1.0, None, 1.0)).judge(came).score == 1
-    assert expect_marker(TOPIC, scale=(None, 1.0, None)).judge(came).score == 0
+    recorded = evidence((1, TOPIC, cube(scale__y=7.0)))
+    assert expect_marker(TOPIC, scale=(1.0, None, 1.0)).judge(recorded).score == 1
+    assert expect_marker(TOPIC, scale=(None, 1.0, None)).judge(recorded).score == 0
 
 
 CORNERS = ((1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (-1.0, -1.0, 0.0), (1.0, -1.0, 0.0))  # [m]
@@ -272,8 +272,8 @@ def test_loop_matches_from_any_start_in_both_directions(
     evidence: MakeEvidence, cube: MakeCube, order: tuple[int, ...], message: str
 ) -> None:
     points = [Point(x=x, y=y, z=z) for x, y, z in (CORNERS[index] for index in order)]
-    came = evidence((1, TOPIC, cube(type=Marker.LINE_STRIP, points=points)))
-    assert expect_marker(TOPIC, loop=CORNERS).judge(came).message == message
+    recorded = evidence((1, TOPIC, cube(type=Marker.LINE_STRIP, points=points)))
+    assert expect_marker(TOPIC, loop=CORNERS).judge(recorded).message == message
 
 
 @pytest.mark.parametrize(
@@ -296,8 +296,8 @@ def test_loop_matches_from_any_start_in_both_directions(
 def test_missing_markers_have_their_cause(
     evidence: MakeEvidence, cube: MakeCube, changes: list[dict[str, Any]], message: str, mistake: str
 ) -> None:
-    came = evidence(*((1, TOPIC, cube(ns="x", **one)) for one in changes))
-    verdict = expect_marker_count(TOPIC, 2, type="CUBE").judge(came)
+    recorded = evidence(*((1, TOPIC, cube(ns="x", **one)) for one in changes))
+    verdict = expect_marker_count(TOPIC, 2, type="CUBE").judge(recorded)
     assert message in verdict.message
     assert verdict.mistake.startswith(mistake)
 
@@ -321,16 +321,16 @@ def test_empty_arrays_are_reported(evidence: MakeEvidence) -> None:
 def test_difference_of_a_text_is_described(
     evidence: MakeEvidence, cube: MakeCube, text: str, cause: str
 ) -> None:
-    came = evidence((1, TOPIC, cube(type=Marker.TEXT_VIEW_FACING, text=text)))
-    verdict = expect_marker(TOPIC, text="Person (0.95)").judge(came)
+    recorded = evidence((1, TOPIC, cube(type=Marker.TEXT_VIEW_FACING, text=text)))
+    verdict = expect_marker(TOPIC, text="Person (0.95)").judge(recorded)
     assert verdict.message == f"the text reads {text!r}, expected 'Person (0.95)'{cause}"
 
 
 def test_turn_about_another_axis_is_reported(evidence: MakeEvidence, cube: MakeCube) -> None:
-    came = evidence((1, TOPIC, cube(pose__orientation__x=0.6, pose__orientation__w=0.8)))
-    assert "turned about x instead" in expect_marker(TOPIC, yaw=1.0).judge(came).message
+    recorded = evidence((1, TOPIC, cube(pose__orientation__x=0.6, pose__orientation__w=0.8)))
+    assert "turned about x instead" in expect_marker(TOPIC, yaw=1.0).judge(recorded).message
 
 
 def test_frame_with_a_slash_is_explained(evidence: MakeEvidence, cube: MakeCube) -> None:
-    came = evidence((1, TOPIC, cube(header__frame_id="/map")))
-    assert expect_marker(TOPIC, frame="map").judge(came).message.endswith(": a frame's name has no slash")
+    recorded = evidence((1, TOPIC, cube(header__frame_id="/map")))
+    assert expect_marker(TOPIC, frame="map").judge(recorded).message.endswith(": a frame's name has no slash")

@@ -146,7 +146,7 @@ def test_submissions_run_with_the_grading_kit_instead_of_the_installed_kit(tmp_p
     shutil.copytree(Path(course_lib.__file__).parent, kit, ignore=shutil.ignore_patterns("__pycache__"))
     tmp_path.chmod(0o755)  # the submissions' user is another one
     command = [sys.executable, "-c", PRINT_KIT]
-    done = subprocess.run(
+    process = subprocess.run(
         command, cwd=kit.parent, capture_output=True, text=True, check=False, timeout=PATIENCE
     )
-    assert done.stdout.strip() == str(kit / "__init__.py"), done.stderr
+    assert process.stdout.strip() == str(kit / "__init__.py"), process.stderr

@@ -135,9 +135,9 @@ def test_owner_and_time_are_parsed_from_real_file_names(platform: str) -> None:
     layout = layout_of([name for name, *_ in rows])
     assert layout.name == platform
     for name, key, student, time in rows:
-        handed = layout.read(tuple(name.split("/")))
-        found = handed.time and handed.time.replace(second=0, microsecond=0)
-        assert (handed.key, handed.student, found) == (key, student, time), name
+        download_name = layout.read(tuple(name.split("/")))
+        found = download_name.time and download_name.time.replace(second=0, microsecond=0)
+        assert (download_name.key, download_name.student, found) == (key, student, time), name
 
 
 @pytest.mark.parametrize("platform", NAMES)
@@ -199,8 +199,8 @@ def test_file_name_chosen_by_a_student_cannot_change_owner_or_time(
     mine = f"{prefix}{folder}/{name}" if folder else f"{prefix}{name}"
     layout = layout_of([*others, mine])
     assert layout.name == platform.split()[0]
-    handed = layout.read(tuple(mine.split("/")))
-    assert (handed.key, handed.time) == (key, time)
+    download_name = layout.read(tuple(mine.split("/")))
+    assert (download_name.key, download_name.time) == (key, time)
     for other in others:
         assert layout.read(tuple(other.split("/"))).key != key
 
@@ -219,8 +219,10 @@ def test_file_is_never_collected_into_the_folder_of_another_student(tmp_path: Pa
     anns = f"Ann A_4100001_assignsubmission_file_{NAME}"
     (tmp_path / "in.zip").write_bytes(zipped({anns: exercise("ann = 1"), eves: exercise("eve = 1")}))
     collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
-    found = {one.student: one.notebook and one.notebook.cells for one in find_submissions(tmp_path / "out")}
-    assert found == {"participant4100001": ("ann = 1",), "participant4100002": ("eve = 1",)}
+    by_student = {
+        one.student: one.notebook and one.notebook.cells for one in find_submissions(tmp_path / "out")
+    }
+    assert by_student == {"participant4100001": ("ann = 1",), "participant4100002": ("eve = 1",)}
 
 
 def put(top: Path, files: dict[str, bytes]) -> Path:
@@ -252,11 +254,11 @@ def test_timestamp_file_below_the_nbgrader_timestamp_is_ignored(tmp_path: Path) 
 
 
 def test_timestamp_in_a_folder_not_written_by_nbgrader_is_rejected(tmp_path: Path) -> None:
-    files = {f"{who}/week01/{NAME}": notebook(who) for who in ("ada", "eve")}
-    done = collect(
+    files = {f"{student}/week01/{NAME}": notebook(student) for student in ("ada", "eve")}
+    collection = collect(
         put(tmp_path / "in", {**files, "eve/week01/timestamp.txt": STAMP}), tmp_path / "out", PARIS
     )
-    assert ["timestamp.txt" in line for line in done.refused] == [True]
+    assert ["timestamp.txt" in line for line in collection.refused] == [True]
     assert {one.received.time for one in find_submissions(tmp_path / "out")} == {None}
 
 
@@ -265,9 +267,9 @@ def test_gradescope_export_is_sorted_by_its_metadata(tmp_path: Path) -> None:
     files = {f"{top}/submission_{n}/{NAME}": notebook(f"x = {n}") for n in (7001, 7002)}
     (tmp_path / "in.zip").write_bytes(zipped({**files, f"{top}/submission_metadata.yml": METADATA}))
     collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
-    found = {one.student: one.received for one in find_submissions(tmp_path / "out")}
-    assert {*found} == {"4100001", "bob@x.org"}
-    assert {one.time and one.time.replace(second=0) for one in found.values()} == {EVENING}
+    by_student = {one.student: one.received for one in find_submissions(tmp_path / "out")}
+    assert {*by_student} == {"4100001", "bob@x.org"}
+    assert {one.time and one.time.replace(second=0) for one in by_student.values()} == {EVENING}
 
 
 def test_gradescope_folders_without_metadata_are_rejected(tmp_path: Path) -> None:
@@ -280,16 +282,16 @@ def test_gradescope_folders_without_metadata_are_rejected(tmp_path: Path) -> Non
 @pytest.mark.parametrize("text", [b"20260308225900000", b"2026-03-08T22:59:00Z"])
 def test_sakai_time_is_read_from_the_student_folder(tmp_path: Path, text: bytes) -> None:
     files = {}
-    for who in ("ada", "bob"):
-        folder = f"Week 1/X, {who}({who})"
-        files[f"{folder}/Submission attachment(s)/{NAME}"] = notebook(who)
+    for student in ("ada", "bob"):
+        folder = f"Week 1/X, {student}({student})"
+        files[f"{folder}/Submission attachment(s)/{NAME}"] = notebook(student)
         files[f"{folder}/timestamp.txt"] = text
     files["Week 1/X, bob(bob)/Submission attachment(s)/timestamp.txt"] = b"20200101000000000"
     files["Week 1/grades.csv"] = b"Display ID,ID\n"
     (tmp_path / "in.zip").write_bytes(zipped(files))
     collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
-    found = {one.student: one.received.time for one in find_submissions(tmp_path / "out")}
-    assert found == {"ada": EVENING, "bob": EVENING}
+    by_student = {one.student: one.received.time for one in find_submissions(tmp_path / "out")}
+    assert by_student == {"ada": EVENING, "bob": EVENING}
     assert sakai_time(b"tomorrow") is None
 
 
@@ -299,9 +301,11 @@ def test_newest_attempt_of_blackboard_counts(tmp_path: Path) -> None:
     files[f"Week 1_bob_attempt_2026-03-03-10-00-00_{NAME}"] = notebook("bob = 1")
     files["Week 1_bob_attempt_2026-03-03-10-00-00.txt"] = b"Name: Bob Roe (bob)"
     (tmp_path / "in.zip").write_bytes(zipped(files))
-    done = collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
-    found = {one.student: one.notebook and one.notebook.cells for one in find_submissions(tmp_path / "out")}
-    assert (found, done.refused) == ({"ada_l": ("x = 8",), "bob": ("bob = 1",)}, [])
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
+    by_student = {
+        one.student: one.notebook and one.notebook.cells for one in find_submissions(tmp_path / "out")
+    }
+    assert (by_student, collection.refused) == ({"ada_l": ("x = 8",), "bob": ("bob = 1",)}, [])
 
 
 def test_newest_version_of_teams_counts_and_working_files_do_not(tmp_path: Path) -> None:
@@ -317,13 +321,14 @@ def test_google_drive_files_belong_to_the_named_student_and_duplicate_claims_are
     tmp_path: Path,
 ) -> None:
     files = {
-        f"week1/{who}.ipynb": notebook(who, student=who, exercise="week01_exercise") for who in ("ada", "bob")
+        f"week1/{student}.ipynb": notebook(student, student=student, exercise="week01_exercise")
+        for student in ("ada", "bob")
     }
     files["week1/Ada Lovelace.ipynb"] = notebook("eve", student="ada", exercise="week01_exercise")
     (tmp_path / "week1-20261011T100000Z-001.zip").write_bytes(zipped(files))
     collect(tmp_path / "week1-20261011T100000Z-001.zip", tmp_path / "out", PARIS)
-    found = {one.student: one.reason for one in find_submissions(tmp_path / "out")}
-    assert found == {"ada": "claimed twice", "bob": ""}
+    by_student = {one.student: one.reason for one in find_submissions(tmp_path / "out")}
+    assert by_student == {"ada": "claimed twice", "bob": ""}
 
 
 UNKNOWN = {
@@ -337,8 +342,8 @@ UNKNOWN = {
 @pytest.mark.parametrize("kind", UNKNOWN)
 def test_unknown_layout_is_rejected_and_nothing_is_collected(tmp_path: Path, kind: str) -> None:
     files = {
-        name: notebook(name, exercise="week01_exercise", **({"student": who} if who else {}))
-        for name, who in UNKNOWN[kind].items()
+        name: notebook(name, exercise="week01_exercise", **({"student": student} if student else {}))
+        for name, student in UNKNOWN[kind].items()
     }
     (tmp_path / "in.zip").write_bytes(zipped(files))
     with pytest.raises(CourseError, match=r"nothing is collected.*--layout google.*--layout folders"):
@@ -360,8 +365,8 @@ WRAPPED = {  # a download in a separate folder, with files that contain no names
 @pytest.mark.parametrize("kind", WRAPPED)
 def test_download_inside_an_extra_folder_is_not_collected_as_one_student(tmp_path: Path, kind: str) -> None:
     files = {
-        WRAPPED[kind](who): notebook(who, exercise="week01_exercise")
-        for who in ("ada", "bobb", "cleos", "didier")
+        WRAPPED[kind](student): notebook(student, exercise="week01_exercise")
+        for student in ("ada", "bobb", "cleos", "didier")
     }
     (tmp_path / "in.zip").write_bytes(zipped(files))
     with pytest.raises(CourseError, match=r"layout of this download is unknown and nothing is collected"):
@@ -370,7 +375,10 @@ def test_download_inside_an_extra_folder_is_not_collected_as_one_student(tmp_pat
 
 
 def test_copies_in_a_student_subfolder_do_not_reject_the_download(tmp_path: Path) -> None:
-    files = {f"{who}/{NAME}": notebook(who, exercise="week01_exercise") for who in ("ada", "bob", "cleo")}
+    files = {
+        f"{student}/{NAME}": notebook(student, exercise="week01_exercise")
+        for student in ("ada", "bob", "cleo")
+    }
     files[f"ada/backup/{NAME}"] = notebook("old", exercise="week01_exercise")
     (tmp_path / "in.zip").write_bytes(zipped(files))
     assert collect(tmp_path / "in.zip", tmp_path / "out", PARIS).students == {"ada", "bob", "cleo"}
@@ -378,11 +386,12 @@ def test_copies_in_a_student_subfolder_do_not_reject_the_download(tmp_path: Path
 
 def test_folder_named_after_a_person_gives_a_normalized_id(tmp_path: Path) -> None:
     files = {
-        f"{who}/{NAME}": notebook(who, exercise="week01_exercise") for who in ("Ada L", "Bob O'Neil (2)")
+        f"{student}/{NAME}": notebook(student, exercise="week01_exercise")
+        for student in ("Ada L", "Bob O'Neil (2)")
     }
     (tmp_path / "in.zip").write_bytes(zipped(files))
-    done = collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
-    assert (done.students, done.refused) == ({"adal", "boboneil2"}, [])
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
+    assert (collection.students, collection.refused) == ({"adal", "boboneil2"}, [])
     files[f"Bob-ONeil 2/{NAME}"] = files[f"boboneil2/{NAME}"] = notebook("x", exercise="week01_exercise")
     (tmp_path / "in.zip").write_bytes(zipped(files))
     with pytest.raises(CourseError, match=r"would both belong to boboneil2, so nothing is collected"):
@@ -391,14 +400,15 @@ def test_folder_named_after_a_person_gives_a_normalized_id(tmp_path: Path) -> No
 
 def test_students_with_colliding_ids_are_rejected_without_a_roster(tmp_path: Path) -> None:
     files = {
-        f"Submitted files/{who}/Week 1/Version 1/{NAME}": notebook(who) for who in ("Ada L", "Ada-L.", "AdaL")
+        f"Submitted files/{student}/Week 1/Version 1/{NAME}": notebook(student)
+        for student in ("Ada L", "Ada-L.", "AdaL")
     }
     (tmp_path / "in.zip").write_bytes(zipped(files))
     with pytest.raises(CourseError, match=r"'Ada L' and of 'AdaL' would both belong to adal.*--roster"):
         collect(tmp_path / "in.zip", tmp_path / "out", PARIS)
     (tmp_path / "roster.csv").write_text("Name,ID number\nAda L,s001\nada-l.,s002\nAdaL,s003\n")
-    done = collect(tmp_path / "in.zip", tmp_path / "out", PARIS, tmp_path / "roster.csv")
-    assert done.students == {"s001", "s002", "s003"}
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", PARIS, tmp_path / "roster.csv")
+    assert collection.students == {"s001", "s002", "s003"}
 
 
 def test_layout_that_does_not_match_is_rejected_with_an_example(tmp_path: Path) -> None:
@@ -442,21 +452,21 @@ def test_names_and_logins_of_folders_are_found_in_the_roster(
     (tmp_path / "in.zip").write_bytes(zipped({f"{one}{NAME}": exercise(one) for one in names}))
     rows = 'Zoë Ågren,zagren,s001\nJürgen Öz,j_oez,s002\n"D\'Arcy, Jürgen",x,s003\nMia Oez,oez,s004\n'
     (tmp_path / "roster.csv").write_text(f"name,login,id\n{rows}", encoding="utf-8")
-    done = collect(tmp_path / "in.zip", tmp_path / "out", PARIS, tmp_path / "roster.csv", "id")
-    assert done.students == {"s001", "s003" if "D\u2019Arcy" in folders[1] else "s002"}
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", PARIS, tmp_path / "roster.csv", "id")
+    assert collection.students == {"s001", "s003" if "D\u2019Arcy" in folders[1] else "s002"}
 
 
 def test_folders_named_by_ids_are_not_changed_by_a_roster(tmp_path: Path) -> None:
-    files = {f"{who}/{NAME}": exercise(who) for who in ("s_001", "s_002", "s_009")}
+    files = {f"{student}/{NAME}": exercise(student) for student in ("s_001", "s_002", "s_009")}
     (tmp_path / "in.zip").write_bytes(zipped(files))
     (tmp_path / "roster.csv").write_text("id,name,login\ns_001,Ada,002\ns_002,Bob,001\n")
-    done = collect(tmp_path / "in.zip", tmp_path / "out", PARIS, tmp_path / "roster.csv")
-    assert done.students == {"s_001", "s_002", "s_009"}
-    assert "note: s_009 is not in the roster, and gets the ID s_009" in done.notes
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", PARIS, tmp_path / "roster.csv")
+    assert collection.students == {"s_001", "s_002", "s_009"}
+    assert "note: s_009 is not in the roster, and gets the ID s_009" in collection.notes
 
 
 def test_folders_of_two_persons_with_one_id_are_rejected(tmp_path: Path) -> None:
-    files = {f"{who}/{NAME}": exercise(who) for who in ("Anna Lee", "Annalee", "Bob Roe")}
+    files = {f"{student}/{NAME}": exercise(student) for student in ("Anna Lee", "Annalee", "Bob Roe")}
     (tmp_path / "in.zip").write_bytes(zipped(files))
     with pytest.raises(CourseError, match="'Anna Lee' and of 'Annalee' would both belong to annalee"):
         collect(tmp_path / "in.zip", tmp_path / "out", PARIS)

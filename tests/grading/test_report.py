@@ -96,11 +96,11 @@ def test_lateness_is_reported_in_the_time_zone_of_the_course(
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(
-    ("points", "said"),
+    ("points", "message"),
     [(1, ""), (3000, "Reduced to"), (100_000, "a report has room for")],
 )
 def test_report_size_is_limited_regardless_of_the_published_messages(
-    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook, points: int, said: str
+    course: Course, right: str, tmp_path: Path, write_notebook: WriteNotebook, points: int, message: str
 ) -> None:
     cloud = "import random\nfrom geometry_msgs.msg import Point\n" + right.replace(
         "marker.pose.position.z = 0.5",
@@ -109,7 +109,7 @@ def test_report_size_is_limited_regardless_of_the_published_messages(
     ).replace("create_timer(1.0", "create_timer(0.05")
     page = report(course, tmp_path, write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", cloud))
     assert len(page) < 1_000_000
-    assert said in page
+    assert message in page
 
 
 def test_failed_checks_are_listed_first_and_hidden_checks_keep_their_numbers(
@@ -152,6 +152,6 @@ def test_failure_to_write_a_report_is_reported_and_the_mark_is_kept(
     monkeypatch.setattr("course_lib.grading.grade.report", fail)
     write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", right, student="ada")
     assert grade(tmp_path / "in", tmp_path / "out", jobs=1, course=course)
-    said = capsys.readouterr().out
-    assert "No report could be written: ValueError: too short (ada). The marks are valid." in said
+    output = capsys.readouterr().out
+    assert "No report could be written: ValueError: too short (ada). The marks are valid." in output
     assert ",110.0,graded" in (tmp_path / "out/gradebook.csv").read_text()

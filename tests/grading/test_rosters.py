@@ -59,8 +59,8 @@ def test_ambiguous_id_column_is_reported_with_the_option_to_pass(tmp_path: Path)
     table(tmp_path / "roster.csv", ("ID", "Anmeldename", "ID-Nummer"), rows)
     with pytest.raises(CourseError, match=r"Add --id-column 'Anmeldename'; columns: 'ID', .*'ID-Nummer'"):
         collected(tmp_path, roster=tmp_path / "roster.csv")
-    done = collected(tmp_path, roster=tmp_path / "roster.csv", id_column="ID-Nummer")
-    assert done.students == {s.id for s in STUDENTS}
+    collection = collected(tmp_path, roster=tmp_path / "roster.csv", id_column="ID-Nummer")
+    assert collection.students == {s.id for s in STUDENTS}
 
 
 def test_unsuitable_roster_is_rejected_with_the_export_to_use(tmp_path: Path) -> None:
@@ -75,8 +75,8 @@ def test_roster_for_a_download_without_numbers_is_ignored_with_a_note(tmp_path: 
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada/week01_exercise.ipynb").write_text("{}")
     table(tmp_path / "roster.csv", ("a", "b"), [("1", "2")])
-    done = collect(tmp_path / "in", tmp_path / "out", UTC, tmp_path / "roster.csv")
-    assert any("so the exports are ignored" in note for note in done.notes)
+    collection = collect(tmp_path / "in", tmp_path / "out", UTC, tmp_path / "roster.csv")
+    assert any("so the exports are ignored" in note for note in collection.notes)
 
 
 @pytest.mark.parametrize(
@@ -101,17 +101,17 @@ def test_person_names_of_each_platform_are_parsed(name: str, expected: tuple[obj
 
 def test_anonymous_download_is_reported_with_advice(tmp_path: Path) -> None:
     (tmp_path / "in.zip").write_bytes(zipped({f"anon_aB3xy_900_{NAME}": notebook()}))
-    done = collected(tmp_path)
-    assert done.students == {"anon_ab3xy"}
-    assert any("turn off anonymous grading" in note and "--times" in note for note in done.notes)
+    collection = collected(tmp_path)
+    assert collection.students == {"anon_ab3xy"}
+    assert any("turn off anonymous grading" in note and "--times" in note for note in collection.notes)
     entry = {"user_id": 11, "anonymous_id": "aB3xy", "submitted_at": "2026-03-08T22:59:00Z"}
     (tmp_path / "s.json").write_text(json.dumps([entry]))
     table(tmp_path / "gradebook.csv", ("Student", "ID", "SIS User ID"), [("Ada", 11, "A1")])
     times = [tmp_path / "s.json"]
     assert collect(tmp_path / "in.zip", tmp_path / "2", UTC, times=times).students == {"11"}
-    done = collect(tmp_path / "in.zip", tmp_path / "3", UTC, tmp_path / "gradebook.csv", times=times)
-    assert done.students == {"a1"}
-    assert not any("anonymous" in note for note in done.notes)
+    collection = collect(tmp_path / "in.zip", tmp_path / "3", UTC, tmp_path / "gradebook.csv", times=times)
+    assert collection.students == {"a1"}
+    assert not any("anonymous" in note for note in collection.notes)
 
 
 def test_course_without_a_time_zone_uses_the_zone_of_the_machine_with_one_notice(
@@ -120,10 +120,10 @@ def test_course_without_a_time_zone_uses_the_zone_of_the_machine_with_one_notice
     monkeypatch.setattr("tzlocal.get_localzone", lambda: ZoneInfo("America/Lima"))  # the real one keeps it
     path = tmp_path / "course.toml"
     path.write_text('title = "A"\n[weeks.week01]\ntitle = "B"\ndeadline = 2026-03-08T23:59:00\n')
-    read = read_course_file(path)
-    assert read.zone.key == "America/Lima"
-    assert "America/Lima, this machine's zone" in read.zone_note
-    deadline = read.deadline("week01", "ada")
+    course_file = read_course_file(path)
+    assert course_file.zone.key == "America/Lima"
+    assert "America/Lima, this machine's zone" in course_file.zone_note
+    deadline = course_file.deadline("week01", "ada")
     assert deadline is not None
     assert deadline.utcoffset() == ZoneInfo("America/Lima").utcoffset(deadline)
     path.write_text('title = "A"\ntime_zone = "Europe/Paris"\n[weeks.week01]\ntitle = "B"\n')
@@ -152,11 +152,11 @@ def test_commands_read_a_worksheet_and_report_the_time_zone_once(tmp_path: Path)
     rows = [(f"Teilnehmer/in{s.number}", s.id, "Sonntag, 8. März 2026, 23:59") for s in STUDENTS]
     table(tmp_path / "w.csv", ("ID", "ID-Nummer", "Zuletzt geändert (Abgabe)"), rows)
     command = ("collect", "moodle.zip", "--out", "in", "--roster", "w.csv")
-    done = course(*command, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("this machine's zone") == 1
-    done = course(*command[:3], "in2", *command[4:], "--time-zone", "Asia/Tokyo", cwd=tmp_path)
-    assert "this machine's zone" not in done.stdout
+    process = course(*command, cwd=tmp_path)
+    assert process.returncode == 0, process.stderr
+    assert process.stdout.count("this machine's zone") == 1
+    process = course(*command[:3], "in2", *command[4:], "--time-zone", "Asia/Tokyo", cwd=tmp_path)
+    assert "this machine's zone" not in process.stdout
     with (tmp_path / "in2/received.csv").open(newline="") as file:
         assert {row["received"] for row in csv.DictReader(file)} == {"2026-03-08T23:59:00+09:00"}
 

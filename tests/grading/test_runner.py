@@ -39,8 +39,8 @@ def run(
 
 
 def test_cells_run_in_order_and_continue_after_an_error() -> None:
-    came, session = run("x = 1", "1 / 0", "answer = x + 1")
-    assert came.returns == (2,)
+    evidence, session = run("x = 1", "1 / 0", "answer = x + 1")
+    assert evidence.returns == (2,)
     (error,) = session.log.errors
     assert error.startswith("ZeroDivisionError: division by zero (cell In[2], line 1: 1 / 0)")
 
@@ -54,8 +54,8 @@ for name in NAMES:
     packer(name), unpacker(name, "<")
 answer = [packer.cache_info().misses, unpacker.cache_info().misses] == compiled
 """
-    came, _ = run(code.replace("NAMES", repr(worker.SENT)))
-    assert came.returns == (True,)
+    evidence, _ = run(code.replace("NAMES", repr(worker.SENT)))
+    assert evidence.returns == (True,)
 
 
 def test_node_code_is_specialized_before_a_submission_starts() -> None:
@@ -65,13 +65,13 @@ from rclpy.publisher import Publisher
 names = {step.opname for step in dis.get_instructions(Publisher.publish, adaptive=True)}
 answer = sorted(name for name in names - dis.opmap.keys() if not name.endswith("_ADAPTIVE"))
 """
-    came, _ = run(code)
-    assert came.returns[0]
+    evidence, _ = run(code)
+    assert evidence.returns[0]
 
 
 def test_missing_object_is_reported() -> None:
-    came, _ = run("x = 1")
-    assert came.errors == ("answer is not defined: no cell that ran without an error defines it",)
+    evidence, _ = run("x = 1")
+    assert evidence.errors == ("answer is not defined: no cell that ran without an error defines it",)
 
 
 def test_nodes_of_one_scenario_do_not_affect_the_next() -> None:
@@ -93,9 +93,9 @@ def test_loop_that_floods_the_graph_is_stopped_and_reported_before_the_time_limi
         f"class talker(Node):\n  def __init__(self):\n    super().__init__('t')\n    while True: {call}",
     ]
     with closing(SubmissionRun(cells, {TALKER.id: {}}, Limits())) as session:
-        came = session.run(TALKER, TALKER.scenarios[0])
-    assert [FLOODS[call] in error for error in came.errors] == [True]
-    assert came.stopped == "size"
+        evidence = session.run(TALKER, TALKER.scenarios[0])
+    assert [FLOODS[call] in error for error in evidence.errors] == [True]
+    assert evidence.stopped == "size"
 
 
 def test_thread_started_by_a_function_does_not_reach_the_next_scenario() -> None:
@@ -113,7 +113,7 @@ def test_thread_started_by_a_function_does_not_reach_the_next_scenario() -> None
 
 @pytest.mark.slow
 def test_common_notebook_code_runs() -> None:
-    came, session = run(
+    evidence, session = run(
         "%matplotlib inline",
         "%load_ext course_lib",
         "import asyncio\nawait asyncio.sleep(1)",
@@ -122,7 +122,7 @@ def test_common_notebook_code_runs() -> None:
         "answer = 5",
     )
     assert session.log.errors == []
-    assert came.returns == (5,)
+    assert evidence.returns == (5,)
 
 
 def test_keyboard_input_is_an_error() -> None:
@@ -131,38 +131,38 @@ def test_keyboard_input_is_an_error() -> None:
 
 
 def test_process_exit_loses_only_the_effects_of_its_cell() -> None:
-    came, session = run("answer = 1", "import os\nos._exit(0)", "answer += 1")
-    assert came.returns == (2,)
+    evidence, session = run("answer = 1", "import os\nos._exit(0)", "answer += 1")
+    assert evidence.returns == (2,)
     assert "cell 2 ended the process" in session.log.stopped[1]
-    came, _ = run("import os\ndef called():\n    os._exit(0)", task=CALLED)
-    assert "the process ended before the program did" in came.errors[0]
+    evidence, _ = run("import os\ndef called():\n    os._exit(0)", task=CALLED)
+    assert "the process ended before the program did" in evidence.errors[0]
 
 
 @pytest.mark.parametrize("garbage", ["b'\\xff' * 100", "b'\\0\\0\\0\\1\\xc1'", "b'\\0\\0\\0\\2\\x91\\x01'"])
 def test_malformed_data_in_the_pipe_is_not_evidence(garbage: str) -> None:
     write = f"os.write(pipe[0], {garbage})\n"
-    came, session = run(FIND_PIPE, "answer = 1", write)
-    assert came.returns == (1,)
+    evidence, session = run(FIND_PIPE, "answer = 1", write)
+    assert evidence.returns == (1,)
     assert list(session.log.stopped) == [2]
-    came, _ = run(FIND_PIPE, f"def called():\n    {write}", task=CALLED)
-    assert came.returns == ()
-    assert came.errors
+    evidence, _ = run(FIND_PIPE, f"def called():\n    {write}", task=CALLED)
+    assert evidence.returns == ()
+    assert evidence.errors
 
 
 def test_result_without_plain_data_is_rejected() -> None:
     forge = "import msgpack, struct\nbody = msgpack.packb(['result', [b'bytes'], []])\n"
     forge += "frame = struct.pack('!I', len(body)) + body"
-    came, _ = run(FIND_PIPE + forge, "def called():\n    os.write(pipe[0], frame)", task=CALLED)
-    assert came.returns == ()
-    assert came.errors == ("the worker did not send a valid result",)
+    evidence, _ = run(FIND_PIPE + forge, "def called():\n    os.write(pipe[0], frame)", task=CALLED)
+    assert evidence.returns == ()
+    assert evidence.errors == ("the worker did not send a valid result",)
 
 
 @pytest.mark.slow
 def test_total_time_limit_ends_the_submission() -> None:
     limits = Limits(cell_seconds=60, scenario_seconds=60, total_seconds=3)
-    came, _ = run("while True: pass", limits=limits)
-    assert came.stopped == "time"
-    assert came.errors == ("not run: all cells together took 3 s",)
+    evidence, _ = run("while True: pass", limits=limits)
+    assert evidence.stopped == "time"
+    assert evidence.errors == ("not run: all cells together took 3 s",)
 
 
 def test_processes_and_files_of_a_submission_are_removed(
@@ -181,8 +181,8 @@ def test_processes_and_files_of_a_submission_are_removed(
         while not os.path.exists("pid") or not open("pid").read(): pass
     """
     cells = dedent(daemon), "answer = [os.getpid(), int(open('pid').read())]"
-    came, _ = run(*cells, template=template)
-    for pid in came.returns[0]:
+    evidence, _ = run(*cells, template=template)
+    for pid in evidence.returns[0]:
         with pytest.raises(ProcessLookupError):
             os.kill(pid, 0)
     template.close()
@@ -191,8 +191,8 @@ def test_processes_and_files_of_a_submission_are_removed(
 
 def test_worker_does_not_inherit_the_environment_of_the_grader(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GRADER_TOKEN", "secret")
-    came, _ = run("import os, sys\nanswer = [dict(os.environ), sys.argv[1:], os.getcwd()]")
-    environment, arguments, folder = came.returns[0]
+    evidence, _ = run("import os, sys\nanswer = [dict(os.environ), sys.argv[1:], os.getcwd()]")
+    environment, arguments, folder = evidence.returns[0]
     assert "GRADER_TOKEN" not in environment
     assert arguments == []
     assert folder == environment["HOME"] != os.path.expanduser("~")
@@ -210,8 +210,8 @@ def test_failed_worker_start_is_a_grader_error(monkeypatch: pytest.MonkeyPatch) 
 def test_endless_wait_is_reported_at_the_end_of_robot_time(loop: str) -> None:
     cell = f"import time\ndone = False\ndef called():\n    {loop}"
     with closing(SubmissionRun([cell], {CALLED.id: {}}, Limits())) as session:
-        came = session.run(CALLED, CALLED.scenarios[0])
-    assert came.errors == ("still running after 5 s: is it an endless loop? It was stopped.",)
+        evidence = session.run(CALLED, CALLED.scenarios[0])
+    assert evidence.errors == ("still running after 5 s: is it an endless loop? It was stopped.",)
 
 
 @pytest.mark.slow
@@ -242,8 +242,8 @@ class talker(Node):
         self.publisher.publish(String(data="before"))
         {end}
 """
-    came, _ = run(cell, task=TALKER)
-    assert [sample.topic for sample in came.samples if sample.topic == "/said"] == ["/said"]
+    evidence, _ = run(cell, task=TALKER)
+    assert [sample.topic for sample in evidence.samples if sample.topic == "/said"] == ["/said"]
 
 
 def test_rerun_cells_add_no_output_and_find_no_files_of_a_scenario() -> None:
@@ -260,16 +260,16 @@ def test_rerun_cells_add_no_output_and_find_no_files_of_a_scenario() -> None:
 
 
 def test_error_with_an_invalid_string_does_not_affect_other_cells() -> None:
-    came, session = run("raise ValueError('\\ud800')", "answer = 1", "other = 2")
-    assert came.returns == (1,)
+    evidence, session = run("raise ValueError('\\ud800')", "answer = 1", "other = 2")
+    assert evidence.returns == (1,)
     assert session.log.stopped == {}
     assert "ValueError: ?" in session.log.errors[0]
 
 
 def test_exception_with_a_raising_str_does_not_affect_other_cells() -> None:
     lie = "class Lie(Exception):\n    def __str__(self):\n        raise SystemExit\nraise Lie()"
-    came, session = run(lie, "answer = 1")
-    assert came.returns == (1,)
+    evidence, session = run(lie, "answer = 1")
+    assert evidence.returns == (1,)
     assert session.log.stopped == {}
 
 
@@ -313,11 +313,11 @@ class talker(Node):
 @pytest.mark.slow
 def test_images_in_flight_beyond_the_limit_end_the_scenario_and_keep_the_evidence() -> None:
     cell = PICTURES.replace("NUMBER", "1").replace("SIZE", "8_000_000").replace("TIMES", "9")
-    came, _ = run(cell, task=TALKER, limits=Limits(scenario_seconds=30))
-    assert came.stopped == "memory"
-    assert "64 MB were in transit or latched at a time" in came.errors[0]
-    assert "/said" in came.topics
-    assert 0 < sum(len(sample.cdr) for sample in came.samples) < 9_000_000
+    evidence, _ = run(cell, task=TALKER, limits=Limits(scenario_seconds=30))
+    assert evidence.stopped == "memory"
+    assert "64 MB were in transit or latched at a time" in evidence.errors[0]
+    assert "/said" in evidence.topics
+    assert 0 < sum(len(sample.cdr) for sample in evidence.samples) < 9_000_000
 
 
 @pytest.mark.slow
@@ -340,5 +340,5 @@ def test_evidence_size_is_limited_per_submission_and_per_task() -> None:
 def test_images_never_exhaust_the_evidence_limit(size: int) -> None:
     cell = PICTURES.replace("NUMBER", "3").replace("SIZE", str(size)).replace("TIMES", "1")
     cell = cell.replace("self.create_sub", "0 and self.create_sub")
-    came, _ = run(cell, task=replace(TALKER, scenarios=(Scenario("public", seconds=1.0),)))
-    assert sum(len(sample.cdr) for sample in came.samples) <= ALL
+    evidence, _ = run(cell, task=replace(TALKER, scenarios=(Scenario("public", seconds=1.0),)))
+    assert sum(len(sample.cdr) for sample in evidence.samples) <= ALL

@@ -148,10 +148,10 @@ def loop_in_a_thread() -> Node:
 def test_endless_loop_is_interrupted_and_the_next_run_succeeds(subject: Callable[..., Any]) -> None:
     evidence = run(subject, wall_limit=0.2)
     assert evidence.stopped == "time"
-    (said,) = evidence.errors
+    (message,) = evidence.errors
     where = r"test_scenario.py, line \d+: (while True:|pass)"
     assert re.fullmatch(
-        rf"still running after 0.2 s \({where}\): is it an endless loop\? It was stopped.", said
+        rf"still running after 0.2 s \({where}\): is it an endless loop\? It was stopped.", message
     )
     assert run(lambda: 3, "function", calls=(Call(),)).returns == (3,)
 

@@ -147,15 +147,15 @@ def test_frequent_code_has_a_low_similarity_weight() -> None:
     own = {f"s{n}": frozenset([*range(100), *range(1000 * n, 1000 * n + 100)]) for n in range(1, 21)}
     copies = {"x": own["s1"] - {1000}, "y": own["s1"] - {1001}}
     lines = dict.fromkeys([*own, *copies], ())
-    found = compare({**own, **copies}, lines)
-    assert [cluster.students for cluster in found.clusters] == [("s1", "x", "y")]
+    comparison = compare({**own, **copies}, lines)
+    assert [cluster.students for cluster in comparison.clusters] == [("s1", "x", "y")]
 
 
 def test_pair_far_above_the_class_similarity_is_detected_with_half_in_common() -> None:
     own = {f"s{n}": frozenset([*range(20), *range(1000 * n, 1000 * n + 200)]) for n in range(1, 21)}
     half = frozenset([*range(20), *range(1000, 1100), *range(500, 600)])
-    found = compare({**own, "half": half}, dict.fromkeys([*own, "half"], ()))
-    assert [cluster.students for cluster in found.clusters] == [("half", "s1")]
+    comparison = compare({**own, "half": half}, dict.fromkeys([*own, "half"], ()))
+    assert [cluster.students for cluster in comparison.clusters] == [("half", "s1")]
 
 
 def test_class_with_generally_similar_solutions_is_not_one_cluster() -> None:

@@ -25,11 +25,15 @@ def test_submission_package_is_read_with_its_receipt(tmp_path: Path, write_noteb
     assert "sha256" in receipt.text()
     (tmp_path / "in").mkdir()
     receipt.file.rename(tmp_path / "in/renamed by the LMS.zip")
-    (found,) = find_submissions(tmp_path / "in")
-    assert (found.student, found.exercise, found.received.source) == ("ada", "week01_exercise", "receipt")
-    assert found.sha256 == receipt.content["sha256"]
-    assert found.notebook is not None
-    assert found.notebook.cells == ("x = 1",)
+    (submission,) = find_submissions(tmp_path / "in")
+    assert (submission.student, submission.exercise, submission.received.source) == (
+        "ada",
+        "week01_exercise",
+        "receipt",
+    )
+    assert submission.sha256 == receipt.content["sha256"]
+    assert submission.notebook is not None
+    assert submission.notebook.cells == ("x = 1",)
 
 
 def test_missing_student_id_is_reported_at_submission(tmp_path: Path, write_notebook: WriteNotebook) -> None:
@@ -103,9 +107,9 @@ def test_file_modification_time_is_not_the_time_of_receipt(
     for name, second in (("week01_exercise.ipynb", 100), ("week01_exercise_v2.ipynb", 50)):
         path = write_notebook(tmp_path / "ada" / name, "x = 1")
         os.utime(path, (second, second))
-    (found,) = find_submissions(tmp_path)
-    assert found.path.name == "week01_exercise_v2.ipynb"
-    assert (found.received.time, found.received.source) == (None, "unknown")
+    (submission,) = find_submissions(tmp_path)
+    assert submission.path.name == "week01_exercise_v2.ipynb"
+    assert (submission.received.time, submission.received.source) == (None, "unknown")
 
 
 def test_symlinks_are_not_followed(tmp_path: Path, write_notebook: WriteNotebook) -> None:
@@ -130,11 +134,11 @@ def test_skipped_symlinks_and_pipes_are_listed(tmp_path: Path, write_notebook: W
     ]
 
 
-@pytest.mark.parametrize(("day", "said"), [(10, "on time"), (12, "late")])
-def test_time_known_only_from_the_receipt_has_a_remark(day: int, said: str) -> None:
+@pytest.mark.parametrize(("day", "message"), [(10, "on time"), (12, "late")])
+def test_time_known_only_from_the_receipt_has_a_remark(day: int, message: str) -> None:
     deadline = datetime(2026, 10, 11, tzinfo=UTC)
     received = Received(datetime(2026, 10, day, tzinfo=UTC), RECEIPT_TIME)
-    expected = f"{said} according to the receipt only, which the student's machine wrote"
+    expected = f"{message} according to the receipt only, which the student's machine wrote"
     assert received.remark(deadline, Late()) == expected
 
 
@@ -143,8 +147,8 @@ def test_zip_bomb_is_not_unpacked(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "bomb.zip", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("receipt.json", json.dumps({"exercise": "week01_exercise"}))
         archive.writestr("week01_exercise.ipynb", b" " * 50_000_000)
-    (found,) = find_submissions(tmp_path)
-    assert "larger than" in found.problem
+    (submission,) = find_submissions(tmp_path)
+    assert "larger than" in submission.problem
 
 
 @pytest.mark.parametrize(
@@ -165,10 +169,10 @@ def test_receipt_time_and_its_source_are_recorded(
     write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
     for name, text in files.items():
         (tmp_path / name).write_text(text)
-    (found,) = find_submissions(tmp_path)
-    assert found.received.time is not None
-    assert found.received.time.replace(microsecond=0) == datetime(2026, 10, 11, time, tzinfo=UTC)
-    assert found.received.source == source
+    (submission,) = find_submissions(tmp_path)
+    assert submission.received.time is not None
+    assert submission.received.time.replace(microsecond=0) == datetime(2026, 10, 11, time, tzinfo=UTC)
+    assert submission.received.source == source
 
 
 @pytest.mark.parametrize(
@@ -201,9 +205,9 @@ def test_symlinked_timestamp_file_is_not_followed(tmp_path: Path, write_notebook
     write_notebook(tmp_path / "in/ada/week01_exercise.ipynb", "x = 1", student="ada")
     (tmp_path / "stamp").write_text("2026-10-11 10:00:00 UTC")
     (tmp_path / "in/ada/timestamp.txt").symlink_to(tmp_path / "stamp")
-    (found,) = find_submissions(tmp_path / "in")
-    assert found.received.time is None
-    assert "it is a link" in found.notes[0]
+    (submission,) = find_submissions(tmp_path / "in")
+    assert submission.received.time is None
+    assert "it is a link" in submission.notes[0]
 
 
 def test_received_csv_without_required_columns_is_rejected(
@@ -221,14 +225,14 @@ def test_local_times_in_spreadsheet_format_are_accepted_in_received_csv(
 ) -> None:
     write_notebook(tmp_path / "ada/week01_exercise.ipynb", "x = 1")
     (tmp_path / "received.csv").write_text(f"file;received\nada/week01_exercise.ipynb;{written}\n")
-    (found,) = find_submissions(tmp_path, zone=ZoneInfo("Europe/Paris"))
-    assert found.received.time == datetime(2026, 10, 11, 8, tzinfo=UTC)
+    (submission,) = find_submissions(tmp_path, zone=ZoneInfo("Europe/Paris"))
+    assert submission.received.time == datetime(2026, 10, 11, 8, tzinfo=UTC)
 
 
 def test_folder_names_and_claimed_ids_are_normalized(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     write_notebook(tmp_path / "Ada 1/week01_exercise.ipynb", "x = 1", student="ADA1")
-    (found,) = find_submissions(tmp_path)
-    assert (found.student, found.claimed, found.notes) == ("ada1", "ada1", [])
+    (submission,) = find_submissions(tmp_path)
+    assert (submission.student, submission.claimed, submission.notes) == ("ada1", "ada1", [])
 
 
 @pytest.mark.parametrize("damage", ["encrypted", "bytes"])

@@ -80,12 +80,14 @@ def test_moodle_worksheet_gives_times_and_ids_in_any_language(
     ]
     absent = (participant.format(4109999), "Absent", "20239999", "-", "", "100,00", "-", graded)
     table(tmp_path / "worksheet.csv", headings, [*rows, absent], ";" if language == "German" else ",")
-    done = sort(roster=tmp_path / "worksheet.csv")
-    found = find_submissions(tmp_path / "out")
-    assert [one.student for one in found] == [s.id for s in STUDENTS]
-    assert {one.received.time for one in found} == {TIME}
-    assert {one.received.source for one in found} == {f"received.csv (worksheet.csv, {headings[6]})"}
-    assert f"note: times are from worksheet.csv, {headings[6]}, interpreted as Europe/Paris" in done.notes
+    collection = sort(roster=tmp_path / "worksheet.csv")
+    submissions = find_submissions(tmp_path / "out")
+    assert [one.student for one in submissions] == [s.id for s in STUDENTS]
+    assert {one.received.time for one in submissions} == {TIME}
+    assert {one.received.source for one in submissions} == {f"received.csv (worksheet.csv, {headings[6]})"}
+    assert (
+        f"note: times are from worksheet.csv, {headings[6]}, interpreted as Europe/Paris" in collection.notes
+    )
 
 
 UNREAD = {"Islamic": "8 رمضان 1447، 23:59", "Thai": "8 มีนาคม 2569 23:59", "none": "8 Nonsense 2026, 23:59"}
@@ -128,12 +130,12 @@ def test_canvas_api_export_gives_submission_times(tmp_path: Path, sort: Collect)
     ]
     canvas_zip(tmp_path / "in.zip", students)
     canvas_json(tmp_path / "submissions.json", students)
-    done = sort(times=[tmp_path / "submissions.json"])
-    found = {one.student: one.received for one in find_submissions(tmp_path / "out")}
-    assert found["11"].time == TIME
-    assert found["12"].time == datetime(2026, 3, 9, 8, tzinfo=UTC)
-    assert (found["13"].time, found["13"].late) == (None, False)
-    assert "note: cleo has no time of submission in submissions.json, submitted_at" in done.notes
+    collection = sort(times=[tmp_path / "submissions.json"])
+    by_student = {one.student: one.received for one in find_submissions(tmp_path / "out")}
+    assert by_student["11"].time == TIME
+    assert by_student["12"].time == datetime(2026, 3, 9, 8, tzinfo=UTC)
+    assert (by_student["13"].time, by_student["13"].late) == (None, False)
+    assert "note: cleo has no time of submission in submissions.json, submitted_at" in collection.notes
 
 
 def test_canvas_submissions_csv_gives_submission_times(tmp_path: Path, sort: Collect) -> None:
@@ -154,8 +156,8 @@ def test_export_of_another_assignment_gives_no_submission_times(tmp_path: Path, 
 
 def test_download_time_of_a_zip_does_not_count_as_late(tmp_path: Path, sort: Collect, course: Course) -> None:
     moodle_zip(tmp_path / "in.zip", STUDENTS[:2])
-    done = sort()
-    assert any("Moodle's zip has no times of submission: add --roster" in note for note in done.notes)
+    collection = sort()
+    assert any("Moodle's zip has no times of submission: add --roster" in note for note in collection.notes)
     early = (course.exercises / "course.toml").read_text().replace("2026-10-11", "2026-03-09")
     (course.exercises / "course.toml").write_text(early)
     grade(tmp_path / "out", tmp_path / "graded", jobs=1, course=course)
@@ -174,11 +176,11 @@ def test_corrections_of_the_instructor_are_kept_by_a_repeated_collect(tmp_path: 
     sort(roster=tmp_path / "w.csv")
     path = tmp_path / "out/received.csv"
     path.write_text(path.read_text().replace("2026-03-08T23:59:00+01:00", "2026-03-01 12:00"))
-    done = sort(roster=tmp_path / "w.csv")
+    collection = sort(roster=tmp_path / "w.csv")
     assert find_submissions(tmp_path / "out", zone=PARIS)[0].received.time == datetime(
         2026, 3, 1, 11, tzinfo=UTC
     )
-    assert any("received.csv keeps 2026-03-01 12:00" in note for note in done.notes)
+    assert any("received.csv keeps 2026-03-01 12:00" in note for note in collection.notes)
 
 
 def packed(time: str) -> bytes:
@@ -208,11 +210,11 @@ def test_receipt_never_overrides_the_late_marker_of_canvas(
 ) -> None:
     canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, "", files={"a.zip": packed(receipt)}, late=late)])
     sort()
-    (found,) = find_submissions(tmp_path / "out")
-    assert found.received.time is None
-    assert found.received.days_late(DEADLINE, Late()) == days
-    assert remark in found.received.remark(DEADLINE, Late())
-    said = found.received.contradictions(DEADLINE, Late())
+    (submission,) = find_submissions(tmp_path / "out")
+    assert submission.received.time is None
+    assert submission.received.days_late(DEADLINE, Late()) == days
+    assert remark in submission.received.remark(DEADLINE, Late())
+    said = submission.received.contradictions(DEADLINE, Late())
     assert len(said) == len(notes)
     assert all(part in line for part, line in zip(notes, said, strict=True))
 
@@ -231,9 +233,9 @@ def test_late_marker_contradicting_the_submission_time_is_reported() -> None:
 def test_receipt_time_is_used_without_other_sources_and_noted_in_the_gradebook(tmp_path: Path) -> None:
     (tmp_path / "ada").mkdir()
     (tmp_path / "ada/a.zip").write_bytes(packed("2026-03-20T12:00:00+00:00"))
-    (found,) = find_submissions(tmp_path)
-    assert (found.received.source, found.received.is_trusted) == ("receipt", False)
-    assert "the student's machine" in found.received.remark(DEADLINE, Late())
+    (submission,) = find_submissions(tmp_path)
+    assert (submission.received.source, submission.received.is_trusted) == ("receipt", False)
+    assert "the student's machine" in submission.received.remark(DEADLINE, Late())
 
 
 def test_student_supplied_received_csv_and_timestamp_are_ignored(tmp_path: Path, sort: Collect) -> None:
@@ -242,17 +244,17 @@ def test_student_supplied_received_csv_and_timestamp_are_ignored(tmp_path: Path,
     folder = tmp_path / "out/participant4101000"
     (folder / "received.csv").write_text(f"file,received\n{NAME},2020-01-01T00:00:00Z\n")
     (folder / "timestamp.txt").write_text("2020-01-01 00:00:00 UTC")
-    (found,) = find_submissions(tmp_path / "out")
-    assert found.received.time is None
-    assert sum("is not trusted" in note for note in found.notes) == 2
+    (submission,) = find_submissions(tmp_path / "out")
+    assert submission.received.time is None
+    assert sum("is not trusted" in note for note in submission.notes) == 2
 
 
 def test_timestamp_in_a_student_zip_is_not_kept(tmp_path: Path, sort: Collect) -> None:
     inner = zipped({NAME: notebook(), "timestamp.txt": b"2020-01-01 00:00:00 UTC", "received.csv": b"a,b\n"})
     with zipfile.ZipFile(tmp_path / "in.zip", "w") as archive:
         archive.writestr("submitted/ada/week01/work.zip", inner)
-    done = sort()
-    assert len(done.refused) == 2
+    collection = sort()
+    assert len(collection.refused) == 2
     assert find_submissions(tmp_path / "out")[0].received.time is None
 
 
@@ -268,8 +270,8 @@ def test_received_csv_may_be_next_to_the_submission_folder(tmp_path: Path) -> No
     (tmp_path / "in/ada").mkdir(parents=True)
     (tmp_path / "in/ada" / NAME).write_bytes(notebook())
     (tmp_path / "received.csv").write_text(f"file,received\nin/ada/{NAME},2026-03-08T23:59:00+01:00\n")
-    (found,) = find_submissions(tmp_path / "in")
-    assert (found.received.time, found.received.source) == (TIME, "received.csv")
+    (submission,) = find_submissions(tmp_path / "in")
+    assert (submission.received.time, submission.received.source) == (TIME, "received.csv")
 
 
 @pytest.mark.parametrize(
@@ -287,9 +289,9 @@ def test_nbgrader_timestamp_is_read_in_its_time_zone(tmp_path: Path, text: str, 
     folder.mkdir(parents=True)
     (folder / NAME).write_bytes(notebook())
     (folder / "timestamp.txt").write_text(text + "\n")
-    (found,) = find_submissions(tmp_path)
-    assert found.received.source == "timestamp.txt"
-    assert f"{found.received.time:%H:%M}" == utc
+    (submission,) = find_submissions(tmp_path)
+    assert submission.received.source == "timestamp.txt"
+    assert f"{submission.received.time:%H:%M}" == utc
 
 
 def test_timestamp_in_an_unpacked_download_is_ignored(tmp_path: Path) -> None:
@@ -297,5 +299,5 @@ def test_timestamp_in_an_unpacked_download_is_ignored(tmp_path: Path) -> None:
     folder.mkdir()
     (folder / NAME).write_bytes(notebook())
     (folder / "timestamp.txt").write_text("2020-01-01 00:00:00 UTC")
-    (found,) = find_submissions(tmp_path)
-    assert found.received.time is None
+    (submission,) = find_submissions(tmp_path)
+    assert submission.received.time is None

@@ -75,8 +75,8 @@ def test_rate_is_measured_over_the_whole_scenario(
 def test_rate_may_be_measured_over_a_time_range(
     evidence: MakeEvidence, begin: float, end: float | None, message: str
 ) -> None:
-    came = evidence(*ticks(1, 2, 3, 4, 4.5, 5), seconds=5.0)
-    assert expect_rate("/tick", 1.0, begin=begin, end=end).judge(came).message == message
+    recorded = evidence(*ticks(1, 2, 3, 4, 4.5, 5), seconds=5.0)
+    assert expect_rate("/tick", 1.0, begin=begin, end=end).judge(recorded).message == message
 
 
 @pytest.mark.parametrize(
@@ -100,10 +100,10 @@ def test_silence_of_more_than_half_of_a_scenario_is_rejected(
 
 def test_list_items_are_addressed_by_index_in_a_field_path(evidence: MakeEvidence) -> None:
     array = DiagnosticArray(status=[DiagnosticStatus(name="a"), DiagnosticStatus(name="b")])
-    came = evidence((1.0, "/diagnostics", array))
-    assert expect_message("/diagnostics", {"status.1.name": "b"}).judge(came).score == 1
-    said = expect_message("/diagnostics", {"status.2.name": "b"}).judge(came).message
-    assert said == "status.2.name is None, expected 'b'"
+    recorded = evidence((1.0, "/diagnostics", array))
+    assert expect_message("/diagnostics", {"status.1.name": "b"}).judge(recorded).score == 1
+    message = expect_message("/diagnostics", {"status.2.name": "b"}).judge(recorded).message
+    assert message == "status.2.name is None, expected 'b'"
 
 
 @pytest.mark.parametrize(
@@ -161,8 +161,8 @@ def test_every_marker_must_be_in_the_expected_frame(evidence: MakeEvidence, cube
         ([[here, there], [here]], "a Marker on /m is in frame 'odom', expected 'map'"),
         ([[gone]], "no marker is added on /m"),
     ):
-        came = evidence(*((1.0, "/m", MarkerArray(markers=array)) for array in arrays))
-        assert expect_frame("/m", "map").judge(came).message == message
+        recorded = evidence(*((1.0, "/m", MarkerArray(markers=array)) for array in arrays))
+        assert expect_frame("/m", "map").judge(recorded).message == message
     assert "has no header" in expect_frame("/tick", "map").judge(evidence(*ticks(1))).message
 
 
@@ -173,10 +173,10 @@ def test_empty_marker_array_fails_the_stamp_check(evidence: MakeEvidence) -> Non
 def test_invalid_message_bytes_fail_the_rate_check(evidence: MakeEvidence) -> None:
     from dataclasses import replace
 
-    came = evidence(*ticks(1, 2, 3))
-    broken = replace(came, samples=tuple(replace(sample, cdr=b"") for sample in came.samples))
+    recorded = evidence(*ticks(1, 2, 3))
+    broken = replace(recorded, samples=tuple(replace(sample, cdr=b"") for sample in recorded.samples))
     for check in (expect_rate("/tick", 1.0), expect_topic("/tick", KIND)):
-        assert check.judge(came).score == 1
+        assert check.judge(recorded).score == 1
         assert check.judge(broken).score == 0
 
 

@@ -15,12 +15,12 @@ MakeEvidence = Callable[..., Evidence]
 
 
 def transform(parent: str, child: str, at: float, x: float, y: float, yaw: float = 0.0) -> Any:
-    made = TransformStamped(child_frame_id=child)
-    made.header.frame_id = parent
-    made.header.stamp.sec, made.header.stamp.nanosec = divmod(START_NS + round(at * 1e9), 10**9)
-    made.transform.translation.x, made.transform.translation.y = x, y
-    made.transform.rotation.z, made.transform.rotation.w = math.sin(yaw / 2), math.cos(yaw / 2)
-    return made
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id = parent
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(START_NS + round(at * 1e9), 10**9)
+    message.transform.translation.x, message.transform.translation.y = x, y
+    message.transform.rotation.z, message.transform.rotation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return message
 
 
 def circling(ahead: float = math.pi / 2, turn: float = 1.0) -> list[tuple[float, str, Any]]:
@@ -43,11 +43,11 @@ CIRCLE = expect_circling_frame(
 
 
 def test_transform_chain_of_moving_and_static_frames_is_looked_up_at_any_time(evidence: MakeEvidence) -> None:
-    came = evidence(LENS, *circling())
+    recorded = evidence(LENS, *circling())
     angle = math.pi * 1.55 / 3  # between two stamps
     where = (2 * math.cos(angle) - 0.3 * math.sin(angle), 2 * math.sin(angle) + 0.3 * math.cos(angle), 0.0)
     check = expect_transform("map", "lens", at=1.55, translation=where, yaw=angle + math.pi / 2)
-    assert check.judge(came).message == "as expected"
+    assert check.judge(recorded).message == "as expected"
 
 
 def test_transforms_are_read_once_for_all_checks(
@@ -137,8 +137,8 @@ def test_wrong_parent_frame_is_reported(evidence: MakeEvidence) -> None:
 def test_invalid_transform_messages_are_ignored(evidence: MakeEvidence) -> None:
     from std_msgs.msg import String
 
-    came = evidence((1.0, "/tf", String(data="x")), *circling())
-    assert CIRCLE.judge(came).message == "as expected"
+    recorded = evidence((1.0, "/tf", String(data="x")), *circling())
+    assert CIRCLE.judge(recorded).message == "as expected"
 
 
 def test_frame_with_several_poses_at_one_time_is_ambiguous(evidence: MakeEvidence) -> None:

@@ -93,12 +93,12 @@ def test_each_call_has_its_own_expected_value(evidence: MakeEvidence) -> None:
 def test_call_that_raised_fails_the_value_check() -> None:
     scenario = Scenario("public", calls=(Call(0), Call(1)))
     task = Task("week01.inverse", "1 / x", "function", "inverse", ("a", "b", "c"), (scenario,))
-    came = run_in_this_process(task, scenario, lambda x: {"x": 1 / x}, {})
+    evidence = run_in_this_process(task, scenario, lambda x: {"x": 1 / x}, {})
     answers: tuple[Any, ...] = (None, {}, RAISED, [], "", 0)
     for expected in answers:
-        verdict = expect_value(expected).judge(came)
+        verdict = expect_value(expected).judge(evidence)
         assert (verdict.score, verdict.message) == (0, "the value is missing: the call raised an exception")
-    assert expect_value({"x": 1}, call=1).judge(came).score == 1
+    assert expect_value({"x": 1}, call=1).judge(evidence).score == 1
 
 
 def test_custom_object_is_not_accepted_as_a_dict(evidence: MakeEvidence) -> None:

@@ -61,16 +61,16 @@ def made(*cells: str, total: float = 2 * LIMIT) -> tuple[Evidence, CellLog]:
 @pytest.mark.slow
 @pytest.mark.usefixtures("starved")
 def test_cpu_wait_time_of_a_starved_submission_is_not_counted() -> None:
-    came, log = made(WORK, "work()", "work()")
-    assert (log.limit, log.stopped, came.stopped, came.errors) == ("", {}, "", ())
+    evidence, log = made(WORK, "work()", "work()")
+    assert (log.limit, log.stopped, evidence.stopped, evidence.errors) == ("", {}, "", ())
 
 
 @pytest.mark.sample(1)
 @pytest.mark.usefixtures("starved")
 @pytest.mark.parametrize("cell", ["while True: pass", "os.read(os.pipe()[0], 1)"])
 def test_endless_code_is_stopped_on_a_busy_machine(cell: str) -> None:
-    came, log = made(WORK, cell, total=60.0)
-    assert (log.limit, came.stopped) == ("time", "")
+    evidence, log = made(WORK, cell, total=60.0)
+    assert (log.limit, evidence.stopped) == ("time", "")
     assert log.stopped == {1: f"cell 2 was stopped after {LIMIT:g} s"}
 
 

@@ -38,9 +38,9 @@ def test_submission_package_contains_and_lists_the_files_used_by_the_notebook(
     assert receipt.content["files"] == "layouts/mine.rviz, fine.yaml"
     (tmp_path / "in").mkdir()
     (tmp_path / "handed_in.zip").rename(tmp_path / "in/handed_in.zip")
-    (found,) = find_submissions(tmp_path / "in")
-    assert found.files == {"layouts/mine.rviz": "Panels: é", "fine.yaml": "a: 1"}
-    assert found.sha256 == receipt.content["sha256"]
+    (submission,) = find_submissions(tmp_path / "in")
+    assert submission.files == {"layouts/mine.rviz": "Panels: é", "fine.yaml": "a: 1"}
+    assert submission.sha256 == receipt.content["sha256"]
 
 
 def test_working_files_are_searched_only_in_the_notebook_folder(exercise: Path) -> None:
@@ -48,8 +48,10 @@ def test_working_files_are_searched_only_in_the_notebook_folder(exercise: Path) 
 
 
 def test_notebooks_of_several_students_in_one_folder_share_no_files(exercise: Path) -> None:
-    found = [found for found in find_submissions(exercise.parent) if found.claimed == "ada"]
-    assert found[0].files == {}
+    submissions = [
+        submissions for submissions in find_submissions(exercise.parent) if submissions.claimed == "ada"
+    ]
+    assert submissions[0].files == {}
 
 
 def test_archive_members_with_unsafe_names_are_ignored(exercise: Path, tmp_path: Path) -> None:

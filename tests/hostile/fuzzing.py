@@ -82,18 +82,18 @@ def _spoilt(stream: bytes, garbage: bytes, place: int) -> bytes:
 def swallow(stream: bytes) -> Evidence:
     """Read a stream as that of a submission, store the evidence, and judge it."""
     stage = ScenarioGraph(TASK, SCENARIO, {})
-    ours, theirs = socket.socketpair()
-    channel = Channel(ours)
+    own_end, other_end = socket.socketpair()
+    channel = Channel(own_end)
     channel.deadline = wall.monotonic() + 5.0
-    theirs.sendall(stream)
-    theirs.shutdown(socket.SHUT_WR)
+    other_end.sendall(stream)
+    other_end.shutdown(socket.SHUT_WR)
     try:
         outcome = _drive(channel, stage, RecordingBudget())
     except ChannelError as error:
         outcome = Outcome(errors=[str(error)])
     finally:
         channel.close()
-        theirs.close()
+        other_end.close()
     evidence = stage.evidence(outcome)
     judged(evidence)
     return evidence

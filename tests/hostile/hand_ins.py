@@ -91,11 +91,11 @@ def read_class(chance: random.Random, students: int = 20) -> int:
     layout = choose_layout(sorted(names), "in.zip", PARIS)
     for path, number in names.items():
         try:
-            handed = layout.read(path)
+            download_name = layout.read(path)
         except CourseError:
             continue
-        assert handed.student == naming.student(number), path
-        assert handed.time is None or handed.time.year == 2026, path
+        assert download_name.student == naming.student(number), path
+        assert download_name.time is None or download_name.time.year == 2026, path
     return students
 
 
@@ -119,12 +119,12 @@ def collect_class(chance: random.Random, students: int = 5) -> int:
         source.write_bytes(zipped(files))
         try:
             collect(source, out, PARIS)
-            found = find_submissions(out, zone=PARIS, with_refused=True)
+            submissions = find_submissions(out, zone=PARIS, with_refused=True)
         except CourseError:
             # The layout is ambiguous, or every file of the class was refused.
             return students
         owners = {naming.student(number): number for number in numbers}
-        for one in found:
+        for one in submissions:
             assert one.student in owners, (sorted(files), one.path)
             code = one.notebook.cells if one.notebook else (f"owner = {owners[one.student]}",)
             assert code == (f"owner = {owners[one.student]}",), (sorted(files), one.path)

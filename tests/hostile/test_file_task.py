@@ -41,10 +41,10 @@ ENTITIES = (
 )
 def test_missing_or_invalid_returned_file_is_an_error_of_that_task(cell: str, error: str, limit: str) -> None:
     with closing(SubmissionRun([cell], {LAYOUT.id: {}}, Limits(scenario_seconds=2))) as session:
-        came = session.run(LAYOUT, LAYOUT.scenarios[0])
-    assert any(came.errors[0].startswith(kind) for kind in error.split("|"))
-    assert came.returns == ()
-    assert came.stopped in limit.split("|")
+        evidence = session.run(LAYOUT, LAYOUT.scenarios[0])
+    assert any(evidence.errors[0].startswith(kind) for kind in error.split("|"))
+    assert evidence.returns == ()
+    assert evidence.stopped in limit.split("|")
 
 
 @pytest.mark.parametrize(
@@ -53,5 +53,5 @@ def test_missing_or_invalid_returned_file_is_an_error_of_that_task(cell: str, er
 def test_yaml_bomb_is_returned_as_plain_text(text: str) -> None:
     files = {"f.yaml": text}
     with closing(SubmissionRun(["layout = 'f.yaml'"], {LAYOUT.id: {}}, Limits(), files=files)) as session:
-        came = session.run(LAYOUT, LAYOUT.scenarios[0])
-    assert came.returns == (text[:MAX_TEXT],)
+        evidence = session.run(LAYOUT, LAYOUT.scenarios[0])
+    assert evidence.returns == (text[:MAX_TEXT],)

@@ -152,10 +152,10 @@ class Flood(Node):
 """
     task = replace(task_with(), name="Flood")
     with closing(SubmissionRun([cell], {task.id: {}}, Limits())) as session:
-        came = session.run(task, task.scenarios[0])
-    assert came.stopped == "size"
-    assert "is the period of a timer too short" in came.errors[0]
-    assert 2000 < len(came.samples) <= RecordingBudget.for_duration(task.scenarios[0].seconds).messages
+        evidence = session.run(task, task.scenarios[0])
+    assert evidence.stopped == "size"
+    assert "is the period of a timer too short" in evidence.errors[0]
+    assert 2000 < len(evidence.samples) <= RecordingBudget.for_duration(task.scenarios[0].seconds).messages
 
 
 def test_verdict_length_is_limited_regardless_of_the_published_messages() -> None:
@@ -217,8 +217,8 @@ def test_receipt_with_a_maximum_timestamp_is_ignored(time: str, tmp_path: Path) 
     with zipfile.ZipFile(tmp_path / "ada/week01.zip", "w") as archive:
         archive.writestr("receipt.json", receipt)
         archive.writestr("week01_exercise.ipynb", book())
-    (found,) = find_submissions(tmp_path)
-    assert (found.problem, found.received.source) == ("", "unknown")
+    (submission,) = find_submissions(tmp_path)
+    assert (submission.problem, submission.received.source) == ("", "unknown")
 
 
 def test_uppercase_file_name_is_collected(tmp_path: Path) -> None:
@@ -229,8 +229,8 @@ def test_uppercase_file_name_is_collected(tmp_path: Path) -> None:
 def test_submission_with_the_id_of_another_student_is_reported(tmp_path: Path) -> None:
     for name in ("a.ipynb", "b.ipynb"):
         hand_in(tmp_path / name, metadata={"course": {"student": "ada", "exercise": "week01_exercise"}})
-    (found,) = find_submissions(tmp_path)
-    assert "several files have the ID ada, in a.ipynb, b.ipynb: this one counts" in found.notes
+    (submission,) = find_submissions(tmp_path)
+    assert "several files have the ID ada, in a.ipynb, b.ipynb: this one counts" in submission.notes
 
 
 def test_working_files_exceeding_the_worker_limit_are_omitted(tmp_path: Path) -> None:

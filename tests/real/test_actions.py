@@ -40,8 +40,8 @@ def test_kit_action_client_reaches_a_server_on_the_real_rclpy(
 ) -> None:
     programs.start(tmp_path / "server.py")
     command = in_kit(tmp_path / "client.py", "--domain", str(programs.domain), seed=seed, peer="real")
-    done = subprocess.run(command, capture_output=True, text=True, timeout=3 * PATIENCE, env=FIXED_SEED)
-    assert done.stdout == EXPECTED, done.stderr
+    process = subprocess.run(command, capture_output=True, text=True, timeout=3 * PATIENCE, env=FIXED_SEED)
+    assert process.stdout == EXPECTED, process.stderr
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -19,30 +19,32 @@ def _samples(values: list[float], at_ns: int, period_ns: int = 10**8) -> list[Sa
 
 def test_recordings_with_other_stamps_and_a_later_start_are_equal() -> None:
     values = [float(number) for number in range(10)]
-    (found,) = compare(_samples(values, START_NS), _samples(values[2:], START_NS + 10**17))
-    assert str(found) == "/pose: kit 10, ROS 8 messages; 8 of 8 pairs bit-equal"
+    (comparison,) = compare(_samples(values, START_NS), _samples(values[2:], START_NS + 10**17))
+    assert str(comparison) == "/pose: kit 10, ROS 8 messages; 8 of 8 pairs bit-equal"
 
 
 def test_recording_of_a_fast_topic_may_begin_a_second_later() -> None:
     values = [float(number) for number in range(1000)]
     late = _samples(values[200:], START_NS, 5_000_000)
-    (found,) = compare(_samples(values, START_NS, 5_000_000), late)
-    assert str(found) == "/pose: kit 1000, ROS 800 messages; 800 of 800 pairs bit-equal"
+    (comparison,) = compare(_samples(values, START_NS, 5_000_000), late)
+    assert str(comparison) == "/pose: kit 1000, ROS 800 messages; 800 of 800 pairs bit-equal"
 
 
 def test_recordings_without_equal_messages_are_compared_from_the_start() -> None:
-    (found,) = compare(_samples([1.0] * 400, START_NS, 5_000_000), _samples([2.0] * 400, START_NS, 5_000_000))
-    assert (found.equal, found.pairs) == (0, 400)
+    (comparison,) = compare(
+        _samples([1.0] * 400, START_NS, 5_000_000), _samples([2.0] * 400, START_NS, 5_000_000)
+    )
+    assert (comparison.equal, comparison.pairs) == (0, 400)
 
 
 def test_different_value_is_reported_with_its_field() -> None:
-    (found,) = compare(_samples([1.0, 2.0, 3.0], START_NS), _samples([1.0, 2.5, 3.0], START_NS))
-    assert (found.equal, found.pairs, found.different_field) == (2, 3, "pose.position.x")
+    (comparison,) = compare(_samples([1.0, 2.0, 3.0], START_NS), _samples([1.0, 2.5, 3.0], START_NS))
+    assert (comparison.equal, comparison.pairs, comparison.different_field) == (2, 3, "pose.position.x")
 
 
 def test_topic_on_one_side_only_has_no_pairs() -> None:
-    (found,) = compare([], _samples([1.0], START_NS))
-    assert str(found) == "/pose: kit 0, ROS 1 messages"
+    (comparison,) = compare([], _samples([1.0], START_NS))
+    assert str(comparison) == "/pose: kit 0, ROS 1 messages"
 
 
 def test_run_stamps_are_shifted_and_others_are_kept() -> None:

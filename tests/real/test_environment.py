@@ -101,6 +101,6 @@ def test_command_that_cannot_be_executed_is_an_error_with_the_reason(
     for name in ("a.launch.py", "a.ipynb", "a.py"):
         (tmp_path / name).write_text("")
     command = [sys.executable, "-m", "course_lib", *words]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=tmp_path)
-    assert (done.returncode, done.stderr.startswith("error: ")) == (2, True)
-    assert error in done.stderr
+    process = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=tmp_path)
+    assert (process.returncode, process.stderr.startswith("error: ")) == (2, True)
+    assert error in process.stderr

@@ -22,9 +22,9 @@ TIME_LIMIT = 4  # [s]
 
 def transform(parent: str, child: str, second: int) -> TransformStamped:
     """Create a transform for the programs."""
-    made = TransformStamped(child_frame_id=child)
-    made.header.frame_id, made.header.stamp.sec = parent, second
-    return made
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id, message.header.stamp.sec = parent, second
+    return message
 
 
 def run(imported: dict[str, object], program: str) -> None:

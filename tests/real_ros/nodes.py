@@ -106,10 +106,10 @@ def outcomes_in_kit() -> Outcomes:
             nodes,
             outcomes,
         ]
-        done = subprocess.run(
+        process = subprocess.run(
             [str(word) for word in command], capture_output=True, text=True, timeout=TIME_LIMIT, check=False
         )
-        assert done.returncode == 0, done.stderr
+        assert process.returncode == 0, process.stderr
         found: Outcomes = json.loads(outcomes.read_text(encoding="utf-8"))
     return found
 

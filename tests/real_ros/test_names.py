@@ -73,9 +73,9 @@ def frozen() -> Names:
 @cache
 def kits() -> Names:
     command = [sys.executable, "-m", "course_lib", "run", str(HERE / "probes" / "names.py")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
-    return _parsed({"outcomes": json.loads(done.stdout)})
+    process = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert process.returncode == 0, process.stderr
+    return _parsed({"outcomes": json.loads(process.stdout)})
 
 
 def _parsed(content: dict[str, dict[str, str]]) -> Names:
@@ -123,13 +123,13 @@ def _is_in_kit(name: str) -> bool:
     parts = name.split(".")
     for count in range(len(parts), 0, -1):
         try:
-            thing: object = importlib.import_module(".".join(parts[:count]))
+            drawable: object = importlib.import_module(".".join(parts[:count]))
         except ModuleNotFoundError:
             continue
         for part in parts[count:]:
-            if not hasattr(thing, part):
+            if not hasattr(drawable, part):
                 return False
-            thing = getattr(thing, part)
+            drawable = getattr(drawable, part)
         return True
     return False
 

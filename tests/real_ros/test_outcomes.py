@@ -29,11 +29,11 @@ def frozen_outcomes(file: str) -> dict[str, str]:
 @cache
 def _kits(file: str) -> dict[str, str]:
     command = [sys.executable, "-m", "course_lib", "run", "--seconds", "600"]
-    done = subprocess.run(
+    process = subprocess.run(
         [*command, str(HERE / "probes" / f"{file}.py")], capture_output=True, text=True, timeout=120
     )
-    assert done.returncode == 0, done.stderr
-    outcomes: dict[str, str] = json.loads(done.stdout)
+    assert process.returncode == 0, process.stderr
+    outcomes: dict[str, str] = json.loads(process.stdout)
     return outcomes
 
 

@@ -18,8 +18,8 @@ FROZEN: dict[str, Any] = json.loads((HERE / "frozen" / "programs.json").read_tex
 def _run(name: str) -> tuple[dict[str, object], str]:
     file = HERE / "programs" / f"{name}.py"
     command = [sys.executable, "-m", "course_lib", "run", "--seconds", "2", str(file)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    return outcome_of_program(done.stdout, done.stderr, done.returncode), done.stderr
+    process = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    return outcome_of_program(process.stdout, process.stderr, process.returncode), process.stderr
 
 
 def test_frozen_outcomes_are_from_these_programs() -> None:

@@ -30,13 +30,13 @@ def graph() -> Iterator[Graph]:
 @pytest.fixture
 def published(graph: Graph) -> Published:
     """The topic and the message of all that is published."""
-    heard: Published = []
+    received: Published = []
 
     def hear(sample: Sample) -> None:
-        heard.append((sample.topic, deserialize(sample.cdr, message_class(sample.type_name))))
+        received.append((sample.topic, deserialize(sample.cdr, message_class(sample.type_name))))
 
     graph.tap(hear)
-    return heard
+    return received
 
 
 @pytest.fixture

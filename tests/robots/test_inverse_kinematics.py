@@ -31,11 +31,11 @@ def test_solution_reaches_the_pose_by_pinocchio_to_1e_9(name: str, link: str) ->
     for _ in range(20):
         chosen = dict(zip(model.names[1:], random.uniform(lower, upper).tolist(), strict=True))
         goal = by_pinocchio.link_poses(model, chosen)[link].homogeneous
-        found = joints_for(robot, link, goal)
-        positions = by_pinocchio.configuration(model, found)
+        solution = joints_for(robot, link, goal)
+        positions = by_pinocchio.configuration(model, solution)
         assert (positions >= model.lowerPositionLimit).all()
         assert (positions <= model.upperPositionLimit).all()
-        reached = by_pinocchio.link_poses(model, found)[link].homogeneous
+        reached = by_pinocchio.link_poses(model, solution)[link].homogeneous
         np.testing.assert_allclose(reached, goal, atol=1e-9)
 
 
@@ -62,8 +62,8 @@ def test_solution_near_the_start_is_selected() -> None:
     robot = mobile_manipulator()
     goal = link_poses(robot, START)[WRIST]
     goal[2, 3] += 0.01  # [m]
-    found = joints_for(robot, WRIST, goal, START)
-    assert max(abs(found[name] - START.get(name, 0.0)) for name in found) < 0.05  # [rad]
+    solution = joints_for(robot, WRIST, goal, START)
+    assert max(abs(solution[name] - START.get(name, 0.0)) for name in solution) < 0.05  # [rad]
 
 
 @pytest.mark.slow
@@ -89,9 +89,11 @@ def test_unknown_link_is_reported() -> None:
 def test_robot_with_wheels_and_unbounded_joints_can_solve_for_its_arm() -> None:
     robot = load_robot(ALL_KINDS)
     wanted = {"lift": 0.3}  # [m]
-    found = joints_for(robot, "finger", link_poses(robot, wanted)["finger"])
-    assert {name: found[name] for name in ("lift", "finger")} == pytest.approx({"lift": 0.3, "finger": 1.1})
-    assert found.keys() == {"drive", "lift", "finger", "thumb"}
+    solution = joints_for(robot, "finger", link_poses(robot, wanted)["finger"])
+    assert {name: solution[name] for name in ("lift", "finger")} == pytest.approx(
+        {"lift": 0.3, "finger": 1.1}
+    )
+    assert solution.keys() == {"drive", "lift", "finger", "thumb"}
 
 
 # The middle joint drives the first one, backwards, and the last one, twice as far.
@@ -114,9 +116,9 @@ def test_mimic_joints_share_one_degree_of_freedom_with_their_joint() -> None:
     arm = load_robot(MIMICS)
     for middle in (-1.2, 0.0, 0.7):  # [rad]
         goal = link_poses(arm, {"middle": middle})["three"]
-        found = joints_for(arm, "three", goal, {"first": 0.1})
-        assert found == pytest.approx({"first": 0.3 - 0.5 * middle, "middle": middle, "last": 2 * middle})
-        np.testing.assert_allclose(link_poses(arm, found)["three"], goal, atol=1e-9)
+        solution = joints_for(arm, "three", goal, {"first": 0.1})
+        assert solution == pytest.approx({"first": 0.3 - 0.5 * middle, "middle": middle, "last": 2 * middle})
+        np.testing.assert_allclose(link_poses(arm, solution)["three"], goal, atol=1e-9)
     goal = link_poses(arm, {"middle": 0.5, "last": 0.5})["three"]  # no position of `middle` leads there
     with pytest.raises(CourseError, match="three cannot be brought to"):
         joints_for(arm, "three", goal)
@@ -135,8 +137,8 @@ def test_mimic_joints_move_as_in_the_pinocchio_model_with_mimic() -> None:
     data = model.createData()
     by_pinocchio.pin.framesForwardKinematics(model, data, np.array([position]))
     goal = data.oMf[model.getFrameId("far", by_pinocchio.pin.FrameType.BODY)].homogeneous
-    found = joints_for(load_robot(urdf), "far", goal)
-    assert found == pytest.approx({"lead": position, "follower": 0.1 - 2 * position})
+    solution = joints_for(load_robot(urdf), "far", goal)
+    assert solution == pytest.approx({"lead": position, "follower": 0.1 - 2 * position})
 
 
 def test_mimic_joint_outside_the_chain_follows_its_joint_unless_that_is_fixed() -> None:

@@ -133,9 +133,9 @@ def test_invalid_goal_is_logged_and_ignored(
     scene.driver.command(math.nan, 0.0, 0.0)
     scene.run(1.0)
     assert scene.poses[-1].tolist() == [0.0, 0.0, 0.0]
-    said = capfd.readouterr().err
-    assert says in said
-    assert "A command with numbers that are not finite is ignored" in said
+    errors = capfd.readouterr().err
+    assert says in errors
+    assert "A command with numbers that are not finite is ignored" in errors
 
 
 def test_map_odom_and_base_link_form_one_tree(scene: Scene) -> None:

@@ -22,19 +22,19 @@ Heard = list[tuple[float, str, Any]]  # [s], topic, message
 @pytest.fixture(scope="module")
 def painted() -> tuple[PaintNode, Heard]:
     """The node after both sweeps, and its published messages."""
-    heard: Heard = []
+    received: Heard = []
     virtual_time.install()
     with use_graph(Graph(notebook=True)) as graph, time_lock.hold():
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         graph.tap(
-            lambda s: heard.append(
+            lambda s: received.append(
                 ((s.stamp_ns - START_NS) / 1e9, s.topic, deserialize(s.cdr, message_class(s.type_name)))
             )
         )
         paint = PaintNode()
         spin_for(12.0, paint, *nodes())
         uninstall_signal_handlers()
-    return paint, heard
+    return paint, received
 
 
 def markers(painted: tuple[PaintNode, Heard]) -> list[tuple[float, Any]]:

@@ -256,8 +256,8 @@ def test_valid_robot_description_can_be_set_as_a_parameter_and_an_invalid_one_is
     graph: Graph,
 ) -> None:
     node = RobotStatePublisher(ARM_2R)
-    told: list[str] = []
-    graph.tap(lambda sample: told.append(sample.topic))
+    received: list[str] = []
+    graph.tap(lambda sample: received.append(sample.topic))
     for name, value, reason in (
         ("robot_description", ALL_KINDS, ""),
         ("robot_description", "", "Empty URDF is not allowed"),
@@ -265,7 +265,7 @@ def test_valid_robot_description_can_be_set_as_a_parameter_and_an_invalid_one_is
     ):
         (result,) = node.set_parameters([Parameter(name, value=value)])
         assert (result.successful, result.reason) == (not reason, reason)
-    assert told[:4] == ["/parameter_events", "/robot_description", "/rosout", "/tf_static"]
+    assert received[:4] == ["/parameter_events", "/robot_description", "/rosout", "/tf_static"]
     assert node.get_parameter("robot_description").value == ALL_KINDS
 
 

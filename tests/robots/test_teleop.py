@@ -14,12 +14,12 @@ from course_lib.ros.time.driving import spin_for
 def run() -> Iterator[tuple[TwistTeleop, Node, list[Twist]]]:
     with use_graph(Graph()):
         rclpy.init()
-        heard: list[Twist] = []
+        messages: list[Twist] = []
         base = Node("base")
-        base.create_subscription(Twist, "cmd_vel", heard.append, 10)
+        base.create_subscription(Twist, "cmd_vel", messages.append, 10)
         teleop = TwistTeleop()
         spin_for(0.1, base, teleop)
-        yield teleop, base, heard
+        yield teleop, base, messages
         rclpy.shutdown()
 
 

@@ -12,9 +12,9 @@ NOW = Time(seconds=1_700_000_000)
 
 
 def point(seconds: float, **fields: Any) -> JointTrajectoryPoint:
-    made = JointTrajectoryPoint(**fields)
-    made.time_from_start.sec, made.time_from_start.nanosec = divmod(round(seconds * 1e9), 10**9)
-    return made
+    point = JointTrajectoryPoint(**fields)
+    point.time_from_start.sec, point.time_from_start.nanosec = divmod(round(seconds * 1e9), 10**9)
+    return point
 
 
 def trajectory(*points: JointTrajectoryPoint, names: tuple[str, ...] = ("b", "a")) -> JointTrajectory:

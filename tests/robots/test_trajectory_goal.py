@@ -86,9 +86,9 @@ def test_goal_is_executed_with_feedback_and_succeeds(
     assert len(client.feedback) >= 50
     errors = np.array([feedback.error.positions for feedback in client.feedback])
     np.testing.assert_allclose(errors, 0.0, atol=1e-9)
-    said = capfd.readouterr().err
+    error_output = capfd.readouterr().err
     for line in ("Received new action goal", "Accepted new action goal", "Goal reached, success!"):
-        assert line in said
+        assert line in error_output
 
 
 def test_joint_outside_its_path_tolerance_aborts_the_goal_and_stops_the_arm(
@@ -101,13 +101,13 @@ def test_joint_outside_its_path_tolerance_aborts_the_goal_and_stops_the_arm(
     client.run(1.0)
     np.testing.assert_allclose(client.position, stopped, atol=1e-9)
     assert stopped[0] < 2.5
-    said = capfd.readouterr().err
+    errors = capfd.readouterr().err
     for line in (
         "State tolerances failed for joint 0:",
         "Position Tolerance: 0.100000",
         "state tolerance violation",
     ):
-        assert line in said
+        assert line in errors
 
 
 def test_late_goal_waits_for_its_time_tolerance_and_is_aborted(client: Client) -> None:

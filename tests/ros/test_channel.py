@@ -20,8 +20,8 @@ from tests.patience import PATIENCE
 
 @pytest.fixture
 def ends() -> tuple[Channel, socket.socket]:
-    ours, theirs = socket.socketpair()
-    return Channel(ours), theirs
+    own_end, other_end = socket.socketpair()
+    return Channel(own_end), other_end
 
 
 def framed(body: bytes) -> bytes:

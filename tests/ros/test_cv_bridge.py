@@ -77,7 +77,7 @@ def test_padded_rows_and_big_endian_pixels_are_read() -> None:
 
 
 @pytest.mark.parametrize(
-    ("pixels", "source", "target", "said"),
+    ("pixels", "source", "target", "message"),
     [
         (PIXELS, "rgb9", "passthrough", r"Unrecognized image encoding \[rgb9\]"),
         (PIXELS, "mono8", "passthrough", "encoding specified as mono8, but image has incompatible type 8UC3"),
@@ -89,9 +89,9 @@ def test_padded_rows_and_big_endian_pixels_are_read() -> None:
     ],
 )
 def test_unsupported_conversion_raises_the_error_message_of_ros(
-    pixels: Any, source: str, target: str, said: str
+    pixels: Any, source: str, target: str, message: str
 ) -> None:
-    with pytest.raises(CvBridgeError, match=said):
+    with pytest.raises(CvBridgeError, match=message):
         converted(pixels, source, target)
 
 

@@ -39,13 +39,13 @@ def test_spin_for_advances_robot_time_by_exactly_its_duration(notebook: Graph) -
 
 
 def test_burst_of_callbacks_takes_no_robot_time(notebook: Graph) -> None:
-    node, got = Node("talker"), []
+    node, values = Node("talker"), []
     publisher = node.create_publisher(String, "x", 2000)
-    node.create_subscription(String, "x", lambda _: got.append(1), 2000)
+    node.create_subscription(String, "x", lambda _: values.append(1), 2000)
     for _ in range(1500):
         publisher.publish(String())
     spin_for(0.001, node)
-    assert (len(got), notebook.now_ns) == (1500, START_NS + SECOND // 1000)
+    assert (len(values), notebook.now_ns) == (1500, START_NS + SECOND // 1000)
 
 
 def test_spin_for_ends_and_warns_once_when_a_callback_takes_its_full_period(
@@ -88,9 +88,9 @@ def test_line_of_a_blocking_callback_and_the_interrupted_line_are_reported(
 
     node.create_timer(1.0, tick)
     spin_for(10.0, node)
-    named, stopped = capsys.readouterr().out.splitlines()
+    lines, stopped = capsys.readouterr().out.splitlines()
     line = r"test_driving.py, line \d+: "
-    assert re.fullmatch(rf"/stuck has been busy for \d+ s in {line}.* \(■ stops it\)", named)
+    assert re.fullmatch(rf"/stuck has been busy for \d+ s in {line}.* \(■ stops it\)", lines)
     assert re.fullmatch(rf"Stopped after 1.0 s of robot time, in {line}.*\.", stopped)
 
 
@@ -147,9 +147,9 @@ def test_interrupt_ends_spin_with_one_line_while_another_thread_holds_the_time_l
     start = wall.monotonic()
     spin_for(1000.0, node)
     assert wall.monotonic() - start < 60  # [s] of the 1000
-    said = capsys.readouterr().out
-    assert said.startswith("Stopped after ")
-    assert float(said.split()[2]) < 60  # [s] of robot time
+    output = capsys.readouterr().out
+    assert output.startswith("Stopped after ")
+    assert float(output.split()[2]) < 60  # [s] of robot time
 
 
 @pytest.mark.slow

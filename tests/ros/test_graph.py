@@ -14,11 +14,11 @@ def run(graph: Graph) -> None:
 
 
 def test_simultaneous_events_are_ordered_by_node_then_entity_then_sequence() -> None:
-    graph, seen = Graph(), list[str]()
+    graph, calls = Graph(), list[str]()
     for node, entity, name in ((2, 0, "c"), (1, 1, "b"), (1, 0, "a"), (2, 0, "d")):
-        graph.call_at(START_NS + MS, lambda name=name: seen.append(name), node=node, entity=entity)  # type: ignore[misc]  # bound now
+        graph.call_at(START_NS + MS, lambda name=name: calls.append(name), node=node, entity=entity)  # type: ignore[misc]  # bound now
     run(graph)
-    assert seen == ["a", "b", "c", "d"]
+    assert calls == ["a", "b", "c", "d"]
     assert graph.now_ns == START_NS + MS
 
 
@@ -30,28 +30,28 @@ def test_canceled_event_is_not_run() -> None:
 
 
 def test_events_due_at_the_end_run_and_later_events_do_not() -> None:
-    graph, seen = Graph(end_ns=START_NS + 2 * MS), list[int]()
+    graph, calls = Graph(end_ns=START_NS + 2 * MS), list[int]()
     for due in (1, 2, 3):
-        graph.call_at(START_NS + due * MS, lambda due=due: seen.append(due), node=0, entity=0)  # type: ignore[misc]  # bound now
+        graph.call_at(START_NS + due * MS, lambda due=due: calls.append(due), node=0, entity=0)  # type: ignore[misc]  # bound now
     run(graph)
-    assert seen == [1, 2]
+    assert calls == [1, 2]
     assert graph.ended
     assert graph.now_ns == START_NS + 2 * MS
 
 
 def test_message_arrives_one_millisecond_after_its_publication() -> None:
-    graph, got = Graph(), list[tuple[bytes, int, int]]()
+    graph, received = Graph(), list[tuple[bytes, int, int]]()
     node = graph.add_node("talker", "/")
     publisher = graph.add_publisher(node, "/chatter", STRING, Qos())
-    graph.add_subscription(node, 0, "/chatter", STRING, Qos(), lambda *sample: got.append(sample))
+    graph.add_subscription(node, 0, "/chatter", STRING, Qos(), lambda *sample: received.append(sample))
     graph.publish(publisher, b"hello")
-    assert got == []
+    assert received == []
     run(graph)
-    assert got == [(b"hello", START_NS, START_NS + MS)]
+    assert received == [(b"hello", START_NS, START_NS + MS)]
 
 
 def test_only_endpoints_of_equal_type_and_compatible_qos_match() -> None:
-    graph, got = Graph(), list[str]()
+    graph, received = Graph(), list[str]()
     node = graph.add_node("talker", "/")
     publisher = graph.add_publisher(node, "/t", STRING, Qos(reliability="best_effort"))
     wanted = {
@@ -61,10 +61,10 @@ def test_only_endpoints_of_equal_type_and_compatible_qos_match() -> None:
         "match": (STRING, Qos(reliability="best_effort")),
     }
     for name, (type_name, qos) in wanted.items():
-        graph.add_subscription(node, 0, "/t", type_name, qos, lambda *_, name=name: got.append(name))
+        graph.add_subscription(node, 0, "/t", type_name, qos, lambda *_, name=name: received.append(name))
     graph.publish(publisher, b"")
     run(graph)
-    assert got == ["match"]
+    assert received == ["match"]
 
 
 def test_late_joining_subscription_receives_last_samples_only_with_transient_local_endpoints() -> None:
@@ -83,14 +83,14 @@ def test_late_joining_subscription_receives_last_samples_only_with_transient_loc
 
 
 def test_removing_a_node_removes_its_endpoints_and_the_messages_being_delivered_to_them() -> None:
-    graph, got = Graph(), list[bytes]()
+    graph, received = Graph(), list[bytes]()
     talker, listener = graph.add_node("talker", "/"), graph.add_node("listener", "/")
     publisher = graph.add_publisher(talker, "/t", STRING, Qos())
-    graph.add_subscription(listener, 0, "/t", STRING, Qos(), lambda cdr, *_: got.append(cdr))
+    graph.add_subscription(listener, 0, "/t", STRING, Qos(), lambda cdr, *_: received.append(cdr))
     graph.publish(publisher, b"late")
     graph.remove_node(listener)
     run(graph)
-    assert got == []
+    assert received == []
     assert [node.name for node in graph.nodes()] == ["talker"]
     assert [endpoint.kind for endpoint in graph.endpoints()] == ["pub"]
 

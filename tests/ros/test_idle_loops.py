@@ -86,15 +86,15 @@ def test_program_polls_a_variable_that_another_thread_sets(
     assert capsys.readouterr().out == "0.5\n"
 
 
-@pytest.mark.parametrize(("code", "said"), [(IN_A_THREAD, "worker\n"), (IN_A_CALLBACK, "callback\n")])
+@pytest.mark.parametrize(("code", "message"), [(IN_A_THREAD, "worker\n"), (IN_A_CALLBACK, "callback\n")])
 def test_other_threads_and_callbacks_can_poll_a_variable(
-    code: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    code: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "waits.py").write_text(NODE + code)
     with use_graph(Graph()) as graph:
         graph.end_ns = graph.now_ns + 2 * 10**9
         assert run_files([tmp_path / "waits.py"], seed=0) == 0
-    assert capsys.readouterr().out == said
+    assert capsys.readouterr().out == message
 
 
 def test_imported_module_can_poll_a_variable_and_leaves_no_cache(
@@ -185,10 +185,10 @@ def test_ctrl_c_reports_the_line_of_a_busy_loop(tmp_path: Path) -> None:
     with Program(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.read_line() == "begins\n"
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, output = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "interrupted in stuck.py, line 2" in said
-    assert "time.sleep(0.01)" in said
+    assert "interrupted in stuck.py, line 2" in output
+    assert "time.sleep(0.01)" in output
 
 
 POLLING = """

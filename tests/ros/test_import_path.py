@@ -33,11 +33,11 @@ def test_ros_on_pythonpath_is_ignored(tmp_path: Path, text: str) -> None:
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text(text)
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", LOAD], env=environment, capture_output=True, text=True, timeout=PATIENCE
     )
-    assert done.returncode == 0, done.stderr
-    assert STANDIN in Path(done.stdout.strip()).parents
+    assert process.returncode == 0, process.stderr
+    assert STANDIN in Path(process.stdout.strip()).parents
 
 
 def test_previously_imported_ros_is_reported_with_the_next_step(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -52,5 +52,5 @@ def test_previously_imported_ros_is_reported_with_the_next_step(monkeypatch: pyt
 
 def test_importing_actions_provides_the_module_of_nodes() -> None:
     code = "import course_lib, rclpy\nfrom rclpy.action import ActionClient\nprint(rclpy.node.Node.__name__)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE)
-    assert (done.stdout, done.stderr) == ("Node\n", "")
+    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE)
+    assert (process.stdout, process.stderr) == ("Node\n", "")

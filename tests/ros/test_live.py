@@ -227,22 +227,22 @@ def test_run_state_is_not_sent_repeatedly_without_an_open_page(
     notebook: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Messages of a kernel whose page is closed would keep a hub from ending it."""
-    told: list[str] = []
-    monkeypatch.setattr(LiveRun, "show_state", lambda run, note="": told.append(run.state(note)))
+    received: list[str] = []
+    monkeypatch.setattr(LiveRun, "show_state", lambda run, note="": received.append(run.state(note)))
     monkeypatch.setattr(driving, "RECENTLY", 0.1)
     calls: list[int] = []
     node = Node("talker")
     node.create_timer(0.05, lambda: calls.append(1))
 
     def silent_for_ten_calls() -> bool:
-        return told[-1:] != [] and "goes on" in told[-1] and len(calls) > len(told) + 10
+        return received[-1:] != [] and "goes on" in received[-1] and len(calls) > len(received) + 10
 
     in_a_kernel(lambda: run_live(node), monkeypatch, until=silent_for_ten_calls)
-    shown = len(told)
+    shown = len(received)
     monkeypatch.setattr(pace, "views", {lambda: True})
     monkeypatch.setattr(driving, "RECENTLY", 0.0)
-    in_a_kernel(lambda: run_live(node), monkeypatch, until=lambda: len(told) > shown + 10)
-    assert "goes on" not in told[-1]
+    in_a_kernel(lambda: run_live(node), monkeypatch, until=lambda: len(received) > shown + 10)
+    assert "goes on" not in received[-1]
 
 
 def test_run_state_includes_the_name_of_a_replaced_node(notebook: Graph) -> None:

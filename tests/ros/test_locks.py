@@ -39,14 +39,14 @@ def test_lock_created_in_a_cell_releases_the_time_lock_while_waiting(make: str) 
 def test_pool_queue_created_in_a_cell_releases_the_time_lock_while_waiting() -> None:
     virtual_time.install()
     jobs: queue.SimpleQueue[int] = queue.SimpleQueue()
-    got: list[int] = []
+    received: list[int] = []
 
     def put_later() -> None:
         time.sleep(1.0)
         jobs.put(7)
 
-    run_threads(lambda: got.append(jobs.get()), put_later)
-    assert got == [7]
+    run_threads(lambda: received.append(jobs.get()), put_later)
+    assert received == [7]
 
 
 def test_lock_held_by_an_ordinary_thread_is_awaited_in_wall_time() -> None:

@@ -35,11 +35,11 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
 
 
 def errors_of(*words: str) -> str:
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-m", "course_lib", *words], capture_output=True, text=True, timeout=PATIENCE
     )
-    assert done.returncode
-    return done.stdout + done.stderr
+    assert process.returncode
+    return process.stdout + process.stderr
 
 
 @pytest.mark.parametrize(
@@ -114,10 +114,10 @@ def test_urdf_file_error_includes_the_line(write: Write, body: str, expected: st
 def test_interface_file_error_includes_the_line(write: Write, message: str, expected: str) -> None:
     write("wrong_msgs/msg/A.msg", f"{message}\n")
     write("p.py", "from wrong_msgs.msg import A\n")
-    shown = errors_of("run", "p.py")
-    assert f"wrong_msgs/msg/A.msg, {expected}" in shown
-    assert "importlib" not in shown
-    assert "course_lib/" not in shown
+    output = errors_of("run", "p.py")
+    assert f"wrong_msgs/msg/A.msg, {expected}" in output
+    assert "importlib" not in output
+    assert "course_lib/" not in output
 
 
 def test_valid_constants_and_defaults_of_interface_files_are_accepted(write: Write) -> None:
@@ -125,10 +125,10 @@ def test_valid_constants_and_defaults_of_interface_files_are_accepted(write: Wri
     fields = 'string WORD=class\nbool flag true\nint32 x 08\nfloat64[] many [1, 2]\nstring s "a"\n'
     write("right_values_msgs/msg/A.msg", constants + fields)
     write("p.py", "from right_values_msgs.msg import A\nprint(A.LOWEST, A().flag, list(A().many))\n")
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-m", "course_lib", "run", "p.py"], capture_output=True, text=True, timeout=PATIENCE
     )
-    assert (done.stdout, done.stderr) == ("-128 True [1.0, 2.0]\n", "")
+    assert (process.stdout, process.stderr) == ("-128 True [1.0, 2.0]\n", "")
 
 
 @pytest.mark.parametrize(
@@ -159,9 +159,9 @@ def test_package_error_includes_its_file(write: Write, manifest: str, setup: str
     write("src/arm/arm/__init__.py", "")
     write("src/arm/arm/go.py", "def main():\n    pass\n")
     write("src/arm/arm/wrong.py", "def main(:\n")
-    shown = errors_of("ros2", "run", "arm", "go")
-    assert expected in shown
-    assert not re.search(r"course_lib/|importlib|Traceback", shown)
+    output = errors_of("ros2", "run", "arm", "go")
+    assert expected in output
+    assert not re.search(r"course_lib/|importlib|Traceback", output)
 
 
 @pytest.mark.parametrize(
@@ -186,6 +186,6 @@ def test_launch_file_error_includes_the_line(write: Write, action: str, expected
         f"def generate_launch_description():\n    return LaunchDescription([\n        {action}\n    ])\n"
     )
     write("l.launch.py", imports + describe)
-    shown = errors_of("run", "l.launch.py", "--seconds", "1")
-    assert re.search(expected, shown)
-    assert "course_lib/" not in shown
+    output = errors_of("run", "l.launch.py", "--seconds", "1")
+    assert re.search(expected, output)
+    assert "course_lib/" not in output

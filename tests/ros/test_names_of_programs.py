@@ -27,9 +27,9 @@ from std_srvs.srv import Empty
 from course_lib.ros.graph.graph import START_NS, Graph
 from course_lib.ros.programs.import_path import THIRD_PARTY_IMPORTS
 from tests.patience import PATIENCE
-from tests.ros.rclpy.conftest import begun as begun
 from tests.ros.rclpy.conftest import graph as graph
 from tests.ros.rclpy.conftest import node as node
+from tests.ros.rclpy.conftest import started_graph as started_graph
 
 IMPORTS = (
     "from launch.actions.declare_launch_argument import DeclareLaunchArgument",
@@ -68,10 +68,10 @@ IMPORTS = (
 def test_names_imported_by_public_programs_exist() -> None:
     first = "from course_lib.ros.programs import import_path; import_path.install()\n"
     code = first + "\n".join(IMPORTS)
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=PATIENCE
     )
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (process.returncode, process.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("host", THIRD_PARTY_IMPORTS)
@@ -90,10 +90,10 @@ def test_name_imported_from_another_module_is_the_same_object() -> None:
         "assert ParameterType is rcl_interfaces.msg.ParameterType\n"
         "from rclpy.node import Nonsense"
     )
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=PATIENCE
     )
-    assert "ImportError: cannot import name 'Nonsense' from 'rclpy.node'" in done.stderr
+    assert "ImportError: cannot import name 'Nonsense' from 'rclpy.node'" in process.stderr
 
 
 def test_types_of_a_package_are_available_once_one_of_them_is_loaded() -> None:
@@ -102,11 +102,11 @@ def test_types_of_a_package_are_available_once_one_of_them_is_loaded() -> None:
         "from geometry_msgs.msg import PoseStamped; print(std_msgs.msg.Header.__name__)\n"
         "std_srvs.srv"
     )
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=PATIENCE
     )
-    assert done.stdout == "Header\n"
-    assert done.stderr.endswith("AttributeError: module 'std_srvs' has no attribute 'srv'\n")
+    assert process.stdout == "Header\n"
+    assert process.stderr.endswith("AttributeError: module 'std_srvs' has no attribute 'srv'\n")
 
 
 def test_logger_of_a_launch_file_writes_as_in_launch(capsys: pytest.CaptureFixture[str]) -> None:
@@ -138,11 +138,11 @@ def test_policy_names_of_rmw_are_available_with_a_warning() -> None:
 
 @pytest.mark.parametrize("publisher", [qos_profile_sensor_data, QoSProfile(depth=10)])
 def test_best_available_profile_matches_every_publisher(node: Node, publisher: QoSProfile) -> None:
-    heard: list[String] = []
-    node.create_subscription(String, "chatter", heard.append, qos_profile_best_available)
+    messages: list[String] = []
+    node.create_subscription(String, "chatter", messages.append, qos_profile_best_available)
     node.create_publisher(String, "chatter", publisher).publish(String(data="hi"))
     rclpy.spin_once(node)
-    assert [message.data for message in heard] == ["hi"]
+    assert [message.data for message in messages] == ["hi"]
 
 
 @pytest.mark.parametrize(
@@ -190,7 +190,9 @@ def test_wait_for_message_returns_one_message_without_spinning(node: Node) -> No
     assert (node.handle.graph.now_ns - START_NS) * 1e-9 == pytest.approx(2.001)
 
 
-def test_node_lists_endpoints_and_services_of_other_nodes_with_their_types(node: Node, begun: Graph) -> None:
+def test_node_lists_endpoints_and_services_of_other_nodes_with_their_types(
+    node: Node, started_graph: Graph
+) -> None:
     other = Node("other", namespace="/arm", start_parameter_services=False)
     other.create_publisher(String, "chatter", 10)
     other.create_subscription(Twist, "cmd_vel", print, 10)
@@ -212,7 +214,7 @@ def test_node_lists_endpoints_and_services_of_other_nodes_with_their_types(node:
         node.get_client_names_and_types_by_node("nobody", "/")
 
 
-def test_parameters_override_the_qos(begun: Graph) -> None:
+def test_parameters_override_the_qos(started_graph: Graph) -> None:
     cli = ["--ros-args", "-p", "qos_overrides./chatter.publisher.reliability:=best_effort"]
     talker = Node("talker", cli_args=[*cli, "-p", "qos_overrides./chatter.publisher.depth:=3"])
     options = QoSOverridingOptions.with_default_policies()
@@ -226,7 +228,7 @@ def test_parameters_override_the_qos(begun: Graph) -> None:
     assert not talker.has_parameter("qos_overrides./chatter.subscription_ear.lifespan")
 
 
-def test_invalid_qos_overrides_are_rejected(begun: Graph) -> None:
+def test_invalid_qos_overrides_are_rejected(started_graph: Graph) -> None:
     name = "qos_overrides./chatter.publisher.reliability"
     talker = Node("talker", cli_args=["--ros-args", "-p", f"{name}:=sometimes"])
     options = QoSOverridingOptions.with_default_policies()

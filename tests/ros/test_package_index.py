@@ -42,13 +42,13 @@ def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
 
 def python(code: str) -> str:
     """Return the output of a program in the working folder, run as a notebook would."""
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", f"import course_lib\n{code}"],
         capture_output=True,
         text=True,
         timeout=PATIENCE,
     )
-    return (done.stdout or done.stderr).strip()
+    return (process.stdout or process.stderr).strip()
 
 
 @pytest.mark.parametrize("folder", ["arm", "repository/arm", "repository/group/deep/down/arm", "other_name"])
@@ -190,10 +190,10 @@ def test_scripts_installed_by_cmake_are_executables(make: Make) -> None:
     )
     scripts = dict.fromkeys(files, SHEBANG)
     make("arm", **{"CMakeLists.txt": CMAKE, **scripts, "nodes/shell": "#!/bin/sh\n", "scripts/one.py": ""})
-    found = find_package("arm")
-    assert found is not None
-    assert set(found.executables) == {"one.py", "two", "three", "four", "six.py", "five", "short"}
-    assert found.compiled == {"driver"}
+    package = find_package("arm")
+    assert package is not None
+    assert set(package.executables) == {"one.py", "two", "three", "four", "six.py", "five", "short"}
+    assert package.compiled == {"driver"}
 
 
 def test_executables_of_cmake_loops_and_macros_are_found(make: Make) -> None:
@@ -254,9 +254,9 @@ def test_scripts_of_setup_py_and_setup_cfg_are_executables(make: Make) -> None:
     )
     scripts = dict.fromkeys(("scripts/one", "scripts/five", "tools/six"), SHEBANG)
     make("arm", **{"setup.py": setup, "setup.cfg": cfg, **scripts})
-    found = find_package("arm")
-    assert found is not None
-    assert set(found.executables) == {"one", "two", "three", "four", "five", "six"}
+    package = find_package("arm")
+    assert package is not None
+    assert set(package.executables) == {"one", "two", "three", "four", "five", "six"}
 
 
 @pytest.mark.parametrize(
@@ -278,10 +278,10 @@ def test_python_package_is_imported_from_its_build_location(
     make("other")
     script = make("scripts", **{"s.py": "import arm.names\nprint(arm.names.NAME)"}) / "s.py"
     assert python("from arm.names import NAME; print(NAME)") == "arm"
-    done = subprocess.run(
+    process = subprocess.run(
         ["course", "run", script], capture_output=True, text=True, cwd=tmp_path, timeout=PATIENCE
     )
-    assert (done.stdout, done.stderr) == ("arm\n", "")
+    assert (process.stdout, process.stderr) == ("arm\n", "")
 
 
 @pytest.mark.parametrize(
@@ -328,18 +328,18 @@ def test_messages_are_imported_from_a_package_in_a_differently_named_folder(make
     )
     assert "degrees=2.0" in python(code)
     (Path("src") / "depth_two_msgs" / "srv" / "Wrong.srv").write_text("no_type x\n")
-    listed = subprocess.run(
+    process = subprocess.run(
         ["course", "ros2", "interface", "list"], capture_output=True, text=True, timeout=PATIENCE
     )
-    assert "    depth_one_msgs/msg/Angle\n" in listed.stdout
-    assert re.search(r"^warning: .*Wrong\.srv", listed.stderr)
-    shown = subprocess.run(
+    assert "    depth_one_msgs/msg/Angle\n" in process.stdout
+    assert re.search(r"^warning: .*Wrong\.srv", process.stderr)
+    completed = subprocess.run(
         ["course", "ros2", "interface", "show", "depth_one_msgs/msg/Angle"],
         capture_output=True,
         text=True,
         timeout=PATIENCE,
     )
-    assert shown.stdout == "float64 degrees\n"
+    assert completed.stdout == "float64 degrees\n"
 
 
 @pytest.mark.parametrize(

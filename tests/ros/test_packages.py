@@ -69,9 +69,9 @@ def test_executables_are_read_from_setup_py_without_executing_it(tmp_path: Path)
     (folder / "setup.py").write_text(
         f'raise SystemExit\nsetup(entry_points={{"console_scripts": {scripts}}})'
     )
-    found = find_package("robot")
-    assert found is not None
-    assert found.executables == {"talker": ("robot.talker", "main")}
+    package = find_package("robot")
+    assert package is not None
+    assert package.executables == {"talker": ("robot.talker", "main")}
 
 
 def test_missing_package_error_lists_the_available_packages(tmp_path: Path) -> None:

@@ -12,12 +12,12 @@ CELL = contextvars.ContextVar("CELL", default="none")
 
 def test_program_output_belongs_to_the_cell_that_started_the_program() -> None:
     """ipykernel keeps the cell in a context variable; messages of pages change its global fallback."""
-    seen: list[str] = []
+    observed: list[str] = []
     virtual_time.install()
     with use_graph(Graph()), time_lock.hold():
         token = CELL.set("the cell that launches")
         processes = Processes()
-        processes.start(Function("rviz2", lambda: seen.append(CELL.get()), []))
+        processes.start(Function("rviz2", lambda: observed.append(CELL.get()), []))
         CELL.reset(token)
         processes.wait()
-    assert seen == ["the cell that launches"]
+    assert observed == ["the cell that launches"]

@@ -347,7 +347,7 @@ def output_of(command: str, folder: Path) -> str:
     program, _, words = command.partition(" ")
     start = [sys.executable, *(["-m", "course_lib"] if program == "course" else [])]
     line = " ".join(f'"{word}"' for word in start)
-    done = subprocess.run(
+    process = subprocess.run(
         f"{line} {words}",
         shell=True,
         cwd=folder,
@@ -359,4 +359,4 @@ def output_of(command: str, folder: Path) -> str:
         errors="replace",
         timeout=120,
     )
-    return done.stdout
+    return process.stdout

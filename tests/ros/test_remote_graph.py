@@ -46,13 +46,13 @@ def talk(graph: Graph) -> None:
 
 
 def in_a_child(program: Callable[[Channel], None]) -> Channel:
-    ours, theirs = socket.socketpair()
+    own_end, other_end = socket.socketpair()
     if os.fork() == 0:
-        ours.close()
-        program(Channel(theirs))
+        own_end.close()
+        program(Channel(other_end))
         os._exit(0)
-    theirs.close()
-    return Channel(ours)
+    other_end.close()
+    return Channel(own_end)
 
 
 def recorded(run: Callable[[Graph], None]) -> list[Sample]:
@@ -126,11 +126,11 @@ def test_out_of_sequence_number_is_rejected(number: int) -> None:
     "raw", [b"\xff\xff\xff\xff", b"\x00\x00\x00\x01\xc1", b"\x00\x00\x00\x02\x91\x01", b"\0\0\0\5"]
 )
 def test_invalid_data_on_the_pipe_is_a_channel_error(raw: bytes) -> None:
-    ours, theirs = socket.socketpair()
-    theirs.sendall(raw)
-    theirs.close()
+    own_end, other_end = socket.socketpair()
+    other_end.sendall(raw)
+    other_end.close()
     with pytest.raises(ChannelError):
-        Channel(ours).receive()
+        Channel(own_end).receive()
 
 
 def test_exited_process_raises_channel_closed_error() -> None:

@@ -122,15 +122,15 @@ def bag(tmp_path: Path) -> Path:
 
 @pytest.mark.slow
 def test_programs_of_the_tutorial_record_a_bag_and_publish_it_again(tmp_path: Path) -> None:
-    said = ""
+    message = ""
     for name, text, seconds in (("recorder.py", RECORDER, "3.5"), ("reader.py", READER, "2")):
         (tmp_path / name).write_text(dedent(text))
         words = [sys.executable, "-m", "course_lib", "run", name, "--seconds", seconds]
-        done = subprocess.run(
+        process = subprocess.run(
             words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=PATIENCE
         )
-        said += done.stdout
-    assert said.splitlines() == ["heard hello"] * 3
+        message += process.stdout
+    assert message.splitlines() == ["heard hello"] * 3
     assert "Topic: chatter | Type: std_msgs/msg/String | Count: 3 |" in bag_info(tmp_path / "my_bag")
 
 

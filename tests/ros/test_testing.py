@@ -69,6 +69,6 @@ def test_nodes_in_an_executor_are_tested_in_robot_time(tmp_path: Path) -> None:
     (tmp_path / "conftest.py").write_text('pytest_plugins = ["course_lib.ros.testing"]')
     (tmp_path / "test_my_node.py").write_text(TESTS)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path)]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
-    assert "1 failed, 2 passed" in done.stdout, done.stdout + done.stderr
-    assert "assert (1 + 1) == 3" in done.stdout
+    process = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert "1 failed, 2 passed" in process.stdout, process.stdout + process.stderr
+    assert "assert (1 + 1) == 3" in process.stdout

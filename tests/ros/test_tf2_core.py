@@ -40,10 +40,10 @@ def chain() -> BufferCore:
 
 
 def test_transforms_are_composed_up_the_tree() -> None:
-    found = chain().lookup("map", "base")
-    assert found.translation == pytest.approx((1.0, 2.0, 0.5))
-    assert found.rotation == pytest.approx(turn(pi / 2))
-    assert (found.parent, found.child, found.stamp_ns) == ("map", "base", 0)
+    transform = chain().lookup("map", "base")
+    assert transform.translation == pytest.approx((1.0, 2.0, 0.5))
+    assert transform.rotation == pytest.approx(turn(pi / 2))
+    assert (transform.parent, transform.child, transform.stamp_ns) == ("map", "base", 0)
 
 
 def test_transform_down_the_tree_is_the_inverse_of_the_transform_up() -> None:
@@ -53,17 +53,17 @@ def test_transform_down_the_tree_is_the_inverse_of_the_transform_up() -> None:
 
 
 def test_branches_are_joined_at_their_common_parent() -> None:
-    found = chain().lookup("beacon", "base")
-    assert found.translation == pytest.approx((1.0, 2.0, -2.5))
+    transform = chain().lookup("beacon", "base")
+    assert transform.translation == pytest.approx((1.0, 2.0, -2.5))
 
 
 def test_position_and_rotation_are_interpolated_between_stamps() -> None:
     buffer = BufferCore()
     buffer.set_transform(step("map", "base", 1 * S, (0.0, 0.0, 0.0), turn(0.0)))
     buffer.set_transform(step("map", "base", 2 * S, (4.0, 0.0, 0.0), turn(1.0)))
-    found = buffer.lookup("map", "base", 1 * S + S // 4)
-    assert found.translation == pytest.approx((1.0, 0.0, 0.0))
-    assert found.rotation == pytest.approx(turn(0.25))
+    transform = buffer.lookup("map", "base", 1 * S + S // 4)
+    assert transform.translation == pytest.approx((1.0, 0.0, 0.0))
+    assert transform.rotation == pytest.approx(turn(0.25))
 
 
 def test_rotation_takes_the_shorter_arc_regardless_of_the_quaternion_sign() -> None:
@@ -80,8 +80,8 @@ def test_time_zero_is_the_latest_common_time_of_the_chain() -> None:
         buffer.set_transform(step("map", "odom", stamp * S, (float(stamp), 0.0, 0.0)))
     for stamp in (1, 2):
         buffer.set_transform(step("odom", "base", stamp * S))
-    found = buffer.lookup("map", "base")
-    assert (found.stamp_ns, found.translation[0]) == (2 * S, 2.0)
+    transform = buffer.lookup("map", "base")
+    assert (transform.stamp_ns, transform.translation[0]) == (2 * S, 2.0)
 
 
 def test_static_transforms_do_not_limit_the_latest_common_time() -> None:

@@ -46,19 +46,19 @@ def test_threads_started_by_jupyter_use_the_wall_clock() -> None:
 
 
 def test_threads_run_in_a_deterministic_order(graph: Graph) -> None:
-    seen: list[tuple[float, str]] = []
+    observed: list[tuple[float, str]] = []
 
     def tick(name: str, period: float) -> None:
         for _ in range(3):
             time.sleep(period)
-            seen.append((seconds(graph), name))
+            observed.append((seconds(graph), name))
 
     threads = [threading.Thread(target=tick, args=args) for args in (("a", 2.0), ("b", 1.0))]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert seen == [(1, "b"), (2, "a"), (2, "b"), (3, "b"), (4, "a"), (6, "a")]
+    assert observed == [(1, "b"), (2, "a"), (2, "b"), (3, "b"), (4, "a"), (6, "a")]
 
 
 def test_event_queue_and_condition_time_out_in_robot_time(graph: Graph) -> None:

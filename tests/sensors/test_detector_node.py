@@ -26,8 +26,8 @@ def detections(seconds: float = 0.5, **settings: Any) -> list[Any]:
 
 
 def test_detection_has_its_label_confidence_and_track() -> None:
-    said = [(d.results[0].hypothesis.class_id, d.id) for d in detections()]
-    assert said == [("Person", "1"), ("Car", "2")]
+    messages = [(d.results[0].hypothesis.class_id, d.id) for d in detections()]
+    assert messages == [("Person", "1"), ("Car", "2")]
     assert detections()[0].results[0].hypothesis.score == pytest.approx(0.75, abs=0.01)
 
 

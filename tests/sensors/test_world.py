@@ -29,7 +29,7 @@ def test_culling_rays_far_from_objects_does_not_change_the_result(seed: int, far
     things = [Thing(shape, random_transform(chance)) for shape in SHAPES]
     sensor, rays = random_transform(chance), random_rays(chance, 200)
     hits = World(things).cast(sensor, rays, 0.0, far)
-    each = np.array([in_its_frame(thing, sensor, rays) for thing in things])
+    each = np.array([in_its_frame(drawable, sensor, rays) for drawable in things])
     near = each.min(axis=0) <= far
     np.testing.assert_allclose(hits.distance[near], each.min(axis=0)[near], atol=1e-6)
     met = np.isfinite(hits.distance)
@@ -55,8 +55,8 @@ def test_objects_move_with_robot_time() -> None:
 
 
 def test_object_velocity_is_the_derivative_of_its_motion() -> None:
-    thing = Thing(sphere(0.5), circle((5, 0, 0), 2, 2 * np.pi))
-    np.testing.assert_allclose(thing.velocity_at(0.0), (0, 2, 0), atol=1e-6)
+    drawable = Thing(sphere(0.5), circle((5, 0, 0), 2, 2 * np.pi))
+    np.testing.assert_allclose(drawable.velocity_at(0.0), (0, 2, 0), atol=1e-6)
     assert Thing(sphere(1), AT_ORIGIN).velocity_at(3.0).tolist() == [0, 0, 0]
 
 

@@ -59,11 +59,11 @@ def run(graph: Graph) -> Run:
 
     def run(line: str) -> str:
         words, brace, rest = line.partition("{")
-        written: list[str] = []
+        output: list[str] = []
         try:
-            ros2([*words.split(), *([brace + rest] if brace else [])], GraphSource(graph), written.append)
+            ros2([*words.split(), *([brace + rest] if brace else [])], GraphSource(graph), output.append)
         finally:
-            run.written = "".join(written)  # type: ignore[attr-defined]  # what came before an error
-        return "".join(written)
+            run.written = "".join(output)  # type: ignore[attr-defined]  # what came before an error
+        return "".join(output)
 
     return run

@@ -48,8 +48,8 @@ def test_action_list_type_and_info_agree_with_ros2cli(run: Run, talker: Node) ->
 
 def test_send_goal_shows_feedback_and_the_result(run: Run, talker: Node) -> None:
     ActionServer(talker, Fibonacci, "fibonacci", count)
-    said = run(f"action send_goal -f /fibonacci {TYPE} {{order: 3}}")
-    assert re.sub("[0-9a-f]{32}", "<hex>", said) == (
+    output = run(f"action send_goal -f /fibonacci {TYPE} {{order: 3}}")
+    assert re.sub("[0-9a-f]{32}", "<hex>", output) == (
         "Waiting for an action server to become available...\n"
         "Sending goal:\n     order: 3\n\n"
         "Goal accepted with ID: <hex>\n\n"

@@ -60,7 +60,7 @@ def test_rviz_without_a_page_prints_how_to_view_its_layout(
 
 
 @pytest.mark.parametrize(
-    ("action", "said"),
+    ("action", "message"),
     [
         (kit("robot_state_publisher"), "robot_description parameter must not be empty"),
         (
@@ -70,11 +70,11 @@ def test_rviz_without_a_page_prints_how_to_view_its_layout(
     ],
 )
 def test_argument_errors_are_one_line(
-    launch_file: Write, capsys: pytest.CaptureFixture[str], action: str, said: str
+    launch_file: Write, capsys: pytest.CaptureFixture[str], action: str, message: str
 ) -> None:
     assert recorded(launch_file(action))[1] == 1
     (line,) = capsys.readouterr().err.splitlines()
-    assert said in line
+    assert message in line
 
 
 def test_turtlesim_without_a_page_prints_how_to_see_its_window(
@@ -83,16 +83,16 @@ def test_turtlesim_without_a_page_prints_how_to_see_its_window(
     recording, code = recorded(launch_file(kit("turtlesim_node", "turtlesim")))
     counts = {topic.name: topic.count for topic in recording.topics()}
     assert (code, counts["/turtle1/pose"], counts["/turtle1/color_sensor"]) == (0, 62, 62)
-    shown = capsys.readouterr()
-    assert "%ros2 run turtlesim turtlesim_node" in shown.out + shown.err
+    captured = capsys.readouterr()
+    assert "%ros2 run turtlesim turtlesim_node" in captured.out + captured.err
 
 
 def test_rqt_and_tf2_tools_are_available(launch_file: Write, capsys: pytest.CaptureFixture[str]) -> None:
     echo = kit("tf2_echo", "tf2_ros", arguments=["world", "base"])
     assert recorded(launch_file(kit("rqt_graph"), echo))[1] == 0
-    shown = capsys.readouterr()
-    assert "%rqt graph" in shown.out
-    assert "Waiting for transform world ->  base" in shown.out + shown.err
+    captured = capsys.readouterr()
+    assert "%rqt graph" in captured.out
+    assert "Waiting for transform world ->  base" in captured.out + captured.err
 
 
 def demo(name: str) -> str:

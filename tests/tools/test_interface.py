@@ -11,9 +11,9 @@ from course_lib.tools.sources import RecordingSource
 
 
 def output(line: str) -> str:
-    written: list[str] = []
-    ros2(["interface", *line.split()], RecordingSource(Recording(())), written.append)
-    return "".join(written)
+    output: list[str] = []
+    ros2(["interface", *line.split()], RecordingSource(Recording(())), output.append)
+    return "".join(output)
 
 
 def test_show_indents_nested_types_with_tabs() -> None:
@@ -52,20 +52,20 @@ def test_show_includes_the_comments_of_the_interface_file(monkeypatch: pytest.Mo
     text = "# Adds.\n\nint64 a  # one\nint64 b\n---\nint64 sum\nstd_msgs/Header header # when\n"
     name = "example_interfaces/srv/AddTwoInts"
     monkeypatch.setattr("course_lib.tools.entities.kit_files", lambda: {f"{name}.srv": text})
-    shown = output(f"show {name}").splitlines()
-    assert [line for line in shown if not line.startswith("\t")] == text.splitlines()
+    lines = output(f"show {name}").splitlines()
+    assert [line for line in lines if not line.startswith("\t")] == text.splitlines()
     assert output(f"show {name} --no-comments").splitlines()[:5] == [
         "int64 a", "int64 b", "---", "int64 sum", "std_msgs/Header header",
     ]  # fmt: skip
 
 
 def test_list_package_and_packages_agree() -> None:
-    listed = output("list").splitlines()
-    assert [line for line in listed if not line.startswith("    ")] == ["Messages:", "Services:", "Actions:"]
+    lines = output("list").splitlines()
+    assert [line for line in lines if not line.startswith("    ")] == ["Messages:", "Services:", "Actions:"]
     assert {line.strip() for line in output("list -m").splitlines()[1:]} == set(interfaces("msg"))
     packages = output("packages").splitlines()
     names = [name for package in packages for name in output(f"package {package}").splitlines()]
-    assert sorted(names) == sorted(line.strip() for line in listed if line.startswith("    "))
+    assert sorted(names) == sorted(line.strip() for line in lines if line.startswith("    "))
     assert output("packages -s").splitlines() == sorted({name.split("/")[0] for name in interfaces("srv")})
     assert set(interfaces("msg")) <= set(type_names())
 

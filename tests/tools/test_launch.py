@@ -71,26 +71,26 @@ def test_kit_packages_have_their_launch_files(graph: Graph, launch_file: Run) ->
 def test_launch_continues_between_cells_until_stopped(graph: Graph, launch_file: Run) -> None:
     launch_file("Node(**TALKER, name='a')", "Node(**TALKER, name='b')")
     run(graph, "launch my_robot robot.launch.py")
-    heard: list[str] = []
-    graph.tap(lambda sample: heard.append(sample.topic))
+    received: list[str] = []
+    graph.tap(lambda sample: received.append(sample.topic))
     spin_for(2.0)
-    assert heard.count("/chatter") == 4
+    assert received.count("/chatter") == 4
     (launched,) = live_runs(graph)
     assert launched.state().startswith("▶ running: robot.launch.py")
     launched.stop()
     spin_for(2.0)
-    assert heard.count("/chatter") == 4
+    assert received.count("/chatter") == 4
     assert live_runs(graph) == ()
 
 
 def test_invisible_view_finally_shows_the_received_messages(
     graph: Graph, launch_file: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    seen: list[str] = []
+    observed: list[str] = []
 
     class Shown:
         def update(self, viewer: Viewer) -> None:
-            seen.append(str(viewer.statuses()))
+            observed.append(str(viewer.statuses()))
 
     def display(viewer: Viewer, display_id: bool) -> Shown:
         Shown().update(viewer)
@@ -104,7 +104,7 @@ def test_invisible_view_finally_shows_the_received_messages(
     )
     run(graph, "launch my_robot robot.launch.py")
     spin_for(2.0)
-    assert ["does not exist" in statuses for statuses in seen] == [True, False]
+    assert ["does not exist" in statuses for statuses in observed] == [True, False]
 
 
 @pytest.mark.parametrize(
@@ -120,16 +120,16 @@ def test_invisible_view_finally_shows_the_received_messages(
 def test_rviz_in_a_launch_file_uses_its_use_sim_time_parameter(
     graph: Graph, launch_file: Run, monkeypatch: pytest.MonkeyPatch, options: str, follows: bool
 ) -> None:
-    seen: list[bool] = []
+    observed: list[bool] = []
 
     def display(viewer: Viewer, display_id: bool) -> None:
-        seen.append(viewer.use_sim_time)
+        observed.append(viewer.use_sim_time)
 
     monkeypatch.setattr("IPython.display.display", display)
     launch_file(f"Node(package='rviz2', executable='rviz2', {options})")
     run(graph, "launch my_robot robot.launch.py")
     spin_for(1.0)
-    assert seen == [follows]
+    assert observed == [follows]
 
 
 def test_repeated_launch_replaces_the_first(graph: Graph, launch_file: Run) -> None:
@@ -152,7 +152,7 @@ def test_finished_launch_is_not_listed_as_running(graph: Graph, launch_file: Run
 
 
 @pytest.mark.parametrize(
-    ("line", "said"),
+    ("line", "message"),
     [
         ("launch my_robt robot.launch.py", "package 'my_robt' not found"),
         ("launch my_robot other.launch.py", "There is: robot.launch.py"),
@@ -161,10 +161,10 @@ def test_finished_launch_is_not_listed_as_running(graph: Graph, launch_file: Run
     ],
 )
 def test_unknown_package_launch_file_or_executable_is_reported(
-    graph: Graph, launch_file: Run, line: str, said: str
+    graph: Graph, launch_file: Run, line: str, message: str
 ) -> None:
     launch_file("Node(**TALKER)")
-    with pytest.raises(CourseError, match=said):
+    with pytest.raises(CourseError, match=message):
         run(graph, line)
 
 

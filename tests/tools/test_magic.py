@@ -36,7 +36,7 @@ def test_magic_lists_the_topics_of_the_notebook(
 
 
 @pytest.mark.parametrize(
-    ("cell", "said"),
+    ("cell", "message"),
     [
         ("%%bash\ncd .\nros2 topic list -v\n", "In a cell write %ros2 topic list -v\n"),
         (
@@ -47,11 +47,15 @@ def test_magic_lists_the_topics_of_the_notebook(
     ],
 )
 def test_shell_script_cell_with_ros2_prints_the_magic_to_use(
-    shell: InteractiveShell, capfd: pytest.CaptureFixture[str], cell: str, said: str
+    shell: InteractiveShell, capfd: pytest.CaptureFixture[str], cell: str, message: str
 ) -> None:
     run(shell, cell)
-    shown = capfd.readouterr()
-    assert (said in shown.err) if said else ("In a cell" not in shown.err and "ros2 is here" in shown.out)
+    captured = capfd.readouterr()
+    assert (
+        (message in captured.err)
+        if message
+        else ("In a cell" not in captured.err and "ros2 is here" in captured.out)
+    )
 
 
 def test_shell_script_cell_runs_its_commands(
@@ -67,9 +71,9 @@ def test_error_is_one_line_without_a_traceback(
 ) -> None:
     with use_graph(Graph()):
         assert not run(shell, line)
-    shown = capsys.readouterr()
-    assert "UsageError: " in shown.out + shown.err
-    assert "Traceback" not in shown.out + shown.err
+    captured = capsys.readouterr()
+    assert "UsageError: " in captured.out + captured.err
+    assert "Traceback" not in captured.out + captured.err
 
 
 def test_timeout_ends_a_command_as_the_stop_button_does(
@@ -79,8 +83,8 @@ def test_timeout_ends_a_command_as_the_stop_button_does(
     with use_graph(Graph(notebook=True)) as graph:
         assert run(shell, "import rclpy\nrclpy.init()\n%timeout 2.5 ros2 topic hz /nothing\nprint('and on')")
         assert 2.5 <= (graph.now_ns - START_NS) * 1e-9 < 3.0
-    shown = capsys.readouterr().out
-    assert shown.endswith("Stopped after 2.5 s of robot time.\nand on\n")
+    output = capsys.readouterr().out
+    assert output.endswith("Stopped after 2.5 s of robot time.\nand on\n")
 
 
 def test_timeout_ends_an_endless_command_without_a_page(
@@ -98,8 +102,8 @@ def test_timeout_usage_is_printed(
     shell: InteractiveShell, capsys: pytest.CaptureFixture[str], line: str
 ) -> None:
     assert not run(shell, f"%timeout {line}")
-    shown = capsys.readouterr()
-    assert "%timeout 5 ros2 topic hz /scan" in shown.out + shown.err
+    captured = capsys.readouterr()
+    assert "%timeout 5 ros2 topic hz /scan" in captured.out + captured.err
 
 
 @pytest.mark.parametrize(
@@ -115,9 +119,9 @@ def test_shell_ros2_runs_in_the_notebook_and_prints_the_magic(
 ) -> None:
     with use_graph(Graph(notebook=True)):
         assert run(shell, line)
-    shown = capfd.readouterr()
-    assert shown.err == f"In a notebook write {written}\n"
-    assert "/rosout\n" in shown.out
+    captured = capfd.readouterr()
+    assert captured.err == f"In a notebook write {written}\n"
+    assert "/rosout\n" in captured.out
 
 
 def test_output_of_shell_ros2_can_be_assigned(
@@ -154,6 +158,6 @@ def test_window_command_prints_the_notebook_alternative(
 ) -> None:
     with use_graph(Graph()):
         run(shell, cell)
-    shown = capfd.readouterr()
-    assert call in shown.err
-    assert "command not found" not in shown.err
+    captured = capfd.readouterr()
+    assert call in captured.err
+    assert "command not found" not in captured.err

@@ -68,6 +68,6 @@ def test_unknown_node_error_suggests_the_closest(run: Run, talker: Node) -> None
 
 
 def test_node_list_of_a_recording_has_the_player_node() -> None:
-    written: list[str] = []
-    ros2(["node", "list"], RecordingSource(Recording(())), written.append)
-    assert written == ["/rosbag2_player\n"]
+    output: list[str] = []
+    ros2(["node", "list"], RecordingSource(Recording(())), output.append)
+    assert output == ["/rosbag2_player\n"]

@@ -10,7 +10,7 @@ STRING = "topic pub /x std_msgs/msg/String"
 
 
 @pytest.mark.parametrize(
-    ("line", "said"),
+    ("line", "message"),
     [
         ("topic echo /chatter --once --timeout inf", "argument --timeout: Value must be in 1e-09 … 1e[+]09$"),
         ("topic list --spin-time nan", "argument --spin-time: 'nan' is not a time in seconds, -1e[+]09 … 1e"),
@@ -26,12 +26,14 @@ STRING = "topic pub /x std_msgs/msg/String"
         ("run tf2_ros tf2_echo a b x", "argument echo_rate: Value must be positive$"),
     ],
 )
-def test_invalid_option_values_are_rejected_in_one_line(run: Run, talker: Node, line: str, said: str) -> None:
-    with pytest.raises(CourseError, match=said):
+def test_invalid_option_values_are_rejected_in_one_line(
+    run: Run, talker: Node, line: str, message: str
+) -> None:
+    with pytest.raises(CourseError, match=message):
         run(line)
 
 
 def test_count_of_0_repeats_endlessly(run: Run, talker: Node) -> None:
-    written = run(f"{STRING} -w 0 -t 0")
-    assert written.count("publishing #") == 6
-    assert "ros2 topic pub stopped after 5 s of robot time" in written
+    output = run(f"{STRING} -w 0 -t 0")
+    assert output.count("publishing #") == 6
+    assert "ros2 topic pub stopped after 5 s of robot time" in output

@@ -69,8 +69,8 @@ def test_missing_nodes_and_parameters_are_reported(node: Node) -> None:
 def test_list_can_be_filtered_and_show_types(node: Node) -> None:
     node.declare_parameter("arm.speed", 1.5)
     assert told("list", "/talker", "--param-prefixes", "arm") == "  arm.speed\n"
-    shown = told("list", "/talker", "--filter", "n|s.*d$", "--param-type")
-    assert shown == "  names (type: string array)\n  speed (type: integer)\n"
+    output = told("list", "/talker", "--filter", "n|s.*d$", "--param-type")
+    assert output == "  names (type: string array)\n  speed (type: integer)\n"
     assert told("get", "/talker", "names", "--hide-type") == "['a', 'b']\n"
 
 

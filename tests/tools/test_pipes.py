@@ -24,9 +24,9 @@ def output(line: str) -> str:
             for one in TOPICS.splitlines(keepends=True):
                 write(one)
 
-    written: list[str] = []
-    run_piped(line, ros2, written.append)
-    return "".join(written)
+    output: list[str] = []
+    run_piped(line, ros2, output.append)
+    return "".join(output)
 
 
 @needs_tools
@@ -78,9 +78,9 @@ def test_shell_tool_that_exits_early_ends_an_endless_command() -> None:
         while True:
             write("again\n" * 1000)
 
-    written: list[str] = []
-    run_piped("topic echo /x | head -n 2", ros2, written.append)
-    assert "".join(written) == "again\nagain\n"
+    output: list[str] = []
+    run_piped("topic echo /x | head -n 2", ros2, output.append)
+    assert "".join(output) == "again\nagain\n"
 
 
 @needs_tools

@@ -13,9 +13,9 @@ START = 1_700_000_000_000_000_000  # [ns]
 
 
 def output(line: str, source: Source) -> str:
-    written: list[str] = []
-    ros2(line.split(), source, written.append)
-    return "".join(written)
+    output: list[str] = []
+    ros2(line.split(), source, output.append)
+    return "".join(output)
 
 
 def recorded(*topics: str, type_name: str = STRING, qos: Qos | None = None) -> RecordingSource:
@@ -83,11 +83,11 @@ def test_unknown_verb_is_rejected_as_in_ros2cli_with_the_closest(line: str, text
     ],
 )
 def test_invalid_argument_is_reported_in_one_line_after_the_usage(line: str, text: str) -> None:
-    written: list[str] = []
+    output: list[str] = []
     with pytest.raises(CourseError, match=f"^ros2 topic echo: error: .*{text}") as raised:
-        ros2(line.split(), recorded("/a"), written.append)
+        ros2(line.split(), recorded("/a"), output.append)
     assert "\n" not in str(raised.value)
-    assert written[0].startswith("usage: ros2 topic echo [-h]")
+    assert output[0].startswith("usage: ros2 topic echo [-h]")
 
 
 def test_topic_list_includes_the_topics_of_every_node() -> None:
@@ -141,14 +141,14 @@ def test_echo_of_an_unknown_field_lists_the_fields() -> None:
 
 
 def test_echo_of_an_unknown_topic_has_the_ros_error_and_lists_topics() -> None:
-    written: list[str] = []
+    output: list[str] = []
     text = (
         r"^Could not determine the type for the passed topic\. "
         r"Did you mean /chatter\? Topics here: /chatter, /tf\.$"
     )
     with pytest.raises(CourseError, match=text):
-        ros2(["topic", "echo", "/chater"], recorded("/tf", "/chatter"), written.append)
-    assert written == ["WARNING: topic [/chater] does not appear to be published yet\n"]
+        ros2(["topic", "echo", "/chater"], recorded("/tf", "/chatter"), output.append)
+    assert output == ["WARNING: topic [/chater] does not appear to be published yet\n"]
 
 
 def test_echo_of_an_unknown_type_suggests_close_names() -> None:

@@ -54,9 +54,9 @@ def test_output_of_a_program_beside_a_tool_is_written_to_stderr(
 ) -> None:
     words = ["topic", "pub", "--once", "/ear", "std_msgs/msg/String", "data: hi"]
     assert ros2_over(words, files=[program], bag=None, seconds=3.0) == 0
-    shown = capsys.readouterr()
-    assert shown.out.endswith("String(data='hi')\n\n")
-    assert shown.err == "heard hi\n"
+    captured = capsys.readouterr()
+    assert captured.out.endswith("String(data='hi')\n\n")
+    assert captured.err == "heard hi\n"
 
 
 def test_endless_tool_ends_with_the_run(program: Path, capsys: pytest.CaptureFixture[str]) -> None:

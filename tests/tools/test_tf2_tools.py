@@ -48,9 +48,9 @@ def moving(seconds: int = 11) -> RecordingSource:
 
 
 def output(line: str, source: Source) -> str:
-    written: list[str] = []
-    ros2(["run", *line.split()], source, written.append)
-    return "".join(written)
+    output: list[str] = []
+    ros2(["run", *line.split()], source, output.append)
+    return "".join(output)
 
 
 @pytest.fixture

@@ -35,9 +35,9 @@ def run(tmp_path: Path, in_process: Callable[..., Typed]) -> Run:
         notebook = tmp_path / "cells.ipynb"
         sources = [{"cell_type": "code", "source": source.strip()} for source in cells.split("---")]
         notebook.write_text(json.dumps({"nbformat": 4, "cells": sources}))
-        done = in_process("run", notebook.name, cwd=tmp_path)
-        assert done.returncode == 1
-        return done.stdout + done.stderr
+        process = in_process("run", notebook.name, cwd=tmp_path)
+        assert process.returncode == 1
+        return process.stdout + process.stderr
 
     return run
 
@@ -45,18 +45,18 @@ def run(tmp_path: Path, in_process: Callable[..., Typed]) -> Run:
 def test_error_in_a_message_constructor_shows_the_student_line_and_not_generated_code(
     run: Run,
 ) -> None:
-    shown = run("%load_ext course_lib\nfrom std_msgs.msg import String\n---\nString(dta='hello')")
-    assert "String(dta='hello')" in shown
-    assert "Invalid arguments passed to constructor: dta" in shown
-    assert "in __init__" not in shown
+    output = run("%load_ext course_lib\nfrom std_msgs.msg import String\n---\nString(dta='hello')")
+    assert "String(dta='hello')" in output
+    assert "Invalid arguments passed to constructor: dta" in output
+    assert "in __init__" not in output
 
 
 def test_callback_error_shows_student_lines_and_not_kit_lines(run: Run) -> None:
-    shown = run(CELLS)
-    assert "NotImplementedError: nothing is published yet" in shown
-    assert 'raise NotImplementedError("nothing is published yet")' in shown
-    assert "spin_for(2.0, Stub())" in shown
-    assert "executors.py" not in shown
+    output = run(CELLS)
+    assert "NotImplementedError: nothing is published yet" in output
+    assert 'raise NotImplementedError("nothing is published yet")' in output
+    assert "spin_for(2.0, Stub())" in output
+    assert "executors.py" not in output
 
 
 def test_chained_exceptions_are_shown_without_kit_lines(run: Run) -> None:
@@ -65,17 +65,17 @@ def test_chained_exceptions_are_shown_without_kit_lines(run: Run) -> None:
         "def tick():\n    raise KeyError('first')\nnode.create_timer(1.0, tick)\n"
         "try:\n    rclpy.spin(node)\nexcept KeyError as error:\n    raise ValueError('second') from error\n"
     )
-    shown = run(f"%load_ext course_lib\n---\n{answer}")
-    assert "raise KeyError('first')" in shown
-    assert "raise ValueError('second') from error" in shown
-    assert "executor" not in shown
+    output = run(f"%load_ext course_lib\n---\n{answer}")
+    assert "raise KeyError('first')" in output
+    assert "raise ValueError('second') from error" in output
+    assert "executor" not in output
 
 
 def test_invalid_field_shows_the_text_of_ros_below_the_student_line(run: Run) -> None:
-    shown = run(CELLS.partition("---")[0] + "---\nFloat64().data = 1")
-    assert "Float64().data = 1" in shown
-    assert "\nAssertionError: The 'data' field must be of type 'float'\nhint: write the number with" in shown
-    assert "messages" not in shown
+    output = run(CELLS.partition("---")[0] + "---\nFloat64().data = 1")
+    assert "Float64().data = 1" in output
+    assert "\nAssertionError: The 'data' field must be of type 'float'\nhint: write the number with" in output
+    assert "messages" not in output
 
 
 @pytest.mark.slow
@@ -83,11 +83,11 @@ def test_endless_recursion_is_abbreviated_in_every_traceback(run: Run, tmp_path:
     endless = "def a(n):\n    return b(n + 1)\ndef b(n):\n    return a(n)\na(0)\n"
     program = tmp_path / "program.py"
     program.write_text(endless)
-    done = course("run", program.name, cwd=tmp_path)
-    assert "more frames of the same lines …" in done.stderr
+    process = course("run", program.name, cwd=tmp_path)
+    assert "more frames of the same lines …" in process.stderr
     start = CELLS.partition("---")[0] + "---\n"
     one_line = "def a(n): return b(n + 1)\ndef b(n): return a(n)\na(0)\n"  # which IPython does not fold
-    for shown in (done.stderr, run(start + endless), run(start + one_line)):
+    for shown in (process.stderr, run(start + endless), run(start + one_line)):
         assert shown.count("return b(n + 1)") < 12
         assert "RecursionError: maximum recursion depth exceeded" in shown
         assert "hint: a function calls itself" in shown

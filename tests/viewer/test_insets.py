@@ -103,5 +103,5 @@ def test_both_renderers_agree_on_insets() -> None:
     ramp[..., 1] = np.arange(80)
     scene.set_object("a", Inset(ramp))
     scene.set_object("b", Inset(ramp, camera=AHEAD, over=0.5))
-    ours, theirs = pixels(scene), pixels(scene, "chromium")
-    assert (np.abs(ours - theirs).max(axis=2) > 40).mean() < 0.002
+    numpy_pixels, browser_pixels = pixels(scene), pixels(scene, "chromium")
+    assert (np.abs(numpy_pixels - browser_pixels).max(axis=2) > 40).mean() < 0.002

@@ -54,9 +54,9 @@ def test_snapshot_of_a_rendered_image_requires_no_image_loading() -> None:
 
 
 def test_broken_image_texture_leaves_the_object_to_the_page() -> None:
-    (thing,) = _textured(g.Box([1, 1, 1]), b"no png").objects().values()
-    assert isinstance(thing, MeshcatObject)
-    assert thing.stand_in is None
+    (drawable,) = _textured(g.Box([1, 1, 1]), b"no png").objects().values()
+    assert isinstance(drawable, MeshcatObject)
+    assert drawable.stand_in is None
 
 
 def test_static_page_shows_the_scene_offline() -> None:

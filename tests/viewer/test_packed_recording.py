@@ -53,22 +53,22 @@ def test_packed_frames_have_a_tenth_of_their_bytes() -> None:
 
 
 def test_large_values_are_not_packed() -> None:
-    made, cloud = FrameStore(), Points(np.zeros((100_000, 3)), (1, 0, 0, 1), (0.1, 0.1))
+    store, cloud = FrameStore(), Points(np.zeros((100_000, 3)), (1, 0, 0, 1), (0.1, 0.1))
     for number in range(20):
-        made.begin(float(number))
-        made.add("object", "cloud", cloud)
-    assert all(frame.changes["object", "cloud"] is cloud for frame in made.frames())
+        store.begin(float(number))
+        store.add("object", "cloud", cloud)
+    assert all(frame.changes["object", "cloud"] is cloud for frame in store.frames())
 
 
 def test_value_of_a_redefined_class_does_not_stop_the_recording() -> None:
     class Sign(Text):
         pass
 
-    made, sign = FrameStore(), Sign("a", 1.0)
+    store, sign = FrameStore(), Sign("a", 1.0)
     for number in range(200):
-        made.begin(float(number))
-        made.add("object", "sign", sign)
-    assert [frame.changes["object", "sign"] for frame in made.frames()] == [sign] * 200
+        store.begin(float(number))
+        store.add("object", "sign", sign)
+    assert [frame.changes["object", "sign"] for frame in store.frames()] == [sign] * 200
 
 
 def test_oldest_frames_are_dropped_first_and_free_their_bytes() -> None:

@@ -151,12 +151,12 @@ def test_failing_connection_stops_only_the_sending(wire: Wire, capsys: pytest.Ca
     wire.hear("ready")
     wire.fails = ConnectionError("closed")
     wire.scene.set_object("box", RED_BOX)
-    said = ""
+    message = ""
 
     def is_said() -> bool:
-        nonlocal said
-        said += capsys.readouterr().err
-        return "is no longer connected to its scene: ConnectionError('closed')" in said
+        nonlocal message
+        message += capsys.readouterr().err
+        return "is no longer connected to its scene: ConnectionError('closed')" in message
 
     until(is_said)
     wire.change(3)
@@ -189,11 +189,11 @@ def test_unknown_message_kind_is_ignored(wire: Wire) -> None:
 
 
 def test_other_message_types_are_passed_to_their_listeners(wire: Wire) -> None:
-    heard: list[dict[str, Any]] = []
-    wire.link.listen("edit", heard.append)
+    received: list[dict[str, Any]] = []
+    wire.link.listen("edit", received.append)
     wire.hear("edit", number=0, row=3)
     wire.link.post({"type": "rows", "rows": []})
-    assert heard == [{"type": "edit", "page": "a", "number": 0, "row": 3}]
+    assert received == [{"type": "edit", "page": "a", "number": 0, "row": 3}]
     assert wire.kinds() == ["rows"]
 
 

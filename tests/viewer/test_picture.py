@@ -39,9 +39,9 @@ def test_without_a_browser_numpy_draws_and_a_notice_gives_the_reason(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(picture, "find_browser", lambda: None)
-    drawn = screenshot(scene)
-    assert (drawn.renderer, drawn.png[:4]) == ("numpy", PNG)
-    assert "No Chromium or Chrome was found" in drawn.note
+    image = screenshot(scene)
+    assert (image.renderer, image.png[:4]) == ("numpy", PNG)
+    assert "No Chromium or Chrome was found" in image.note
     with pytest.raises(CourseError, match="Use renderer='numpy'"):
         screenshot(scene, renderer="chromium")
 
@@ -52,9 +52,9 @@ def test_hanging_browser_is_ended_and_numpy_draws(
 ) -> None:
     browser_that("import time; time.sleep(60)")
     monkeypatch.setattr(picture, "_TIMEOUT", 0.3)
-    drawn = screenshot(scene)
-    assert drawn.renderer == "numpy"
-    assert "did not finish within 0.3 s" in drawn.note
+    image = screenshot(scene)
+    assert image.renderer == "numpy"
+    assert "did not finish within 0.3 s" in image.note
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the fake browser is a script with a first line")
@@ -62,9 +62,9 @@ def test_browser_without_webgl_is_detected_by_its_empty_page(
     scene: Scene, browser_that: Callable[[str], None]
 ) -> None:
     browser_that("print('<html></html>')")
-    drawn = screenshot(scene)
-    assert drawn.renderer == "numpy"
-    assert "returned no image" in drawn.note
+    picture = screenshot(scene)
+    assert picture.renderer == "numpy"
+    assert "returned no image" in picture.note
 
 
 def test_browser_that_cannot_be_started_is_an_os_error(tmp_path: Path) -> None:
@@ -73,13 +73,13 @@ def test_browser_that_cannot_be_started_is_an_os_error(tmp_path: Path) -> None:
 
 
 def test_image_is_written_to_the_requested_path(scene: Scene, tmp_path: Path) -> None:
-    drawn = screenshot(scene, tmp_path / "scene.png", size=(64, 48), renderer="numpy")
-    assert (tmp_path / "scene.png").read_bytes() == drawn.png
-    assert drawn.note == ""
+    picture = screenshot(scene, tmp_path / "scene.png", size=(64, 48), renderer="numpy")
+    assert (tmp_path / "scene.png").read_bytes() == picture.png
+    assert picture.note == ""
 
 
 def test_printed_image_shows_its_size_and_renderer_and_not_its_bytes(scene: Scene) -> None:
-    drawn = screenshot(scene, size=(64, 48), renderer="numpy")
-    assert str(drawn) == "<Picture of 64 x 48 pixels, drawn by numpy>"
+    picture = screenshot(scene, size=(64, 48), renderer="numpy")
+    assert str(picture) == "<Picture of 64 x 48 pixels, drawn by numpy>"
     shown: Any = DisplayFormatter()
-    assert shown.format(drawn)[0] == {"text/plain": str(drawn), "image/png": drawn.png}
+    assert shown.format(picture)[0] == {"text/plain": str(picture), "image/png": picture.png}

@@ -87,11 +87,11 @@ def test_unknown_path_is_rejected_with_close_paths() -> None:
 
 def test_scene_listeners_receive_every_change_until_stopped() -> None:
     scene = Scene()
-    heard: list[tuple[str, str]] = []
-    stop = scene.listen(lambda what, path: heard.append((what, path)))
+    received: list[tuple[str, str]] = []
+    stop = scene.listen(lambda what, path: received.append((what, path)))
     scene.set_object("a", BOX)
     scene.background = (1, 2, 3)
     scene.delete("a")
     stop()
     scene.set_object("a", BOX)
-    assert heard == [("object", "a"), ("background", ""), ("delete", "a")]
+    assert received == [("object", "a"), ("background", ""), ("delete", "a")]

@@ -21,10 +21,10 @@ def test_script_is_valid_javascript(script: str, tmp_path: Path) -> None:
         pytest.skip("no Node.js on this machine")
     module = tmp_path / "script.mjs"
     module.write_text((FOLDER / script).read_text("utf-8"), "utf-8")
-    done = subprocess.run(
+    process = subprocess.run(
         [node, "--check", str(module)], capture_output=True, text=True, check=False, timeout=PATIENCE
     )
-    assert done.returncode == 0, done.stderr
+    assert process.returncode == 0, process.stderr
 
 
 def test_scripts_of_the_bundle_declare_unique_names() -> None:

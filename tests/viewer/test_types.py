@@ -22,14 +22,14 @@ COMPILER = shutil.which("tsc")
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.parent.name)
 def test_javascript_types_are_consistent_and_unused_code_is_absent(folder: Path) -> None:
     assert COMPILER is not None
-    done = subprocess.run(
+    process = subprocess.run(
         [COMPILER, "-p", folder / "jsconfig.json"],
         capture_output=True,
         text=True,
         check=False,
         timeout=PATIENCE,
     )
-    assert done.returncode == 0, done.stdout
+    assert process.returncode == 0, process.stdout
 
 
 def test_declared_message_types_match_the_dataclasses() -> None:

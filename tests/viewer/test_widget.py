@@ -96,8 +96,8 @@ def test_program_with_a_scene_exits_without_output() -> None:
         "for x in range(50):\n"
         "    scene.set_transform('a', np.eye(4))\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert (process.returncode, process.stdout, process.stderr) == (0, "", "")
 
 
 @pytest.mark.slow

@@ -47,8 +47,8 @@ def plain(positions: npt.ArrayLike, order: Order = "<", **channels: Any) -> npt.
 def shown_by(bench: Bench, display: Display) -> list[Points]:
     """Return the drawables of a display, the oldest cloud first."""
     objects = bench.scene.objects()
-    found = [thing for path, thing in objects.items() if path.startswith(display.path + "/")]
-    assert all(isinstance(thing, Points) for thing in found)
+    found = [drawable for path, drawable in objects.items() if path.startswith(display.path + "/")]
+    assert all(isinstance(drawable, Points) for drawable in found)
     return found  # type: ignore[return-value]  # just looked at
 
 

@@ -22,8 +22,8 @@ def known(**channels: Any) -> Cloud:
 def colors(bench: Bench, **properties: Any) -> np.ndarray:
     display = add(bench, **properties)
     intensity = np.array([0, 1, 2, 4], np.float32)
-    bench.hear(TOPIC, cloud(plain(LINE, intensity=intensity)))
-    bench.look()
+    bench.publish(TOPIC, cloud(plain(LINE, intensity=intensity)))
+    bench.update()
     return shown_by(bench, display)[0].colors
 
 
@@ -56,8 +56,8 @@ def test_color_transformer_is_chosen_as_in_rviz(channels: dict[str, Any], wanted
 
 def test_intensity_is_colored_from_red_to_violet_and_its_bounds_are_shown() -> None:
     bench = Bench()
-    drawn = colors(bench)
-    np.testing.assert_allclose(drawn[:, :3], rainbow([1, 0.75, 0.5, 0]))
+    point_colors = colors(bench)
+    np.testing.assert_allclose(point_colors[:, :3], rainbow([1, 0.75, 0.5, 0]))
     (display,) = (d for d in bench.session.displays if d.name == "Cloud")
     assert (display["Min Intensity"], display["Max Intensity"]) == (0.0, 4.0)
     assert display["Color Transformer"] == "Intensity"
@@ -81,8 +81,8 @@ def test_axis_colors_vary_along_the_axis_of_the_fixed_frame_or_of_the_cloud() ->
         bench.transform("map", "laser", (3.0, 0.0, 0.0))
         display = add(bench, color_transformer="AxisColor", axis="X", use_fixed_frame=fixed)
         turned = np.roll(LINE, 1, axis=1) if not fixed else LINE
-        bench.hear(TOPIC, cloud(plain(turned), "laser"))
-        bench.look()
+        bench.publish(TOPIC, cloud(plain(turned), "laser"))
+        bench.update()
         np.testing.assert_allclose(shown_by(bench, display)[0].colors[:, :3], rainbow(expected))
         if fixed:
             assert display["Min Value"] == display["Max Value"] == 3.0
@@ -94,8 +94,8 @@ def test_packed_colors_are_read_from_integers_and_floats() -> None:
     for values in (packed, packed.view(np.float32)):
         for order in ORDERS:
             channels, _ = channels_of(cloud(plain(LINE, order, rgb=values.astype(values.dtype))))
-            drawn, _ = TRANSFORMERS["RGB8"].colors(Cloud(channels, np.eye(4), 0), Bench().marker)
-            np.testing.assert_allclose(drawn, expected, rtol=1e-6)
+            point_colors, _ = TRANSFORMERS["RGB8"].colors(Cloud(channels, np.eye(4), 0), Bench().marker)
+            np.testing.assert_allclose(point_colors, expected, rtol=1e-6)
 
 
 def test_alpha_of_points_is_used_if_the_channel_is_named_rgba() -> None:
@@ -103,7 +103,7 @@ def test_alpha_of_points_is_used_if_the_channel_is_named_rgba() -> None:
         bench = Bench()
         display = add(bench)
         tinted: dict[str, Any] = {name: np.full(4, 0x80FF0000, np.uint32)}
-        bench.hear(TOPIC, cloud(plain(LINE, **tinted)))
-        bench.look()
+        bench.publish(TOPIC, cloud(plain(LINE, **tinted)))
+        bench.update()
         # RViz draws points twice, see marker/drawables.py
         np.testing.assert_allclose(shown_by(bench, display)[0].colors[:, 3], 1 - (1 - alpha) ** 2, atol=1e-6)

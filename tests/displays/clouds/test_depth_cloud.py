@@ -46,13 +46,15 @@ def hear(bench: Bench, *messages: Any, at: float = 0.0) -> None:
     """Publish messages, each on its topic."""
     for message in messages:
         by_type = COLOR if getattr(message, "encoding", "") == "rgb8" else DEPTH
-        bench.hear(INFO if isinstance(message, CameraInfo) else by_type, message, at)
-    bench.look(at)
+        bench.publish(INFO if isinstance(message, CameraInfo) else by_type, message, at)
+    bench.update(at)
 
 
 def shown(bench: Bench) -> Points | None:
     clouds = [
-        thing for path, thing in bench.scene.objects().items() if path.startswith("displays/Cloud/clouds/")
+        drawable
+        for path, drawable in bench.scene.objects().items()
+        if path.startswith("displays/Cloud/clouds/")
     ]
     assert all(isinstance(cloud, Points) for cloud in clouds)
     return clouds[-1] if clouds else None  # type: ignore[return-value]  # all are, as was just seen
@@ -67,13 +69,13 @@ def test_depths_become_points_with_the_size_of_their_pixels() -> None:
     np.testing.assert_allclose(cloud.points, [[0.0, 0.0, 2.0], [0.04, 0.0, 4.0]])
     assert cloud.colors[:, :3].tolist() == [[1, 1, 1]] * 2
     assert (cloud.grow, cloud.size[0]) == (True, 0.01)
-    assert bench.said(display, "Depth Image Size") == ("ok", "2 x 1")
+    assert bench.status(display, "Depth Image Size") == ("ok", "2 x 1")
     display["Auto Size Factor"] = 3.0
     hear(bench, depth(2.0, 4.0, at=0.1), at=0.1)
     assert display["Size (m)"] == pytest.approx(0.03)
     display["Auto Size"] = False
     display["Size (m)"] = 0.5
-    bench.look(0.1)
+    bench.update(0.1)
     cloud = shown(bench)
     assert cloud is not None
     assert (cloud.grow, cloud.size[0]) == (False, 0.5)
@@ -82,10 +84,10 @@ def test_depths_become_points_with_the_size_of_their_pixels() -> None:
 def test_nothing_is_drawn_without_camera_info_and_a_hint_is_shown() -> None:
     bench = Bench()
     display = add(bench)
-    assert bench.said(display, "Depth Map") == ("ok", "0 depth maps received")
+    assert bench.status(display, "Depth Map") == ("ok", "0 depth maps received")
     hear(bench, depth(1.0, 1.0))
     assert shown(bench) is None
-    assert bench.said(display, "Depth Map") == ("ok", "1 messages received at inf hz.")
+    assert bench.status(display, "Depth Map") == ("ok", "1 messages received at inf hz.")
     assert INFO in " ".join(bench.hints(display))
 
 
@@ -99,7 +101,7 @@ def test_depth_image_waits_for_its_color_image() -> None:
     cloud = shown(bench)
     assert cloud is not None
     assert cloud.colors[:, :3].tolist() == [[1, 0, 0]] * 2
-    assert bench.said(display, "Image Size") == ("ok", "2 x 1")
+    assert bench.status(display, "Image Size") == ("ok", "2 x 1")
 
 
 def test_color_image_with_the_nearest_time_is_used() -> None:
@@ -120,11 +122,11 @@ def test_compressed_images_arrive_on_separate_topics() -> None:
         color_transport_hint="compressed",
         depth_map_transport_hint="compressed",
     )
-    bench.hear(INFO, info())
+    bench.publish(INFO, info())
     packed_depth = packed(np.array([[1000, 2000]], np.uint16), "16UC1; png compressed")
-    bench.hear(f"{DEPTH}/compressed", stamped(packed_depth))
-    bench.hear(f"{COLOR}/compressed", stamped(packed(RED, "rgb8; png compressed bgr8")))
-    bench.look()
+    bench.publish(f"{DEPTH}/compressed", stamped(packed_depth))
+    bench.publish(f"{COLOR}/compressed", stamped(packed(RED, "rgb8; png compressed bgr8")))
+    bench.update()
     cloud = shown(bench)
     assert cloud is not None
     assert cloud.points[:, 2].tolist() == [1, 2]
@@ -135,14 +137,14 @@ def test_mismatched_images_are_errors_with_rviz_text() -> None:
     bench = Bench()
     display = add(bench)
     hear(bench, info(width=5), depth(1.0, 2.0))
-    level, text = bench.said(display, "Message") or ("", "")
+    level, text = bench.status(display, "Message") or ("", "")
     assert level == "error"
     assert text.startswith(
         "Error updating depth cloud: Depth image size and camera info don't match: 2 x 1 vs"
     )
     hear(bench, info(), depth(1.0, 2.0))
-    assert bench.said(display, "Message") is None
-    assert bench.said(display, "Points") == ("ok", "Showing [2] points from [1] messages")
+    assert bench.status(display, "Message") is None
+    assert bench.status(display, "Points") == ("ok", "Showing [2] points from [1] messages")
 
 
 def test_color_image_in_another_frame_causes_a_hint() -> None:
@@ -156,14 +158,14 @@ def test_occluded_points_are_kept_until_the_timeout_or_a_camera_motion() -> None
     bench = Bench("fixed")
     display = add(bench, occlusion_compensation=True)
     display["Occlusion Time-Out"] = 5.0
-    seen = []
+    observed = []
     moves = {0.0: 0.0, 1.0: 0.001, 7.0: 0.001, 8.0: 0.5}  # [s]: where the camera is, [m]
     for at, x in moves.items():
         bench.transform("fixed", "map", (x, 0.0, 0.0), at=at, static=False)
         hear(bench, info(), depth(*((1.0, 2.0) if at == 1.0 else (4.0, 4.0)), at=at), at=at)
         cloud = shown(bench)
-        seen.append(0 if cloud is None else len(cloud.points))
-    assert seen == [2, 4, 2, 2]
+        observed.append(0 if cloud is None else len(cloud.points))
+    assert observed == [2, 4, 2, 2]
     hear(bench, depth(1.0, 1.0, at=8.0), at=8.0)
     display["Occlusion Compensation"] = False
     hear(bench, depth(1.0, 1.0, at=8.0), at=8.0)

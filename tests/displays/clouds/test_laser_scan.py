@@ -13,10 +13,10 @@ from tests.displays.clouds.clouds import shown_by
 
 
 def scan(ranges: list[float], frame: str = "map", at: float = 0.0, **fields: Any) -> LaserScan:
-    made = LaserScan(ranges=ranges, angle_increment=pi / 2, range_min=0.5, range_max=10.0, **fields)
-    made.header.frame_id = frame
-    made.header.stamp.sec, made.header.stamp.nanosec = divmod(ns(at), 10**9)
-    return made
+    message = LaserScan(ranges=ranges, angle_increment=pi / 2, range_min=0.5, range_max=10.0, **fields)
+    message.header.frame_id = frame
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns(at), 10**9)
+    return message
 
 
 def add(bench: Bench) -> Display:
@@ -30,8 +30,8 @@ def ends(bench: Bench, display: Display) -> np.ndarray:
 def test_beam_angles_increase_counterclockwise() -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/scan", scan([1.0, 2.0, 3.0]))
-    bench.look()
+    bench.publish("/scan", scan([1.0, 2.0, 3.0]))
+    bench.update()
     assert ends(bench, display).tolist() == [[1, 0, 0], [0, 2, 0], [-3, 0, 0]]
 
 
@@ -41,10 +41,10 @@ def test_beam_angles_increase_counterclockwise() -> None:
 def test_only_ranges_within_the_limits_are_shown(ranges: list[float]) -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/scan", scan(ranges))
-    bench.look()
+    bench.publish("/scan", scan(ranges))
+    bench.update()
     count = sum(0.5 <= distance < 10.0 for distance in ranges)
-    assert bench.said(display, "Points") == ("ok", f"Showing [{count}] points from [1] messages")
+    assert bench.status(display, "Points") == ("ok", f"Showing [{count}] points from [1] messages")
 
 
 def test_each_beam_starts_at_the_scanner_pose_at_its_time() -> None:
@@ -54,8 +54,8 @@ def test_each_beam_starts_at_the_scanner_pose_at_its_time() -> None:
         bench.transform("map", "laser", (10 * at, 0.0, 0.0), at=at, static=False, yaw=at * pi / 2)
     still = scan([1.0, 1.0, 1.0], "laser", 0.0, time_increment=0.5)
     still.angle_increment = 0.0
-    bench.hear("/scan", still, at=1.0)
-    bench.look(1.0)
+    bench.publish("/scan", still, at=1.0)
+    bench.update(1.0)
     half = np.sqrt(0.5)
     np.testing.assert_allclose(ends(bench, display), [[1, 0, 0], [5 + half, half, 0], [10, 1, 0]], atol=1e-4)
 
@@ -65,21 +65,21 @@ def test_scan_waits_for_the_transform_of_its_last_beam() -> None:
     display = add(bench)
     bench.transform("map", "laser", at=0.0, static=False)
     long = scan([1.0, 1.0, 1.0], "laser", time_increment=0.5)
-    bench.hear("/scan", long)  # determines the duration of scans
-    bench.hear("/scan", long)
-    bench.look()
+    bench.publish("/scan", long)  # determines the duration of scans
+    bench.publish("/scan", long)
+    bench.update()
     assert not shown_by(bench, display)
     bench.transform("map", "laser", at=1.0, static=False)
-    bench.look(1.0)
+    bench.update(1.0)
     assert len(shown_by(bench, display)) == 1
 
 
 def test_scan_of_long_duration_causes_a_warning() -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/scan", scan([1.0] * 4, time_increment=1.0))
-    bench.look()
-    assert bench.said(display, "Scan Time") == (
+    bench.publish("/scan", scan([1.0] * 4, time_increment=1.0))
+    bench.update()
+    assert bench.status(display, "Scan Time") == (
         "warn",
         "Laser scan time, computed from time_increment * len(ranges), is rather large:  3s.\n"
         "The display of any message will be delayed by this amount of time!",
@@ -90,8 +90,8 @@ def test_scan_of_long_duration_causes_a_warning() -> None:
 def test_intensities_color_the_points_if_there_is_one_per_range(intensities: list[float], hints: int) -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/scan", scan([1.0, 1.0], intensities=intensities))
-    bench.look()
+    bench.publish("/scan", scan([1.0, 1.0], intensities=intensities))
+    bench.update()
     colours = shown_by(bench, display)[0].colors
     assert (len(np.unique(colours, axis=0)) == 2) == (len(intensities) == 2)
     assert len(bench.hints(display)) == hints
@@ -100,8 +100,8 @@ def test_intensities_color_the_points_if_there_is_one_per_range(intensities: lis
 def test_empty_frame_is_dropped_with_the_text_of_the_rviz_log() -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/scan", scan([1.0], ""))
-    bench.look()
+    bench.publish("/scan", scan([1.0], ""))
+    bench.update()
     assert bench.hints(display) == [
         f"RViz's log: Message Filter dropping message: frame '' at time {START_NS / 1e9:.3f} "
         "for reason 'the frame id of the message is empty'"

@@ -17,16 +17,16 @@ def shown(*channels: ChannelFloat32, places: Any = PLACES, **properties: Any) ->
     display = bench.session.add("rviz_default_plugins/PointCloud", "Old", {"Topic": "/old"}, **properties)
     message = PointCloud(points=[Point32(x=x, y=y, z=z) for x, y, z in places], channels=list(channels))
     message.header.frame_id = "map"
-    bench.hear("/old", message)
-    bench.look()
+    bench.publish("/old", message)
+    bench.update()
     return bench, display
 
 
 def test_point_cloud_with_lists_is_drawn_like_the_same_cloud_with_fields() -> None:
     bench, display = shown(ChannelFloat32(name="intensity", values=[1.0, 5.0, 9.0]))
     twin = clouds.add(bench)
-    bench.hear(clouds.TOPIC, cloud(plain(PLACES, intensity=np.array([1, 5, 9], np.float32))))
-    bench.look()
+    bench.publish(clouds.TOPIC, cloud(plain(PLACES, intensity=np.array([1, 5, 9], np.float32))))
+    bench.update()
     (old,), (new,) = shown_by(bench, display), shown_by(bench, twin)
     np.testing.assert_array_equal(old.points, new.points)
     np.testing.assert_array_equal(old.colors, new.colors)

@@ -25,8 +25,8 @@ def shown(kind: Any, field: str, value: float, **properties: Any) -> tuple[Bench
     display = bench.session.add(f"rviz_default_plugins/{name}", name, {"Topic": "/measured"}, **properties)
     message = kind(**{field: value})
     message.header.frame_id = "sensor"
-    bench.hear("/measured", message)
-    bench.look()
+    bench.publish("/measured", message)
+    bench.update()
     return bench, display
 
 
@@ -39,7 +39,7 @@ def test_measurement_is_one_point_at_its_frame_colored_by_its_range(
     np.testing.assert_allclose(point.colors[0, :3], rainbow([place])[0], atol=1e-6)
     (path,) = (path for path in bench.scene.objects() if path.startswith(f"{display.path}/"))
     assert bench.scene.world_transform(path)[:3, 3].tolist() == [1.0, 2.0, 3.0]
-    assert bench.said(display, "Points") == ("ok", "Showing [1] points from [1] messages")
+    assert bench.status(display, "Points") == ("ok", "Showing [1] points from [1] messages")
 
 
 def test_room_temperature_is_violet_and_boiling_water_is_red() -> None:
@@ -53,6 +53,6 @@ def test_decay_time_keeps_the_track_of_a_moving_sensor() -> None:
     bench.transform("map", "sensor", (5.0, 0.0, 0.0), at=1.0)
     message = Temperature(temperature=30.0)
     message.header.frame_id = "sensor"
-    bench.hear("/measured", message, at=1.0)
-    bench.look(1.0)
+    bench.publish("/measured", message, at=1.0)
+    bench.update(1.0)
     assert len(shown_by(bench, display)) == 2

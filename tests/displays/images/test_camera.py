@@ -15,9 +15,9 @@ PICTURE = np.full((HEIGHT, WIDTH, 3), 90, np.uint8)
 
 
 def info(fx: float = 10.0, fy: float = 10.0, cx: float = 4.0, cy: float = 3.0, tx: float = 0.0) -> CameraInfo:
-    made = CameraInfo(width=WIDTH, height=HEIGHT)
-    made.p = np.array([fx, 0, cx, tx, 0, fy, cy, 0, 0, 0, 1, 0], float)
-    return made
+    camera_info = CameraInfo(width=WIDTH, height=HEIGHT)
+    camera_info.p = np.array([fx, 0, cx, tx, 0, fy, cy, 0, 0, 0, 1, 0], float)
+    return camera_info
 
 
 def add(bench: Bench, **properties: Any) -> Display:
@@ -29,14 +29,14 @@ def seen(
     bench: Bench, described: CameraInfo | None, frame: str = "map", picture: Image | None = None
 ) -> Inset | None:
     if described is not None:
-        bench.hear("/eye/camera_info", described)
+        bench.publish("/eye/camera_info", described)
     message = picture or image(PICTURE, "rgb8")
     message.header.frame_id = frame
-    bench.hear("/eye/image_raw", message)
-    bench.look()
-    found = bench.scene.objects().get(PATH)
-    assert found is None or isinstance(found, Inset)
-    return found
+    bench.publish("/eye/image_raw", message)
+    bench.update()
+    drawable = bench.scene.objects().get(PATH)
+    assert drawable is None or isinstance(drawable, Inset)
+    return drawable
 
 
 def pixel_of(inset: Inset, point: tuple[float, float, float]) -> tuple[float, float]:
@@ -101,12 +101,12 @@ def test_missing_camera_info_is_reported_as_in_rviz() -> None:
     bench = Bench()
     display = add(bench)
     assert seen(bench, None) is None
-    assert bench.said(display, "Camera Info") == (
+    assert bench.status(display, "Camera Info") == (
         "warn",
         "Expecting Camera Info on topic [/eye/camera_info]. No CameraInfo received. Topic may not exist.",
     )
-    bench.hear("/eye/camera_info", info())
-    bench.look()
+    bench.publish("/eye/camera_info", info())
+    bench.update()
     assert PATH in bench.scene.objects()
 
 
@@ -120,9 +120,9 @@ def test_invalid_camera_info_is_reported_with_rviz_text_and_the_next_is_used() -
         (info(cx=np.nan), "Contains invalid floating point values (nans or infs)"),
     ):
         assert seen(bench, wrong) is None
-        assert bench.said(display, "Camera Info") == ("error", text)
+        assert bench.status(display, "Camera Info") == ("error", text)
     assert seen(bench, info()) is not None
-    assert bench.said(display, "Camera Info") == ("ok", "ok")
+    assert bench.status(display, "Camera Info") == ("ok", "ok")
 
 
 def test_compressed_image_uses_the_camera_info_of_the_raw_image() -> None:

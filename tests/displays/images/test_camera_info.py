@@ -34,9 +34,9 @@ def corners(bench: Bench) -> list[list[float]]:
 def test_frustum_edges_pass_through_the_image_corners() -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/info", info())
+    bench.publish("/info", info())
     assert corners(bench) == [[-2, -1, 1], [2, -1, 1], [2, 1, 1], [-2, 1, 1]]
-    assert bench.said(display, "Camera Info") == ("ok", "OK")
+    assert bench.status(display, "Camera Info") == ("ok", "OK")
     display["Far clip"] = 2.0
     assert corners(bench)[2] == [4, 2, 2]
     display["Edge color"], display["Alpha"] = (255, 0, 0), 1.0
@@ -48,18 +48,18 @@ def test_frustum_edges_pass_through_the_image_corners() -> None:
 def test_binning_and_region_reduce_the_image() -> None:
     bench = Bench()
     add(bench)
-    bench.hear("/info", info(binning_x=2, binning_y=4))
+    bench.publish("/info", info(binning_x=2, binning_y=4))
     assert corners(bench)[2] == [0, -0.5, 1]
     small = info()
     small.roi.width, small.roi.height = 100, 100
-    bench.hear("/info", small)
+    bench.publish("/info", small)
     assert corners(bench)[2] == [-1, 0, 1]
 
 
 def test_sides_are_shown_only_if_both_properties_are_enabled() -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/info", info())
+    bench.publish("/info", info())
     assert part(bench, "sides") is None
     display["Not show side polygons"] = False
     assert part(bench, "sides").faces.shape == (4, 3)
@@ -73,7 +73,7 @@ def test_sides_are_shown_only_if_both_properties_are_enabled() -> None:
 def test_camera_without_focal_length_is_an_error(fx: float) -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/info", info())
-    bench.hear("/info", info(fx))
-    assert bench.said(display, "Camera Info") == ("error", "Invalid intrinsic matrix")
+    bench.publish("/info", info())
+    bench.publish("/info", info(fx))
+    assert bench.status(display, "Camera Info") == ("error", "Invalid intrinsic matrix")
     assert part(bench, "edges") is None

@@ -17,14 +17,14 @@ def add(bench: Bench, **properties: Any) -> Display:
 
 
 def pixels(bench: Bench) -> np.ndarray:
-    found = bench.scene.objects()[PATH]
-    assert isinstance(found, Inset)
-    return found.pixels
+    drawable = bench.scene.objects()[PATH]
+    assert isinstance(drawable, Inset)
+    return drawable.pixels
 
 
 def hear(bench: Bench, message: Image) -> None:
-    bench.hear("/picture", message)
-    bench.look()
+    bench.publish("/picture", message)
+    bench.update()
 
 
 def test_image_is_shown_regardless_of_its_frame() -> None:
@@ -38,9 +38,9 @@ def test_unknown_encoding_is_an_error_and_the_next_image_is_shown() -> None:
     bench = Bench()
     display = add(bench)
     hear(bench, image(COLORS, "hsv9"))
-    assert bench.said(display, "Image") == ("error", "Unsupported image encoding [hsv9]")
+    assert bench.status(display, "Image") == ("error", "Unsupported image encoding [hsv9]")
     hear(bench, image(COLORS, "rgb8"))
-    assert bench.said(display, "Image") is None
+    assert bench.status(display, "Image") is None
     np.testing.assert_array_equal(pixels(bench), COLORS)
 
 
@@ -50,7 +50,7 @@ def test_truncated_image_is_reported_only_in_the_log_as_in_rviz() -> None:
     short = image(COLORS, "rgb8")
     short.height = 100
     hear(bench, short)
-    assert bench.said(display, "Image") is None
+    assert bench.status(display, "Image") is None
     assert bench.hints(display)[0].startswith("RViz's log: Error loading image: the image has 72 bytes")
 
 

@@ -50,16 +50,16 @@ def test_single_byte_pixels_are_gray(encoding: str) -> None:
 @pytest.mark.parametrize(("encoding", "kind"), [("16UC1", "u2"), ("mono16", "u2"), ("32FC1", "f4")])
 def test_value_range_maps_from_black_to_white(encoding: str, kind: str, big: bool) -> None:
     values = np.array([[100, 200], [300, 500]], kind)[..., None]
-    drawn = rgb_of(image(values, encoding, big=big), whole)
-    assert drawn[..., 0].tolist() == [[0, 63], [127, 255]]
+    pixels = rgb_of(image(values, encoding, big=big), whole)
+    assert pixels[..., 0].tolist() == [[0, 63], [127, 255]]
     flat = rgb_of(image(np.full((2, 2, 1), 7, kind), encoding), whole)
     assert not flat.any()
 
 
 def test_unknown_depths_are_black() -> None:
     depths = np.array([[np.nan, 1.0, 3.0, np.inf]], np.float32)[..., None]
-    drawn = rgb_of(image(depths, "32FC1"), lambda values: Range().add(values, 5))
-    assert drawn[0, :, 0].tolist() == [0, 0, 255, 255]
+    pixels = rgb_of(image(depths, "32FC1"), lambda values: Range().add(values, 5))
+    assert pixels[0, :, 0].tolist() == [0, 0, 255, 255]
 
 
 def test_value_bounds_are_medians_rounded_down() -> None:
@@ -78,9 +78,9 @@ def test_pixel_pairs_share_their_color(encoding: str, order: str) -> None:
         rest = iter(bright)
         data += [next(rest) if part == "Y" else tint[part] for part in order]
     message = Image(height=1, width=4, encoding=encoding, step=8, data=bytes(data))
-    drawn = rgb_of(message, whole)[0]
-    assert drawn[:2].tolist() == [[50] * 3, [200] * 3]
-    assert drawn[2].tolist() == drawn[3].tolist() == [254, 0, 0]
+    pixels = rgb_of(message, whole)[0]
+    assert pixels[:2].tolist() == [[50] * 3, [200] * 3]
+    assert pixels[2].tolist() == pixels[3].tolist() == [254, 0, 0]
 
 
 def test_unknown_encoding_is_reported_with_rviz_text() -> None:

@@ -212,7 +212,7 @@ def test_pointer_events_on_an_erased_marker_have_no_effect(stage: Stage) -> None
 def test_empty_namespace_is_reported_with_rviz_text() -> None:
     bench = Bench()
     display = bench.session.add(NAME, "Im", {})
-    assert bench.said(display, LABEL) == ("error", "Error connecting: empty namespace")
+    assert bench.status(display, LABEL) == ("error", "Error connecting: empty namespace")
 
 
 def test_lost_update_makes_the_client_request_the_markers_again(stage: Stage) -> None:

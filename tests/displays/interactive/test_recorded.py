@@ -29,8 +29,8 @@ def recording() -> tuple[Bench, InteractiveMarkersDisplay]:
 
 
 def hear(bench: Bench, number: int, **fields: Any) -> None:
-    bench.hear("/simple/update", InteractiveMarkerUpdate(type=1, seq_num=number, **fields))
-    bench.look()
+    bench.publish("/simple/update", InteractiveMarkerUpdate(type=1, seq_num=number, **fields))
+    bench.update()
 
 
 def test_recorded_markers_are_shown(
@@ -38,8 +38,10 @@ def test_recorded_markers_are_shown(
 ) -> None:
     bench, display = recording
     hear(bench, 1, markers=[box(C.MOVE_AXIS)])
-    moved = InteractiveMarkerPose(name="box", header=Header(frame_id="map"), pose=Pose(position=Point(x=3.0)))
-    hear(bench, 5, poses=[moved])
+    marker_pose = InteractiveMarkerPose(
+        name="box", header=Header(frame_id="map"), pose=Pose(position=Point(x=3.0))
+    )
+    hear(bench, 5, poses=[marker_pose])
     path = f"{display.path}/handles/box/controls/button"
     assert bench.scene.world_transform(path)[0, 3] == 3.0
     hear(bench, 6, erases=["box"])
@@ -70,5 +72,5 @@ def test_markers_rejected_by_rviz_have_its_status(
 ) -> None:
     bench, display = recording
     hear(bench, 1, **fields)
-    assert bench.said(display, "box") == (level, text)
+    assert bench.status(display, "box") == (level, text)
     assert not display.markers

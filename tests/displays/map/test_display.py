@@ -32,9 +32,9 @@ def change(x: int, y: int, *rows: tuple[int, ...]) -> OccupancyGridUpdate:
 
 
 def sheet(bench: Bench) -> Sheet:
-    found = bench.scene.objects()[PATH]
-    assert isinstance(found, Sheet)
-    return found
+    drawable = bench.scene.objects()[PATH]
+    assert isinstance(drawable, Sheet)
+    return drawable
 
 
 def test_map_is_placed_at_its_origin_with_rows_along_y() -> None:
@@ -43,8 +43,8 @@ def test_map_is_placed_at_its_origin_with_rows_along_y() -> None:
     add(bench, alpha=1.0)
     message = grid((FREE, WALL), (UNKNOWN, FREE), frame="odom")
     message.info.origin.position.x = 2.0
-    bench.hear("/map", message)
-    bench.look()
+    bench.publish("/map", message)
+    bench.update()
     assert sheet(bench).cells.tolist() == [[0, 100], [255, 0]]
     np.testing.assert_allclose(sheet(bench).colors, palette("map") / 255, atol=1e-6)
     assert sheet(bench).width == 0.5
@@ -54,14 +54,14 @@ def test_map_is_placed_at_its_origin_with_rows_along_y() -> None:
 def test_statuses_and_dimensions_have_rviz_text() -> None:
     bench = Bench()
     display = add(bench)
-    assert bench.said(display, "Message") == ("warn", "No map received")
+    assert bench.status(display, "Message") == ("warn", "No map received")
     message = grid((FREE, WALL), (FREE, FREE), (FREE, FREE))
     message.info.origin.position.y = 4.0
-    bench.hear("/map", message)
-    bench.look()
-    assert bench.said(display, "Message") == ("ok", "Map received")
-    assert bench.said(display, "Map") == ("ok", "Map OK")
-    assert bench.said(display, "Update Topic") == ("ok", "OK")
+    bench.publish("/map", message)
+    bench.update()
+    assert bench.status(display, "Message") == ("ok", "Map received")
+    assert bench.status(display, "Map") == ("ok", "Map OK")
+    assert bench.status(display, "Update Topic") == ("ok", "OK")
     assert [display[label] for label in ("Resolution", "Width", "Height")] == [0.5, 2, 3]
     assert [display[label] for label in ("Position", "Orientation")] == [(0, 4, 0), (0, 0, 0, 1)]
 
@@ -77,14 +77,14 @@ def test_statuses_and_dimensions_have_rviz_text() -> None:
 def test_invalid_map_is_rejected_and_the_last_one_is_kept(changes: dict[str, Any], status: str) -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/map", grid((FREE, FREE)))
+    bench.publish("/map", grid((FREE, FREE)))
     before = sheet(bench)
     wrong = grid((WALL, WALL))
     for field, value in changes.items():
         setattr(wrong.info, field, value)
-    bench.hear("/map", wrong)
-    bench.look()
-    assert bench.said(display, "Map") == ("error", status)
+    bench.publish("/map", wrong)
+    bench.update()
+    assert bench.status(display, "Map") == ("error", status)
     assert sheet(bench) is before
 
 
@@ -93,30 +93,30 @@ def test_map_without_cells_causes_a_hint_although_rviz_reports_nothing() -> None
     display = add(bench)
     empty = OccupancyGrid()
     empty.header.frame_id = "map"
-    bench.hear("/map", empty)
-    assert bench.said(display, "Map") is None
+    bench.publish("/map", empty)
+    assert bench.status(display, "Map") is None
     assert "no cells" in " ".join(bench.hints(display))
 
 
 def test_map_updates_on_a_separate_topic_change_part_of_the_map() -> None:
     bench = Bench()
     display = add(bench, alpha=1.0)
-    bench.hear("/map_updates", change(0, 0, (WALL,)))  # before the first map there is nothing to change
-    bench.hear("/map", grid((FREE, FREE, FREE), (FREE, FREE, FREE)))
-    bench.hear("/map_updates", change(1, 1, (WALL, UNKNOWN)), at=0.5)
+    bench.publish("/map_updates", change(0, 0, (WALL,)))  # before the first map there is nothing to change
+    bench.publish("/map", grid((FREE, FREE, FREE), (FREE, FREE, FREE)))
+    bench.publish("/map_updates", change(1, 1, (WALL, UNKNOWN)), at=0.5)
     assert sheet(bench).cells.tolist() == [[0, 0, 0], [0, 100, 255]]
-    assert bench.said(display, "Update") == ("ok", "Update OK")
-    assert bench.said(display, "Topic") == ("ok", "1 update messages received at 2.0 hz.")
+    assert bench.status(display, "Update") == ("ok", "Update OK")
+    assert bench.status(display, "Topic") == ("ok", "1 update messages received at 2.0 hz.")
 
 
 @pytest.mark.parametrize(("x", "y"), [(-1, 0), (2, 0), (0, 1)])
 def test_update_outside_the_map_is_an_error_and_changes_nothing(x: int, y: int) -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/map", grid((FREE, FREE, FREE)))
+    bench.publish("/map", grid((FREE, FREE, FREE)))
     before = sheet(bench)
-    bench.hear("/map_updates", change(x, y, (WALL, WALL)))
-    assert bench.said(display, "Update") == ("error", "Update area outside of original map area.")
+    bench.publish("/map_updates", change(x, y, (WALL, WALL)))
+    assert bench.status(display, "Update") == ("error", "Update area outside of original map area.")
     assert sheet(bench) is before
 
 
@@ -125,9 +125,9 @@ def test_map_updates_can_use_a_custom_topic() -> None:
     display = add(bench)
     assert display["Update Topic"] == "/map_updates"
     display["Update Topic"] = "/elsewhere"
-    bench.hear("/map", grid((FREE,)))
-    bench.hear("/elsewhere", change(0, 0, (WALL,)))
-    assert bench.said(display, "Update") == ("ok", "Update OK")
+    bench.publish("/map", grid((FREE,)))
+    bench.publish("/elsewhere", change(0, 0, (WALL,)))
+    assert bench.status(display, "Update") == ("ok", "Update OK")
     saved = {"Topic": {"Value": "/map"}, "Update Topic": {"Value": "/mine", "Depth": 7}}
     loaded = bench.session.add("rviz_default_plugins/Map", "Loaded", saved)
     assert (loaded["Update Topic"], loaded["Update Topic/Depth"]) == ("/mine", 7)
@@ -140,7 +140,7 @@ def test_map_updates_can_use_a_custom_topic() -> None:
 def test_changed_property_redraws_the_map(label: str, value: Any) -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/map", grid((FREE, 30, WALL)))
+    bench.publish("/map", grid((FREE, 30, WALL)))
     before = sheet(bench)
     display[label] = value
     after = sheet(bench)
@@ -150,7 +150,7 @@ def test_changed_property_redraws_the_map(label: str, value: Any) -> None:
 def test_binary_map_threshold_is_limited_to_0_to_100() -> None:
     bench = Bench()
     display = add(bench, binary_representation=True)
-    bench.hear("/map", grid((FREE, 30, WALL)))
+    bench.publish("/map", grid((FREE, 30, WALL)))
     before = sheet(bench).colors.tolist()
     display["Binary threshold"] = 20
     assert sheet(bench).colors.tolist() != before
@@ -166,8 +166,8 @@ def test_map_follows_its_frame_or_uses_the_transform_at_its_stamp() -> None:
     for second in (0.0, 1.0):
         bench.transform("map", "odom", (second, 0.0, 0.0), at=second, static=False)
         if not second:
-            bench.hear("/map", message)
-    bench.look(1.0)
+            bench.publish("/map", message)
+    bench.update(1.0)
     assert bench.scene.world_transform(PATH)[0, 3] == 1.0
     display["Use Timestamp"] = True
     assert bench.scene.world_transform(PATH)[0, 3] == 0.0

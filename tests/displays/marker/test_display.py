@@ -15,41 +15,41 @@ def stamped(at: float, frame: str = "base", number: int = 0) -> Marker:
 def test_marker_waits_for_the_transform_at_its_stamp() -> None:
     bench = Bench()
     bench.transform("map", "base", at=0.0, static=False)
-    bench.hear(TOPIC, stamped(0.5), at=0.5)
-    bench.look(0.6)
-    assert bench.shown() == []
-    assert bench.said(bench.marker, "n/0") is None
+    bench.publish(TOPIC, stamped(0.5), at=0.5)
+    bench.update(0.6)
+    assert bench.marker_names() == []
+    assert bench.status(bench.marker, "n/0") is None
     assert bench.hints(bench.marker) == [], "every message of a driving robot waits that long"
-    bench.look(1.05)
+    bench.update(1.05)
     assert any("1 message waiting for tf2. No transform" in hint for hint in bench.hints(bench.marker))
     bench.transform("map", "base", (1.0, 0.0, 0.0), at=1.0, static=False)
-    bench.look(1.1)
-    assert bench.shown() == ["n/0"]
+    bench.update(1.1)
+    assert bench.marker_names() == ["n/0"]
     assert bench.place("n/0")[0, 3] == 0.5
     assert bench.hints(bench.marker) == []
 
 
 def test_hint_about_a_waiting_marker_ends_when_corrected_markers_are_shown() -> None:
     bench = Bench()
-    bench.hear(TOPIC, stamped(0.0, "wolrd"), at=0.0)
-    bench.look(0.5)
-    bench.hear(TOPIC, stamped(0.9, "map"), at=0.9)
-    bench.look(0.9)
+    bench.publish(TOPIC, stamped(0.0, "wolrd"), at=0.0)
+    bench.update(0.5)
+    bench.publish(TOPIC, stamped(0.9, "map"), at=0.9)
+    bench.update(0.9)
     assert "wolrd" in bench.hints(bench.marker)[0], "one of two lamps may still be wrong"
-    bench.hear(TOPIC, stamped(1.0, "map"), at=1.0)
-    bench.look(1.0)
+    bench.publish(TOPIC, stamped(1.0, "map"), at=1.0)
+    bench.update(1.0)
     assert bench.hints(bench.marker) == []
-    bench.hear(TOPIC, stamped(1.5, "wolrd"), at=1.5)
-    bench.look(1.5)
+    bench.publish(TOPIC, stamped(1.5, "wolrd"), at=1.5)
+    bench.update(1.5)
     assert "wolrd" in bench.hints(bench.marker)[0], "a new mistake gets its hint"
 
 
 def test_hint_about_a_dropped_marker_ends_when_corrected_markers_are_shown() -> None:
     bench = Bench()
-    bench.hear(TOPIC, stamped(0.0, ""), at=0.0)
+    bench.publish(TOPIC, stamped(0.0, ""), at=0.0)
     assert "the frame id of the message is empty" in bench.hints(bench.marker)[0]
-    bench.hear(TOPIC, stamped(2.0, "map"), at=2.0)
-    bench.look(2.0)
+    bench.publish(TOPIC, stamped(2.0, "map"), at=2.0)
+    bench.update(2.0)
     assert bench.hints(bench.marker) == []
 
 
@@ -57,40 +57,40 @@ def test_marker_array_does_not_wait_and_is_an_error_immediately() -> None:
     bench = Bench()
     bench.transform("map", "base", at=0.0, static=False)
     bench.show(stamped(0.5), at=0.5)
-    said = bench.said(bench.array, "n/0")
-    assert said is not None
-    assert said[1].startswith(
+    status = bench.status(bench.array, "n/0")
+    assert status is not None
+    assert status[1].startswith(
         "No transform to fixed frame [map]. TF error: [Lookup would require extrapolation"
     )
 
 
 def test_marker_display_also_receives_the_array_topic() -> None:
     bench = Bench()
-    bench.hear(TOPIC + "_array", MarkerArray(markers=[marker(), stamped(9.0, number=1)]))
-    bench.look()
-    assert bench.shown() == ["n/0"]
-    assert bench.said(bench.marker, "Array Topic") == ("ok", "OK")
-    assert bench.said(bench.marker, "Topic") == ("ok", "OK")
+    bench.publish(TOPIC + "_array", MarkerArray(markers=[marker(), stamped(9.0, number=1)]))
+    bench.update()
+    assert bench.marker_names() == ["n/0"]
+    assert bench.status(bench.marker, "Array Topic") == ("ok", "OK")
+    assert bench.status(bench.marker, "Topic") == ("ok", "OK")
 
 
 def test_number_of_waiting_markers_is_limited() -> None:
     bench = Bench()
     for number in range(12):
-        bench.hear(TOPIC, stamped(0.5, number=number), at=0.5)
+        bench.publish(TOPIC, stamped(0.5, number=number), at=0.5)
     assert any(
         "for reason 'discarding message because the queue is full'" in h for h in bench.hints(bench.marker)
     )
     bench.transform("map", "base", at=1.0)
-    bench.look(1.0)
-    assert bench.shown() == sorted(f"n/{number}" for number in range(2, 12))
+    bench.update(1.0)
+    assert bench.marker_names() == sorted(f"n/{number}" for number in range(2, 12))
 
 
 def test_marker_without_a_frame_is_dropped_with_the_text_of_the_rviz_log() -> None:
     bench = Bench()
-    bench.hear(TOPIC, marker(frame=""))
-    bench.look()
-    assert bench.shown() == []
-    assert bench.said(bench.marker, "n/0") is None
+    bench.publish(TOPIC, marker(frame=""))
+    bench.update()
+    assert bench.marker_names() == []
+    assert bench.status(bench.marker, "n/0") is None
     assert bench.hints(bench.marker) == [
         "RViz's log: Message Filter dropping message: frame '' at time 0.000 for reason "
         "'the frame id of the message is empty'"
@@ -102,30 +102,30 @@ def test_changed_fixed_frame_clears_all_markers(which: str) -> None:
     bench = Bench()
     display: Display = getattr(bench, which)
     message = marker() if which == "marker" else MarkerArray(markers=[marker()])
-    bench.hear(TOPIC if which == "marker" else ARRAY, message)
-    bench.look()
-    assert bench.shown() == ["n/0"]
+    bench.publish(TOPIC if which == "marker" else ARRAY, message)
+    bench.update()
+    assert bench.marker_names() == ["n/0"]
     bench.session.fixed_frame = "odom"
-    assert bench.shown() == []
+    assert bench.marker_names() == []
     bench.session.fixed_frame = "map"
-    assert bench.shown() == []
-    assert bench.said(display, "Topic") is None
+    assert bench.marker_names() == []
+    assert bench.status(display, "Topic") is None
 
 
 def test_received_messages_are_counted() -> None:
     bench = Bench()
     for second in (1.0, 2.0, 3.0, 4.0):
-        bench.hear(TOPIC, marker(), at=second)
-    assert bench.said(bench.marker, "Topic") == ("ok", "4 messages received at 1.0 hz.")
+        bench.publish(TOPIC, marker(), at=second)
+    assert bench.status(bench.marker, "Topic") == ("ok", "4 messages received at 1.0 hz.")
 
 
 def test_namespace_disabled_in_a_layout_is_not_shown() -> None:
     bench = Bench()
     config = {"Topic": {"Value": "/layout"}, "Namespaces": {"hidden": False, "seen": True}}
     bench.session.add("rviz_default_plugins/MarkerArray", "Layout", config)
-    bench.hear("/layout", MarkerArray(markers=[marker(ns="hidden"), marker(ns="seen")]))
-    bench.look()
-    assert bench.shown() == ["seen/0"]
+    bench.publish("/layout", MarkerArray(markers=[marker(ns="hidden"), marker(ns="seen")]))
+    bench.update()
+    assert bench.marker_names() == ["seen/0"]
 
 
 def test_default_topics_equal_the_defaults_in_rviz() -> None:
@@ -134,28 +134,28 @@ def test_default_topics_equal_the_defaults_in_rviz() -> None:
     assert [s.topic for s in array.subscriptions] == ["/visualization_marker_array"]
     single = bench.session.add("rviz_default_plugins/Marker", "Default", {})
     assert single.subscriptions == ()
-    assert bench.said(single, "Topic") == ("error", "Error subscribing: Empty topic name")
+    assert bench.status(single, "Topic") == ("error", "Error subscribing: Empty topic name")
 
 
 def test_disabled_display_shows_no_markers_and_discards_them() -> None:
     bench = Bench()
-    bench.hear(TOPIC, marker())
-    bench.look()
+    bench.publish(TOPIC, marker())
+    bench.update()
     bench.marker["Enabled"] = False
-    assert bench.shown() == []
-    bench.hear(TOPIC, marker(), at=1.0)
+    assert bench.marker_names() == []
+    bench.publish(TOPIC, marker(), at=1.0)
     bench.marker["Enabled"] = True
-    assert bench.shown() == []
-    bench.hear(TOPIC, marker(), at=2.0)
-    bench.look(2.0)
-    assert bench.shown() == ["n/0"]
+    assert bench.marker_names() == []
+    bench.publish(TOPIC, marker(), at=2.0)
+    bench.update(2.0)
+    assert bench.marker_names() == ["n/0"]
 
 
 def test_message_of_another_type_causes_a_hint() -> None:
     bench = Bench()
-    bench.hear(TOPIC, MarkerArray(markers=[marker()]))
-    bench.look()
-    assert bench.shown() == []
+    bench.publish(TOPIC, MarkerArray(markers=[marker()]))
+    bench.update()
+    assert bench.marker_names() == []
     assert bench.hints(bench.marker) == [
         "/markers carries visualization_msgs/msg/MarkerArray; "
         "this display expects visualization_msgs/msg/Marker."
@@ -164,13 +164,13 @@ def test_message_of_another_type_causes_a_hint() -> None:
 
 def test_incompatible_qos_causes_a_hint() -> None:
     bench = Bench()
-    bench.hear(TOPIC, marker(), qos=Qos(reliability="best_effort"))
-    bench.look()
-    assert bench.shown() == []
+    bench.publish(TOPIC, marker(), qos=Qos(reliability="best_effort"))
+    bench.update()
+    assert bench.marker_names() == []
     (hint,) = bench.hints(bench.marker)
     assert hint.startswith("/markers is published with another RELIABILITY than this display requests")
     bench.marker["Reliability Policy"] = "Best Effort"
-    bench.hear(TOPIC, marker(), at=1.0, qos=Qos(reliability="best_effort"))
-    bench.look(1.0)
-    assert bench.shown() == ["n/0"]
+    bench.publish(TOPIC, marker(), at=1.0, qos=Qos(reliability="best_effort"))
+    bench.update(1.0)
+    assert bench.marker_names() == ["n/0"]
     assert bench.hints(bench.marker) == []

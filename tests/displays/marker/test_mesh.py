@@ -56,9 +56,9 @@ def test_mesh_with_embedded_materials_is_tinted_only_on_request(obj: str, tint: 
     ["file:///nowhere.stl", "package://nobody/arm.stl", "https://example.org/a.stl", "arm.stl", "file:///"],
 )
 def test_unloadable_mesh_is_an_error_with_rviz_text(uri: str) -> None:
-    made = mesh(marker(Marker.MESH_RESOURCE, 5, mesh_resource=uri))
-    assert made.refused
-    assert made.status == ("error", f"Mesh resource marker [n/5] could not load [{uri}]")
+    drawing = mesh(marker(Marker.MESH_RESOURCE, 5, mesh_resource=uri))
+    assert drawing.refused
+    assert drawing.status == ("error", f"Mesh resource marker [n/5] could not load [{uri}]")
 
 
 def test_invalid_mesh_file_is_an_error(tmp_path: Path) -> None:

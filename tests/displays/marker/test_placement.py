@@ -12,7 +12,7 @@ from tests.displays.bench import Bench, at, marker, ns
 def test_marker_in_the_fixed_frame_requires_no_transform() -> None:
     bench = Bench()
     bench.show(marker(frame="map"), marker(number=1, frame="/map"))
-    assert bench.shown() == ["n/0", "n/1"]
+    assert bench.marker_names() == ["n/0", "n/1"]
 
 
 def test_frame_change_places_its_markers_once() -> None:
@@ -21,7 +21,7 @@ def test_frame_change_places_its_markers_once() -> None:
     bench.show(marker(frame="base", pose=at(2.0)))
     np.testing.assert_allclose(bench.place("n/0")[:3, 3], [1, 2, 0], atol=1e-12)
     bench.transform("map", "base", (9.0, 0.0, 0.0), at=1.0)
-    bench.look(2.0)
+    bench.update(2.0)
     np.testing.assert_allclose(bench.place("n/0")[:3, 3], [1, 2, 0], atol=1e-12)
 
 
@@ -30,9 +30,9 @@ def test_marker_left_behind_by_its_frame_causes_a_hint() -> None:
     bench.transform("map", "base")
     bench.show(marker(frame="base"), marker(number=1, frame="base", frame_locked=True))
     bench.transform("map", "base", (1.0, 0.0, 0.0), at=0.5)
-    bench.look(0.5)
+    bench.update(0.5)
     assert bench.hints(bench.array) == []
-    bench.look(1.5)
+    bench.update(1.5)
     (hint,) = bench.hints(bench.array)
     assert hint.startswith("base has moved since this marker arrived")
 
@@ -44,7 +44,7 @@ def test_locked_marker_follows_its_frame_regardless_of_its_stamp() -> None:
     bench.transform("map", "base", (1.0, 0.0, 0.0))
     bench.show(locked)
     bench.transform("map", "base", (5.0, 0.0, 0.0), yaw=pi / 2, at=1.0)
-    bench.look(2.0)
+    bench.update(2.0)
     np.testing.assert_allclose(bench.place("n/0")[:3, 3], [5, 2, 0], atol=1e-12)
 
 
@@ -52,11 +52,11 @@ def test_locked_marker_is_hidden_while_its_frame_is_unknown() -> None:
     bench = Bench()
     bench.transform("map", "other")
     bench.show(marker(frame="base", frame_locked=True))
-    assert bench.shown() == []
-    assert bench.said(bench.array, "n/0") == ("error", "For frame [base]: Frame [base] does not exist")
+    assert bench.marker_names() == []
+    assert bench.status(bench.array, "n/0") == ("error", "For frame [base]: Frame [base] does not exist")
     bench.transform("map", "base", (1.0, 0.0, 0.0), at=1.0)
-    bench.look(2.0)
-    assert bench.shown() == ["n/0"]
+    bench.update(2.0)
+    assert bench.marker_names() == ["n/0"]
 
 
 def test_stamped_marker_uses_the_transform_at_its_stamp() -> None:
@@ -89,18 +89,18 @@ def test_marker_without_a_transform_is_hidden_and_an_error(name: str) -> None:
     bench.transform("map", "odom")
     bench.transform("space", "moon")
     bench.show(marker(frame=frame))
-    assert bench.said(bench.array, "n/0") == ("error", text)
-    assert bench.shown() == []
+    assert bench.status(bench.array, "n/0") == ("error", text)
+    assert bench.marker_names() == []
 
 
 def test_hidden_marker_is_shown_again_after_a_message_with_a_known_frame() -> None:
     bench = Bench()
     bench.show(marker(pose=at(1.0)))
     bench.show(marker(frame="nowhere"), at=1.0)
-    assert bench.shown() == []
+    assert bench.marker_names() == []
     bench.show(marker(), at=2.0)
-    assert bench.shown() == ["n/0"]
-    assert bench.said(bench.array, "n/0") is None
+    assert bench.marker_names() == ["n/0"]
+    assert bench.status(bench.array, "n/0") is None
 
 
 QUATERNIONS = [

@@ -27,22 +27,22 @@ def ends(solids: Solids) -> tuple[np.ndarray, np.ndarray]:
     ("kind", "shape"), [(Marker.CUBE, "box"), (Marker.SPHERE, "sphere"), (Marker.CYLINDER, "cylinder")]
 )
 def test_scale_of_a_solid_is_its_full_extent(kind: int, shape: str) -> None:
-    drawn = solid(marker(kind, scale=Vector3(x=1.0, y=2.0, z=3.0)))
-    assert part(drawn, "body").shape == shape
-    np.testing.assert_array_equal(part(drawn, "body").placements[0], np.diag([1.0, 2.0, 3.0, 1.0]))
-    assert drawn.status is None
+    drawing = solid(marker(kind, scale=Vector3(x=1.0, y=2.0, z=3.0)))
+    assert part(drawing, "body").shape == shape
+    np.testing.assert_array_equal(part(drawing, "body").placements[0], np.diag([1.0, 2.0, 3.0, 1.0]))
+    assert drawing.status is None
 
 
 @pytest.mark.parametrize("kind", [Marker.CUBE, Marker.SPHERE, Marker.CYLINDER, Marker.ARROW])
 def test_zero_scale_causes_a_warning_with_rviz_text(kind: int) -> None:
     draw = arrow if kind == Marker.ARROW else solid
-    drawn = draw(marker(kind, scale=Vector3(x=1.0, y=0.0, z=1.0)))
-    assert drawn.status == ("warn", "Scale of 0 in one of x/y/z")
+    drawing = draw(marker(kind, scale=Vector3(x=1.0, y=0.0, z=1.0)))
+    assert drawing.status == ("warn", "Scale of 0 in one of x/y/z")
 
 
 def test_colors_are_clipped_to_the_valid_range() -> None:
-    drawn = solid(marker(color=ColorRGBA(r=255.0, g=0.5, b=-1.0, a=1.0)))
-    np.testing.assert_array_equal(part(drawn, "body").colors, [1.0, 0.5, 0.0, 1.0])
+    drawing = solid(marker(color=ColorRGBA(r=255.0, g=0.5, b=-1.0, a=1.0)))
+    np.testing.assert_array_equal(part(drawing, "body").colors, [1.0, 0.5, 0.0, 1.0])
 
 
 @pytest.mark.parametrize("count", [0, 3])
@@ -50,9 +50,9 @@ def test_arrow_without_two_points_extends_from_its_pose_along_x(count: int) -> N
     shape = marker(
         Marker.ARROW, scale=Vector3(x=2.0, y=0.2, z=0.4), points=points(*[(1.0, 1.0, 1.0)] * count)
     )
-    drawn = arrow(shape)
-    tail, neck = ends(part(drawn, "shaft"))
-    base, tip = ends(part(drawn, "head"))
+    drawing = arrow(shape)
+    tail, neck = ends(part(drawing, "shaft"))
+    base, tip = ends(part(drawing, "head"))
     np.testing.assert_allclose(tail[:3], [0, 0, 0], atol=1e-6)
     np.testing.assert_allclose(neck[:3], [0.77 * 2, 0, 0], atol=1e-6)
     np.testing.assert_allclose(base, neck, atol=1e-6)
@@ -60,8 +60,10 @@ def test_arrow_without_two_points_extends_from_its_pose_along_x(count: int) -> N
 
 
 def test_arrow_is_scaled_in_y_and_z_and_its_head_is_twice_as_wide() -> None:
-    drawn = arrow(marker(Marker.ARROW, scale=Vector3(x=2.0, y=0.2, z=0.4)))
-    extents = [np.linalg.norm(part(drawn, name).placements[0][:3, :3], axis=1) for name in ("shaft", "head")]
+    drawing = arrow(marker(Marker.ARROW, scale=Vector3(x=2.0, y=0.2, z=0.4)))
+    extents = [
+        np.linalg.norm(part(drawing, name).placements[0][:3, :3], axis=1) for name in ("shaft", "head")
+    ]
     np.testing.assert_allclose(extents[0], [0.77 * 2, 0.2, 0.4], atol=1e-6)
     np.testing.assert_allclose(extents[1], [0.23 * 2, 0.4, 0.8], atol=1e-6)
 
@@ -71,14 +73,14 @@ def test_arrow_is_scaled_in_y_and_z_and_its_head_is_twice_as_wide() -> None:
 )
 def test_two_point_arrow_has_diameters_and_a_head_length(head: float, length: float) -> None:
     scale = Vector3(x=0.1, y=0.3, z=head)
-    drawn = arrow(marker(Marker.ARROW, scale=scale, points=points((1.0, 0.0, 0.0), (1.0, 3.0, 4.0))))
-    tail, neck = ends(part(drawn, "shaft"))
-    base, tip = ends(part(drawn, "head"))
+    drawing = arrow(marker(Marker.ARROW, scale=scale, points=points((1.0, 0.0, 0.0), (1.0, 3.0, 4.0))))
+    tail, neck = ends(part(drawing, "shaft"))
+    base, tip = ends(part(drawing, "head"))
     np.testing.assert_allclose(tail[:3], [1, 0, 0], atol=1e-6)
     np.testing.assert_allclose(tip[:3], [1, 3, 4], atol=1e-6)
     assert np.linalg.norm(tip - base) == pytest.approx(length, abs=1e-6)
     np.testing.assert_allclose(neck, base, atol=1e-6)
-    widths = [np.linalg.norm(part(drawn, name).placements[0][:3, 0]) for name in ("shaft", "head")]
+    widths = [np.linalg.norm(part(drawing, name).placements[0][:3, 0]) for name in ("shaft", "head")]
     np.testing.assert_allclose(widths, [0.1, 0.3], atol=1e-6)
 
 
@@ -92,17 +94,17 @@ def test_arrow_with_two_equal_points_is_not_drawn() -> None:
 
 
 def test_arrow_with_one_point_is_rejected() -> None:
-    drawn = arrow(marker(Marker.ARROW, 7, points=points((1.0, 0.0, 0.0))))
-    assert drawn.refused
-    assert drawn.status == (
+    drawing = arrow(marker(Marker.ARROW, 7, points=points((1.0, 0.0, 0.0))))
+    assert drawing.refused
+    assert drawing.status == (
         "error",
         "Arrow marker [n/7] only specified one point of a point to point arrow.",
     )
 
 
 def test_text_height_is_the_z_scale() -> None:
-    drawn = text(marker(Marker.TEXT_VIEW_FACING, text="Person (0.95)", scale=Vector3(z=0.3)))
-    words = drawn.drawables["text"]
+    drawing = text(marker(Marker.TEXT_VIEW_FACING, text="Person (0.95)", scale=Vector3(z=0.3)))
+    words = drawing.drawables["text"]
     assert isinstance(words, Text)
     assert words.text == "Person (0.95)"
     assert words.height == pytest.approx(0.3)
@@ -110,10 +112,10 @@ def test_text_height_is_the_z_scale() -> None:
 
 @pytest.mark.parametrize(("words", "height"), [("", 1.0), ("hello", 0.0)])
 def test_empty_text_or_text_of_zero_height_is_not_drawn_and_has_no_status(words: str, height: float) -> None:
-    drawn = text(marker(Marker.TEXT_VIEW_FACING, text=words, scale=Vector3(z=height)))
-    assert drawn == MarkerDrawing()
+    drawing = text(marker(Marker.TEXT_VIEW_FACING, text=words, scale=Vector3(z=height)))
+    assert drawing == MarkerDrawing()
 
 
 def test_proportions_of_an_arrow_add_up_to_its_length() -> None:
-    drawn = arrow(marker(Marker.ARROW, scale=Vector3(x=pi, y=1.0, z=1.0)))
-    assert ends(part(drawn, "head"))[1][0] == pytest.approx(pi)
+    drawing = arrow(marker(Marker.ARROW, scale=Vector3(x=pi, y=1.0, z=1.0)))
+    assert ends(part(drawing, "head"))[1][0] == pytest.approx(pi)

@@ -15,7 +15,7 @@ def test_marker_is_identified_by_namespace_and_id() -> None:
     bench = Bench()
     bench.show(marker(number=1, pose=at(1.0)))
     bench.show(marker(number=1, pose=at(2.0)), at=1.0)
-    assert bench.shown() == ["n/1"]
+    assert bench.marker_names() == ["n/1"]
     assert bench.place("n/1")[0, 3] == 2.0
 
 
@@ -51,22 +51,22 @@ def test_delete_action_removes_one_marker() -> None:
     bench = Bench()
     bench.show(marker(number=0), marker(number=1))
     bench.show(marker(number=0, action=Marker.DELETE), at=1.0)
-    assert bench.shown() == ["n/1"]
+    assert bench.marker_names() == ["n/1"]
 
 
-@pytest.mark.parametrize(("namespace", "left"), [("", []), ("a", ["b/0"])])
-def test_delete_all_action_respects_a_namespace(namespace: str, left: list[str]) -> None:
+@pytest.mark.parametrize(("namespace", "remaining"), [("", []), ("a", ["b/0"])])
+def test_delete_all_action_respects_a_namespace(namespace: str, remaining: list[str]) -> None:
     bench = Bench()
     bench.show(marker(ns="a"), marker(ns="b"))
     bench.show(marker(ns=namespace, action=Marker.DELETEALL), at=1.0)
-    assert bench.shown() == left
+    assert bench.marker_names() == remaining
 
 
 def test_unknown_action_is_ignored() -> None:
     bench = Bench()
     bench.show(marker())
     bench.show(marker(action=1), at=1.0)
-    assert bench.shown() == ["n/0"]
+    assert bench.marker_names() == ["n/0"]
     assert "RViz's log: Unknown marker action: 1" in bench.hints(bench.array)
 
 
@@ -76,29 +76,29 @@ def test_lifetime_starts_at_reception_and_not_at_the_stamp() -> None:
     old.header.stamp.sec = 5
     bench.transform("map", "base")
     bench.show(old, at=10.0)
-    bench.look(10.99)
-    assert bench.shown() == ["n/0"]
-    bench.look(11.0)
-    assert bench.shown() == []
+    bench.update(10.99)
+    assert bench.marker_names() == ["n/0"]
+    bench.update(11.0)
+    assert bench.marker_names() == []
     assert "the last marker expired: its lifetime is 1 s." in bench.hints(bench.array)
 
 
-@pytest.mark.parametrize(("nanosec", "left"), [(0, ["n/0"]), (100_000, ["n/0"]), (100_001, [])])
-def test_lifetime_up_to_a_tenth_of_a_millisecond_never_expires(nanosec: int, left: list[str]) -> None:
+@pytest.mark.parametrize(("nanosec", "remaining"), [(0, ["n/0"]), (100_000, ["n/0"]), (100_001, [])])
+def test_lifetime_up_to_a_tenth_of_a_millisecond_never_expires(nanosec: int, remaining: list[str]) -> None:
     bench = Bench()
     bench.show(marker(lifetime=Duration(nanosec=nanosec)))
-    bench.look(3600.0)
-    assert bench.shown() == left
+    bench.update(3600.0)
+    assert bench.marker_names() == remaining
 
 
 def test_new_message_restarts_the_lifetime() -> None:
     bench = Bench()
     for second in range(5):
         bench.show(marker(lifetime=Duration(sec=1)), at=float(second))
-        assert bench.shown() == ["n/0"]
+        assert bench.marker_names() == ["n/0"]
     bench.show(marker(), at=4.5)
-    bench.look(60.0)
-    assert bench.shown() == ["n/0"]
+    bench.update(60.0)
+    assert bench.marker_names() == ["n/0"]
 
 
 BAD: dict[str, Callable[[], Marker]] = {
@@ -115,7 +115,7 @@ def test_marker_with_nan_is_dropped_and_the_previous_one_is_kept(name: str) -> N
     bench = Bench()
     bench.show(marker(pose=at(1.0)))
     bench.show(BAD[name](), at=1.0)
-    assert bench.said(bench.array, "n/0") == (
+    assert bench.status(bench.array, "n/0") == (
         "error",
         "Contains invalid floating point values (nans or infs)",
     )
@@ -125,35 +125,35 @@ def test_marker_with_nan_is_dropped_and_the_previous_one_is_kept(name: str) -> N
 def test_valid_message_clears_the_error_of_an_invalid_one() -> None:
     bench = Bench()
     bench.show(marker(Marker.LINE_LIST, points=points((0.0, 0.0, 0.0))))
-    assert bench.said(bench.array, "n/0") is not None
+    assert bench.status(bench.array, "n/0") is not None
     bench.show(marker(Marker.LINE_LIST, points=points((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))), at=1.0)
-    assert bench.said(bench.array, "n/0") is None
+    assert bench.status(bench.array, "n/0") is None
 
 
 def test_duplicate_marker_in_an_array_is_an_error_and_the_last_one_is_shown() -> None:
     bench = Bench()
     bench.show(marker(ns="a", number=1, pose=at(1.0)), marker(ns="a", number=1, pose=at(2.0)))
-    assert bench.said(bench.array, "Duplicate Marker Check") == (
+    assert bench.status(bench.array, "Duplicate Marker Check") == (
         "error",
         "Multiple Markers in the same MarkerArray message had the same ns and id: (a, 1)",
     )
     assert bench.place("a/1")[0, 3] == 2.0
     bench.show(marker(ns="a", number=1), at=1.0)
-    assert bench.said(bench.array, "Duplicate Marker Check") is None
+    assert bench.status(bench.array, "Duplicate Marker Check") is None
 
 
 def test_disabled_namespace_loses_its_markers_until_they_are_published_again() -> None:
     bench = Bench()
     bench.show(marker(ns="a"), marker(ns="b"))
     bench.array["Namespaces"] = {"a": False}
-    assert bench.shown() == ["b/0"]
+    assert bench.marker_names() == ["b/0"]
     bench.show(marker(ns="a"), at=1.0)
-    assert bench.shown() == ["b/0"]
+    assert bench.marker_names() == ["b/0"]
     assert any("'a' is not ticked" in hint for hint in bench.hints(bench.array))
     bench.array["Namespaces"] = {"a": True}
-    assert bench.shown() == ["b/0"]
+    assert bench.marker_names() == ["b/0"]
     bench.show(marker(ns="a"), at=2.0)
-    assert bench.shown() == ["a/0", "b/0"]
+    assert bench.marker_names() == ["a/0", "b/0"]
     assert bench.array["Namespaces"] == {"a": True, "b": True}
 
 
@@ -162,7 +162,7 @@ def test_namespace_has_a_unique_label() -> None:
     bench.show(marker(ns="a"), marker(ns="b/c"))
     assert bench.array["Namespaces/b/c"] is True
     bench.array["Namespaces/b/c"] = False
-    assert bench.shown() == ["a/0"]
+    assert bench.marker_names() == ["a/0"]
     assert bench.array["namespaces/b/c"] is False
     assert bench.array["Namespaces/a"] is True
     with pytest.raises(CourseError, match=r"'Namespaces' is .*, expected True or False"):
@@ -172,14 +172,14 @@ def test_namespace_has_a_unique_label() -> None:
 def test_different_markers_with_one_id_in_quick_succession_cause_a_hint() -> None:
     bench = Bench()
     for x in (1.0, 2.0):
-        bench.hear(ARRAY, MarkerArray(markers=[marker(pose=at(x))]))
-    bench.look()
+        bench.publish(ARRAY, MarkerArray(markers=[marker(pose=at(x))]))
+    bench.update()
     assert any("Give each its own id" in hint for hint in bench.hints(bench.array))
     later = marker()
     later.header.stamp.sec += 1
-    bench.hear(ARRAY, MarkerArray(markers=[marker()]))
-    bench.hear(ARRAY, MarkerArray(markers=[later]))
-    bench.look()
+    bench.publish(ARRAY, MarkerArray(markers=[marker()]))
+    bench.publish(ARRAY, MarkerArray(markers=[later]))
+    bench.update()
     assert not any("Give each its own id" in hint for hint in bench.hints(bench.array))
 
 
@@ -187,6 +187,6 @@ def test_marker_type_unsupported_by_rviz_is_not_drawn_and_has_no_status() -> Non
     bench = Bench()
     bench.show(marker(Marker.ARROW_STRIP, points=points((0.0, 0.0, 0.0))))
     bench.show(marker(Marker.ARROW_STRIP), at=1.0)
-    assert bench.shown() == []
-    assert bench.said(bench.array, "n/0") is None
+    assert bench.marker_names() == []
+    assert bench.status(bench.array, "n/0") is None
     assert any("Unknown marker type: 12" in hint for hint in bench.hints(bench.array))

@@ -64,11 +64,11 @@ def test_triangles_are_blended_as_in_rviz(count: int, own: float, each: float, a
     ],
 )
 def test_points_that_do_not_form_triangles_are_rejected(count: int, text: str) -> None:
-    made = triangles(marker(Marker.TRIANGLE_LIST, points=SIX[:count]))
-    assert made.refused
-    assert made.status == ("error", text)
+    drawing = triangles(marker(Marker.TRIANGLE_LIST, points=SIX[:count]))
+    assert drawing.refused
+    assert drawing.status == ("error", text)
 
 
 def test_zero_scale_causes_a_warning() -> None:
-    made = triangles(marker(Marker.TRIANGLE_LIST, points=SIX, scale=Vector3(x=1.0, y=1.0)))
-    assert made.status == ("warn", "Scale of 0 in one of x/y/z")
+    drawing = triangles(marker(Marker.TRIANGLE_LIST, points=SIX, scale=Vector3(x=1.0, y=1.0)))
+    assert drawing.status == ("warn", "Scale of 0 in one of x/y/z")

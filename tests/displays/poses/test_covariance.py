@@ -103,11 +103,11 @@ def test_covariance_with_a_negative_eigenvalue_has_zero_extent() -> None:
 
 
 @pytest.mark.parametrize(
-    ("label", "value", "left"),
+    ("label", "value", "remaining"),
     [("Covariance", False, []), (PLACE, False, ["discs"]), (TURN, False, ["place"])],
 )
-def test_position_and_orientation_can_be_hidden(label: str, value: bool, left: list[str]) -> None:
-    assert sorted(drawn(np.eye(6), values={label: value})) == left
+def test_position_and_orientation_can_be_hidden(label: str, value: bool, remaining: list[str]) -> None:
+    assert sorted(drawn(np.eye(6), values={label: value})) == remaining
 
 
 @pytest.mark.parametrize(

@@ -11,12 +11,12 @@ from tests.displays.poses.test_poses import add, drawn, extent
 
 
 def message(x: float = 0.0, yaw: float = 0.0) -> Odometry:
-    made = Odometry()
-    made.header.frame_id = "map"
-    made.pose.pose.position.x = x
-    made.pose.pose.orientation.z, made.pose.pose.orientation.w = sin(yaw / 2), cos(yaw / 2)
-    made.pose.covariance = np.eye(6).ravel()
-    return made
+    message = Odometry()
+    message.header.frame_id = "map"
+    message.pose.pose.position.x = x
+    message.pose.pose.orientation.z, message.pose.pose.orientation.w = sin(yaw / 2), cos(yaw / 2)
+    message.pose.covariance = np.eye(6).ravel()
+    return message
 
 
 def steps(bench: Bench) -> int:
@@ -27,10 +27,10 @@ def test_pose_is_shown_if_it_exceeds_the_tolerances() -> None:
     bench = Bench()
     display = add(bench, "Odometry", position_tolerance=1.0, angle_tolerance=0.5)
     for x, yaw in ((0.0, 0.0), (0.9, 0.4), (1.1, 0.0), (1.1, 0.6), (1.2, 0.6 + 2 * np.pi)):
-        bench.hear("/pose", message(x, yaw))
+        bench.publish("/pose", message(x, yaw))
     assert steps(bench) == 3
     display["Angle Tolerance"] = display["Position Tolerance"] = 0.0
-    bench.hear("/pose", message(1.1, 0.6))
+    bench.publish("/pose", message(1.1, 0.6))
     assert steps(bench) == 4
 
 
@@ -38,12 +38,12 @@ def test_newest_poses_are_kept_and_0_keeps_all() -> None:
     bench = Bench()
     display = add(bench, "Odometry", keep=3)
     for x in range(5):
-        bench.hear("/pose", message(float(x)))
+        bench.publish("/pose", message(float(x)))
     assert steps(bench) == 3
     assert extent(bench, "shaft", 0)[0].tolist() == [2, 0, 0]
     display["Keep"] = 0
     for x in range(10, 20):
-        bench.hear("/pose", message(float(x)))
+        bench.publish("/pose", message(float(x)))
     assert steps(bench) == 13
     display["Keep"] = 1
     assert extent(bench, "shaft", 0)[0].tolist() == [19, 0, 0]
@@ -53,7 +53,7 @@ def test_shape_properties_are_nested_below_the_shape() -> None:
     bench = Bench()
     config = {"Topic": "/pose", "Shape": {"Value": "Axes", "Axes Length": 2, "Color": "0; 0; 255"}}
     display = bench.session.add("rviz_default_plugins/Odometry", "Shown", {**config, "Covariance": False})
-    bench.hear("/pose", message())
+    bench.publish("/pose", message())
     assert sorted(drawn(bench)) == ["axes"]
     np.testing.assert_allclose(extent(bench, "axes")[1], [2, 0, 0], atol=1e-6)
     display["Shape"] = "Arrow"
@@ -74,7 +74,7 @@ def test_covariances_are_shown_at_each_pose() -> None:
     bench = Bench()
     display = add(bench, "Odometry")
     for x in range(3):
-        bench.hear("/pose", message(float(x)))
+        bench.publish("/pose", message(float(x)))
     assert [len(drawn(bench)[name].placements) for name in ("place", "discs")] == [3, 9]
     display["Covariance"] = False
     assert sorted(drawn(bench)) == ["head", "shaft"]
@@ -92,6 +92,6 @@ def test_invalid_odometry_is_an_error(field: str, value: float, status: str) -> 
     display: Any = add(bench, "Odometry")
     wrong = message()
     getattr(wrong.pose.pose, field).z = value
-    bench.hear("/pose", wrong)
-    assert bench.said(display, "Topic") == ("error", status)
+    bench.publish("/pose", wrong)
+    assert bench.status(display, "Topic") == ("error", status)
     assert not drawn(bench)

@@ -27,14 +27,14 @@ def path(*xs: float, turned: bool = False) -> Path:
 
 def xs(bench: Bench) -> list[list[float]]:
     """Return the x coordinates of the points of each line."""
-    lines = [thing for name, thing in sorted(drawn(bench).items()) if name.startswith("line")]
+    lines = [drawable for name, drawable in sorted(drawn(bench).items()) if name.startswith("line")]
     return [line.points[:, 0].tolist() for line in lines]
 
 
 def test_path_is_a_thin_line_or_a_strip_of_the_requested_width() -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/path", path(*START))
+    bench.publish("/path", path(*START))
     line = drawn(bench)["line 0"]
     assert isinstance(line, Lines)
     assert (line.width, line.strip, line.points[:, 0].tolist()) == (0.0, True, list(START))
@@ -50,7 +50,7 @@ def test_buffer_length_limits_the_number_of_paths() -> None:
     bench = Bench()
     display = add(bench, buffer_length=2)
     for first in (0.0, 10.0, 20.0):
-        bench.hear("/path", path(first, first + 1))
+        bench.publish("/path", path(first, first + 1))
     assert xs(bench) == [[10, 11], [20, 21]]
     display["Buffer Length"] = 1
     assert xs(bench) == []
@@ -59,18 +59,18 @@ def test_buffer_length_limits_the_number_of_paths() -> None:
 def test_non_finite_path_replaces_an_older_path() -> None:
     bench = Bench()
     display = add(bench)
-    bench.hear("/path", path(*START))
-    bench.hear("/path", path(0.0, np.nan))
-    assert bench.said(display, "Topic") == ("error", INVALID)
+    bench.publish("/path", path(*START))
+    bench.publish("/path", path(0.0, np.nan))
+    assert bench.status(display, "Topic") == ("error", INVALID)
     assert not drawn(bench)
-    bench.hear("/path", path())
+    bench.publish("/path", path())
     assert not drawn(bench)
 
 
 def test_arrows_are_drawn_at_the_poses_in_their_own_color() -> None:
     bench = Bench()
     add(bench, pose_style="Arrows", pose_color=(0, 0, 255), alpha=0.1)
-    bench.hear("/path", path(*START, turned=True))
+    bench.publish("/path", path(*START, turned=True))
     np.testing.assert_allclose(np.array(extent(bench, "shaft", 1)), [[1.0, 0, 0], [1.0, 0.1, 0]], atol=1e-6)
     np.testing.assert_allclose(np.array(extent(bench, "head", 2)), [[2.0, 0.1, 0], [2.0, 0.3, 0]], atol=1e-6)
     assert drawn(bench)["head"].colors.tolist() == [0, 0, 1, 1]
@@ -90,7 +90,7 @@ def test_arrows_are_drawn_at_the_poses_in_their_own_color() -> None:
 def test_shapes_at_the_poses_have_the_requested_size(style: str, label: str, part: str) -> None:
     bench = Bench()
     display = add(bench, pose_style=style)
-    bench.hear("/path", path(*START))
+    bench.publish("/path", path(*START))
     before = drawn(bench)[part]
     display[label] = 2.0
     after = drawn(bench)[part]

@@ -10,17 +10,17 @@ from tests.displays.poses.test_poses import add, drawn, extent, pose
 
 
 def message(x: float = 0.0, **fields: Any) -> PoseWithCovarianceStamped:
-    made = PoseWithCovarianceStamped()
-    made.header.frame_id = "map"
-    made.pose.pose = pose(x, turned=True)
-    made.pose.covariance = fields.get("covariance", np.eye(6).ravel())
-    return made
+    message = PoseWithCovarianceStamped()
+    message.header.frame_id = "map"
+    message.pose.pose = pose(x, turned=True)
+    message.pose.covariance = fields.get("covariance", np.eye(6).ravel())
+    return message
 
 
 def test_pose_is_shown_with_its_covariance() -> None:
     bench = Bench()
     display = add(bench, "PoseWithCovariance")
-    bench.hear("/pose", message(2.0))
+    bench.publish("/pose", message(2.0))
     assert sorted(drawn(bench)) == ["discs", "head", "place", "shaft"]
     assert extent(bench, "shaft")[0].tolist() == [2, 0, 0]
     display["Shape"] = "Axes"
@@ -34,6 +34,6 @@ def test_pose_is_shown_with_its_covariance() -> None:
 def test_non_finite_pose_is_an_error(wrong: PoseWithCovarianceStamped) -> None:
     bench = Bench()
     display = add(bench, "PoseWithCovariance")
-    bench.hear("/pose", wrong)
-    assert bench.said(display, "Topic") == ("error", INVALID)
+    bench.publish("/pose", wrong)
+    assert bench.status(display, "Topic") == ("error", INVALID)
     assert not drawn(bench)

@@ -12,10 +12,10 @@ QUARTER = float(np.sqrt(0.5))  # of a turn around z: z and w of the quaternion
 
 
 def pose(x: float = 0.0, turned: bool = False) -> Pose:
-    made = Pose()
-    made.position.x = x
-    made.orientation.z, made.orientation.w = (QUARTER, QUARTER) if turned else (0.0, 1.0)
-    return made
+    pose = Pose()
+    pose.position.x = x
+    pose.orientation.z, pose.orientation.w = (QUARTER, QUARTER) if turned else (0.0, 1.0)
+    return pose
 
 
 def stamped(one: Pose, frame: str = "map") -> PoseStamped:
@@ -37,7 +37,9 @@ def add(bench: Bench, name: str, **properties: Any) -> Display:
 def drawn(bench: Bench) -> dict[str, Any]:
     """Return the drawables by name."""
     objects = bench.scene.objects().items()
-    return {path.rpartition("/")[2]: thing for path, thing in objects if path.startswith("displays/Shown/")}
+    return {
+        path.rpartition("/")[2]: drawable for path, drawable in objects if path.startswith("displays/Shown/")
+    }
 
 
 def extent(bench: Bench, name: str, number: int = 0) -> tuple[np.ndarray, np.ndarray]:
@@ -53,8 +55,8 @@ def test_pose_arrow_points_along_its_x_axis() -> None:
     bench = Bench()
     bench.transform("map", "base", (0.0, 0.0, 1.0))
     add(bench, "Pose")
-    bench.hear("/pose", stamped(pose(2.0, turned=True), "base"))
-    bench.look()
+    bench.publish("/pose", stamped(pose(2.0, turned=True), "base"))
+    bench.update()
     (back, middle), (base, tip) = extent(bench, "shaft"), extent(bench, "head")
     assert back.tolist() == [2, 0, 1]
     assert middle.tolist() == base.tolist() == [2, 1, 1]
@@ -64,7 +66,7 @@ def test_pose_arrow_points_along_its_x_axis() -> None:
 def test_changed_property_redraws_the_pose() -> None:
     bench = Bench()
     display = add(bench, "Pose")
-    bench.hear("/pose", stamped(pose()))
+    bench.publish("/pose", stamped(pose()))
     display["Shape"] = "Axes"
     assert list(drawn(bench)) == ["axes"]
     display["Shape"] = "Arrow"
@@ -81,13 +83,13 @@ def test_changed_property_redraws_the_pose() -> None:
 def test_non_finite_poses_are_an_error_and_the_next_ones_are_shown(name: str, wrong: Any, right: Any) -> None:
     bench = Bench()
     display = add(bench, name)
-    bench.hear("/pose", wrong)
-    bench.look()
-    assert bench.said(display, "Topic") == ("error", INVALID)
+    bench.publish("/pose", wrong)
+    bench.update()
+    assert bench.status(display, "Topic") == ("error", INVALID)
     assert not drawn(bench)
-    bench.hear("/pose", right, at=0.1)
-    bench.look(0.1)
-    assert bench.said(display, "Topic") == ("ok", "2 messages received at 20.0 hz.")
+    bench.publish("/pose", right, at=0.1)
+    bench.update(0.1)
+    assert bench.status(display, "Topic") == ("ok", "2 messages received at 20.0 hz.")
     assert drawn(bench)
 
 
@@ -97,16 +99,16 @@ def test_non_finite_poses_are_an_error_and_the_next_ones_are_shown(name: str, wr
 def test_pose_array_is_shown_in_its_shape(shape: str, parts: list[str]) -> None:
     bench = Bench()
     add(bench, "PoseArray", shape=shape)
-    bench.hear("/pose", array(*(pose(float(x)) for x in range(5))))
-    bench.look()
+    bench.publish("/pose", array(*(pose(float(x)) for x in range(5))))
+    bench.update()
     assert sorted(drawn(bench)) == parts
 
 
 def test_flat_arrows_start_at_their_poses_and_have_the_requested_length() -> None:
     bench = Bench()
     add(bench, "PoseArray", arrow_length=2.0)
-    bench.hear("/pose", array(pose(1.0), pose(5.0, turned=True)))
-    bench.look()
+    bench.publish("/pose", array(pose(1.0), pose(5.0, turned=True)))
+    bench.update()
     lines = drawn(bench)["arrows"]
     assert isinstance(lines, Lines)
     ends = np.round(lines.points.reshape(2, 6, 3), 5)
@@ -117,8 +119,8 @@ def test_flat_arrows_start_at_their_poses_and_have_the_requested_length() -> Non
 def test_solid_arrows_and_axes_of_an_array_are_drawn_at_each_pose() -> None:
     bench = Bench()
     display = add(bench, "PoseArray", shape="Arrow (3D)")
-    bench.hear("/pose", array(pose(1.0), pose(5.0, turned=True)))
-    bench.look()
+    bench.publish("/pose", array(pose(1.0), pose(5.0, turned=True)))
+    bench.update()
     assert extent(bench, "shaft", 1)[0].tolist() == [5, 0, 0]
     np.testing.assert_allclose(extent(bench, "head", 1)[1], [5, 0.3, 0], atol=1e-6)
     display["Shape"] = "Axes"
@@ -128,7 +130,7 @@ def test_solid_arrows_and_axes_of_an_array_are_drawn_at_each_pose() -> None:
 def test_empty_array_is_not_drawn() -> None:
     bench = Bench()
     add(bench, "PoseArray")
-    bench.hear("/pose", array(pose()))
-    bench.hear("/pose", array())
-    bench.look()
+    bench.publish("/pose", array(pose()))
+    bench.publish("/pose", array())
+    bench.update()
     assert not drawn(bench)

@@ -33,8 +33,8 @@ MISSING = '<mesh filename="package://nobody/arm.stl"/>'
 def robot(bench: Bench, arm: str = CYLINDER, **properties: Any) -> Display:
     topic = {"Description Topic": {"Value": "/robot_description"}}
     display = bench.session.add(ROBOT, "Robot", topic, **properties)
-    bench.hear("/robot_description", String(data=ARM.format(arm=arm)), qos=LATCHED)
-    bench.look()
+    bench.publish("/robot_description", String(data=ARM.format(arm=arm)), qos=LATCHED)
+    bench.update()
     return display
 
 
@@ -49,4 +49,4 @@ def drawn(bench: Bench) -> dict[str, Drawable]:
     """Return the visible drawables of the robot, by link/kind/number."""
     start = "displays/Robot/links/"
     objects = bench.scene.objects().items()
-    return {path.removeprefix(start): thing for path, thing in objects if bench.scene.visible(path)}
+    return {path.removeprefix(start): drawable for path, drawable in objects if bench.scene.visible(path)}

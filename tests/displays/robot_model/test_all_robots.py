@@ -46,8 +46,8 @@ def assert_drawn(name: str, robot: Robot) -> None:
     for joint in robot.tree.joints.values():
         bench.transform(robot.tree.root, joint.child)
     display = bench.session.add(ROBOT, "Robot", {"Description Topic": {"Value": "/robot_description"}})
-    bench.hear("/robot_description", String(data=robot.urdf), qos=LATCHED)
-    bench.look()
+    bench.publish("/robot_description", String(data=robot.urdf), qos=LATCHED)
+    bench.update()
     assert {row.level for row in display.rows()} == {"ok"}, name
     visuals = [part for part in drawn(bench) if "/visual/" in part]
     assert len(visuals) == sum(len(link.visuals) for link in links_of(robot.urdf)), name

@@ -24,9 +24,9 @@ def test_latched_description_is_received_even_with_volatile_durability() -> None
 def test_invalid_description_is_an_error_with_rviz_text_and_a_hint(text: str) -> None:
     bench = Bench()
     display = standing(bench)
-    bench.hear("/robot_description", String(data=text), qos=LATCHED)
-    bench.look()
-    assert bench.said(display, "URDF") == ("error", "URDF failed Model parse")
+    bench.publish("/robot_description", String(data=text), qos=LATCHED)
+    bench.update()
+    assert bench.status(display, "URDF") == ("error", "URDF failed Model parse")
     assert bench.hints(display)
     assert not drawn(bench)
     assert [prop.label for prop in display.properties if prop.path[:2] == ("Links", "arm")] == []
@@ -41,8 +41,8 @@ def test_missing_mesh_is_an_error_and_other_shapes_are_shown() -> None:
         "Errors loading geometries:\n"
         "• for link 'arm':\nCould not load mesh resource 'package://nobody/arm.stl'"
     )
-    assert bench.said(display, "URDF") == ("error", text)
-    assert bench.said(display, "arm") == ("ok", "Transform OK")
+    assert bench.status(display, "URDF") == ("error", text)
+    assert bench.status(display, "arm") == ("ok", "Transform OK")
     assert list(drawn(bench)) == ["base/visual/0"]
 
 
@@ -50,7 +50,7 @@ def test_invalid_mesh_file_is_reported_as_in_rviz(tmp_path: Path) -> None:
     (tmp_path / "arm.stl").write_text("not a mesh")
     bench = Bench()
     display = robot(bench, f'<mesh filename="file://{tmp_path}/arm.stl"/>')
-    assert bench.said(display, "URDF") == (
+    assert bench.status(display, "URDF") == (
         "error",
         f"Errors loading geometries:\n• for link 'arm':\nCould not load mesh resource 'file://{tmp_path}/arm.stl'",
     )
@@ -63,8 +63,8 @@ def test_link_settings_of_a_layout_are_kept_until_the_links_are_loaded() -> None
     links = {"base": {"Value": False}, "arm": {"Alpha": 0.25}}
     config = {"Description Topic": {"Value": "/robot_description"}, "Links": links}
     display = bench.session.add(ROBOT, "Robot", config)
-    bench.hear("/robot_description", String(data=ARM.format(arm=CYLINDER)), qos=LATCHED)
-    bench.look()
+    bench.publish("/robot_description", String(data=ARM.format(arm=CYLINDER)), qos=LATCHED)
+    bench.update()
     assert display["Links/arm/Alpha"] == 0.25
     assert list(drawn(bench)) == ["arm/visual/0"]
 
@@ -74,12 +74,12 @@ def test_tf_prefix_is_prepended_to_frames_so_that_several_robots_can_be_shown() 
     bench.transform("map", "left/base")
     bench.transform("map", "right/base", (0.0, 5.0, 0.0))
     left, right = robot(bench, tf_prefix="left"), robot(bench, tf_prefix="right")
-    assert bench.said(left, "left/base") == ("ok", "Transform OK")
-    assert bench.said(right, "right/arm") == ("error", "No transform from [right/arm] to [map]")
+    assert bench.status(left, "left/base") == ("ok", "Transform OK")
+    assert bench.status(right, "right/arm") == ("error", "No transform from [right/arm] to [map]")
     where = bench.scene.world_transform("displays/Robot 2/links/base/visual/0")
     np.testing.assert_array_equal(where[:3, 3], [0, 5, 0])
     left["TF Prefix"] = "right"
-    assert bench.said(left, "left/base") is None
+    assert bench.status(left, "left/base") is None
 
 
 def test_robot_description_can_be_read_from_a_file(tmp_path: Path) -> None:
@@ -88,12 +88,12 @@ def test_robot_description_can_be_read_from_a_file(tmp_path: Path) -> None:
     bench.transform("map", "base")
     config = {"Description Source": "File", "Description File": str(file)}
     display = bench.session.add(ROBOT, "Robot", config)
-    assert bench.said(display, "URDF") == ("error", "URDF is empty")
+    assert bench.status(display, "URDF") == ("error", "URDF is empty")
     assert not display.subscriptions
     file.write_text(ARM.format(arm=CYLINDER))
     display["Enabled"] = False
     display["Enabled"] = True
-    assert bench.said(display, "URDF") == ("ok", "URDF parsed OK")
+    assert bench.status(display, "URDF") == ("ok", "URDF parsed OK")
     assert "base/visual/0" in drawn(bench)
 
 
@@ -113,17 +113,17 @@ def test_changed_fixed_frame_keeps_the_robot() -> None:
     display = standing(bench)
     bench.session.fixed_frame = "base"
     assert "arm/visual/0" in drawn(bench)
-    assert bench.said(display, "arm") == ("ok", "Transform OK")
+    assert bench.status(display, "arm") == ("ok", "Transform OK")
 
 
 def test_unchanged_frames_send_no_scene_changes() -> None:
     bench = Bench()
     standing(bench)
-    bench.look(0.1)
-    told: list[tuple[str, str]] = []
-    bench.scene.listen(lambda what, path: told.append((what, path)))
-    bench.look(0.2)
-    assert told == []
+    bench.update(0.1)
+    received: list[tuple[str, str]] = []
+    bench.scene.listen(lambda what, path: received.append((what, path)))
+    bench.update(0.2)
+    assert received == []
 
 
 def test_disabled_robot_removes_its_objects() -> None:
@@ -139,17 +139,17 @@ def test_tf_loop_is_an_error_of_its_links() -> None:
     bench.transform("arm", "base", at=0.1, static=False)
     bench.transform("base", "arm", at=0.1, static=False)
     display = robot(bench)
-    assert bench.said(display, "base") == ("error", "No transform from [base] to [map]")
+    assert bench.status(display, "base") == ("error", "No transform from [base] to [map]")
 
 
 def test_nan_transform_keeps_the_link_pose_and_is_reported() -> None:
     bench = Bench()
     display = standing(bench)
     bench.transform("map", "base", (float("nan"), 0.0, 0.0), at=0.1)
-    bench.look(0.1)
+    bench.update(0.1)
     node = "displays/Robot/links/base/visual"
     np.testing.assert_array_equal(bench.scene.transform(node)[:3, 3], [1, 0, 0])
-    assert bench.said(display, "base") == ("ok", "Transform OK")
+    assert bench.status(display, "base") == ("ok", "Transform OK")
     hints = [row.text for row in bench.session.rows() if row.level == "hint"]
     assert any("nan" in text and "base" in text for text in hints)
 

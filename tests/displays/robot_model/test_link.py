@@ -22,8 +22,8 @@ def test_links_are_drawn_at_their_tf_frames() -> None:
     np.testing.assert_array_equal(np.diag(tube.placements[0]), [1, 1, 2, 1])
     where = bench.scene.world_transform("displays/Robot/links/arm/visual/0")
     np.testing.assert_allclose(where[:3, 3], [1, 0, 1])
-    assert bench.said(display, "URDF") == ("ok", "URDF parsed OK")
-    assert bench.said(display, "arm") == ("ok", "Transform OK")
+    assert bench.status(display, "URDF") == ("ok", "URDF parsed OK")
+    assert bench.status(display, "arm") == ("ok", "Transform OK")
 
 
 def test_first_material_colors_the_link_and_a_link_without_material_is_red() -> None:
@@ -40,7 +40,7 @@ def test_alphas_of_robot_link_and_material_are_multiplied() -> None:
     bench = Bench()
     display = standing(bench, Alpha=0.5)
     display["Links/base/Alpha"] = 0.5
-    bench.look()
+    bench.update()
     box = drawn(bench)["base/visual/0"]
     assert isinstance(box, Solids)
     assert box.colors[3] == pytest.approx(0.5**3)
@@ -54,13 +54,13 @@ def test_link_without_a_transform_is_white_unshaded_and_an_error() -> None:
     assert isinstance(tube, Solids)
     np.testing.assert_array_equal(tube.colors, np.ones(4))
     assert not tube.lit
-    assert bench.said(display, "arm") == ("error", "No transform from [arm] to [map]")
+    assert bench.status(display, "arm") == ("error", "No transform from [arm] to [map]")
     bench.transform("base", "arm", (0.0, 3.0, 0.0))
-    bench.look()
+    bench.update()
     again = drawn(bench)["arm/visual/0"]
     assert isinstance(again, Solids)
     assert again.lit
-    assert bench.said(display, "arm") == ("ok", "Transform OK")
+    assert bench.status(display, "arm") == ("ok", "Transform OK")
 
 
 def test_stl_uses_the_link_color_and_other_formats_use_their_own(tmp_path: Path) -> None:
@@ -136,7 +136,7 @@ def test_trail_follows_the_last_two_meters_of_the_link() -> None:
     display["Links/base/Show Trail"] = True
     for step in range(1, 301):
         bench.transform("map", "base", (0.05 * step, 0.0, 0.0), at=step / 100, static=False)
-        bench.look(step / 100)
+        bench.update(step / 100)
     trail = drawn(bench)["base/trail"]
     assert isinstance(trail, Lines)
     assert trail.points[-1, 0] == pytest.approx(15.0, abs=0.02)

@@ -17,15 +17,15 @@ def unseen() -> Bench:
 
 
 def said(bench: Bench) -> str:
-    bench.look(1.0)
+    bench.update(1.0)
     return str(StatusTable(bench.session.rows()))
 
 
 @pytest.mark.parametrize("arm", [CYLINDER, MISSING, KNOWN, "broken"])
 def test_invisible_robot_has_the_same_statuses_without_drawing(arm: str, tmp_path: Path) -> None:
-    broken = tmp_path / "broken.stl"
-    broken.write_text("no mesh")
-    shape = f'<mesh filename="{broken.as_uri()}"/>' if arm == "broken" else arm
+    broken_file = tmp_path / "broken.stl"
+    broken_file.write_text("no mesh")
+    shape = f'<mesh filename="{broken_file.as_uri()}"/>' if arm == "broken" else arm
     benches = [Bench(), unseen()]
     for bench in benches:
         standing(bench, arm=shape)

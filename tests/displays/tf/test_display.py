@@ -24,7 +24,7 @@ def chain(bench: Bench, **properties: Any) -> Display:
     display = bench.session.add(TF, "TF", {}, **properties)
     bench.transform("map", "base", (1.0, 0.0, 0.0))
     bench.transform("base", "camera", (0.0, 0.0, 0.5))
-    bench.look()
+    bench.update()
     return display
 
 
@@ -34,7 +34,7 @@ def test_frames_have_axes_and_arrows_to_their_parents() -> None:
     arrows = {f"arrows/{frame}/{part}" for frame in ("base", "camera") for part in ("shaft", "head")}
     assert shown(bench) == {"axes/map", "axes/base", "axes/camera"} | arrows
     np.testing.assert_allclose(bench.scene.transform("displays/TF/axes/camera")[:3, 3], [1, 0, 0.5])
-    assert bench.said(display, "camera") == ("ok", "Transform OK")
+    assert bench.status(display, "camera") == ("ok", "Transform OK")
 
 
 def test_arrow_extends_from_child_to_parent_with_its_head_at_the_parent() -> None:
@@ -60,9 +60,9 @@ def test_show_properties_toggle_all_drawables_of_one_kind() -> None:
 def test_marker_scale_scales_all_drawables_of_the_frame() -> None:
     bench = Bench()
     chain(bench, marker_scale=2.0)
-    drawn = bench.scene.node("displays/TF/axes/base").object
-    assert isinstance(drawn, Solids)
-    np.testing.assert_allclose(np.linalg.norm(drawn.placements[0, :3, :3], axis=0), [0.04, 0.04, 0.4])
+    drawable = bench.scene.node("displays/TF/axes/base").object
+    assert isinstance(drawable, Solids)
+    np.testing.assert_allclose(np.linalg.norm(drawable.placements[0, :3, :3], axis=0), [0.04, 0.04, 0.4])
 
 
 def test_frames_are_enabled_individually_and_together() -> None:
@@ -80,7 +80,7 @@ def test_layout_enables_frames_before_they_are_known_even_with_a_slash() -> None
     config = {"Frames": {"robot/base": {"Value": False}}, "Show Arrows": False}
     display = bench.session.add(TF, "TF", config)
     bench.transform("map", "robot/base")
-    bench.look()
+    bench.update()
     assert shown(bench) == {"axes/map"}
     display["robot/base"] = True
     assert shown(bench) == {"axes/map", "axes/robot%2Fbase"}
@@ -124,14 +124,14 @@ def test_stale_frame_turns_gray_fades_and_is_removed(age: float, color: list[flo
     bench = Bench()
     bench.session.add(TF, "TF", {})
     bench.transform("map", "base", static=False)
-    bench.look()
-    bench.look(age)
+    bench.update()
+    bench.update(age)
     if color is None:
         assert "axes/base" not in shown(bench)
         return
-    drawn = bench.scene.node("displays/TF/axes/base").object
-    assert isinstance(drawn, Solids)
-    np.testing.assert_allclose(drawn.colors[0], color, atol=0.05)
+    drawable = bench.scene.node("displays/TF/axes/base").object
+    assert isinstance(drawable, Solids)
+    np.testing.assert_allclose(drawable.colors[0], color, atol=0.05)
 
 
 def test_static_frames_and_republished_frames_stay_fresh() -> None:
@@ -140,17 +140,17 @@ def test_static_frames_and_republished_frames_stay_fresh() -> None:
     bench.transform("map", "fixed")
     for at in (0.0, 10.0, 20.0):
         bench.transform("map", "base", at=at, static=False)
-        bench.look(at)
+        bench.update(at)
     assert {"axes/fixed", "axes/base", "axes/map"} <= shown(bench)
-    assert bench.said(display, "base") == ("ok", "Transform OK")
+    assert bench.status(display, "base") == ("ok", "Transform OK")
 
 
 def test_frame_in_another_tree_is_hidden_and_causes_a_warning() -> None:
     bench = Bench()
     display = chain(bench)
     bench.transform("moon", "rover")
-    bench.look()
-    assert bench.said(display, "rover") == ("warn", "No transform from [rover] to [map]")
+    bench.update()
+    assert bench.status(display, "rover") == ("warn", "No transform from [rover] to [map]")
     assert "axes/rover" not in shown(bench)
 
 
@@ -159,8 +159,8 @@ def test_loop_causes_a_warning_for_its_frames_and_others_are_shown() -> None:
     display = chain(bench, show_arrows=False)
     bench.transform("b", "a", static=False)
     bench.transform("a", "b", static=False)
-    bench.look()
-    assert bench.said(display, "a") == ("warn", "No transform from [a] to [map]")
+    bench.update()
+    assert bench.status(display, "a") == ("warn", "No transform from [a] to [map]")
     assert shown(bench) == {"axes/map", "axes/base", "axes/camera"}
     assert display["Tree"] == {"map": {"base": {"camera": {}}}}
 
@@ -181,8 +181,8 @@ def test_measured_properties_are_read_only() -> None:
 def test_unchanged_frames_send_no_scene_changes() -> None:
     bench = Bench()
     chain(bench, show_names=True)
-    bench.look(0.1)
-    told: list[tuple[str, str]] = []
-    bench.scene.listen(lambda what, path: told.append((what, path)))
-    bench.look(0.2)
-    assert told == []
+    bench.update(0.1)
+    received: list[tuple[str, str]] = []
+    bench.scene.listen(lambda what, path: received.append((what, path)))
+    bench.update(0.2)
+    assert received == []

@@ -105,9 +105,9 @@ def test_disabled_isolation_layers_permit_only_the_expected_attacks(
         attacks = {name: line.format(**places) for name, line in ATTACKS.items()}
         cells = [PROGRAM.format(attacks=attacks)]
         with closing(SubmissionRun(cells, {ANSWER.id: {}}, Limits(), template)) as session:
-            came = session.run(ANSWER, ANSWER.scenarios[0])
+            evidence = session.run(ANSWER, ANSWER.scenarios[0])
         assert session.log.errors == []
-        assert set(came.returns[0]) <= OPEN[off]
+        assert set(evidence.returns[0]) <= OPEN[off]
         assert template.isolation.is_protective == (not (FILES - SEEN) & OPEN[off])
         assert template.isolation.hides_names == (not SEEN & OPEN[off])
 
@@ -229,8 +229,8 @@ def test_insufficient_isolation_is_rejected_with_the_option_to_pass(
 
 
 def test_missing_isolation_layers_are_listed() -> None:
-    said = str(Isolation(("limits", "Landlock", "seccomp")))
-    assert said == (
+    text = str(Isolation(("limits", "Landlock", "seccomp")))
+    assert text == (
         "partial sandbox (has limits, Landlock, seccomp; lacks namespaces, process limit"
         "; file names are not hidden)"
     )

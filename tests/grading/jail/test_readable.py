@@ -173,10 +173,10 @@ def test_submission_cannot_read_a_course_installed_in_an_environment(
     grade += "grade(Path('in'), Path('out'), jobs=1, course=Course(Path('exercises'), Path('solutions')))"
     command = [str(checkout / "bin/python"), "-c", grade]
     environment = {**os.environ, "PYTHONPATH": str(checkout)}
-    done = subprocess.run(
+    process = subprocess.run(
         command, cwd=checkout, env=environment, capture_output=True, text=True, check=False, timeout=PATIENCE
     )
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert process.returncode == 0, process.stdout + process.stderr
     eve = json.loads((checkout / "out/results/eve/week01_exercise.json").read_text())
     assert [task["score"] for task in eve["judgement"]["tasks"]] == [60.0, 40.0, 10.0]
     hidden = Isolation(shared_template().isolation.layers).hides_names

@@ -94,7 +94,7 @@ def test_save_request_from_another_origin_is_rejected(unmarked: Served, headers:
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         (b"{", "the page sent invalid JSON"),
         (b"[" * 100_000, "the page sent invalid JSON"),
@@ -110,7 +110,9 @@ def test_save_request_from_another_origin_is_rejected(unmarked: Served, headers:
         ({"comment": "x" * 10_001}, "10001 characters"),
     ],
 )
-def test_invalid_save_request_is_rejected_with_a_message(unmarked: Served, changes: Any, said: str) -> None:
+def test_invalid_save_request_is_rejected_with_a_message(
+    unmarked: Served, changes: Any, message: str
+) -> None:
     item = of(unmarked, "ada", ESSAY)
     body = changes
     if isinstance(changes, dict):
@@ -123,7 +125,7 @@ def test_invalid_save_request_is_rejected_with_a_message(unmarked: Served, chang
         )
     answer = unmarked.ask(f"api/item/{item['key']}", body)
     assert answer.code == 400
-    assert said in answer.content["error"]
+    assert message in answer.content["error"]
     assert not (unmarked.out / "marks").exists()
 
 

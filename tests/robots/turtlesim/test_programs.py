@@ -21,9 +21,9 @@ def test_draw_square_returns_to_its_start(
     corners = [(MIDDLE, MIDDLE), (MIDDLE + 2, MIDDLE), (MIDDLE + 2, MIDDLE + 2), (MIDDLE, MIDDLE + 2)]
     for corner in corners:
         assert min(math.dist(corner, point) for s in simulator.canvas.strips for point in s.points) < 0.25
-    said = capfd.readouterr().err
-    assert "New goal [7.5" in said
-    assert said.count("Reached goal") >= 7
+    errors = capfd.readouterr().err
+    assert "New goal [7.5" in errors
+    assert errors.count("Reached goal") >= 7
 
 
 def test_mimic_moves_one_turtle_like_another(run: tuple[TurtlesimNode, Student]) -> None:

@@ -100,9 +100,9 @@ def test_turtles_are_spawned_and_killed_by_name(
     ]
     student.call(Empty, "reset")
     assert set(simulator.turtles) == {"turtle1"}
-    shown = capfd.readouterr().err
-    assert "A turtle named [leo] already exists" in shown
-    assert "Tried to kill turtle [nobody], which does not exist" in shown
+    errors = capfd.readouterr().err
+    assert "A turtle named [leo] already exists" in errors
+    assert "Tried to kill turtle [nobody], which does not exist" in errors
 
 
 @pytest.mark.parametrize(("interrupt", "status"), [(None, 4), ("cancel", 5), ("drive", 6), ("again", 6)])

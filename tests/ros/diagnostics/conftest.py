@@ -1,5 +1,5 @@
 """The run and the node that rclpy's tests have, too."""
 
-from tests.ros.rclpy.conftest import begun, graph, node, notebook
+from tests.ros.rclpy.conftest import graph, node, notebook, started_graph
 
-__all__ = ["begun", "graph", "node", "notebook"]
+__all__ = ["graph", "node", "notebook", "started_graph"]

@@ -71,7 +71,7 @@ class Bench:
 
 
 @pytest.fixture
-def robot(begun: object, tmp_path: Path) -> Bench:
+def robot(started_graph: object, tmp_path: Path) -> Bench:
     return Bench(ROBOT, tmp_path)
 
 
@@ -132,7 +132,7 @@ def test_silent_component_becomes_stale_and_its_group_an_error(robot: Bench) -> 
     ],
 )
 def test_missing_items_are_an_error(
-    begun: object, tmp_path: Path, options: str, level: bytes, message: str
+    started_graph: object, tmp_path: Path, options: str, level: bytes, message: str
 ) -> None:
     yaml = f"""
 /**:
@@ -148,7 +148,7 @@ def test_missing_items_are_an_error(
 
 
 def test_without_analyzers_all_statuses_are_in_the_group_other_which_is_an_error(
-    begun: object, tmp_path: Path
+    started_graph: object, tmp_path: Path
 ) -> None:
     tree = Bench("/**: {ros__parameters: {other_as_errors: true}}", tmp_path).after(1, cam=OK)
     assert tree["/AnalyzerGroup"].message == "No analyzers"
@@ -169,7 +169,7 @@ def test_without_analyzers_all_statuses_are_in_the_group_other_which_is_an_error
     ],
 )
 def test_invalid_analyzer_is_logged_and_shown(
-    begun: object,
+    started_graph: object,
     tmp_path: Path,
     capfd: pytest.CaptureFixture[str],
     settings: str,
@@ -190,7 +190,9 @@ def test_invalid_analyzer_is_logged_and_shown(
     assert (status.level, status.message) == (STALE, message)
 
 
-def test_parameter_of_wrong_type_is_rejected_with_the_correct_syntax(begun: object, tmp_path: Path) -> None:
+def test_parameter_of_wrong_type_is_rejected_with_the_correct_syntax(
+    started_graph: object, tmp_path: Path
+) -> None:
     yaml = "analyzers: {ros__parameters: {a: {type: diagnostic_aggregator/GenericAnalyzer, path: A, %s}}}"
     with pytest.raises(
         CourseError, match=r"^expected \[string_array\] got \[string\]\nhint: .*startswith: \['x'\]"
@@ -202,7 +204,7 @@ def test_parameter_of_wrong_type_is_rejected_with_the_correct_syntax(begun: obje
         Bench(yaml % "startswith: [x], timeout: 5", tmp_path)
 
 
-def test_critical_error_is_published_immediately(begun: object, tmp_path: Path) -> None:
+def test_critical_error_is_published_immediately(started_graph: object, tmp_path: Path) -> None:
     bench = Bench("/**: {ros__parameters: {critical: true, pub_rate: 0.9}}", tmp_path)
     bench.after(2, cam=ERROR)
     assert bench.top_levels == [ERROR] * 2  # immediately, and after 1.1 s

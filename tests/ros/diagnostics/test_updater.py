@@ -99,7 +99,7 @@ def test_updater_reports_node_starting_up_and_then_publishes_once_per_period(nod
     assert values(statuses[1]) == {"dusty": "1"}
 
 
-def test_period_is_set_by_a_parameter(begun: object) -> None:
+def test_period_is_set_by_a_parameter(started_graph: object) -> None:
     node = Node("talker", parameter_overrides=[Parameter("diagnostic_updater.period", value=4.0)])
     updater = Updater(node)
     updater.add(Heartbeat())
@@ -109,7 +109,7 @@ def test_period_is_set_by_a_parameter(begun: object) -> None:
     assert [s.message for s in statuses] == ["Alive"] * 2
 
 
-def test_full_node_name_precedes_the_task_name_if_enabled(begun: object) -> None:
+def test_full_node_name_precedes_the_task_name_if_enabled(started_graph: object) -> None:
     node = Node(
         "cam",
         namespace="/left",

@@ -1,5 +1,5 @@
 """The run and the node that rclpy's tests have, too."""
 
-from tests.ros.rclpy.conftest import begun, graph, node
+from tests.ros.rclpy.conftest import graph, node, started_graph
 
-__all__ = ["begun", "graph", "node"]
+__all__ = ["graph", "node", "started_graph"]

@@ -85,8 +85,8 @@ def test_marker_changes_are_published_together_on_apply(client: Client) -> None:
 
 
 def test_late_client_requests_all_markers_and_the_sequence_number(client: Client) -> None:
-    asked = client.node.create_client(GetInteractiveMarkers, "simple/get_interactive_markers")
-    future = asked.call_async(GetInteractiveMarkers.Request())
+    service_client = client.node.create_client(GetInteractiveMarkers, "simple/get_interactive_markers")
+    future = service_client.call_async(GetInteractiveMarkers.Request())
     client.wait()
     response = future.result()
     assert response is not None
@@ -94,13 +94,13 @@ def test_late_client_requests_all_markers_and_the_sequence_number(client: Client
 
 
 def test_feedback_moves_the_marker_calls_the_callback_and_reaches_other_clients(client: Client) -> None:
-    heard: list[float] = []
-    client.server.setCallback("box", lambda feedback: heard.append(feedback.pose.position.x))
+    calls: list[float] = []
+    client.server.setCallback("box", lambda feedback: calls.append(feedback.pose.position.x))
     for step in (0.5, 1.0, 1.5):
         client.send(POSE_UPDATE, x=step, control_name="x")
-    assert heard == [0.5, 1.0, 1.5]
+    assert calls == [0.5, 1.0, 1.5]
     assert x_of(client.server) == 1.5
-    assert [update.poses[0].pose.position.x for update in client.updates[1:]] == heard
+    assert [update.poses[0].pose.position.x for update in client.updates[1:]] == calls
 
 
 def test_feedback_callback_can_correct_the_received_pose(client: Client) -> None:
@@ -123,16 +123,16 @@ def test_marker_is_moved_by_one_client_at_a_time(client: Client) -> None:
 
 
 def test_feedback_callback_for_one_event_type_overrides_the_default_callback(client: Client) -> None:
-    heard: list[str] = []
+    calls: list[str] = []
     click = InteractiveMarkerFeedback.BUTTON_CLICK
-    client.server.insert(box(), feedback_callback=lambda feedback: heard.append("any"))
-    client.server.setCallback("box", lambda feedback: heard.append("click"), click)
+    client.server.insert(box(), feedback_callback=lambda feedback: calls.append("any"))
+    client.server.setCallback("box", lambda feedback: calls.append("click"), click)
     client.server.applyChanges()
     client.send(click)
     client.send(POSE_UPDATE)
     client.server.setCallback("box", None, click)
     client.send(click)
-    assert heard == ["click", "any", "any"]
+    assert calls == ["click", "any", "any"]
 
 
 def test_erased_markers_are_removed_and_their_feedback_is_ignored(client: Client) -> None:

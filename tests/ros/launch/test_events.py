@@ -174,10 +174,10 @@ def test_second_launch_reloads_a_changed_module(
     launch_file: Write, robot: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     module = robot / "my_robot" / "words.py"
-    said = "LogInfo(msg=__import__('my_robot.words', fromlist=['WORD']).WORD)"
+    message = "LogInfo(msg=__import__('my_robot.words', fromlist=['WORD']).WORD)"
     for word in ("before", "after, and longer"):
         module.write_text(f"WORD = {word!r}\n")
-        recorded(launch_file(said), seconds=None)
+        recorded(launch_file(message), seconds=None)
         assert word in capsys.readouterr().out
 
 

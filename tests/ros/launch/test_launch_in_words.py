@@ -148,7 +148,7 @@ DEEP = f"<launch>{'<group>' * 60}{'</group>' * 60}</launch>"
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "said"),
+    ("name", "text", "message"),
     [
         ("x.launch.xml", "<launch>\n <node>\n</launch>", "line 3: not XML: mismatched tag."),
         ("x.launch.xml", "", "line 1: not XML: no element found."),
@@ -196,10 +196,10 @@ DEEP = f"<launch>{'<group>' * 60}{'</group>' * 60}</launch>"
     ],
 )  # fmt: skip
 def test_launch_file_error_is_one_line_with_file_line_number_and_expected_value(
-    words: Write, name: str, text: str, said: str, capsys: pytest.CaptureFixture[str]
+    words: Write, name: str, text: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = words(text, name)
     assert recorded(file)[1] == 1
     [line] = [line for line in capsys.readouterr().out.splitlines() if "[ERROR]" in line]
     assert f"{file}, line " in line
-    assert said in line
+    assert message in line

@@ -136,15 +136,15 @@ def test_failed_process_is_reported_and_the_others_continue(
     launch_file: Write, capsys: pytest.CaptureFixture[str]
 ) -> None:
     recording, code = recorded(launch_file("Node(package='my_robot', executable='fail')", "Node(**TALKER)"))
-    shown = capsys.readouterr()
+    captured = capsys.readouterr()
     assert code == 1
     assert heard(recording) == {"/chatter 'hi' --ros-args": 1}
-    assert "[fail-1] ValueError: no laser\n" in shown.err
-    assert "[ERROR] [fail-1]: process has died [pid 1, exit code 1, cmd 'fail-1 " in shown.out
+    assert "[fail-1] ValueError: no laser\n" in captured.err
+    assert "[ERROR] [fail-1]: process has died [pid 1, exit code 1, cmd 'fail-1 " in captured.out
 
 
 @pytest.mark.parametrize(
-    ("action", "said"),
+    ("action", "message"),
     [
         ("Node(package='nowhere', executable='x')", "package 'nowhere' not found"),
         ("Node(package='my_robot', executable='talkr')", "Did you mean talker?"),
@@ -157,14 +157,14 @@ def test_failed_process_is_reported_and_the_others_continue(
     ],
 )
 def test_invalid_action_is_one_error_line_with_the_expected_value(
-    launch_file: Write, capsys: pytest.CaptureFixture[str], action: str, said: str
+    launch_file: Write, capsys: pytest.CaptureFixture[str], action: str, message: str
 ) -> None:
     _, code = recorded(launch_file(action))
     opening, *lines = capsys.readouterr().out.splitlines()
     assert code == 1
     assert opening == "[INFO] [launch]: Default logging verbosity is set to INFO"
     assert len(lines) == 1
-    assert said in lines[0]
+    assert message in lines[0]
 
 
 GAZEBO = """
@@ -337,11 +337,11 @@ def test_launch_error_reports_the_line_of_its_action_without_a_traceback(
         n for n, line in enumerate(file.read_text().splitlines(), 1) if action.partition("\n")[0] in line
     )
     assert recorded(file)[1] == 1
-    shown = capsys.readouterr()
-    (line,) = shown.out.splitlines()[1:]
+    captured = capsys.readouterr()
+    (line,) = captured.out.splitlines()[1:]
     assert line.startswith(f"[ERROR] [launch]: Caught exception in launch (see debug for traceback): {text}")
     assert f"({file.name}, line {number}: " in line
-    assert shown.err == ""
+    assert captured.err == ""
 
 
 def test_error_in_the_launch_file_shows_a_traceback(
@@ -408,13 +408,13 @@ def test_output_lines_of_a_process_have_its_name_as_prefix(
     before = sys.stdout
     assert recorded(launch_file(node, node))[1] == 0
     assert sys.stdout is before
-    shown = capsys.readouterr()
-    lines = [line for line in shown.out.splitlines() if line.startswith("[talker-1]")]
+    captured = capsys.readouterr()
+    lines = [line for line in captured.out.splitlines() if line.startswith("[talker-1]")]
     assert [line.removeprefix("[talker-1] ") for line in lines] == [
         *("one three", "four", "two three", "four", "no line end")
     ]
-    assert shown.err == "[talker-1] to stderr\n[talker-2] to stderr\n"
-    others = {line.split("]")[0] for line in shown.out.splitlines()}
+    assert captured.err == "[talker-1] to stderr\n[talker-2] to stderr\n"
+    others = {line.split("]")[0] for line in captured.out.splitlines()}
     assert others == {"[INFO", "[talker-1", "[talker-2"}
 
 
@@ -427,20 +427,20 @@ def test_launched_process_receives_only_the_arguments_of_its_node(
 
 
 @pytest.mark.parametrize(
-    ("bad", "said"),
+    ("bad", "message"),
     [
         ("LogInfo(msg=LaunchConfiguration('nope'))", "'nope' does not exist"),
         ("'no action'", "AttributeError"),
     ],
 )
 def test_error_in_a_timer_ends_the_launch_and_its_processes(
-    launch_file: Write, bad: str, said: str, capsys: pytest.CaptureFixture[str]
+    launch_file: Write, bad: str, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = launch_file("Node(**TALKER)", f"TimerAction(period=0.5, actions=[{bad}])")
     recording, code = recorded(file, seconds=None)
     assert (len(heard(recording)), code) == (0, 1)
     captured = capsys.readouterr()
-    assert said in captured.out + captured.err
+    assert message in captured.out + captured.err
 
 
 def test_kit_program_with_wrong_arguments_is_an_error_without_kit_lines(
@@ -448,10 +448,10 @@ def test_kit_program_with_wrong_arguments_is_an_error_without_kit_lines(
 ) -> None:
     talker = "Node(package='demo_nodes_py', executable='talker', ros_arguments=['--params-file', 'no.yaml'])"
     _, code = recorded(launch_file(talker))
-    written = "".join(capsys.readouterr())
+    output = "".join(capsys.readouterr())
     assert code == 1
-    assert "RCLError: failed to initialize rcl: Couldn't parse params file" in written
-    assert "Traceback" not in written
+    assert "RCLError: failed to initialize rcl: Couldn't parse params file" in output
+    assert "Traceback" not in output
 
 
 def test_script_with_a_syntax_error_is_an_error_without_kit_lines(
@@ -461,10 +461,10 @@ def test_script_with_a_syntax_error_is_an_error_without_kit_lines(
     (robot / "scripts" / "broken.py").write_text("def (")
     (robot / "CMakeLists.txt").write_text("install(PROGRAMS scripts/broken.py DESTINATION lib/my_robot)")
     _, code = recorded(launch_file("Node(package='my_robot', executable='broken.py')"))
-    written = "".join(capsys.readouterr())
+    output = "".join(capsys.readouterr())
     assert code == 1
-    assert re.search(r"CourseError: \S+broken.py, line 1: ", written)
-    assert "Traceback" not in written
+    assert re.search(r"CourseError: \S+broken.py, line 1: ", output)
+    assert "Traceback" not in output
 
 
 def test_paths_are_joined_with_slashes_and_modules_are_loaded_from_files(

@@ -63,10 +63,10 @@ def test_included_file_generated_by_cmake_is_skipped(
     include = '<include file="$(dirname)/made.launch.py"/>'
     (tmp_path / "a.launch.xml").write_text(f'<launch>{include}<log message="goes on"/></launch>')
     recorded(tmp_path / "a.launch.xml")
-    shown = capsys.readouterr().out
-    assert "is left out: " in shown
-    assert "made.launch.py is made from made.launch.py.in when its package is built by CMake." in shown
-    assert "goes on" in shown
+    output = capsys.readouterr().out
+    assert "is left out: " in output
+    assert "made.launch.py is made from made.launch.py.in when its package is built by CMake." in output
+    assert "goes on" in output
 
 
 def test_ros2_pkg_command_runs_while_a_launch_file_is_read(

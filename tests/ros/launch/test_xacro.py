@@ -120,14 +120,14 @@ def test_robots_are_loaded_from_xacro_files(arm: Path) -> None:
 @pytest.mark.parametrize("file", ["missing.xacro", "empty.xacro"])
 def test_unreadable_xacro_file_is_an_error_without_a_traceback(file: str, tmp_path: Path) -> None:
     (tmp_path / "empty.xacro").touch()
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-m", "course_lib", "ros2", "run", "xacro", "xacro", file],
         cwd=tmp_path, capture_output=True, text=True,
         timeout=PATIENCE,
     )  # fmt: skip
-    assert done.returncode
-    assert "Traceback" not in done.stderr
-    assert file in done.stderr
+    assert process.returncode
+    assert "Traceback" not in process.stderr
+    assert file in process.stderr
     with pytest.raises(CourseError, match=file):
         load_robot(tmp_path / file)
 

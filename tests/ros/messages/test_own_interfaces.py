@@ -125,12 +125,12 @@ def test_program_imports_an_interface_package_in_its_folder(folder: Path) -> Non
     program = folder.parent / "program.py"
     program.write_text(f"from {folder.name}.msg import Range\nprint(Range(width=2.0))")
     command = [sys.executable, "-m", "course_lib", "run", str(program)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-    assert (done.stdout, done.stderr) == (f"{folder.name}.msg.Range(width=2.0)\n", "")
+    process = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert (process.stdout, process.stderr) == (f"{folder.name}.msg.Range(width=2.0)\n", "")
 
 
 @pytest.mark.parametrize(
-    ("files", "said"),
+    ("files", "message"),
     [
         ({"Limit_msg": "float64 low\nfloat64 = 3"}, "Limit.msg, line 2: 'float64 = 3' is neither a field"),
         ({"Limit_msg": "float64"}, "Limit.msg, line 1: 'float64' is neither a field"),
@@ -151,12 +151,12 @@ def test_program_imports_an_interface_package_in_its_folder(folder: Path) -> Non
     ],
 )
 def test_malformed_interface_file_is_reported_with_its_line(
-    folder: Path, files: dict[str, Any], said: str
+    folder: Path, files: dict[str, Any], message: str
 ) -> None:
     write(folder, **files)
     with pytest.raises(CourseError) as raised:
         add_package(folder)
-    assert said in str(raised.value)
+    assert message in str(raised.value)
     assert str(folder) in str(raised.value)
 
 

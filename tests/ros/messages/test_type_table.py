@@ -57,7 +57,7 @@ print(*(name for name in vars(std_msgs.msg) if name[0].isupper()))
 
 
 def test_small_node_imports_neither_rosbags_nor_unused_classes() -> None:
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", START],
         capture_output=True,
         text=True,
@@ -65,8 +65,8 @@ def test_small_node_imports_neither_rosbags_nor_unused_classes() -> None:
         env=dict(os.environ),
         timeout=PATIENCE,
     )
-    assert done.stdout.splitlines()[0] == ""
-    assert done.stdout.splitlines()[1] == "String"
+    assert process.stdout.splitlines()[0] == ""
+    assert process.stdout.splitlines()[1] == "String"
 
 
 def test_star_import_imports_all_classes() -> None:

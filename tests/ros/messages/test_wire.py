@@ -140,11 +140,11 @@ serialize(message)
 def test_early_check_of_the_kit_can_be_deferred_to_publish_as_in_jazzy() -> None:
     environment = os.environ | {"ROS_PYTHON_CHECK_FIELDS": "0"}
     command = [sys.executable, "-c", UNCHECKED]
-    done = subprocess.run(
+    process = subprocess.run(
         command, env=environment, capture_output=True, text=True, check=False, timeout=PATIENCE
     )
-    assert done.stdout == "three four\n"
-    assert done.stderr.endswith("AssertionError: The 'data' field must be of type 'int'\n")
+    assert process.stdout == "three four\n"
+    assert process.stderr.endswith("AssertionError: The 'data' field must be of type 'int'\n")
 
 
 def test_strided_array_is_serialized() -> None:

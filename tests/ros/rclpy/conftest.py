@@ -1,4 +1,4 @@
-"""A run of ten robot seconds, begun; and a node in it."""
+"""A started run of ten robot seconds, and a node in it."""
 
 from collections.abc import Iterator
 
@@ -17,7 +17,7 @@ END_NS = START_NS + 10 * 10**9
 
 @pytest.fixture
 def graph() -> Iterator[Graph]:
-    """A run that has not been begun by `rclpy.init()`."""
+    """A run before `rclpy.init()`."""
     virtual_time.install()
     with use_graph(Graph(end_ns=END_NS)) as graph, time_lock.hold():
         yield graph
@@ -27,20 +27,20 @@ def graph() -> Iterator[Graph]:
 
 
 @pytest.fixture
-def begun(graph: Graph) -> Graph:
+def started_graph(graph: Graph) -> Graph:
     """A run that has been started."""
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     return graph
 
 
 @pytest.fixture
-def node(begun: Graph) -> Node:
+def node(started_graph: Graph) -> Node:
     """A node in a started run."""
     return Node("talker")
 
 
 @pytest.fixture
-def follower(begun: Graph) -> Node:
+def follower(started_graph: Graph) -> Node:
     """A node with `use_sim_time`."""
     return Node("follower", parameter_overrides=[SIM])
 

@@ -225,5 +225,7 @@ def test_ctrl_c_calls_the_handlers_of_concurrent_programs(tmp_path: Path) -> Non
         "import os, signal, time\ntime.sleep(1.0)\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(1.0)"
     )
     words = [sys.executable, "-m", "course_lib", "run", "robot.py", "killer.py"]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=PATIENCE)
-    assert done.stdout.splitlines() == ["True True", "stopped by SIGINT", "spun"]
+    process = subprocess.run(
+        words, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=PATIENCE
+    )
+    assert process.stdout.splitlines() == ["True True", "stopped by SIGINT", "spun"]

@@ -70,16 +70,16 @@ def test_missed_deadline_is_reported_on_both_sides_once_per_period(node: Node) -
 
 
 def test_type_mismatch_on_a_topic_causes_a_warning_on_both_sides(
-    begun: Graph, node: Node, capfd: pytest.CaptureFixture[str]
+    started_graph: Graph, node: Node, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    told: list[Any] = []
-    listen(node, incompatible_type=told.append)
+    received: list[Any] = []
+    listen(node, incompatible_type=received.append)
     # Within a context Fast DDS refuses a second type.
     elsewhere = Context()
     elsewhere.init(args=[])
     Node("talker", context=elsewhere).create_publisher(Int64, "/t", 1)
     spin(node, 0.1)
-    assert len(told) == 1
+    assert len(received) == 1
     warning = "[talker]: Incompatible type on topic '/t', no messages will be sent to it."
     assert capfd.readouterr().err.count(warning) == 1
 

@@ -58,7 +58,7 @@ def test_polling_loop_advances_time(node: Node) -> None:
     assert calls == pytest.approx([1.0, 2.0])
 
 
-def test_callbacks_run_in_event_order_across_all_nodes(begun: Graph) -> None:
+def test_callbacks_run_in_event_order_across_all_nodes(started_graph: Graph) -> None:
     calls: list[str] = []
     executor = SingleThreadedExecutor()
     nodes = [Node(name) for name in ("first", "second")]
@@ -72,14 +72,14 @@ def test_callbacks_run_in_event_order_across_all_nodes(begun: Graph) -> None:
 
 
 def test_ready_callback_waits_until_its_node_is_added(node: Node) -> None:
-    got: list[int] = []
-    node.create_subscription(Int32, "x", lambda m: got.append(m.data), 10)
+    values: list[int] = []
+    node.create_subscription(Int32, "x", lambda m: values.append(m.data), 10)
     node.create_publisher(Int32, "x", 10).publish(Int32(data=7))
     other = Node("other")
     rclpy.spin_once(other, timeout_sec=1.0)
-    assert got == []
+    assert values == []
     rclpy.spin_once(node)
-    assert got == [7]
+    assert values == [7]
 
 
 def test_callback_exception_propagates_from_spin_and_the_node_remains_usable(node: Node) -> None:
@@ -223,13 +223,13 @@ def test_shutdown_of_a_multi_threaded_executor_waits_for_its_callbacks(node: Nod
 
 @pytest.mark.slow
 def test_ten_thousand_messages_are_delivered_within_seconds(node: Node) -> None:
-    got: list[int] = []
-    node.create_subscription(Int32, "x", lambda m: got.append(m.data), QoSProfile(depth=10_000))
+    values: list[int] = []
+    node.create_subscription(Int32, "x", lambda m: values.append(m.data), QoSProfile(depth=10_000))
     publisher = node.create_publisher(Int32, "x", 10)
     for number in range(10_000):
         publisher.publish(Int32(data=number))
     rclpy.spin(node)
-    assert got == list(range(10_000))
+    assert values == list(range(10_000))
 
 
 TWO_SPINNERS = """

@@ -50,21 +50,21 @@ def test_future_returns_its_result_or_raises_its_exception() -> None:
 
 def test_done_callbacks_are_called_once_and_immediately_if_the_future_is_done() -> None:
     future: Future[int] = Future()
-    seen: list[object] = []
-    future.add_done_callback(lambda f: seen.append(f.result()))
+    calls: list[object] = []
+    future.add_done_callback(lambda f: calls.append(f.result()))
     future.set_result(1)
-    future.add_done_callback(lambda f: seen.append("late"))
-    assert seen == [1, "late"]
+    future.add_done_callback(lambda f: calls.append("late"))
+    assert calls == [1, "late"]
 
 
 def test_failing_done_callback_does_not_prevent_other_callbacks() -> None:
     future: Future[int] = Future()
-    seen: list[object] = []
+    calls: list[object] = []
     future.add_done_callback(lambda f: 1 / 0)
-    future.add_done_callback(seen.append)
+    future.add_done_callback(calls.append)
     with pytest.warns(UserWarning, match="Unhandled exception in done callback: division by zero"):
         future.set_result(1)
-    assert seen == [future]
+    assert calls == [future]
 
 
 def test_canceled_future_is_not_done() -> None:
@@ -73,24 +73,24 @@ def test_canceled_future_is_not_done() -> None:
     assert (future.cancelled(), future.done()) == (True, False)
 
 
-def test_executor_runs_tasks_and_their_done_callbacks(begun: Graph) -> None:
+def test_executor_runs_tasks_and_their_done_callbacks(started_graph: Graph) -> None:
     executor = SingleThreadedExecutor()
-    seen: list[object] = []
+    calls: list[object] = []
     task = executor.create_task(lambda a, b: a + b, 1, b=2)
-    task.add_done_callback(lambda f: seen.append(f.result()))
+    task.add_done_callback(lambda f: calls.append(f.result()))
     executor.spin_until_future_complete(task)
-    assert (task.result(), seen) == (3, [])
+    assert (task.result(), calls) == (3, [])
     executor.spin_once(timeout_sec=0)
-    assert seen == [3]
+    assert calls == [3]
 
 
 def test_coroutine_callback_awaits_a_future_while_other_callbacks_run(node: Node) -> None:
     answer: Future[str] = Future()
-    seen: list[object] = []
+    calls: list[object] = []
 
     async def ask() -> None:
         timer.cancel()
-        seen.append(await answer)
+        calls.append(await answer)
 
     group = rclpy.callback_groups.MutuallyExclusiveCallbackGroup()
     timer = node.create_timer(1.0, ask, callback_group=group)
@@ -99,7 +99,7 @@ def test_coroutine_callback_awaits_a_future_while_other_callbacks_run(node: Node
     executor.add_node(node)
     executor.spin_until_future_complete(answer)
     executor.spin_once(timeout_sec=0)
-    assert seen == ["yes"]
+    assert calls == ["yes"]
     assert node.get_clock().now().nanoseconds == START_NS + 2_500_000_000
 
 

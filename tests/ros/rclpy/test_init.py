@@ -7,7 +7,7 @@ from rclpy.node import Node
 from course_lib.ros.graph.graph import Graph, use_graph
 
 
-def test_second_init_is_rejected(begun: Graph) -> None:
+def test_second_init_is_rejected(started_graph: Graph) -> None:
     with pytest.raises(RuntimeError, match=r"^Context.init\(\) must only be called once$"):
         rclpy.init()
 
@@ -42,7 +42,7 @@ def test_ok_is_true_between_init_and_shutdown(graph: Graph) -> None:
     assert (before, between, rclpy.ok()) == (False, True, False)
 
 
-def test_init_after_a_shutdown_creates_a_new_context(begun: Graph) -> None:
+def test_init_after_a_shutdown_creates_a_new_context(started_graph: Graph) -> None:
     rclpy.shutdown()
     rclpy.init(args=[])
     assert rclpy.ok()
@@ -58,37 +58,37 @@ def test_init_in_a_with_statement_shuts_down_at_the_end(graph: Graph) -> None:
     assert not context.ok()
 
 
-def test_shutdown_calls_the_on_shutdown_callbacks(begun: Graph) -> None:
+def test_shutdown_calls_the_on_shutdown_callbacks(started_graph: Graph) -> None:
     called: list[str] = []
     rclpy.get_default_context().on_shutdown(lambda: called.append("called"))
     rclpy.shutdown()
     assert called == ["called"]
 
 
-def test_shutdown_removes_the_nodes_from_the_graph(node: Node, begun: Graph) -> None:
+def test_shutdown_removes_the_nodes_from_the_graph(node: Node, started_graph: Graph) -> None:
     publisher = node.create_publisher(type(node.get_clock().now().to_msg()), "now", 10)
     rclpy.shutdown()
-    assert (begun.nodes(), begun.endpoints()) == ([], [])
+    assert (started_graph.nodes(), started_graph.endpoints()) == ([], [])
     with pytest.raises(RCLError, match=r"^Failed to publish: publisher's context is invalid$"):
         publisher.publish(node.get_clock().now().to_msg())
     node.destroy_node()
 
 
-def test_ok_is_false_after_the_end_of_a_run_and_shutdown_is_allowed(node: Node, begun: Graph) -> None:
+def test_ok_is_false_after_the_end_of_a_run_and_shutdown_is_allowed(node: Node, started_graph: Graph) -> None:
     rclpy.spin(node)
-    assert begun.ended
+    assert started_graph.ended
     assert not rclpy.ok()
     rclpy.spin_once(node)
     node.destroy_node()
     rclpy.shutdown()
 
 
-def test_new_graph_has_no_nodes(begun: Graph) -> None:
+def test_new_graph_has_no_nodes(started_graph: Graph) -> None:
     with use_graph(Graph()):
         assert not rclpy.ok()
         rclpy.init(args=[])
         Node("other")
-    assert [node.name for node in begun.nodes()] == []
+    assert [node.name for node in started_graph.nodes()] == []
     assert rclpy.ok()
 
 

@@ -15,26 +15,26 @@ BACK = JumpThreshold(min_forward=None, min_backward=Duration(seconds=-1), on_clo
 
 
 def test_jump_callbacks_are_called_for_jumps_beyond_their_threshold(follower: Node) -> None:
-    heard: list[tuple[str, float, object]] = []
+    calls: list[tuple[str, float, object]] = []
     clock = follower.get_clock()
 
     def note(name: str) -> Callable[[TimeJump], None]:
-        return lambda jump: heard.append((name, seconds(clock), jump.delta.nanoseconds * 1e-9))
+        return lambda jump: calls.append((name, seconds(clock), jump.delta.nanoseconds * 1e-9))
 
     forward = JumpThreshold(min_forward=Duration(seconds=2), min_backward=None, on_clock_change=False)
     handle = clock.create_jump_callback(
         forward,
-        pre_callback=lambda: heard.append(("before", seconds(clock), None)),
+        pre_callback=lambda: calls.append(("before", seconds(clock), None)),
         post_callback=note("forward"),
     )
     clock.create_jump_callback(BACK, post_callback=note("back"))
     for now in (10.0, 11.9, 11.0, 9.9):
         say_time(follower, now)
-    assert heard == [("before", 0.0, None), ("forward", 10.0, 10.0), ("back", 9.9, -1.1)]
+    assert calls == [("before", 0.0, None), ("forward", 10.0, 10.0), ("back", 9.9, -1.1)]
     handle.unregister()
     handle.unregister()
     say_time(follower, 50.0)
-    assert len(heard) == 3
+    assert len(calls) == 3
 
 
 def test_jump_callbacks_are_called_when_the_time_source_changes(node: Node) -> None:
@@ -53,7 +53,7 @@ def test_jump_callbacks_are_called_when_the_time_source_changes(node: Node) -> N
 
 
 def test_exception_in_a_jump_callback_skips_later_callbacks_but_not_the_jump() -> None:
-    heard: list[str] = []
+    calls: list[str] = []
     clock = ROSClock()
     clock._set_ros_time_is_active(True)
     any_jump = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=None)
@@ -61,11 +61,11 @@ def test_exception_in_a_jump_callback_skips_later_callbacks_but_not_the_jump() -
     def wrong() -> None:
         raise LookupError
 
-    clock.create_jump_callback(any_jump, post_callback=lambda jump: heard.append("after"))
+    clock.create_jump_callback(any_jump, post_callback=lambda jump: calls.append("after"))
     clock.create_jump_callback(any_jump, pre_callback=wrong)
     with pytest.raises(LookupError):
         clock.set_ros_time_override(Time(seconds=3, clock_type=ClockType.ROS_TIME))
-    assert (heard, clock.now().nanoseconds) == ([], 3 * 10**9)
+    assert (calls, clock.now().nanoseconds) == ([], 3 * 10**9)
 
 
 @pytest.mark.parametrize(

@@ -118,7 +118,7 @@ def state(node: LifecycleNode) -> tuple[int, str]:
     return current.id, current.label
 
 
-@pytest.mark.usefixtures("begun")
+@pytest.mark.usefixtures("started_graph")
 class TestLifecycleNode:
     def test_lifecycle_node_passes_through_the_states_of_rcl(self) -> None:
         node = Talker()
@@ -159,11 +159,11 @@ class TestLifecycleNode:
     ) -> None:
         node = Talker(configure=ValueError("no laser"))
         assert node.trigger_configure() is ERROR
-        told = capsys.readouterr().out
-        assert told.startswith(
+        output = capsys.readouterr().out
+        assert output.startswith(
             "/lc_talker: on_configure() raised ValueError: no laser (test_lifecycle.py, line "
         )
-        assert told.endswith(": raise result)\n")
+        assert output.endswith(": raise result)\n")
         assert node.befores == [State("unconfigured", 1)] * 2
 
     def test_unavailable_transition_raises_the_error_of_rcl(self, capsys: pytest.CaptureFixture[str]) -> None:
@@ -176,31 +176,31 @@ class TestLifecycleNode:
 
     def test_managed_publisher_publishes_only_while_its_node_is_active(self) -> None:
         node = Talker()
-        heard: list[str] = []
-        node.create_subscription(String, "chatter", lambda message: heard.append(message.data), 10)
+        values: list[str] = []
+        node.create_subscription(String, "chatter", lambda message: values.append(message.data), 10)
         for go in ("configure", "activate", "deactivate"):
             node.out.publish(String(data=f"before {go}"))
             getattr(node, f"trigger_{go}")()
         node.out.publish(String(data="at the end"))
         rclpy.spin_once(node)
         rclpy.spin_once(node, timeout_sec=0.1)
-        assert heard == ["before deactivate"]
+        assert values == ["before deactivate"]
         assert not node.out.is_activated
         assert node.destroy_lifecycle_publisher(node.out)
         assert not node.destroy_lifecycle_publisher(node.out)
 
     def test_each_transition_is_published_as_an_event(self) -> None:
         node = Talker()
-        heard: list[tuple[str, str]] = []
+        received: list[tuple[str, str]] = []
 
         def hear(event: TransitionEvent) -> None:
-            heard.append((event.start_state.label, event.goal_state.label))
+            received.append((event.start_state.label, event.goal_state.label))
 
         node.create_subscription(TransitionEvent, "/lc_talker/transition_event", hear, 10)
         node.trigger_configure()
         for _ in range(2):
             rclpy.spin_once(node)
-        assert heard == [("unconfigured", "configuring"), ("configuring", "inactive")]
+        assert received == [("unconfigured", "configuring"), ("configuring", "inactive")]
 
     def test_other_nodes_change_the_state_by_transition_id_or_label(self) -> None:
         node = Talker()
@@ -269,9 +269,9 @@ def test_talker_of_the_demo_is_silent_until_a_client_activates_it(tmp_path: Path
     with use_graph(graph), record(graph) as recorder:
         assert run_files(files, seed=0) == 0
     recording = recorder.recording()
-    said = [
+    messages = [
         deserialize(one.cdr, String).data for one in recording.samples if one.topic == "/lifecycle_chatter"
     ]
     events = [one for one in recording.samples if one.topic == "/lc_talker/transition_event"]
-    assert said[:2] == ["Lifecycle HelloWorld #3", "Lifecycle HelloWorld #4"]
+    assert messages[:2] == ["Lifecycle HelloWorld #3", "Lifecycle HelloWorld #4"]
     assert len(events) == 4

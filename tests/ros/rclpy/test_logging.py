@@ -126,11 +126,11 @@ def test_unknown_and_incomplete_options_are_rejected_as_in_ros(node: Node) -> No
 
 def test_log_messages_of_a_node_and_its_children_are_published_on_rosout(node: Node) -> None:
     node.get_logger().get_child("arm").error("ouch")
-    got: list[Log] = []
+    messages: list[Log] = []
     latched = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    node.create_subscription(Log, "/rosout", got.append, latched)
+    node.create_subscription(Log, "/rosout", messages.append, latched)
     rclpy.spin_once(node)
-    log = got[0]
+    log = messages[0]
     assert (log.name, log.msg, log.level, log.stamp.sec) == ("talker.arm", "ouch", 40, 1_700_000_000)
     assert (log.file, log.function) == (
         "test_logging.py",
@@ -139,13 +139,13 @@ def test_log_messages_of_a_node_and_its_children_are_published_on_rosout(node: N
     assert log.line > 0
 
 
-def test_location_of_cell_code_is_equal_on_all_machines(node: Node, begun: Graph) -> None:
+def test_location_of_cell_code_is_equal_on_all_machines(node: Node, started_graph: Graph) -> None:
     exec(compile("logger.info('hello')", "/tmp/ipykernel_42/1234.py", "exec"), {"logger": node.get_logger()})
-    got: list[Log] = []
+    messages: list[Log] = []
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    node.create_subscription(Log, "/rosout", got.append, latched)
+    node.create_subscription(Log, "/rosout", messages.append, latched)
     rclpy.spin_once(node)
-    assert got[0].file == "cell"
+    assert messages[0].file == "cell"
 
 
 def call(executor: SingleThreadedExecutor, node: Node, kind: Any, verb: str, request: Any) -> Any:

@@ -49,9 +49,9 @@ MISTAKES = [*OF_ROS, *IMPORTS, *NAMES, *PLAIN_PYTHON]
 
 def transform(parent: str, child: str, second: int) -> TransformStamped:
     """Create a transform for the programs."""
-    made = TransformStamped(child_frame_id=child)
-    made.header.frame_id, made.header.stamp.sec = parent, second
-    return made
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id, message.header.stamp.sec = parent, second
+    return message
 
 
 @pytest.fixture
@@ -67,9 +67,9 @@ def test_table_has_sixty_mistakes_mostly_with_a_hint() -> None:
     assert sum(bool(hint) for _, _, hint in MISTAKES) >= 60
 
 
-@pytest.mark.parametrize(("program", "said", "hint"), MISTAKES)
+@pytest.mark.parametrize(("program", "message", "hint"), MISTAKES)
 def test_mistake_raises_the_error_of_ros_with_a_hint(
-    robot: Node, capfd: pytest.CaptureFixture[str], program: str, said: str, hint: str
+    robot: Node, capfd: pytest.CaptureFixture[str], program: str, message: str, hint: str
 ) -> None:
     names = {"__name__": "__main__", "rclpy": rclpy, "node": robot, "transform": transform}
     exec(CODE, names)
@@ -78,6 +78,6 @@ def test_mistake_raises_the_error_of_ros_with_a_hint(
             exec(compile(program, "program.py", "exec"), names)
         except Exception as error:
             print_error(error)
-    shown = capfd.readouterr().err
-    assert said in shown.replace(f"[{robot.get_clock().now().nanoseconds / 1e9:.9f}] ", "")
-    assert (f"\nhint: {hint}\n" in shown) if hint else "hint:" not in shown
+    errors = capfd.readouterr().err
+    assert message in errors.replace(f"[{robot.get_clock().now().nanoseconds / 1e9:.9f}] ", "")
+    assert (f"\nhint: {hint}\n" in errors) if hint else "hint:" not in errors

@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 from course_lib.ros.graph.graph import Graph
 
 
-def test_node_returns_its_name_namespace_and_fully_qualified_name(begun: Graph) -> None:
+def test_node_returns_its_name_namespace_and_fully_qualified_name(started_graph: Graph) -> None:
     node = Node("talker", namespace="robot/left")
     assert node.get_name() == "talker"
     assert node.get_namespace() == "/robot/left"
@@ -28,14 +28,14 @@ def test_node_returns_its_name_namespace_and_fully_qualified_name(begun: Graph) 
     assert Node("leader").get_fully_qualified_name() == "/leader"
 
 
-def test_invalid_node_name_or_namespace_is_rejected_as_in_ros(begun: Graph) -> None:
+def test_invalid_node_name_or_namespace_is_rejected_as_in_ros(started_graph: Graph) -> None:
     with pytest.raises(
         InvalidNodeNameException, match="must not contain characters other than alphanumerics"
     ):
         Node("my node")
     with pytest.raises(InvalidNamespaceException, match="must not have a token that starts with a number"):
         Node("talker", namespace="2nd")
-    assert begun.nodes() == []
+    assert started_graph.nodes() == []
 
 
 def test_every_node_has_the_topics_rosout_and_parameter_events(node: Node) -> None:
@@ -93,7 +93,7 @@ def test_node_lists_the_graph(node: Node) -> None:
     )
 
 
-def test_private_topics_have_the_node_name_and_relative_topics_the_namespace(begun: Graph) -> None:
+def test_private_topics_have_the_node_name_and_relative_topics_the_namespace(started_graph: Graph) -> None:
     node = Node("talker", namespace="/robot")
     assert node.create_publisher(String, "~/state", 10).topic_name == "/robot/talker/state"
     assert node.create_publisher(String, "state", 10).topic_name == "/robot/state"
@@ -101,20 +101,22 @@ def test_private_topics_have_the_node_name_and_relative_topics_the_namespace(beg
     assert node.resolve_topic_name("state") == "/robot/state"
 
 
-def test_destroy_node_removes_its_entities_and_is_idempotent(node: Node, begun: Graph) -> None:
+def test_destroy_node_removes_its_entities_and_is_idempotent(node: Node, started_graph: Graph) -> None:
     node.create_publisher(String, "chatter", 10)
     node.create_subscription(String, "chatter", print, 10)
     node.create_timer(1.0, print)
     node.destroy_node()
     node.destroy_node()
-    assert (begun.nodes(), begun.endpoints()) == ([], [])
+    assert (started_graph.nodes(), started_graph.endpoints()) == ([], [])
     assert [*node.publishers, *node.subscriptions, *node.timers] == []
 
 
 def test_creating_and_destroying_a_node_does_not_search_the_whole_graph(
-    begun: Graph, monkeypatch: pytest.MonkeyPatch
+    started_graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(begun, "endpoints", pytest.fail)  # a worker's graph asks another process for it
+    monkeypatch.setattr(
+        started_graph, "endpoints", pytest.fail
+    )  # a worker's graph asks another process for it
     node = Node("talker")
     node.create_publisher(String, "chatter", 10)
     node.create_subscription(String, "chatter", print, 10)
@@ -186,7 +188,7 @@ def test_invalid_parameter_calls_are_rejected_as_in_ros(node: Node) -> None:
         node.declare_parameter("w", Int32())
 
 
-def test_overrides_take_precedence_over_defaults_if_their_type_matches(begun: Graph) -> None:
+def test_overrides_take_precedence_over_defaults_if_their_type_matches(started_graph: Graph) -> None:
     overrides = [Parameter("speed", value=2.0), Parameter("name", value="a")]
     node = rclpy.create_node("talker", parameter_overrides=overrides)
     assert node.declare_parameter("speed", 1.0).value == 2.0

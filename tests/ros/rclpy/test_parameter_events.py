@@ -75,31 +75,31 @@ def test_parameters_of_a_file_are_set_in_another_node(
 
 def test_parameter_and_event_callbacks_are_called_until_removed(node: Node, robot: Node) -> None:
     handler = ParameterEventHandler(node)
-    said: list[Any] = []
-    one = handler.add_parameter_callback("speed", "robot", lambda p: said.append(p.value.integer_value))
+    calls: list[Any] = []
+    one = handler.add_parameter_callback("speed", "robot", lambda p: calls.append(p.value.integer_value))
     handler.add_parameter_callback("speed", "", lambda p: pytest.fail("it is not this node's"))
-    every = handler.add_parameter_event_callback(lambda event: said.append(event.node))
+    every = handler.add_parameter_event_callback(lambda event: calls.append(event.node))
     robot.set_parameters([Parameter("speed", value=5)])
     drain(node)
-    assert said == [5, "/robot"]
+    assert calls == [5, "/robot"]
     handler.remove_parameter_callback(one)
     handler.remove_parameter_event_callback(every)
     with pytest.raises(RuntimeError, match=r"^Callback doesn't exist$"):
         handler.remove_parameter_callback(one)
     robot.set_parameters([Parameter("speed", value=6)])
     drain(node)
-    assert said == [5, "/robot"]
+    assert calls == [5, "/robot"]
     handler.destroy()
 
 
 def test_parameter_client_receives_parameter_events(
     node: Node, robot: Node, client: AsyncParameterClient
 ) -> None:
-    said: list[str] = []
-    client.on_parameter_event(lambda event: said.append(event.changed_parameters[0].name))
+    changed_names: list[str] = []
+    client.on_parameter_event(lambda event: changed_names.append(event.changed_parameters[0].name))
     robot.set_parameters([Parameter("speed", value=5)])
     drain(node)
-    assert said == ["speed"]
+    assert changed_names == ["speed"]
 
 
 def drain(node: Node) -> None:

@@ -140,7 +140,7 @@ def test_invalid_reads_raise_the_errors_of_rclpy(node: Node) -> None:
     assert str(unset.value) == "Invalid access to undeclared parameter(s): []"
 
 
-def test_undeclared_parameters_can_be_allowed(begun: Graph) -> None:
+def test_undeclared_parameters_can_be_allowed(started_graph: Graph) -> None:
     node = Node("free", allow_undeclared_parameters=True)
     assert node.get_parameter("x").type_ is Parameter.Type.NOT_SET
     assert node.set_parameters([Parameter("x", value=1.5)]) == [OK]
@@ -170,7 +170,7 @@ def test_several_parameters_are_declared_in_a_namespace_and_found_by_its_prefix(
     assert node.list_parameters([], 1).names == ["use_sim_time", "start_type_description_service"]
 
 
-def test_overrides_take_precedence_over_defaults_unless_ignored(begun: Graph) -> None:
+def test_overrides_take_precedence_over_defaults_unless_ignored(started_graph: Graph) -> None:
     given = [Parameter("x", value=5), Parameter("word", value="hi")]
     node = Node("over", parameter_overrides=given)
     assert node.declare_parameter("x", 1).value == 5
@@ -260,7 +260,7 @@ def test_other_nodes_get_and_set_parameters_with_the_six_services(node: Node) ->
     assert asked(node, GetParameters, "get_parameters", names=["speed", "no"]).values == []
 
 
-def test_parameter_services_can_be_disabled(begun: Graph) -> None:
+def test_parameter_services_can_be_disabled(started_graph: Graph) -> None:
     quiet, open_ = Node("quiet", start_parameter_services=False), Node("open")
     assert [service.srv_name for service in quiet.services] == ["quiet/get_type_description"]
     assert len(list(open_.services)) == 7

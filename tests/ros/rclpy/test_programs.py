@@ -213,10 +213,10 @@ def test_traceback_shows_program_lines_and_not_kit_lines(
     program.write_text(FAILS)
     with use_graph(Graph()):
         assert run_files([program], seed=1) == 1
-    shown = capsys.readouterr().err
-    assert shown.count("  File ") == shown.count(str(program)) == 2
+    errors = capsys.readouterr().err
+    assert errors.count("  File ") == errors.count(str(program)) == 2
     last = "ParameterNotDeclaredException: Invalid access to undeclared parameter(s): y\nhint: declare it"
-    assert last in shown
+    assert last in errors
 
 
 def test_deadlocked_programs_raise_deadlock_error_and_end(tmp_path: Path) -> None:

@@ -84,10 +84,10 @@ def test_stopping_a_cell_ends_spin_with_one_line_and_the_node_stays_usable(
     node = Node("talker")
     timer = node.create_timer(1.5, stop)
     rclpy.spin(node)
-    said = capsys.readouterr().out
-    assert said.startswith("Stopped after 1.5 s of robot time, in test_rerun_cells.py, line ")
-    assert said.endswith(": raise KeyboardInterrupt.\n")
-    assert said.count("\n") == 1
+    output = capsys.readouterr().out
+    assert output.startswith("Stopped after 1.5 s of robot time, in test_rerun_cells.py, line ")
+    assert output.endswith(": raise KeyboardInterrupt.\n")
+    assert output.count("\n") == 1
     node.destroy_timer(timer)
     rclpy.spin_once(node, timeout_sec=1.0)
     assert notebook.now_ns == START_NS + 2_500_000_000

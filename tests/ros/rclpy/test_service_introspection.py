@@ -40,15 +40,15 @@ def ends(node: Node) -> Ends:
 def called(node: Node, ends: Ends, state: ServiceIntrospectionState) -> list[Any]:
     """Call the service once. Return the received events."""
     kind: Any = AddTwoInts
-    heard: list[Any] = []
-    node.create_subscription(kind.Event, "add/_service_event", heard.append, 10)
+    messages: list[Any] = []
+    node.create_subscription(kind.Event, "add/_service_event", messages.append, 10)
     for end in ends:
         end.configure_introspection(node.get_clock(), qos_profile_system_default, state)
     future = ends[1].call_async(AddTwoInts.Request(a=2, b=3))
     rclpy.spin_until_future_complete(node, future)
     for _ in KINDS:
         rclpy.spin_once(node, timeout_sec=0.1)
-    return heard
+    return messages
 
 
 def test_each_step_of_a_call_is_an_event_with_a_sequence_number_and_time(node: Node, ends: Ends) -> None:
@@ -69,7 +69,7 @@ def test_contents_are_included_on_request(node: Node, ends: Ends) -> None:
 
 
 def test_disabled_or_destroyed_introspection_publishes_no_events(
-    node: Node, ends: Ends, begun: Graph
+    node: Node, ends: Ends, started_graph: Graph
 ) -> None:
     assert called(node, ends, ServiceIntrospectionState.OFF) == []
     for end in ends:
@@ -84,8 +84,10 @@ def test_disabled_or_destroyed_introspection_publishes_no_events(
     assert node.count_publishers(TOPIC) == 0
 
 
-def test_service_events_are_recorded_and_hashed_as_in_rosidl(node: Node, ends: Ends, begun: Graph) -> None:
-    with record(begun) as recorder:
+def test_service_events_are_recorded_and_hashed_as_in_rosidl(
+    node: Node, ends: Ends, started_graph: Graph
+) -> None:
+    with record(started_graph) as recorder:
         called(node, ends, ServiceIntrospectionState.CONTENTS)
     samples = [sample for sample in recorder.recording().samples if sample.topic == TOPIC]
     assert {sample.type_name for sample in samples} == {"example_interfaces/srv/AddTwoInts_Event"}

@@ -44,9 +44,11 @@ def ask(node: Node, client: Client, a: int, b: int) -> Any:
     return future.result()
 
 
-def test_request_is_answered_after_two_transport_delays(begun: Graph, adder: Node, client: Client) -> None:
+def test_request_is_answered_after_two_transport_delays(
+    started_graph: Graph, adder: Node, client: Client
+) -> None:
     assert ask(adder, client, 2, 3) == AddTwoInts.Response(sum=5)
-    assert begun.now_ns - START_NS == 2 * MS
+    assert started_graph.now_ns - START_NS == 2 * MS
 
 
 def test_each_client_receives_the_responses_to_its_own_requests(adder: Node, client: Client) -> None:
@@ -111,15 +113,15 @@ def test_service_callback_can_be_a_coroutine_that_calls_another_service(adder: N
     assert future.result() == Trigger.Response(message="8")
 
 
-def test_wait_for_service_polls_every_quarter_of_a_second(begun: Graph, node: Node) -> None:
+def test_wait_for_service_polls_every_quarter_of_a_second(started_graph: Graph, node: Node) -> None:
     client = Node("client").create_client(AddTwoInts, "add")
     node.create_timer(0.3, lambda: node.create_service(AddTwoInts, "add", add))
     spinner = threading.Thread(target=rclpy.spin, args=(node,), daemon=True)
     spinner.start()
     assert client.wait_for_service(timeout_sec=5.0)
-    assert begun.now_ns - START_NS == 500 * MS
+    assert started_graph.now_ns - START_NS == 500 * MS
     assert not node.create_client(Trigger, "nothing").wait_for_service(timeout_sec=1.0)
-    assert begun.now_ns - START_NS == 1500 * MS
+    assert started_graph.now_ns - START_NS == 1500 * MS
 
 
 def test_call_waits_while_another_thread_spins(adder: Node, client: Client) -> None:
@@ -173,9 +175,11 @@ def test_services_and_clients_are_not_listed_as_topics(adder: Node, client: Clie
     assert client.srv_name == "add"
 
 
-def test_recording_contains_no_service_requests_as_in_ros(begun: Graph, adder: Node, client: Client) -> None:
+def test_recording_contains_no_service_requests_as_in_ros(
+    started_graph: Graph, adder: Node, client: Client
+) -> None:
     topics = set[str]()
-    begun.tap(lambda sample: topics.add(sample.topic))
+    started_graph.tap(lambda sample: topics.add(sample.topic))
     ask(adder, client, 1, 2)
     assert all(topic.startswith("/") for topic in topics)
 

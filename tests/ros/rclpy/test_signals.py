@@ -38,10 +38,10 @@ print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)
 def outcome(name: str) -> list[str]:
     code = PROGRAM.replace("SIGNAME", name)
     root = Path(__file__).parents[3]
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, cwd=root, check=True
     )
-    return done.stdout.splitlines()
+    return process.stdout.splitlines()
 
 
 @pytest.mark.parametrize(("name", "ended"), [("SIGINT", "KeyboardInterrupt"), ("SIGTERM", "returned")])

@@ -149,7 +149,7 @@ def test_parameter_service_sets_use_sim_time(node: Node) -> None:
     assert node.get_clock().now().nanoseconds == 0
 
 
-def test_non_boolean_value_is_rejected(begun: Graph, capfd: pytest.CaptureFixture[str]) -> None:
+def test_non_boolean_value_is_rejected(started_graph: Graph, capfd: pytest.CaptureFixture[str]) -> None:
     node = Node("follower", automatically_declare_parameters_from_overrides=True, parameter_overrides=[SIM])
     source = TimeSource(node=node)
     result = source._on_parameter_event([Parameter("use_sim_time", value=1)])

@@ -83,13 +83,13 @@ def test_timer_without_autostart_waits_for_reset(node: Node) -> None:
     assert calls == pytest.approx([4.0])
 
 
-def test_timer_with_period_zero_is_always_ready_and_time_advances(node: Node, begun: Graph) -> None:
+def test_timer_with_period_zero_is_always_ready_and_time_advances(node: Node, started_graph: Graph) -> None:
     calls: list[float] = []
     timer = node.create_timer(0, lambda: calls.append(since_start(node)))
     assert timer.is_ready()
     rclpy.spin(node)
     assert len(calls) == 10_000
-    assert begun.ended
+    assert started_graph.ended
 
 
 def test_negative_period_is_rejected_as_in_ros(node: Node) -> None:

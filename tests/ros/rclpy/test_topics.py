@@ -37,16 +37,16 @@ def test_message_arrives_one_millisecond_after_publishing(node: Node) -> None:
 def test_later_changes_of_a_published_message_have_no_effect_and_receivers_get_copies(
     node: Node,
 ) -> None:
-    got: list[Int32MultiArray] = []
+    messages: list[Int32MultiArray] = []
     for _ in range(2):
-        node.create_subscription(Int32MultiArray, "x", got.append, 10)
+        node.create_subscription(Int32MultiArray, "x", messages.append, 10)
     message = Int32MultiArray(data=[1, 2])
     node.create_publisher(Int32MultiArray, "x", 10).publish(message)
     message.data[0] = 99
     rclpy.spin_once(node)
-    got[0].data.append(3)
+    messages[0].data.append(3)
     rclpy.spin_once(node)
-    assert [list(m.data) for m in got] == [[1, 2, 3], [1, 2]]
+    assert [list(m.data) for m in messages] == [[1, 2, 3], [1, 2]]
 
 
 def test_message_of_another_type_is_rejected_as_in_ros(node: Node) -> None:
@@ -57,15 +57,15 @@ def test_message_of_another_type_is_rejected_as_in_ros(node: Node) -> None:
 
 
 def test_serialized_bytes_are_published_unchanged_and_raw_subscriptions_receive_bytes(node: Node) -> None:
-    got: list[Any] = []
-    node.create_subscription(String, "x", got.append, 10)
-    node.create_subscription(String, "x", got.append, 10, raw=True)
+    messages: list[Any] = []
+    node.create_subscription(String, "x", messages.append, 10)
+    node.create_subscription(String, "x", messages.append, 10, raw=True)
     raw = serialize_message(String(data="raw"))
     node.create_publisher(String, "x", 10).publish(raw)
     rclpy.spin_once(node)
     rclpy.spin_once(node)
-    assert got == [String(data="raw"), raw]
-    assert deserialize_message(raw, String) == got[0]
+    assert messages == [String(data="raw"), raw]
+    assert deserialize_message(raw, String) == messages[0]
 
 
 def test_callback_with_two_arguments_receives_the_message_info(node: Node) -> None:
@@ -84,15 +84,15 @@ def test_callback_without_a_message_argument_is_rejected_as_in_ros(node: Node) -
 
 
 def test_full_queue_drops_its_oldest_message(node: Node) -> None:
-    got: list[int] = []
-    node.create_subscription(Int32, "x", lambda m: got.append(m.data), 2)
+    values: list[int] = []
+    node.create_subscription(Int32, "x", lambda m: values.append(m.data), 2)
     publisher = node.create_publisher(Int32, "x", 10)
     for number in range(5):
         publisher.publish(Int32(data=number))
     node.get_clock().sleep_for(rclpy.duration.Duration(seconds=1))
     for _ in range(3):
         rclpy.spin_once(node, timeout_sec=0)
-    assert got == [3, 4]
+    assert values == [3, 4]
 
 
 def test_publishers_and_subscriptions_count_their_matches(node: Node) -> None:
@@ -112,14 +112,14 @@ def test_destroyed_publisher_raises_invalid_handle(node: Node) -> None:
 
 
 def test_destroyed_subscription_receives_no_messages(node: Node) -> None:
-    got: list[String] = []
-    subscription = node.create_subscription(String, "x", got.append, 10)
+    messages: list[String] = []
+    subscription = node.create_subscription(String, "x", messages.append, 10)
     publisher = node.create_publisher(String, "x", 10)
     publisher.publish(String())
     node.get_clock().sleep_for(rclpy.duration.Duration(seconds=1))
     node.destroy_subscription(subscription)
     rclpy.spin_once(node, timeout_sec=1.0)
-    assert got == []
+    assert messages == []
 
 
 def test_late_joining_subscription_receives_the_messages_of_a_transient_local_publisher(node: Node) -> None:
@@ -127,11 +127,11 @@ def test_late_joining_subscription_receives_the_messages_of_a_transient_local_pu
     for number in range(3):
         latched.publish(Int32(data=number))
         volatile.publish(Int32(data=number))
-    got: list[int] = []
-    node.create_subscription(Int32, "x", lambda m: got.append(m.data), LATCHED)
-    node.create_subscription(Int32, "y", lambda m: got.append(m.data), 10)
+    values: list[int] = []
+    node.create_subscription(Int32, "x", lambda m: values.append(m.data), LATCHED)
+    node.create_subscription(Int32, "y", lambda m: values.append(m.data), 10)
     rclpy.spin(node)
-    assert got == [1, 2]
+    assert values == [1, 2]
 
 
 def test_incompatible_endpoints_cause_a_warning_on_both_sides(
@@ -151,12 +151,16 @@ def test_incompatible_endpoints_cause_a_warning_on_both_sides(
 def test_incompatible_qos_callback_replaces_the_default_warning(
     node: Node, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    told: list[QoSRequestedIncompatibleQoSInfo] = []
+    messages: list[QoSRequestedIncompatibleQoSInfo] = []
     node.create_subscription(
-        String, "x", print, LATCHED, event_callbacks=SubscriptionEventCallbacks(incompatible_qos=told.append)
+        String,
+        "x",
+        print,
+        LATCHED,
+        event_callbacks=SubscriptionEventCallbacks(incompatible_qos=messages.append),
     )
     silent = PublisherEventCallbacks(use_default_callbacks=False)
     node.create_publisher(String, "x", 10, event_callbacks=silent)
     rclpy.spin_once(node, timeout_sec=0)
-    assert told == [QoSRequestedIncompatibleQoSInfo(1, 1, RmwPolicyKind.DURABILITY)]
+    assert messages == [QoSRequestedIncompatibleQoSInfo(1, 1, RmwPolicyKind.DURABILITY)]
     assert capsys.readouterr().err == ""

@@ -19,7 +19,7 @@ from course_lib.ros.messages.hashes import type_hash
 
 
 @pytest.fixture
-def used(begun: Graph) -> Node:
+def used(started_graph: Graph) -> Node:
     node = Node("used")
     node.create_publisher(Marker, "marker", 1)
     node.create_service(Trigger, "start", lambda request, response: response)
@@ -95,7 +95,7 @@ def test_failure_reason_has_the_text_of_rcl(used: Node, asked: str, reason: str)
     assert (answer.successful, answer.failure_reason) == (False, reason)
 
 
-def test_parameter_disables_the_service_and_is_read_only(begun: Graph) -> None:
+def test_parameter_disables_the_service_and_is_read_only(started_graph: Graph) -> None:
     name = "start_type_description_service"
     quiet = Node("quiet", parameter_overrides=[Parameter(name, value=False)])
     quiet.create_publisher(String, "words", 1)

@@ -58,13 +58,13 @@ def test_unregistered_listener_receives_no_transforms(node: Node) -> None:
     assert buffer.all_frames_as_yaml() == "[]"
 
 
-def test_qos_of_tf_topics_agrees_with_ros(begun: Graph, node: Node) -> None:
+def test_qos_of_tf_topics_agrees_with_ros(started_graph: Graph, node: Node) -> None:
     TransformBroadcaster(node)
     StaticTransformBroadcaster(node)
     TransformListener(Buffer(), node)
     found = {
         (end.topic, end.kind): (end.qos.depth, end.qos.durability)
-        for end in begun.endpoints()
+        for end in started_graph.endpoints()
         if end.topic.startswith("/tf")
     }
     assert found == {

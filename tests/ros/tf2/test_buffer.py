@@ -32,10 +32,14 @@ def filled() -> Buffer:
 
 
 def test_lookup_returns_a_message_with_frames_stamp_and_transform() -> None:
-    found = filled().lookup_transform("map", "tool", Time(nanoseconds=2 * S))
-    assert (found.header.frame_id, found.child_frame_id, found.header.stamp.sec) == ("map", "tool", 2)
-    assert found.transform.translation.x == pytest.approx(2.5)
-    assert found.transform.rotation.z == pytest.approx(2**-0.5)
+    transform = filled().lookup_transform("map", "tool", Time(nanoseconds=2 * S))
+    assert (transform.header.frame_id, transform.child_frame_id, transform.header.stamp.sec) == (
+        "map",
+        "tool",
+        2,
+    )
+    assert transform.transform.translation.x == pytest.approx(2.5)
+    assert transform.transform.rotation.z == pytest.approx(2**-0.5)
 
 
 def test_times_of_any_clock_and_time_messages_are_accepted() -> None:
@@ -48,8 +52,8 @@ def test_times_of_any_clock_and_time_messages_are_accepted() -> None:
 
 
 def test_lookup_transform_full_relates_two_times_through_a_fixed_frame() -> None:
-    found = filled().lookup_transform_full("base", Time(seconds=3), "base", Time(seconds=1), "map")
-    assert found.transform.translation.x == pytest.approx(-2.0)
+    transform = filled().lookup_transform_full("base", Time(seconds=3), "base", Time(seconds=1), "map")
+    assert transform.transform.translation.x == pytest.approx(-2.0)
 
 
 def test_can_transform_returns_the_reason_with_return_debug_tuple() -> None:
@@ -80,7 +84,9 @@ def test_transform_of_an_unregistered_type_is_rejected() -> None:
         filled().transform(String(), "map")
 
 
-def test_rejected_transforms_are_logged_and_ignored(begun: Graph, capfd: pytest.CaptureFixture[str]) -> None:
+def test_rejected_transforms_are_logged_and_ignored(
+    started_graph: Graph, capfd: pytest.CaptureFixture[str]
+) -> None:
     buffer = filled()
     buffer.set_transform(stamped("map", "map", 1 * S), "me")
     buffer.set_transform(stamped("map", "base", 20 * S), "me")
@@ -108,18 +114,18 @@ def test_all_frames_are_listed() -> None:
     assert Buffer().all_frames_as_yaml() == "[]"
 
 
-def test_wait_in_the_spinning_thread_ends_at_its_timeout(begun: Graph, node: Node) -> None:
+def test_wait_in_the_spinning_thread_ends_at_its_timeout(started_graph: Graph, node: Node) -> None:
     buffer, waits = Buffer(), list[tuple[bool, int]]()
     TransformListener(buffer, node)
     sender = Node("sender")
     broadcaster = tf2_ros.TransformBroadcaster(sender)
-    sender.create_timer(0.1, lambda: broadcaster.sendTransform(stamped("map", "base", begun.now_ns)))
+    sender.create_timer(0.1, lambda: broadcaster.sendTransform(stamped("map", "base", started_graph.now_ns)))
 
     def wait() -> None:
         timer.cancel()
-        start_ns = begun.now_ns
+        start_ns = started_graph.now_ns
         answer = buffer.can_transform("map", "base", Time(), timeout=Duration(seconds=2.0))
-        waits.append((answer, begun.now_ns - start_ns))
+        waits.append((answer, started_graph.now_ns - start_ns))
 
     timer = node.create_timer(0.05, wait)
     executor = SingleThreadedExecutor()
@@ -129,22 +135,24 @@ def test_wait_in_the_spinning_thread_ends_at_its_timeout(begun: Graph, node: Nod
     assert waits == [(False, 2 * S)]
 
 
-def test_wait_succeeds_if_the_listener_spins_in_its_own_thread(begun: Graph, node: Node) -> None:
+def test_wait_succeeds_if_the_listener_spins_in_its_own_thread(started_graph: Graph, node: Node) -> None:
     buffer = Buffer()
     TransformListener(buffer, Node("listener"), spin_thread=True)
     broadcaster = tf2_ros.TransformBroadcaster(node)
-    node.create_timer(0.1, lambda: broadcaster.sendTransform(stamped("map", "base", begun.now_ns)))
+    node.create_timer(0.1, lambda: broadcaster.sendTransform(stamped("map", "base", started_graph.now_ns)))
     rclpy.spin_once(node)
-    start_ns = begun.now_ns
+    start_ns = started_graph.now_ns
     assert buffer.lookup_transform("map", "base", Time(), timeout=Duration(seconds=5.0)).child_frame_id
-    assert begun.now_ns - start_ns == 1_000_000  # the delivery
+    assert started_graph.now_ns - start_ns == 1_000_000  # the delivery
 
 
-def test_coroutine_can_await_a_transform(begun: Graph, node: Node) -> None:
+def test_coroutine_can_await_a_transform(started_graph: Graph, node: Node) -> None:
     buffer = Buffer()
     TransformListener(buffer, node)
     broadcaster = tf2_ros.TransformBroadcaster(node)
-    timer = node.create_timer(0.5, lambda: broadcaster.sendTransform(stamped("map", "base", begun.now_ns)))
+    timer = node.create_timer(
+        0.5, lambda: broadcaster.sendTransform(stamped("map", "base", started_graph.now_ns))
+    )
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     task = executor.create_task(buffer.lookup_transform_async, "map", "base", Time())
@@ -170,12 +178,12 @@ def test_clear_removes_dynamic_transforms_and_keeps_static_ones() -> None:
     assert buffer.can_transform("base", "tool", Time())
 
 
-def test_buffer_with_a_node_offers_the_service_tf2_frames(begun: Graph, node: Node) -> None:
+def test_buffer_with_a_node_offers_the_service_tf2_frames(started_graph: Graph, node: Node) -> None:
     buffer = Buffer(node=node)
     buffer.set_transform(stamped("map", "base", 5), "me")
-    asked = node.create_client(FrameGraph, "tf2_frames").call_async(FrameGraph.Request())
-    rclpy.spin_until_future_complete(node, asked)
-    answer = asked.result()
+    future = node.create_client(FrameGraph, "tf2_frames").call_async(FrameGraph.Request())
+    rclpy.spin_until_future_complete(node, future)
+    answer = future.result()
     assert answer is not None
     assert answer.frame_yaml == buffer.all_frames_as_yaml()
 
@@ -197,8 +205,8 @@ class OnlyUp(tf2_ros.BufferInterface):
 
 
 def test_custom_buffer_transforms_with_its_own_lookup() -> None:
-    moved = OnlyUp().transform(PointStamped(header=Header(frame_id="a")), "b")
-    assert (moved.header.frame_id, moved.point.z) == ("b", 1.0)
+    message = OnlyUp().transform(PointStamped(header=Header(frame_id="a")), "b")
+    assert (message.header.frame_id, message.point.z) == ("b", 1.0)
     assert isinstance(Buffer(), tf2_ros.BufferInterface)
 
 

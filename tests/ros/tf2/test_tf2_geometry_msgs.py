@@ -63,8 +63,10 @@ def test_points_vectors_and_polygons_agree_with_matrix_products(
     placed(vector.vector, place)
     polygon.polygon.points.append(Point32(x=place[0], y=place[1], z=place[2]))
     expected = (matrix(shift, turn) @ [*place, 1.0])[:3]
-    moved = do_transform_point(point, transform(shift, turn))
-    np.testing.assert_allclose([moved.point.x, moved.point.y, moved.point.z], expected, atol=1e-9)
+    transformed = do_transform_point(point, transform(shift, turn))
+    np.testing.assert_allclose(
+        [transformed.point.x, transformed.point.y, transformed.point.z], expected, atol=1e-9
+    )
     (corner,) = do_transform_polygon_stamped(polygon, transform(shift, turn)).polygon.points
     np.testing.assert_allclose([corner.x, corner.y, corner.z], expected, atol=1e-5)
     arrow = do_transform_vector3(vector, transform(shift, turn)).vector
@@ -82,9 +84,9 @@ def test_poses_are_composed_and_their_quaternions_have_a_positive_w(
     pose = Pose()
     placed(pose.position, place)
     turned(pose.orientation, orientation)
-    moved = do_transform_pose(pose, transform(shift, turn))
+    transformed = do_transform_pose(pose, transform(shift, turn))
     expected = matrix(shift, turn) @ matrix(place, orientation)
-    p, q = moved.position, moved.orientation
+    p, q = transformed.position, transformed.orientation
     np.testing.assert_allclose([p.x, p.y, p.z], expected[:3, 3], atol=1e-9)
     np.testing.assert_allclose(quat2mat([q.w, q.x, q.y, q.z]), expected[:3, :3], atol=1e-9)
     assert q.w >= 0
@@ -128,8 +130,8 @@ def test_transforming_a_vector_clears_the_translation_of_the_passed_transform_as
 def test_zero_quaternion_is_treated_as_the_identity_rotation() -> None:
     pose = Pose()
     turned(pose.orientation, (0.0, 0.0, 0.0, 0.0))
-    moved = do_transform_pose(pose, transform((1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)))
-    assert (moved.position.x, moved.orientation.w) == (1.0, 1.0)
+    transformed = do_transform_pose(pose, transform((1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)))
+    assert (transformed.position.x, transformed.orientation.w) == (1.0, 1.0)
 
 
 def test_module_can_be_imported_by_its_path_in_ros() -> None:
@@ -142,5 +144,5 @@ def test_module_can_be_imported_by_its_path_in_ros() -> None:
 def test_quaternion_norm_does_not_scale_the_result(length: float) -> None:
     point = PointStamped()
     point.point.x = 1.0
-    moved = do_transform_point(point, transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, length)))
-    assert moved.point.x == pytest.approx(1.0)
+    transformed = do_transform_point(point, transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, length)))
+    assert transformed.point.x == pytest.approx(1.0)

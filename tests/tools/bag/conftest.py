@@ -67,8 +67,8 @@ def run(graph: Graph) -> Callable[[str], str]:
     """Return the output of `ros2 bag …`."""
 
     def run(line: str) -> str:
-        written: list[str] = []
-        ros2(["bag", *line.split()], GraphSource(graph), written.append)
-        return "".join(written)
+        output: list[str] = []
+        ros2(["bag", *line.split()], GraphSource(graph), output.append)
+        return "".join(output)
 
     return run

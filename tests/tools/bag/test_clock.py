@@ -68,14 +68,14 @@ def test_clock_is_published_at_40_hz_by_default(bag: Path, run: Run, events: lis
 
 
 def test_clock_is_published_with_the_clock_qos_of_rclcpp(bag: Path, graph: Graph, run: Run) -> None:
-    seen: list[QoSProfile] = []
+    observed: list[QoSProfile] = []
     node = Node("watch")
     node.create_timer(
-        2.0, lambda: seen.extend(i.qos_profile for i in node.get_publishers_info_by_topic("/clock"))
+        2.0, lambda: observed.extend(i.qos_profile for i in node.get_publishers_info_by_topic("/clock"))
     )
     running_nodes().append(node)
     run("play five --clock")
-    assert seen[0].reliability is ReliabilityPolicy.BEST_EFFORT
+    assert observed[0].reliability is ReliabilityPolicy.BEST_EFFORT
 
 
 @pytest.mark.parametrize("two", ["--clock --clock-topics /a", "--clock-topics-all --clock-topics /a"])
@@ -85,17 +85,21 @@ def test_clock_options_are_mutually_exclusive(bag: Path, run: Run, two: str) -> 
 
 
 def test_node_with_sim_time_follows_the_time_of_the_bag(bag: Path, graph: Graph, run: Run) -> None:
-    node, calls, heard = Node("follower", parameter_overrides=[Parameter("use_sim_time", value=True)]), [], []
+    node, calls, received = (
+        Node("follower", parameter_overrides=[Parameter("use_sim_time", value=True)]),
+        [],
+        [],
+    )
     clock = node.get_clock()
     node.create_subscription(
-        String, "/a", lambda m: heard.append((in_bag(clock.now().nanoseconds), m.data)), 10
+        String, "/a", lambda m: received.append((in_bag(clock.now().nanoseconds), m.data)), 10
     )
     timer = node.create_timer(2.0, lambda: calls.append(in_bag(clock.now().nanoseconds)))
     running_nodes().append(node)
     spin_for(10.0, node)
     assert calls == []
     run("play five --clock 10 -r 4 --start-offset 1")
-    assert heard == [(1.8, "2"), (3.8, "4")]
+    assert received == [(1.8, "2"), (3.8, "4")]
     assert calls == [1.0, 2.2, 4.2]
     assert timer.time_until_next_call() == 1_000_000_000
 
@@ -113,7 +117,7 @@ def test_recording_in_sim_time_has_the_stamps_of_the_clock(bag: Path, graph: Gra
 
     simulator.create_timer(0.5, step)
     running_nodes().extend([simulator, latched])
-    said = run("record -o out --use-sim-time --topics /words /clock")
+    output = run("record -o out --use-sim-time --topics /words /clock")
     recording = read_bag(Path("out"))
     assert [(s.topic, s.stamp_ns // NS) for s in recording.samples][:5] == [
         ("/clock", 5),
@@ -122,4 +126,4 @@ def test_recording_in_sim_time_has_the_stamps_of_the_clock(bag: Path, graph: Gra
         ("/words", 6),
         ("/clock", 7),
     ]
-    assert "use_sim_time set, waiting for /clock before starting recording..." in said
+    assert "use_sim_time set, waiting for /clock before starting recording..." in output

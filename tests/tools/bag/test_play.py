@@ -23,19 +23,19 @@ Heard = list[tuple[float, str, str]]
 @pytest.fixture
 def heard(graph: Graph) -> Heard:
     """Return the messages that a live node receives: seconds since its start, topic, string."""
-    heard: Heard = []
+    received: Heard = []
     node = Node("ear")
 
     def hear(topic: str) -> Callable[[Any], None]:
         def take(message: Any) -> None:
-            heard.append(((graph.now_ns - START_NS) * 1e-9, topic, message.data))
+            received.append(((graph.now_ns - START_NS) * 1e-9, topic, message.data))
 
         return take
 
     for topic in ("/a", "/b", "/c"):
         node.create_subscription(String, topic, hear(topic), 10)
     running_nodes().append(node)
-    return heard
+    return received
 
 
 def texts(heard: Heard) -> str:
@@ -43,11 +43,11 @@ def texts(heard: Heard) -> str:
 
 
 def test_bag_is_played_in_order_and_at_its_rate(bag: Path, run: Run, heard: Heard) -> None:
-    said = run("play five")
+    output = run("play five")
     assert [(topic, text) for _, topic, text in heard] == [(("/a", "/b")[i % 2], str(i)) for i in range(6)]
     assert [at for at, _, _ in heard] == pytest.approx([i + 0.001 for i in range(6)])
     at = "[INFO] [1700000000.000000000] [rosbag2_player]: "
-    assert said == f"{at}Set rate to 1\n{at}Playback until timestamp: -1\n"
+    assert output == f"{at}Set rate to 1\n{at}Playback until timestamp: -1\n"
 
 
 @pytest.mark.parametrize(
@@ -84,18 +84,20 @@ def test_topics_are_remapped(bag: Path, run: Run, heard: Heard) -> None:
 
 
 def test_loop_ends_without_a_page(bag: Path, run: Run, heard: Heard) -> None:
-    said = run("play five --loop -r 2")
+    output = run("play five --loop -r 2")
     assert texts(heard) == "012345" * 2
-    assert said.endswith("No page is watching: ros2 bag play stopped after 5 s of robot time.\n")
+    assert output.endswith("No page is watching: ros2 bag play stopped after 5 s of robot time.\n")
 
 
 def test_latched_topics_are_played_latched(bag: Path, graph: Graph, run: Run) -> None:
-    seen: list[Any] = []
+    observed: list[Any] = []
     node = Node("watch")
-    node.create_timer(2.0, lambda: seen.extend(node.get_publishers_info_by_topic("/b")) if not seen else None)
+    node.create_timer(
+        2.0, lambda: observed.extend(node.get_publishers_info_by_topic("/b")) if not observed else None
+    )
     running_nodes().append(node)
     run("play five")
-    (info,) = seen
+    (info,) = observed
     assert isinstance(info.qos_profile, QoSProfile)
     assert (info.node_name, info.qos_profile.durability.name) == ("rosbag2_player", "TRANSIENT_LOCAL")
     assert "rosbag2_player" not in {node.name for node in graph.nodes()}

@@ -84,7 +84,7 @@ def test_invalid_arguments_are_rejected_with_the_text_of_ros2(
 def test_interrupt_ends_the_recording_and_keeps_it(
     talker: Node, graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    source, written, wait = GraphSource(graph), list[str](), GraphSource.wait
+    source, output, wait = GraphSource(graph), list[str](), GraphSource.wait
 
     def interrupted(self: GraphSource, ready: Callable[[], bool], seconds: float | None) -> bool:
         if graph.now_ns > START_NS + 2 * 10**9:
@@ -92,9 +92,9 @@ def test_interrupt_ends_the_recording_and_keeps_it(
         return wait(self, ready, seconds)
 
     monkeypatch.setattr(GraphSource, "wait", interrupted)
-    ros2(["bag", "record", "-a", "-o", "kept"], source, written.append)
+    ros2(["bag", "record", "-a", "-o", "kept"], source, output.append)
     assert counts("kept")["/chatter"] == 4
-    assert written[-1].endswith("[rosbag2_recorder]: Recording stopped\n")
+    assert output[-1].endswith("[rosbag2_recorder]: Recording stopped\n")
 
 
 def test_latched_messages_are_recorded_at_the_start_of_the_bag(graph: Graph, run: Run) -> None:

@@ -87,9 +87,9 @@ def test_rates_and_delays_agree_with_the_command_line(graph: Graph) -> None:
         for verb, number in (("hz", row.rate), ("delay", row.latency)):
             if number is None:
                 continue
-            written: list[str] = []
-            ros2(["topic", verb, row.topic], GraphSource(graph), written.append)
-            said = re.findall(r"average (?:rate|delay): ([\d.]+)", "".join(written))
+            output: list[str] = []
+            ros2(["topic", verb, row.topic], GraphSource(graph), output.append)
+            said = re.findall(r"average (?:rate|delay): ([\d.]+)", "".join(output))
             assert float(said[-1]) == pytest.approx(number, rel=0.01)
 
 

@@ -54,9 +54,9 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
         monkeypatch.delenv(variable, raising=False)
 
     def run(line: str) -> str:
-        written: list[str] = []
-        ros2(["pkg", *line.split()], RecordingSource(Recording(())), written.append)
-        return "".join(written)
+        output: list[str] = []
+        ros2(["pkg", *line.split()], RecordingSource(Recording(())), output.append)
+        return "".join(output)
 
     return run
 
@@ -76,9 +76,9 @@ def test_each_step_has_the_output_of_ros2cli(made: str, tmp_path: Path) -> None:
 
 
 def test_created_package_is_listed_with_its_executable(made: str, run: Run, tmp_path: Path) -> None:
-    found = find_package("my_pkg")
-    assert found is not None
-    assert found.executables == {"talker": ("my_pkg.talker", "main")}
+    package = find_package("my_pkg")
+    assert package is not None
+    assert package.executables == {"talker": ("my_pkg.talker", "main")}
     manifest = ElementTree.parse(tmp_path / "my_pkg/package.xml").getroot()
     assert [element.text for element in manifest.findall("depend")] == ["rclpy", "sensor_msgs"]
     assert run("executables my_pkg") == "my_pkg talker\n"
@@ -91,9 +91,9 @@ def test_created_package_is_listed_with_its_executable(made: str, run: Run, tmp_
 
 
 def test_unknown_license_causes_a_warning(run: Run) -> None:
-    said = run("create --build-type ament_python my_pkg")
-    assert "\n[WARNING]: Unknown license 'TODO: License declaration'.  This has been set in the" in said
-    assert said.endswith("license identifiers:\n" + run("create x --license ?").split("\n", 1)[1])
+    output = run("create --build-type ament_python my_pkg")
+    assert "\n[WARNING]: Unknown license 'TODO: License declaration'.  This has been set in the" in output
+    assert output.endswith("license identifiers:\n" + run("create x --license ?").split("\n", 1)[1])
 
 
 @pytest.mark.parametrize(

@@ -32,13 +32,13 @@ def test_cursor_shows_the_last_message_before_it(view: BagView) -> None:
 
 
 def test_playing_publishes_each_message_once_with_its_topic(view: BagView, graph: Graph) -> None:
-    heard: list[JointState] = []
+    messages: list[JointState] = []
     node = Node("listener")
-    node.create_subscription(JointState, "/arm/joint_states", heard.append, 50)
+    node.create_subscription(JointState, "/arm/joint_states", messages.append, 50)
     for seconds in (0.3, 0.7, view.controls["Time [s]"].max):
         view.play_to(seconds)
     spin_for(0.1, node)
-    assert len(heard) == 20
+    assert len(messages) == 20
     view.stop()
     assert [n.name for n in graph.nodes()] == ["listener"]
 

@@ -32,7 +32,7 @@ def test_plot_paths_are_resolved_to_numeric_fields() -> None:
 
 
 @pytest.mark.parametrize(
-    ("path", "said"),
+    ("path", "message"),
     [
         (
             "/arm/joint_stats/position[0]",
@@ -48,8 +48,8 @@ def test_plot_paths_are_resolved_to_numeric_fields() -> None:
         ("/on/data/x", "a number has no field 'x'"),
     ],
 )
-def test_invalid_path_is_explained(path: str, said: str) -> None:
-    with pytest.raises(CourseError, match=said):
+def test_invalid_path_is_explained(path: str, message: str) -> None:
+    with pytest.raises(CourseError, match=message):
         parse(path, TOPICS)
 
 

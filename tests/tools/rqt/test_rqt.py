@@ -79,14 +79,14 @@ def test_subscribing_views_without_a_page_run_for_some_seconds(
 
 def test_view_without_a_page_receives_messages_until_its_cell_ends(show: Show, arm: Node) -> None:
     logger = arm.get_logger()
-    shown = show("console", then=lambda: logger.info("in this cell"))
-    assert "Displaying 1 of 1 messages" in shown
-    assert "in this cell" in shown
+    output = show("console", then=lambda: logger.info("in this cell"))
+    assert "Displaying 1 of 1 messages" in output
+    assert "in this cell" in output
     assert "in this cell" not in show("console", then=lambda: logger.info("in the next"))
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         ("grap", "rqt has no view 'grap' here, but graph, plot, "),
         ("", "Write %rqt graph | plot"),
@@ -97,10 +97,10 @@ def test_view_without_a_page_receives_messages_until_its_cell_ends(show: Show, a
         ("robot_steering", "%ros2 run teleop_twist_keyboard"),
     ],
 )
-def test_invalid_argument_is_explained(show: Show, words: str, said: str) -> None:
+def test_invalid_argument_is_explained(show: Show, words: str, message: str) -> None:
     with pytest.raises(CourseError) as error:
         show(*words.split())
-    assert said in str(error.value)
+    assert message in str(error.value)
 
 
 @pytest.mark.parametrize("topic", ["/rosout", "/parameter_events", "/diagnostics"])

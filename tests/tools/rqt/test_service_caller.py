@@ -36,16 +36,16 @@ def test_response_is_shown(view: ServiceCallerView) -> None:
 
 
 @pytest.mark.parametrize(
-    ("request_", "said"),
+    ("request_", "message"),
     [
         ("c: 1", "object has no attribute &#x27;c&#x27;"),
         ("a: [", "is not YAML"),
         ("a: {b: 1}", "Failed to populate field"),
     ],
 )
-def test_invalid_request_is_explained(view: ServiceCallerView, request_: str, said: str) -> None:
+def test_invalid_request_is_explained(view: ServiceCallerView, request_: str, message: str) -> None:
     assert "No response" in call(view, request_)
-    assert said in view.notice.value
+    assert message in view.notice.value
 
 
 def test_missing_response_is_an_error(view: ServiceCallerView) -> None:

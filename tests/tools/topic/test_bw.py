@@ -28,10 +28,10 @@ def test_sizes_are_serialized_message_sizes(run: Run, talker: Node) -> None:
 def test_recording_output_begins_with_the_header() -> None:
     cdr = serialize(String(data="hello 1"))
     samples = tuple(Sample(10**18 + i * 10**8, "/a", "std_msgs/msg/String", cdr, Qos(), 1) for i in range(11))
-    written: list[str] = []
-    ros2(["topic", "bw", "/a"], RecordingSource(Recording(samples)), written.append)
+    output: list[str] = []
+    ros2(["topic", "bw", "/a"], RecordingSource(Recording(samples)), output.append)
     size = f"{len(cdr)} B"
-    assert "".join(written) == (
+    assert "".join(output) == (
         f"Subscribed to [/a]\n{len(cdr) * 11} B/s from 11 messages\n"
         f"\tMessage size mean: {size} min: {size} max: {size}\n"
     )

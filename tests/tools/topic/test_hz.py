@@ -40,10 +40,10 @@ def test_statistics_agree_with_numpy(gaps: list[int]) -> None:
     cdr = serialize(message_class(STRING)())
     stamps = np.cumsum([10**18, *gaps])
     samples = tuple(Sample(int(stamp), "/a", STRING, cdr, Qos(), 1) for stamp in stamps)
-    written: list[str] = []
-    ros2(["topic", "hz", "/a"], RecordingSource(Recording(samples)), written.append)
+    output: list[str] = []
+    ros2(["topic", "hz", "/a"], RecordingSource(Recording(samples)), output.append)
     seconds = np.array(gaps) * 1e-9
-    assert written == [
+    assert output == [
         f"average rate: {1 / seconds.mean():.3f}\n\tmin: {seconds.min():.3f}s max: {seconds.max():.3f}s "
         f"std dev: {seconds.std():.5f}s window: {len(gaps)}\n"
     ]

@@ -13,24 +13,24 @@ Run = Callable[[str], str]
 
 
 def heard_by(node: Node, kind: type, topic: str) -> list[Any]:
-    heard: list[Any] = []
-    node.create_subscription(kind, topic, heard.append, 10)
-    return heard
+    messages: list[Any] = []
+    node.create_subscription(kind, topic, messages.append, 10)
+    return messages
 
 
 def test_once_publishes_one_message_with_the_output_of_ros2cli(run: Run, graph: Graph, talker: Node) -> None:
-    heard = heard_by(talker, String, "ear")
+    received = heard_by(talker, String, "ear")
     assert run("topic pub --once /ear std_msgs/msg/String {data: hi}") == (
         "publisher: beginning loop\npublishing #1: std_msgs.msg.String(data='hi')\n\n"
     )
-    assert heard == [String(data="hi")]
+    assert received == [String(data="hi")]
     assert [node.name for node in graph.nodes()] == ["talker"]
 
 
 def test_times_rate_and_print_options_take_effect(run: Run, graph: Graph, talker: Node) -> None:
-    heard, start_ns = heard_by(talker, String, "ear"), graph.now_ns
+    received, start_ns = heard_by(talker, String, "ear"), graph.now_ns
     text = run("topic pub -t 5 -r 4 -p 2 /ear std_msgs/String {data: hi}")
-    assert len(heard) == 5
+    assert len(received) == 5
     assert [line.split(":")[0] for line in text.splitlines() if line] == [
         "publisher", "publishing #2", "publishing #4",
     ]  # fmt: skip
@@ -44,12 +44,16 @@ def test_pub_without_a_page_stops_with_a_notice(run: Run, talker: Node) -> None:
 
 
 def test_now_and_auto_are_the_publishing_time_of_each_message(run: Run, talker: Node) -> None:
-    heard = heard_by(talker, PoseStamped, "goal")
+    received = heard_by(talker, PoseStamped, "goal")
     run("topic pub -t 2 /goal geometry_msgs/msg/PoseStamped {header: auto, pose: {position: {x: 1}}}")
     run("topic pub --once /goal geometry_msgs/msg/PoseStamped {header: {stamp: now, frame_id: map}}")
-    seconds = [one.header.stamp.sec + one.header.stamp.nanosec * 1e-9 - 1.7e9 for one in heard]
+    seconds = [one.header.stamp.sec + one.header.stamp.nanosec * 1e-9 - 1.7e9 for one in received]
     assert seconds == pytest.approx([0.0, 1.0, 1.1])
-    assert [heard[0].pose.position.x, heard[0].pose.orientation.w, heard[2].header.frame_id] == [1, 1, "map"]
+    assert [received[0].pose.position.x, received[0].pose.orientation.w, received[2].header.frame_id] == [
+        1,
+        1,
+        "map",
+    ]
 
 
 def test_pub_waits_for_the_requested_number_of_subscriptions(run: Run, talker: Node) -> None:

@@ -69,18 +69,21 @@ def test_restarted_simulation_is_reported(run: Run, simulator: list[float], talk
 def test_recording_is_measured_in_its_clock_time(graph: Graph, simulator: list[float]) -> None:
     with record(graph) as recorder:
         spin_for(3.0)
-    written: list[str] = []
-    ros2(["topic", "hz", "/chatter", "-s"], RecordingSource(recorder.recording()), written.append)
-    assert written[-1].startswith("average rate: 5.")
+    output: list[str] = []
+    ros2(["topic", "hz", "/chatter", "-s"], RecordingSource(recorder.recording()), output.append)
+    assert output[-1].startswith("average rate: 5.")
 
 
 def test_messages_are_published_and_stamped_in_clock_time(
     run: Run, simulator: list[float], talker: Node
 ) -> None:
-    heard: list[float] = []
+    received: list[float] = []
     talker.create_subscription(
-        PointStamped, "/goal", lambda m: heard.append(m.header.stamp.sec + m.header.stamp.nanosec * 1e-9), 10
+        PointStamped,
+        "/goal",
+        lambda m: received.append(m.header.stamp.sec + m.header.stamp.nanosec * 1e-9),
+        10,
     )
     spin_for(0.5)
     run("topic pub -s -r 1 --times 3 /goal geometry_msgs/msg/PointStamped {header: auto}")
-    assert [round(b - a, 3) for a, b in pairwise(heard)] == [1.0, 1.0]
+    assert [round(b - a, 3) for a, b in pairwise(received)] == [1.0, 1.0]

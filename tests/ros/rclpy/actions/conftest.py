@@ -16,7 +16,7 @@ from tests.ros.rclpy.actions.fibonacci import Drive
 
 
 @pytest.fixture
-def server_node(begun: Graph) -> Node:
+def server_node(started_graph: Graph) -> Node:
     return Node("server")
 
 

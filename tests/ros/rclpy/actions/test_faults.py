@@ -54,19 +54,19 @@ def test_exception_in_a_callback_aborts_the_goal_and_is_logged(
 def test_invalid_goal_transition_raises_the_error_text_of_rcl(
     server_node: Node, client: ActionClient, until_done: Drive
 ) -> None:
-    said: list[str] = []
+    errors: list[str] = []
 
     def end_wrongly(goal: ServerGoalHandle) -> Fibonacci.Result:
         try:
             goal.canceled()
         except RCLError as error:
-            said.append(str(error))
+            errors.append(str(error))
         goal.abort()
         return Fibonacci.Result()
 
     ActionServer(server_node, Fibonacci, "fibonacci", end_wrongly)
     assert until_done(send(client, until_done).get_result_async()).status == GoalStatus.STATUS_ABORTED
-    assert said == [
+    assert errors == [
         "Failed to update goal state: goal_handle attempted invalid transition from state EXECUTING "
         "with event CANCELED"
     ]

@@ -18,19 +18,19 @@ from tests.ros.rclpy.actions.fibonacci import SECOND, Drive, count, later, send
 
 
 def test_goal_is_accepted_executed_and_its_result_returned(
-    begun: Graph, server_node: Node, client: ActionClient, until_done: Drive
+    started_graph: Graph, server_node: Node, client: ActionClient, until_done: Drive
 ) -> None:
     ActionServer(server_node, Fibonacci, "fibonacci", count)
     assert client.wait_for_server(timeout_sec=1.0)
-    heard: list[Any] = []
-    handle = send(client, until_done, feedback_callback=heard.append)
+    calls: list[Any] = []
+    handle = send(client, until_done, feedback_callback=calls.append)
     assert handle.accepted
-    start_ns = begun.now_ns
+    start_ns = started_graph.now_ns
     answer = until_done(handle.get_result_async())
     assert (answer.status, list(answer.result.sequence)) == (GoalStatus.STATUS_SUCCEEDED, [0, 1, 1, 2])
-    assert [list(message.feedback.sequence) for message in heard] == [[0, 1, 1], [0, 1, 1, 2]]
-    assert heard[0].goal_id == handle.goal_id
-    assert round((begun.now_ns - start_ns) / SECOND, 1) == 2.0
+    assert [list(message.feedback.sequence) for message in calls] == [[0, 1, 1], [0, 1, 1, 2]]
+    assert calls[0].goal_id == handle.goal_id
+    assert round((started_graph.now_ns - start_ns) / SECOND, 1) == 2.0
     until_done(later(server_node))  # as in rclpy, a result is handled before a simultaneous state
     assert handle.status == GoalStatus.STATUS_SUCCEEDED
 
@@ -70,11 +70,13 @@ def test_send_goal_waits_while_another_thread_spins(
     executor.shutdown()
 
 
-def test_wait_for_server_without_a_server_returns_at_its_timeout(begun: Graph, client: ActionClient) -> None:
+def test_wait_for_server_without_a_server_returns_at_its_timeout(
+    started_graph: Graph, client: ActionClient
+) -> None:
     assert not client.server_is_ready()
-    start_ns = begun.now_ns
+    start_ns = started_graph.now_ns
     assert not client.wait_for_server(timeout_sec=0.5)
-    assert begun.now_ns - start_ns == SECOND // 2
+    assert started_graph.now_ns - start_ns == SECOND // 2
 
 
 def test_result_expires_after_the_result_timeout(
@@ -99,14 +101,14 @@ def test_goal_with_a_duplicate_id_is_rejected(
 
 
 def test_action_feedback_is_recorded_and_read_back_from_a_bag(
-    begun: Graph, server_node: Node, client: ActionClient, until_done: Drive, tmp_path: Path
+    started_graph: Graph, server_node: Node, client: ActionClient, until_done: Drive, tmp_path: Path
 ) -> None:
-    recorder = record(begun)
+    recorder = record(started_graph)
     ActionServer(server_node, Fibonacci, "fibonacci", count)
     until_done(send(client, until_done).get_result_async())
     write_bag(recorder.recording(), tmp_path / "bag")
-    read = read_bag(tmp_path / "bag")
-    feedback: list[Any] = [message for _, message in read.messages("/fibonacci/_action/feedback")]
+    recording = read_bag(tmp_path / "bag")
+    feedback: list[Any] = [message for _, message in recording.messages("/fibonacci/_action/feedback")]
     assert [list(message.feedback.sequence) for message in feedback] == [[0, 1, 1], [0, 1, 1, 2]]
 
 
