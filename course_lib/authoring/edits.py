@@ -391,7 +391,7 @@ ENDS = (ast.Return, ast.Raise, ast.Break, ast.Continue)
 # Kinds of mistake that count as a crash.
 LAUNCH_ERRORS = {"ros2 launch ends with an error", "a node of the launch file ends with an error"}
 # Maximum number of characters that a message shows of a deleted statement.
-SHOWN = 60
+EXCERPT_LENGTH = 60
 
 
 @dataclass(frozen=True)
@@ -691,7 +691,7 @@ def _parts(source: str, tree: ast.AST) -> Iterator[_Part]:
             for decorator in getattr(node, "decorator_list", ()):
                 first = min(first, offset(decorator.lineno, decorator.col_offset) - 1)
             text = " ".join(source[first:last].split())
-            shown = text if len(text) <= SHOWN else f"{text[:SHOWN]}…"
+            shown = text if len(text) <= EXCERPT_LENGTH else f"{text[:EXCERPT_LENGTH]}…"
             yield _Part(repr(shown), first, last, "pass", frozenset(_assigned_attributes(node)))
         elif isinstance(node, ast.Constant | ast.JoinedStr):
             yield from _parts_in_string(source[first:last], first)

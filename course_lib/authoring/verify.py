@@ -363,7 +363,7 @@ def _reason(path: Path, output: str, code: int) -> str:
 
 
 # Placeholder in the templates.
-LEFT = "REPLACE"
+PLACEHOLDER = "REPLACE"
 # The row of notebooks that do not belong to a week, and the aspects that are checked for it.
 EXTRAS = "extras"
 OF_EXTRAS = {"lesson", "quiz", "wrong"}
@@ -580,8 +580,8 @@ def _count_placeholders(week: str, course: Course) -> dict[str, int]:
     for path in files:
         text = path.read_text(encoding="utf-8", errors="replace")
         cells, _, metadata = text.rpartition('\n "metadata": {')
-        counts[f"{path}, in its metadata"] = metadata.count(LEFT) if cells else 0
-        counts[str(path)] = (cells or metadata).count(LEFT)
+        counts[f"{path}, in its metadata"] = metadata.count(PLACEHOLDER) if cells else 0
+        counts[str(path)] = (cells or metadata).count(PLACEHOLDER)
         counts[f"{path}, its picture, which is the template's"] = text.count(template_picture())
     unchanged = (path for path in unchanged_files(week, course) if not counts[str(path)])
     counts |= {f"{path}, which is the template's": 1 for path in unchanged}
@@ -595,7 +595,7 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
     output = [flaw.replace(top, "") for flaw in flaws]
     output += _open_question_lines(reports)
     output += [
-        f"{place}: {count} {LEFT}".replace(top, "")
+        f"{place}: {count} {PLACEHOLDER}".replace(top, "")
         for r in reports
         for place, count in r.placeholders.items()
     ]
@@ -613,7 +613,7 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
 
 def _open_question_lines(reports: Iterable[WeekReport]) -> list[str]:
     return [
-        f"{r.week}: {format_count(r.replace, 'place')} of the template left, look for {LEFT}"
+        f"{r.week}: {format_count(r.replace, 'place')} of the template left, look for {PLACEHOLDER}"
         for r in reports
         if r.replace
     ]

@@ -268,7 +268,7 @@ class CloudDisplay(TopicDisplay):
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
-        self._new: list[Cloud] = []
+        self._new_clouds: list[Cloud] = []
         self._displayed: list[DisplayedCloud] = []
         self._stale = False
         self._number = 0
@@ -281,7 +281,7 @@ class CloudDisplay(TopicDisplay):
     def reset(self) -> None:
         """Discard all clouds."""
         super().reset()
-        self._new, self._displayed = [], []
+        self._new_clouds, self._displayed = [], []
 
     def keep(self, cloud: Cloud) -> None:
         """Keep a cloud for the next frame, if RViz can draw it."""
@@ -291,7 +291,7 @@ class CloudDisplay(TopicDisplay):
             self.statuses.set("error", "Message", "No position transformer available for cloud")
             return
         self._values["Position Transformer"] = "XYZ"
-        self._new.append(cloud)
+        self._new_clouds.append(cloud)
 
     def update(self) -> None:
         """Draw new clouds and remove expired ones."""
@@ -300,13 +300,13 @@ class CloudDisplay(TopicDisplay):
             for displayed in self._displayed:
                 self._draw(displayed)
         self._stale = False
-        if self._new or self["Decay Time"] > 0:
+        if self._new_clouds or self["Decay Time"] > 0:
             while self._displayed and self._is_old(self._displayed[0].cloud):
                 self.context.scene.delete(self._displayed.pop(0).path)
-        for cloud in self._new:
-            if cloud is self._new[-1] or not self._is_old(cloud):
+        for cloud in self._new_clouds:
+            if cloud is self._new_clouds[-1] or not self._is_old(cloud):
                 self._show(cloud)
-        self._new = []
+        self._new_clouds = []
         count = sum(len(displayed.cloud.positions) for displayed in self._displayed)
         text = f"Showing [{count}] points from [{len(self._displayed)}] messages"
         self.statuses.set("ok", "Points", text)
@@ -569,13 +569,13 @@ class RelativeHumidityDisplay(ScalarDisplay):
 _SHADOW = 0.01
 # Encodings in [mm], in which 0 is unknown. 32FC1 is in [m], where a value that is not finite is
 # unknown.
-_WHOLE = ("16UC1", "mono16", "16SC1")
+_MILLIMETER_ENCODINGS = ("16UC1", "mono16", "16SC1")
 # Header of a compressedDepth image [B].
 _HEADER = 12
 _HINTS = {"Depth Map Topic": "Depth Map Transport Hint", "Color Image Topic": "Color Transport Hint"}
 _LISTENING = ("Depth Map", "Color Image", "Color Transport", "Reliability Policy", "Queue Size")
 # A larger camera motion, [m] and [rad], discards the hidden points.
-_FAR, _TURNED = 0.01, np.radians(0.5)
+_MAX_MOTION, _MAX_TURN = 0.01, np.radians(0.5)
 
 
 class DepthError(ValueError):
@@ -590,8 +590,8 @@ def depths(message: Any) -> Float32s:
     """
     if hasattr(message, "format"):
         values = _decode_depth_png(message)
-    elif message.encoding in (*_WHOLE, "32FC1"):
-        values = rows_of(message, "u2" if message.encoding in _WHOLE else "f4", 1)[..., 0]
+    elif message.encoding in (*_MILLIMETER_ENCODINGS, "32FC1"):
+        values = rows_of(message, "u2" if message.encoding in _MILLIMETER_ENCODINGS else "f4", 1)[..., 0]
     else:
         raise DepthError("Depth image has invalid format (only 16 bit and float are supported)!")
     if values.dtype.kind == "f":
@@ -654,7 +654,7 @@ class Shadows:
         self.shape = shape
         self._points = np.full((*shape, 3), np.nan, np.float32)
         self._rgb = np.zeros((*shape, 3), np.uint8)
-        self._seen = np.zeros(shape)  # [s]
+        self._seen_at = np.zeros(shape)  # [s]
 
     def with_hidden(
         self, points: Float32s, rgb: Pixels, now: float, timeout: float
@@ -667,11 +667,11 @@ class Shadows:
             now: Time in [s].
             timeout: Time for which hidden points are kept [s].
         """
-        self._points[self._seen < now - timeout] = np.nan
+        self._points[self._seen_at < now - timeout] = np.nan
         depth, before = points[..., 2], self._points[..., 2]
         hides = np.isnan(depth) | (depth < before - np.float32(_SHADOW))
         hidden_points, hidden_rgb = self._points[hides], self._rgb[hides]
-        self._points[~hides], self._rgb[~hides], self._seen[~hides] = points[~hides], rgb[~hides] // 2, now
+        self._points[~hides], self._rgb[~hides], self._seen_at[~hides] = points[~hides], rgb[~hides] // 2, now
         return (
             np.concatenate([points.reshape(-1, 3), hidden_points]),
             np.concatenate([rgb.reshape(-1, 3), hidden_rgb]),
@@ -836,4 +836,4 @@ class DepthCloudDisplay(CloudDisplay):
     def _has_moved(self, transform: Matrix) -> bool:
         turn = transform[:3, :3].T @ self._camera[:3, :3]
         angle = np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))
-        return bool(np.linalg.norm(transform[:3, 3] - self._camera[:3, 3]) > _FAR or angle > _TURNED)
+        return bool(np.linalg.norm(transform[:3, 3] - self._camera[:3, 3]) > _MAX_MOTION or angle > _MAX_TURN)

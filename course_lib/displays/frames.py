@@ -106,7 +106,7 @@ def nanoseconds(time: Any) -> int:
     return int(time.sec) * NS + int(time.nanosec)
 
 
-def placed(transform_frame_to_fixed: Matrix, pose: Any) -> Matrix:
+def pose_in_fixed_frame(transform_frame_to_fixed: Matrix, pose: Any) -> Matrix:
     """Return the transform from a Pose message in a frame to the fixed frame, shape (4, 4).
 
     A quaternion (x, y, z, w) without unit length is handled as in RViz2: KDL computes a matrix from

@@ -16,7 +16,7 @@ import numpy as np
 
 from course_lib.arrays import Floats, Matrix
 from course_lib.displays.display import Context, Display, Subscription, node_name
-from course_lib.displays.frames import NS, nanoseconds, placed, quaternion_of
+from course_lib.displays.frames import NS, nanoseconds, pose_in_fixed_frame, quaternion_of
 from course_lib.displays.interactive_motion import (
     BUTTON,
     FIXED,
@@ -89,10 +89,10 @@ class MarkerClient:
         self._state: Literal["idle", "asking", "running", "stopped"] = "idle"
         self._queue: deque[Message] = deque()
         # Number of the last update.
-        self._last: int | None = None
+        self._last_sequence: int | None = None
         self._response: Message = None
         # Number of requests.
-        self._asked = 0
+        self._request_count = 0
         self._requested_ns = 0
         self._set_status("ok", f"Connected on namespace: {namespace}")
         if context.node is not None:
@@ -107,14 +107,14 @@ class MarkerClient:
         """Queue an update. A wrong sequence number restarts the connection."""
         if update.type == _KEEP_ALIVE or self._state == "stopped":
             return
-        expected = update.seq_num if self._last is None else self._last + 1
+        expected = update.seq_num if self._last_sequence is None else self._last_sequence + 1
         if update.seq_num != expected and self._context.node is not None:
             self._restart()
             numbers = f"{expected} (expected) vs. {update.seq_num} (received)"
             self._set_status("warn", f"Update sequence number is out of order. {numbers}")
             return
         self._set_status("ok", f"Received update with sequence number {update.seq_num}")
-        self._last = update.seq_num
+        self._last_sequence = update.seq_num
         for marker in update.markers:
             complete(marker, self._transparent)
         self._queue.append(update)
@@ -152,21 +152,21 @@ class MarkerClient:
         self._statuses.set(level, LABEL, text)
 
     def _restart(self) -> None:
-        self._state, self._last, self._response = "idle", None, None
+        self._state, self._last_sequence, self._response = "idle", None, None
         # Responses to earlier requests are ignored.
-        self._asked += 1
+        self._request_count += 1
         self._queue.clear()
         self._actions.clear()
 
     def _request_markers(self) -> None:
         self._state, self._requested_ns = "asking", self._context.now_ns
-        self._asked += 1
-        number = self._asked
+        self._request_count += 1
+        number = self._request_count
         self._set_status("ok", "Sending request for interactive markers")
         self._statuses.hint(LABEL, _NOT_SPUN)
 
         def take(response: Message) -> None:
-            if number == self._asked:
+            if number == self._request_count:
                 with contained(self._statuses, "Response"):
                     for marker in response.markers:
                         complete(marker, self._transparent)
@@ -315,11 +315,11 @@ class SceneMarker:
         self._pressed_control: SceneControl | None = None
         self._drag: Drag | None = None
         # The reference and the camera of the last frame.
-        self._seen: tuple[Matrix | None, Camera] | None = None
+        self._last_view: tuple[Matrix | None, Camera] | None = None
         # Header and pose received during a drag.
         self._requested: tuple[Message, Message] | None = None
         # Control and point of the last menu.
-        self._asked: tuple[str, Floats | None] = ("", None)
+        self._menu_request: tuple[str, Floats | None] = ("", None)
 
     def show(self, message: Message) -> None:
         """Draw a message, replacing an earlier one."""
@@ -401,11 +401,11 @@ class SceneMarker:
 
     def ask(self, control: SceneControl, point: Floats | None) -> None:
         """Remember where the menu was opened."""
-        self._asked = control.message.name, point
+        self._menu_request = control.message.name, point
 
     def choose(self, entry: int) -> None:
         """Report the choice of a menu entry."""
-        name, point = self._asked
+        name, point = self._menu_request
         control = next((c for c in self.controls if c.message.name == name), self.controls[-1])
         self.report(MENU_SELECT, control, point, menu_entry_id=entry)
 
@@ -439,11 +439,11 @@ class SceneMarker:
         for number, part in enumerate(part for part in message.markers if part.type in DRAW):
             node = f"{path}/{number}"
             # A marker with a frame of its own stays where that frame is now.
-            pose = placed(np.eye(4), part.pose)
+            pose = pose_in_fixed_frame(np.eye(4), part.pose)
             if part.header.frame_id:
                 there = self._context.frames.transform(part.header.frame_id, nanoseconds(part.header.stamp))
                 above = self._reference @ control.drawn(self._pose, self._camera)
-                pose = inverse(above) @ (pose if there is None else placed(there, part.pose))
+                pose = inverse(above) @ (pose if there is None else pose_in_fixed_frame(there, part.pose))
             scene.set_transform(node, pose)
             for name, drawable in DRAW[part.type](part).drawables.items():
                 scene.set_object(f"{node}/{name}", drawable)
@@ -454,7 +454,7 @@ class SceneMarker:
         frames, stamp_ns = self._context.frames, nanoseconds(header.stamp)
         self._frame, self._locked = header.frame_id, not stamp_ns
         there = np.eye(4) if self._locked else frames.transform(header.frame_id, stamp_ns)
-        self._pose = placed(np.eye(4) if there is None else there, pose)
+        self._pose = pose_in_fixed_frame(np.eye(4) if there is None else there, pose)
         reference = self._reference_now()
         self._reference = np.eye(4) if reference is None else reference
 
@@ -468,7 +468,7 @@ class SceneMarker:
         """Place the reference frame, and its contents if it or the camera has changed."""
         scene, frames = self._context.scene, self._context.frames
         reference = self._reference_now()
-        before, self._seen = self._seen, (reference, scene.camera)
+        before, self._last_view = self._last_view, (reference, scene.camera)
         if not changed and before and before[0] is reference and before[1] is scene.camera:
             return
         if changed or before is None or (before[0] is None) != (reference is None):

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from course_lib.arrays import Floats, Matrix
-from course_lib.displays.frames import placed
+from course_lib.displays.frames import pose_in_fixed_frame
 from course_lib.ros.messages import message_class
 from course_lib.viewer.drawables import Camera
 
@@ -78,7 +78,7 @@ def title(marker: Message) -> Message:
 def rotation_of(quaternion: Message) -> Matrix:
     """Convert a geometry_msgs/msg/Quaternion to a rotation, shape (3, 3)."""
     pose = make("geometry_msgs/msg/Pose", orientation=quaternion)
-    return placed(np.eye(4), pose)[:3, :3]
+    return pose_in_fixed_frame(np.eye(4), pose)[:3, :3]
 
 
 def _normalize(quaternion: Message) -> None:

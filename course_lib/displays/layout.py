@@ -17,7 +17,7 @@ from course_lib.errors import CourseError
 _NULLS = ("", "~", "null", "Null", "NULL")
 _NULL = "tag:yaml.org,2002:null"
 # Limit on path components in a file with expanded aliases: 100,000 values ten levels deep.
-_MOST = 1_000_000
+_MAX_COMPONENTS = 1_000_000
 # The keys and indices that lead to an entry.
 _Place: TypeAlias = tuple[str | int, ...]
 
@@ -29,7 +29,7 @@ class Parsed:
     value: Any = None
     # Line and column of each entry, from 1.
     places: dict[_Place, tuple[int, int]] = field(default_factory=dict)
-    remaining: int = _MOST
+    remaining: int = _MAX_COMPONENTS
 
     def take(self, node: Any, path: _Place = ()) -> Any:
         """Convert a YAML node to plain values. Of duplicate keys, the last one is used.

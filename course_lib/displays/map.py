@@ -7,7 +7,7 @@ import numpy as np
 
 from course_lib.arrays import Bytes
 from course_lib.displays.display import INVALID, DrawnDisplay, Subscription, qos_of, qos_properties
-from course_lib.displays.frames import nanoseconds, placed
+from course_lib.displays.frames import nanoseconds, pose_in_fixed_frame
 from course_lib.displays.properties import Property, flag, integer, number, read_only, words
 from course_lib.displays.shapes import pose_numbers
 from course_lib.displays.statuses import Level
@@ -23,7 +23,7 @@ SCHEMES = tuple(_BINARY)
 _UPDATES = "Update Topic"
 _UPDATE = "map_msgs/msg/OccupancyGridUpdate"
 # Initial values of measured properties; the orientation is a quaternion (x, y, z, w).
-_MEASURED = {
+_INFO_VALUES = {
     "Resolution": 0.0, "Width": 0, "Height": 0,
     "Position": (0.0, 0.0, 0.0), "Orientation": (0.0, 0.0, 0.0, 1.0),
 }  # fmt: skip
@@ -65,7 +65,7 @@ class MapDisplay(DrawnDisplay):
         Property("Alpha", 0.7, number(0.0, 1.0)),
         Property("Color Scheme", "map", words(*SCHEMES)),
         Property("Draw Behind", False, flag),
-        *(Property(label, nothing, read_only) for label, nothing in _MEASURED.items()),
+        *(Property(label, nothing, read_only) for label, nothing in _INFO_VALUES.items()),
         Property("Use Timestamp", False, flag),
         Property("Binary representation", False, flag),
         Property("Binary threshold", 100, integer(0, 100)),
@@ -86,7 +86,7 @@ class MapDisplay(DrawnDisplay):
         """Discard the map."""
         super().reset()
         self._map = None
-        self._values |= _MEASURED
+        self._values |= _INFO_VALUES
         self.statuses.set("warn", "Message", "No map received")
 
     def make_subscriptions(self) -> tuple[Subscription, ...]:
@@ -113,7 +113,7 @@ class MapDisplay(DrawnDisplay):
         self._cells = np.array(message.data, np.int8).view(np.uint8).reshape(info.height, info.width)
         origin = tuple(pose_numbers([info.origin])[0].tolist())
         map_info = (float(info.resolution), info.width, info.height, origin[:3], origin[3:])
-        self._values |= dict(zip(_MEASURED, map_info, strict=True))
+        self._values |= dict(zip(_INFO_VALUES, map_info, strict=True))
         self._place()
         self.draw()
 
@@ -142,7 +142,7 @@ class MapDisplay(DrawnDisplay):
         node = f"{self.path}/drawn"
         self.context.scene.set_visible(node, transform is not None)
         if transform is not None:
-            self.context.scene.set_transform(node, placed(transform, self._map.info.origin))
+            self.context.scene.set_transform(node, pose_in_fixed_frame(transform, self._map.info.origin))
 
     def _take_update(self, update: Any) -> None:
         """Apply an update to a part of the map."""

@@ -23,7 +23,7 @@ from course_lib.displays.display import (
     node_name,
     topic_properties,
 )
-from course_lib.displays.frames import NS, is_unit, nanoseconds, placed
+from course_lib.displays.frames import NS, is_unit, nanoseconds, pose_in_fixed_frame
 from course_lib.displays.properties import Property, booleans
 from course_lib.displays.shapes import (
     ALONG_X,
@@ -543,7 +543,7 @@ class MarkerStore:
             self._statuses.set("error", label(marker), problem)
             return
         self._report_drawing(live)
-        pose = placed(transform, marker.pose)
+        pose = pose_in_fixed_frame(transform, marker.pose)
         if not marker.frame_locked:
             scene.set_transform(live.path, pose)
         elif first or not is_unit(marker.pose.orientation):

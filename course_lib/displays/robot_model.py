@@ -405,7 +405,7 @@ class RobotModelDisplay(TopicDisplay):
 
 
 Configuration: TypeAlias = Mapping[str, float] | npt.ArrayLike | None
-_SEEN = LinkSettings({"visual": True, "trail": False}, alpha=1.0)
+_STATIC_SETTINGS = LinkSettings({"visual": True, "trail": False}, alpha=1.0)
 
 
 def draw_still(scene: Scene, path: str, robot: Robot, configuration: Configuration) -> None:
@@ -426,7 +426,7 @@ def draw_still(scene: Scene, path: str, robot: Robot, configuration: Configurati
     for link in links_of(robot.urdf):
         drawn_link = DrawnLink(scene, f"{path}/{node_name(link.name)}", link, robot.path)
         drawn_link.place(poses[link.name])
-        drawn_link.show(_SEEN)
+        drawn_link.show(_STATIC_SETTINGS)
         if drawn_link.shapes.errors:
             raise CourseError(f"{robot.name!r} cannot be drawn: {'; '.join(drawn_link.shapes.errors)}")
 

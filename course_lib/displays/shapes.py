@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from course_lib.arrays import Floats, Matrix, Reals
-from course_lib.displays.frames import placed
+from course_lib.displays.frames import pose_in_fixed_frame
 from course_lib.displays.properties import Property, PropertyHolder, color, flag, number, words
 from course_lib.viewer.drawables import Drawable, Solids
 
@@ -225,7 +225,7 @@ def uncertain_pose(message: Any, transform_frame_to_fixed: Matrix) -> UncertainP
     """Convert a geometry_msgs/msg/PoseWithCovariance."""
     # The numbers are in Eigen's order.
     covariance = np.asarray(message.covariance, np.float64).reshape(6, 6).T
-    pose = placed(transform_frame_to_fixed, message.pose)
+    pose = pose_in_fixed_frame(transform_frame_to_fixed, message.pose)
     return UncertainPose(pose, transform_frame_to_fixed, covariance)
 
 

@@ -16,7 +16,7 @@ from transforms3d.axangles import axangle2mat
 from course_lib.arrays import Floats, Matrix
 from course_lib.displays.clouds import rainbow
 from course_lib.displays.display import INVALID, DrawnDisplay, Subscription, node_name
-from course_lib.displays.frames import is_unit, nanoseconds, placed
+from course_lib.displays.frames import is_unit, nanoseconds, pose_in_fixed_frame
 from course_lib.displays.properties import (
     Property,
     color,
@@ -74,7 +74,7 @@ class PoseDisplay(DrawnDisplay):
 
     def convert(self, message: Any, transform_frame_to_fixed: Matrix) -> Matrix:
         """Return the pose in the fixed frame, shape (4, 4)."""
-        return placed(transform_frame_to_fixed, message.pose)
+        return pose_in_fixed_frame(transform_frame_to_fixed, message.pose)
 
     def drawables(self) -> Mapping[str, Drawable]:
         """Return an arrow or axes at the pose."""

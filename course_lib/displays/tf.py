@@ -180,7 +180,7 @@ _STEPS = 48
 _ALL = "Frames/All Enabled"
 # Arrows up to this length [m] are not drawn.
 _SHORTEST = 0.001
-_MEASURED = ("Parent", "Position", "Orientation", "Relative Position", "Relative Orientation")
+_FRAME_VALUES = ("Parent", "Position", "Orientation", "Relative Position", "Relative Orientation")
 
 
 class Appearance(NamedTuple):
@@ -201,7 +201,7 @@ class DrawnFrame:
         self.nodes = {part: f"{path}/{part}/{node_name(frame)}" for part in PARTS}
         self._drawn_appearances: dict[str, Appearance] = {}
         self._visible_parts: dict[str, bool] = {}
-        self._placed: tuple[Matrix | None, Matrix | None] = (None, None)
+        self._last_transforms: tuple[Matrix | None, Matrix | None] = (None, None)
 
     def show(self, visible_parts: Mapping[str, bool], look: Appearance) -> None:
         """Show the requested parts, and hide the others."""
@@ -209,7 +209,7 @@ class DrawnFrame:
         for part in PARTS:
             if visible_parts[part] and self._drawn_appearances.get(part) != look:
                 self._drawn_appearances[part] = look
-                self._placed = (None, None)
+                self._last_transforms = (None, None)
                 self._draw(part, look)
             if part in self._drawn_appearances and self._visible_parts.get(part, True) != visible_parts[part]:
                 self._visible_parts[part] = visible_parts[part]
@@ -217,10 +217,10 @@ class DrawnFrame:
 
     def place(self, transform: Matrix, transform_parent: Matrix | None, scale: float) -> None:
         """Move the frame; both transforms are to the fixed frame."""
-        before, before_parent = self._placed
+        before, before_parent = self._last_transforms
         if before is transform and before_parent is transform_parent:
             return
-        self._placed = (transform, transform_parent)
+        self._last_transforms = (transform, transform_parent)
         for part in self._drawn_appearances.keys() - {"arrows"}:
             self._scene.set_transform(self.nodes[part], transform)
         if "arrows" in self._drawn_appearances and transform_parent is not None:
@@ -374,7 +374,7 @@ class TfDisplay(Display):
             return
         rows = (
             Property(f"{row}/{label}", partial(self._frame_value, name, label), read_only, (*names, label))
-            for label in _MEASURED
+            for label in _FRAME_VALUES
         )
         self.grow(Property(row, True, flag, names), *rows)
 

@@ -423,7 +423,7 @@ _SLOPE = tan(pi / 8)
 # and views beside the notebook may be a little narrower.
 _ASPECT = 1.0
 # The maximum fraction of the picture that the drawn objects fill.
-_FILLED = 0.85
+_FILLED_SHARE = 0.85
 # Half the side of the cube around the origin that is always in the picture, [m].
 _AROUND_ORIGIN = 0.5
 # Size of the drawn things, as a multiple of their distance to the origin, below which it is left
@@ -448,7 +448,7 @@ class Framing:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         # Paths of displays, and of what programs add themselves, that have drawn something.
-        self._drawn: set[str] = set()
+        self._known_paths: set[str] = set()
 
     def choose(self, view: Orbit, camera: Camera, references: set[str], *, is_opened: bool) -> bool:
         """Move a view if the rule requires it.
@@ -463,25 +463,25 @@ class Framing:
             Whether the view has changed.
         """
         with self._scene.lock:
-            is_first = not self._drawn
+            is_first = not self._known_paths
             new = [
                 node.path
                 for root in self._scene.node("").children.values()
                 for node in root.children.values()
-                if node.path not in self._drawn
+                if node.path not in self._known_paths
                 and node.path not in references
                 and any(inner.object is not None for inner in node.subtree())
             ]
-            self._drawn.update(new)
+            self._known_paths.update(new)
             if not new and (is_first or not is_opened):
                 return False
-            below = (self._scene.find(path) for path in self._drawn)
+            below = (self._scene.find(path) for path in self._known_paths)
             nodes = [inner for node in below if node is not None for inner in node.subtree()]
             visible_paths = [node.path for node in nodes if node.object and self._scene.visible(node.path)]
             bounds = bounds_of(self._scene, visible_paths)
         if bounds is None:
             # Only overlays were drawn before, so the next drawable is the first one with a position.
-            self._drawn.difference_update(new)
+            self._known_paths.difference_update(new)
             return False
         corners = _corners(_with_origin(bounds))
         if not is_first and _distance(
@@ -512,7 +512,7 @@ def _values(corners: Floats, view: Orbit) -> dict[str, Any]:
     """Return the properties with which an Orbit of the fixed frame shows all corners."""
     focus = np.round((corners.min(axis=0) + corners.max(axis=0)) / 2, 2)
     camera = Camera(tuple(focus + direction(view["Yaw"], view["Pitch"])), tuple(focus))
-    distance = _distance(corners, camera, focus, filled_share=_FILLED)
+    distance = _distance(corners, camera, focus, filled_share=_FILLED_SHARE)
     x, y, z = (focus + 0.0).tolist()
     return {"Distance": min(max(round(distance, 1), _NEAREST), _FARTHEST), "Focal Point": (x, y, z)}
 

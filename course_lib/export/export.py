@@ -29,7 +29,7 @@ from course_lib.export.module import (
     read_cells,
     statements,
 )
-from course_lib.ros.package_template import PackageText, check_package_name, filled, package_files
+from course_lib.ros.package_template import PackageText, check_package_name, fill_template, package_files
 from course_lib.ros.programs.packages import executables_of
 from course_lib.third_party import parse_python
 
@@ -173,7 +173,7 @@ def _file_texts(
         files[f"{package}/{module.name}.py"] = module.text()
     for module in started:
         names = {"package": package, "module": module.name, "name": module.class_name}
-        files[f"test/test_{module.name}.py"] = filled("test_node.py", **names)
+        files[f"test/test_{module.name}.py"] = fill_template("test_node.py", **names)
     return files | _launch_files(package, started, {_FOLDERS.get(one.suffix, ""): one.name for one in extra})
 
 
@@ -197,11 +197,13 @@ def _launch_files(package: str, modules: Sequence[NodeModule], given: dict[str, 
         }
         frame_counts = Counter(frame for module in modules for frame in frames(module.node))
         fixed_frame = frame_counts.most_common(1)[0][0] if frame_counts else "map"
-        files[f"rviz/{layout}"] = filled("layout.rviz", fixed_frame=fixed_frame, displays=displays_by_topic)
+        files[f"rviz/{layout}"] = fill_template(
+            "layout.rviz", fixed_frame=fixed_frame, displays=displays_by_topic
+        )
     if "launch" not in given:
         names = {"package": package, "parameters": config, "layout": layout}
         executables = [module.name for module in modules]
-        files[f"launch/{package}.launch.py"] = filled("launch.py", executables=executables, **names)
+        files[f"launch/{package}.launch.py"] = fill_template("launch.py", executables=executables, **names)
     return files
 
 

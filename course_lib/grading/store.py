@@ -20,7 +20,7 @@ from course_lib.grading.task import Catalog, load_catalog
 
 LOCK, MARKS_LOCK = ".lock", ".marks.lock"
 # Marks are not included: they have their own lock.
-KEPT = ("results", "evidence", "reports", "copies", "preflight")
+STORED_FOLDERS = ("results", "evidence", "reports", "copies", "preflight")
 TURN_SECONDS = 10.0  # [s] timeout; writing a file of marks takes milliseconds
 
 
@@ -193,7 +193,9 @@ def lock_folder(out: Path, waiting: Callable[[str], None] | None = None) -> Iter
             file.truncate(0)
             file.write(f"process {os.getpid()} on {platform.node()}")
             file.flush()
-            for draft in (path for folder in KEPT for path in (out / folder).rglob(".*") if path.is_file()):
+            for draft in (
+                path for folder in STORED_FOLDERS for path in (out / folder).rglob(".*") if path.is_file()
+            ):
                 # A grader that was killed can leave half-written files.
                 draft.unlink()
         yield

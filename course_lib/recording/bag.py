@@ -550,7 +550,7 @@ class _LiveBag:
         self, graph: Graph, folder: Path, chosen: Chosen, wanted: Wanted | None, stamp_samples: Stamped
     ) -> None:
         check_free(folder.absolute(), force=False)
-        self._folder, self._chosen, self._stamp_samples = folder, chosen, stamp_samples
+        self._folder, self._is_selected, self._stamp_samples = folder, chosen, stamp_samples
         # Whether a topic with a type is recorded.
         self._is_recorded = dict[tuple[str, str], bool]()
         self._problem: CourseError | None = None
@@ -587,7 +587,7 @@ class _LiveBag:
         name = sample.topic, sample.type_name
         try:
             if name not in self._is_recorded:
-                self._is_recorded[name] = self._chosen(*name)
+                self._is_recorded[name] = self._is_selected(*name)
                 if self._is_recorded[name]:
                     self._writer.add(*name, [sample.qos])
             if self._is_recorded[name]:

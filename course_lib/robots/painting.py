@@ -58,7 +58,7 @@ class Wall:
         """
         y, z = (np.arange(low + CELL / 2, high, CELL) for low, high in (self.y, self.z))
         painted = np.zeros((len(y), len(z)), bool)
-        for start, end in filter(len, (self._near(piece, reach) for piece in _pieces(stripes))):
+        for start, end in filter(len, (self._near(piece, reach) for piece in _segments(stripes))):
             low, high = np.minimum(start, end) - width / 2, np.maximum(start, end) + width / 2
             rows, columns = (slice(*np.searchsorted(c, (low[i], high[i]))) for i, c in enumerate((y, z)))
             cells = np.stack(np.meshgrid(y[rows], z[columns], indexing="ij"), axis=-1)
@@ -99,10 +99,10 @@ def flatness(stripes: Iterable[Points]) -> float:
     Args:
         stripes: The points of each stripe in map, shape (N, 3), [m].
     """
-    return float(np.ptp([piece[:, 0] for piece in _pieces(stripes)] or 0.0))
+    return float(np.ptp([piece[:, 0] for piece in _segments(stripes)] or 0.0))
 
 
-def _pieces(stripes: Iterable[Points]) -> Iterator[Floats]:
+def _segments(stripes: Iterable[Points]) -> Iterator[Floats]:
     """Yield the segments of stripes, shape (2, 3)."""
     for stripe in stripes:
         points = np.asarray(stripe, float)

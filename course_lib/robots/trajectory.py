@@ -310,7 +310,7 @@ class JointTrajectoryController(Node):
         self._joints = SimulatedJoints(parse_urdf(robot_description), start or {})
         super().__init__("arm_controller", **options)
         # Starts with the next update.
-        self._new: tuple[Time, Sequence[Waypoint]] | None = None
+        self._next_trajectory: tuple[Time, Sequence[Waypoint]] | None = None
         self._start_ns = self.get_clock().now().nanoseconds
         self._goal: TrajectoryGoal | None = None
         self._hold()
@@ -333,7 +333,7 @@ class JointTrajectoryController(Node):
         except CourseError as problem:
             self.get_logger().error(str(problem))
             return False
-        self._new = Time.from_msg(message.header.stamp), waypoints
+        self._next_trajectory = Time.from_msg(message.header.stamp), waypoints
         return True
 
     def _on_goal(self, goal: FollowJointTrajectory.Goal) -> GoalResponse:
@@ -356,8 +356,8 @@ class JointTrajectoryController(Node):
     def _update(self) -> None:
         now = self.get_clock().now()
         self._publish(now)
-        if self._new:
-            self._begin(*self._new, now)
+        if self._next_trajectory:
+            self._begin(*self._next_trajectory, now)
         seconds = (now.nanoseconds - self._start_ns) / 1e9
         if self._goal:
             self._update_goal(self._goal, now, seconds)
@@ -384,7 +384,7 @@ class JointTrajectoryController(Node):
 
     def _begin(self, start: Time, waypoints: Sequence[Waypoint], now: Time) -> None:
         """Follow waypoints from the current state. A start of 0 means now."""
-        self._start_ns, self._new = start.nanoseconds or now.nanoseconds, None
+        self._start_ns, self._next_trajectory = start.nanoseconds or now.nanoseconds, None
         zero_velocity: Floats = np.zeros_like(self._joints.positions)
         start_point = Waypoint(
             (now.nanoseconds - self._start_ns) / 1e9, np.vstack([self._state(), zero_velocity])

@@ -107,7 +107,7 @@ PATIENCE_NS = 10**9
 # Angular speed of the action [rad/s].
 TURN = 1.0
 # Tolerance of the action's goal [rad].
-NEAR = 0.02
+ANGLE_TOLERANCE = 0.02
 
 
 class Turtle:
@@ -239,7 +239,7 @@ class Turtle:
             return
         remaining_angle = _normalize_angle(_normalize_angle(goal.request.theta) - self.theta)
         goal.publish_feedback(RotateAbsolute.Feedback(remaining=remaining_angle))
-        if abs(remaining_angle) < NEAR:
+        if abs(remaining_angle) < ANGLE_TOLERANCE:
             say("Rotation goal completed successfully")
             self._end(ServerGoalHandle.succeed)
         else:
@@ -356,7 +356,7 @@ SPEED, KEY_TURN = 1.0, 0.4
 # Tolerances of position and heading [m, rad].
 ARRIVED, ALIGNED = 0.1, 0.01
 # Speed below which a turtle has stopped [m/s, rad/s].
-STILL = 0.0001
+MIN_SPEED = 0.0001
 # Factors of forward and turning speed.
 ARROWS = {"↑": (1.0, 0.0), "↓": (-1.0, 0.0), "←": (0.0, 1.0), "→": (0.0, -1.0)}
 # Headings in eighths of a turn. On a keyboard these keys are around F, which cancels.
@@ -398,7 +398,7 @@ class DrawSquare(Node):
             return
         goal = self._goal or self._aim(pose)
         is_near = abs(pose.x - goal.x) < ARRIVED and abs(pose.y - goal.y) < ARRIVED
-        if self._stops and pose.linear_velocity < STILL and pose.angular_velocity < STILL:
+        if self._stops and pose.linear_velocity < MIN_SPEED and pose.angular_velocity < MIN_SPEED:
             self.get_logger().info("Reached goal")
             self._stops, self._turns = False, not self._turns
             self._aim(pose)

@@ -3,7 +3,7 @@
 import sys
 
 # Number of equal lines in a row that are printed.
-SHOWN = 5
+SHOWN_LINES = 5
 
 
 def say(line: str) -> None:
@@ -45,31 +45,31 @@ class RepeatedLines:
     """
 
     def __init__(self) -> None:
-        self._last, self._times, self._reported = "", 0, 0
+        self._last_subject, self._times, self._reported = "", 0, 0
 
     def write(self, subject: str, line: str) -> None:
         """Write a line unless it repeats the previous lines.
 
         `subject` is the line without its time.
         """
-        if subject != self._last:
+        if subject != self._last_subject:
             self.end()
-            self._last = subject
+            self._last_subject = subject
         self._times += 1
-        if self._times <= SHOWN:
+        if self._times <= SHOWN_LINES:
             sys.stderr.write(f"{line}\n")
         elif str(self._times).strip("0") == "1":
             self._report()
 
     def end(self) -> None:
         """Print how often the last line was repeated, and reset the count."""
-        if self._times > SHOWN and self._reported != self._times:
+        if self._times > SHOWN_LINES and self._reported != self._times:
             self._report()
-        self._last, self._times, self._reported = "", 0, 0
+        self._last_subject, self._times, self._reported = "", 0, 0
 
     def _report(self) -> None:
         self._reported = self._times
-        sys.stderr.write(f"… repeated {self._times - SHOWN} times\n")
+        sys.stderr.write(f"… repeated {self._times - SHOWN_LINES} times\n")
 
 
 # One object for the process, because stderr belongs to the process.

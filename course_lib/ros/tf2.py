@@ -184,7 +184,7 @@ class TimeCache:
     def __init__(self, length_ns: int) -> None:
         self._length_ns = length_ns
         # Sorted by stamp; equal stamps are in the order of arrival.
-        self._stored: list[Transform] = []
+        self._transforms: list[Transform] = []
 
     def insert(self, transform: Transform) -> bool:
         """Store a transform.
@@ -192,7 +192,7 @@ class TimeCache:
         An exact copy is stored only once. Returns False if the transform is older than the cache's
         length.
         """
-        transforms = self._stored
+        transforms = self._transforms
         oldest_ns = transforms[-1].stamp_ns - self._length_ns if transforms else 0
         while transforms and transforms[0].stamp_ns < oldest_ns:
             del transforms[0]
@@ -211,7 +211,7 @@ class TimeCache:
         Raises:
             NoDataError: The time is outside of the stored range.
         """
-        transforms = self._stored
+        transforms = self._transforms
         if transforms and time_ns in (0, transforms[-1].stamp_ns):
             return transforms[-1]
         if transforms and time_ns == transforms[0].stamp_ns:
@@ -223,28 +223,28 @@ class TimeCache:
 
     def latest(self) -> Transform | None:
         """Return the newest transform, or None."""
-        return self._stored[-1] if self._stored else None
+        return self._transforms[-1] if self._transforms else None
 
     def span(self) -> tuple[int, int, int]:
         """Return the number of transforms, and the oldest and newest stamp [ns]; zeros if it is empty."""
-        transforms = self._stored
+        transforms = self._transforms
         return (len(transforms), transforms[0].stamp_ns, transforms[-1].stamp_ns) if transforms else (0, 0, 0)
 
     def _count_until(self, time_ns: int) -> int:
         """Return the number of transforms that are not newer than a time."""
-        return bisect_right(self._stored, time_ns, key=attrgetter("stamp_ns"))
+        return bisect_right(self._transforms, time_ns, key=attrgetter("stamp_ns"))
 
     def _check_time(self, time_ns: int) -> None:
         requested = seconds(time_ns)
-        if len(self._stored) < 2:
-            only = seconds(self._stored[0].stamp_ns if self._stored else 0)
+        if len(self._transforms) < 2:
+            only = seconds(self._transforms[0].stamp_ns if self._transforms else 0)
             raise NoDataError(
                 f"Lookup would require extrapolation at time {requested}, but only time {only} is "
                 "in the buffer"
             )
-        edges = ("future", "latest", self._stored[-1]), ("past", "earliest", self._stored[0])
-        direction, edge, nearest = edges[time_ns < self._stored[0].stamp_ns]
-        if not self._stored[0].stamp_ns < time_ns < self._stored[-1].stamp_ns:
+        edges = ("future", "latest", self._transforms[-1]), ("past", "earliest", self._transforms[0])
+        direction, edge, nearest = edges[time_ns < self._transforms[0].stamp_ns]
+        if not self._transforms[0].stamp_ns < time_ns < self._transforms[-1].stamp_ns:
             raise NoDataError(
                 f"Lookup would require extrapolation into the {direction}.  Requested time "
                 f"{requested} but the {edge} data is at time {seconds(nearest.stamp_ns)}"

@@ -23,7 +23,7 @@ OTHERS = (KIT, *sysconfig.get_paths().values())
 # Frames between an import and the module, which Python does not show either, and those of context managers.
 _HIDDEN = (KIT, "<frozen importlib", importlib.__file__, contextlib.__file__)
 # Number of frames at each end of a very long traceback.
-SHOWN = 6
+SHOWN_FRAMES = 6
 
 
 class _AbbreviatedStack(StackSummary):
@@ -31,12 +31,12 @@ class _AbbreviatedStack(StackSummary):
 
     def format(self, **kwargs: Any) -> list[str]:
         """Format the lines of a traceback. The arguments are the same as in later Python versions."""
-        hidden_count = len(self) - 2 * SHOWN
-        if hidden_count <= SHOWN:
+        hidden_count = len(self) - 2 * SHOWN_FRAMES
+        if hidden_count <= SHOWN_FRAMES:
             return super().format(**kwargs)
-        first, last = (StackSummary.from_list(part) for part in (self[:SHOWN], self[-SHOWN:]))
-        lines = {(frame.filename, frame.lineno) for frame in self[SHOWN:-SHOWN]}
-        repeated_text = " of the same lines" if len(lines) <= SHOWN else ""
+        first, last = (StackSummary.from_list(part) for part in (self[:SHOWN_FRAMES], self[-SHOWN_FRAMES:]))
+        lines = {(frame.filename, frame.lineno) for frame in self[SHOWN_FRAMES:-SHOWN_FRAMES]}
+        repeated_text = " of the same lines" if len(lines) <= SHOWN_FRAMES else ""
         return [
             *first.format(**kwargs),
             f"  … {hidden_count} more frames{repeated_text} …\n",
@@ -57,13 +57,13 @@ def hide_kit_frames(trace: TracebackType | None) -> tuple[TracebackType | None, 
         frames.append(step)
         step = step.tb_next
     own_frames = [frame for frame in frames if not frame.tb_frame.f_code.co_filename.startswith(_HIDDEN)]
-    hidden_count = len(own_frames) - 2 * SHOWN
-    if hidden_count > SHOWN:
-        own_frames = own_frames[:SHOWN] + own_frames[-SHOWN:]
+    hidden_count = len(own_frames) - 2 * SHOWN_FRAMES
+    if hidden_count > SHOWN_FRAMES:
+        own_frames = own_frames[:SHOWN_FRAMES] + own_frames[-SHOWN_FRAMES:]
     shortened: TracebackType | None = None
     for frame in reversed(own_frames):
         shortened = TracebackType(shortened, frame.tb_frame, frame.tb_lasti, frame.tb_lineno)
-    return shortened or trace, hidden_count if hidden_count > SHOWN else 0
+    return shortened or trace, hidden_count if hidden_count > SHOWN_FRAMES else 0
 
 
 def shorten_causes(error: BaseException) -> None:

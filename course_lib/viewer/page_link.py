@@ -204,7 +204,7 @@ class PageLink:
         self._changed = threading.Event()
         self._closed = False
         # Whether an exception interrupted a batch.
-        self._broken = False
+        self._is_broken = False
         self._text = ""
         self._stop = scene.listen(self._on_scene_change)
 
@@ -301,7 +301,7 @@ class PageLink:
             self._stale |= bool(self._changes or self._moved_paths)
             self._changes, self._moved_paths = {}, {}
             # Otherwise pages with a pending acknowledgement would count as disconnected.
-            if not self._broken:
+            if not self._is_broken:
                 self._changed.clear()
 
     def reset(self, page: str | None = None) -> None:
@@ -332,8 +332,8 @@ class PageLink:
                 is_sent = True
             finally:
                 # If a batch was interrupted, the thread sends the whole scene instead.
-                self._broken |= not is_sent
-                if self._broken:
+                self._is_broken |= not is_sent
+                if self._is_broken:
                     self._changed.set()
 
     def send_all(self) -> None:
@@ -423,8 +423,8 @@ class PageLink:
             elif not silence:
                 self._changed.clear()
                 try:
-                    if self._broken:
-                        self._broken = False
+                    if self._is_broken:
+                        self._is_broken = False
                         self.reset()
                         text = (
                             "An interrupt stopped a scene update halfway, so the whole scene was sent again."
@@ -433,7 +433,7 @@ class PageLink:
                     self.flush()
                 except Exception as error:
                     # A closed connection can raise any exception, and a page may reconnect.
-                    self._broken, self._stale = False, True
+                    self._is_broken, self._stale = False, True
                     self.disconnect()
                     text = f"The view is no longer connected to its scene: {error!r}"
                     print(text, file=sys.stderr)  # noqa: T201

@@ -221,9 +221,9 @@ def triangles_of(
     objects = scene.objects().items()
     for path, drawable in sorted(objects, key=lambda item: not getattr(item[1], "behind", False)):
         drawable = getattr(drawable, "stand_in", None) or drawable
-        if type(drawable) in _SEEN and scene.visible(path) and not f"{path}/".startswith(without):
+        if type(drawable) in _CONVERTERS and scene.visible(path) and not f"{path}/".startswith(without):
             transform = transform_scene_to_camera @ scene.world_transform(path)
-            triangles = _SEEN[type(drawable)](drawable, Viewpoint(transform, camera, height))
+            triangles = _CONVERTERS[type(drawable)](drawable, Viewpoint(transform, camera, height))
             is_near = (-triangles.corners[..., 2]).min(axis=1, initial=np.inf) <= camera.far
             yield triangles if is_near.all() else replace(triangles, corners=triangles.corners[is_near])
 
@@ -350,7 +350,7 @@ def _sheet(sheet: Sheet, view: Viewpoint) -> Triangles:
     return Triangles(square, blended, pixels, sheet.behind, _ON_SHEETS)
 
 
-_SEEN: dict[type[Drawable], Callable[[Any, Viewpoint], Triangles]] = {
+_CONVERTERS: dict[type[Drawable], Callable[[Any, Viewpoint], Triangles]] = {
     Solids: _solids,
     Mesh: _mesh,
     Lines: _lines,

@@ -12,7 +12,14 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.jail.launch import shared_template
 from course_lib.grading.jail.layers import descendants
 from course_lib.grading.run import submission_run
-from course_lib.grading.run.submission_run import MOST, OWN, CellLog, SubmissionRun, ThreadTimes, WaitingTime
+from course_lib.grading.run.submission_run import (
+    MAX_EXTENSION,
+    OWN_THREAD,
+    CellLog,
+    SubmissionRun,
+    ThreadTimes,
+    WaitingTime,
+)
 from course_lib.grading.task import Call, Scenario, Task
 from course_lib.ros.time import wall
 from tests.processes import Program
@@ -81,7 +88,7 @@ THREADS = [
     ({1: ThreadTimes(0, 0.01)}, 0.0),  # it sleeps
     ({1: ThreadTimes(5, 5), 2: ThreadTimes(5, 5)}, 0.0),  # each waits for the other one only
     ({1: ThreadTimes(2, 7), 2: ThreadTimes(1, 9)}, 7.0),
-    ({1: ThreadTimes(1, 4), OWN: ThreadTimes(1, 5)}, 9.0),  # the grader is starved, too
+    ({1: ThreadTimes(1, 4), OWN_THREAD: ThreadTimes(1, 5)}, 9.0),  # the grader is starved, too
     ({}, 0.0),  # the kernel does not count
 ]
 
@@ -108,4 +115,4 @@ def test_extension_of_the_time_limit_is_bounded(monkeypatch: pytest.MonkeyPatch)
     while now[0] < 10_000.0:
         now[0] += 10.0
         count.extend()
-    assert count.granted == MOST * 10.0
+    assert count.granted == MAX_EXTENSION * 10.0

@@ -6,9 +6,9 @@ import msgpack
 import pytest
 
 from course_lib.ros.graph.remote import (
+    MAX_BATCH,
     MAX_FRAME,
-    MOST,
-    MOST_QUEUED,
+    MAX_QUEUED,
     Channel,
     ChannelClosedError,
     ChannelError,
@@ -40,7 +40,7 @@ def test_queued_frames_are_flushed_before_they_use_much_memory(
     ends: tuple[Channel, socket.socket], size: int
 ) -> None:
     channel, other = ends[0], Channel(ends[1])
-    frames = [["frame", b"x" * size]] * min(MOST_QUEUED, MOST // size)
+    frames = [["frame", b"x" * size]] * min(MAX_QUEUED, MAX_BATCH // size)
     with ThreadPoolExecutor(1) as pool:
         came = pool.submit(lambda: [other.receive() for _ in frames])
         for frame in frames:

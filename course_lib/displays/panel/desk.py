@@ -443,7 +443,7 @@ class Desk:
     def __init__(self, session: RvizSession, link: PageLink, graph: Graph | None = None) -> None:
         self._session, self._link, self._graph = session, link, graph
         self._orders = OrderDesk(session)
-        self._sent: PanelState | None = None
+        self._sent_state: PanelState | None = None
         self._sent_rows: dict[str, PanelRow] = {}
         # Wall-clock time of the last message [s].
         self._posted = 0.0
@@ -466,7 +466,7 @@ class Desk:
         try:
             order = from_json(AnyOrder, content)
             if isinstance(order, OpenPanels):
-                self._sent, self._sent_rows = None, {}
+                self._sent_state, self._sent_rows = None, {}
             else:
                 self._orders.carry_out(order)
         except Exception as error:
@@ -480,7 +480,7 @@ class Desk:
 
     def _wake(self, _: Mapping[str, Any]) -> None:
         """Send changes to a page that was hidden; a page that has just been loaded sends an order first."""
-        if self._sent is not None:
+        if self._sent_state is not None:
             self.post()
 
     def refresh(self) -> None:
@@ -500,11 +500,11 @@ class Desk:
             state, rows = self.full_state()
             now = msgspec.structs.asdict(state)
             changed_fields = {
-                name: value for name, value in now.items() if value != getattr(self._sent, name, None)
+                name: value for name, value in now.items() if value != getattr(self._sent_state, name, None)
             }
             changed_rows = {key: row for key, row in rows.items() if row != self._sent_rows.get(key)}
             news = PanelNews(changed_fields, changed_rows, tuple(self._sent_rows.keys() - rows.keys()))
-            self._sent, self._sent_rows = state, rows
+            self._sent_state, self._sent_rows = state, rows
             if changed_fields or changed_rows or news.gone:
                 self._link.post({"type": "desk", **to_json(news)})
 

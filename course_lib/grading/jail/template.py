@@ -31,7 +31,7 @@ from course_lib.grading.jail.filters import (
     prctl,
     restrict_files,
 )
-from course_lib.grading.jail.launch import DEVICES, HOMES, Place, settle, works
+from course_lib.grading.jail.launch import DEVICES, HOMES, JailPlace, settle, works
 from course_lib.grading.jail.layers import EVERY, apply_limits, enter_namespaces, mount_files, stop_writing
 from course_lib.grading.run.outcome import Usage, wait_any_child
 from course_lib.grading.run.worker import Worker, warm_up
@@ -39,7 +39,7 @@ from course_lib.ros.graph.remote import Channel
 from course_lib.third_party import read_json
 
 
-def working_layers(place: Place, off: Collection[str]) -> list[str]:
+def working_layers(place: JailPlace, off: Collection[str]) -> list[str]:
     """Return the isolation layers that work here, except those in `off`.
 
     Each is tried in a forked process.
@@ -62,7 +62,7 @@ def working_layers(place: Place, off: Collection[str]) -> list[str]:
     return layers
 
 
-def enter_jail(place: Place, layers: Collection[str], limits: Limits) -> None:
+def enter_jail(place: JailPlace, layers: Collection[str], limits: Limits) -> None:
     """Enter the jail irrevocably. With namespaces, only a fork of this process returns from here.
 
     Raises:
@@ -90,7 +90,7 @@ def enter_jail(place: Place, layers: Collection[str], limits: Limits) -> None:
         filter_calls()
 
 
-def _enter_namespaces(place: Place, limits: Limits) -> None:
+def _enter_namespaces(place: JailPlace, limits: Limits) -> None:
     enter_namespaces()
     first = os.fork()
     if first:
@@ -98,11 +98,11 @@ def _enter_namespaces(place: Place, limits: Limits) -> None:
     mount_files(place.scratch, limits.scratch_megabytes)
 
 
-def _restrict_files(place: Place, folder: str) -> None:
+def _restrict_files(place: JailPlace, folder: str) -> None:
     restrict_files([*place.read, *DEVICES], [folder, os.devnull], place.listed)
 
 
-def _require_process_limit(place: Place, layers: Collection[str]) -> None:
+def _require_process_limit(place: JailPlace, layers: Collection[str]) -> None:
     """Raise OSError unless a limit on processes is effective."""
     enter_jail(place, {"namespaces"} & set(layers), Limits())
     resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
@@ -124,7 +124,7 @@ class Template:
         off: Layers to disable.
     """
 
-    def __init__(self, control: socket.socket, place: Place, off: Collection[str]) -> None:
+    def __init__(self, control: socket.socket, place: JailPlace, off: Collection[str]) -> None:
         self._control, self._place = control, place
         self._shell = warm_up()
         self._submission = 0  # process id of the submission's first process, or 0

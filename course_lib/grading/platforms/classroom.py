@@ -13,7 +13,13 @@ from course_lib.course.student_folder import content_hash
 from course_lib.errors import CourseError, format_count
 from course_lib.grading.check_file import check_file
 from course_lib.grading.reports.table import printable
-from course_lib.grading.submissions.collect import ANY, KEPT, PlatformTime, collect, write_receipts
+from course_lib.grading.submissions.collect import (
+    ACCEPTED_SUFFIXES,
+    ANY,
+    PlatformTime,
+    collect,
+    write_receipts,
+)
 from course_lib.grading.submissions.readers import FOLDERS
 from course_lib.grading.submissions.roster import ClassList, read_class_list
 
@@ -158,7 +164,7 @@ def _is_included(path: Path, exercises: set[str]) -> bool:
         return False
     if path.is_dir():
         return True
-    is_kept = path.suffix.lower() in KEPT and path.is_file()
+    is_kept = path.suffix.lower() in ACCEPTED_SUFFIXES and path.is_file()
     return path.name in exercises if path.suffix.lower() == ".ipynb" else is_kept
 
 

@@ -210,7 +210,7 @@ def run_in_this_process(
     stopped = ""
     with redirect_stdout(output), redirect_stderr(output), watchdog(wall_limit) as dog:
         try:
-            perform(stage.part, subject, stage.graph, outcome)
+            perform(stage.instructions, subject, stage.graph, outcome)
         except KeyboardInterrupt as interrupt:
             if not dog.has_fired:
                 raise

@@ -61,9 +61,9 @@ from course_lib.ros.graph.topics import OWN_TOPICS, SERVICE_HEADER, SERVICE_TOPI
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.time import wall
 
-MOST = 9.0  # maximum extension of a limit, as a multiple of it
-SHORTEST = 0.1  # [s] minimum extension of a limit
-OWN = 0  # placeholder for the id of the calling thread
+MAX_EXTENSION = 9.0  # maximum extension of a limit, as a multiple of it
+MIN_EXTENSION = 0.1  # [s] minimum extension of a limit
+OWN_THREAD = 0  # placeholder for the id of the calling thread
 
 
 @dataclass(frozen=True)
@@ -94,21 +94,21 @@ class WaitingTime:
 
     def begin(self, limit: float) -> None:
         """Restart the measurement, with a limit per step [s]."""
-        self.granted, self._max_bytes = 0.0, MOST * limit
-        self._since, self._before = wall.monotonic(), dict(_threads(self._top))
+        self.granted, self._max_bytes = 0.0, MAX_EXTENSION * limit
+        self._since, self._times_at_start = wall.monotonic(), dict(_threads(self._top))
 
     def extend(self) -> float:
         """Return the extension [s] of a limit that was just reached, or 0 if nothing waited."""
         # The extension is the longest waiting time of a thread, without times in which another one
         # ran.
-        spent = {n: one.after(self._before.get(n, ThreadTimes())) for n, one in _threads(self._top)}
-        own_wait = spent.pop(OWN, ThreadTimes()).waited
+        spent = {n: one.after(self._times_at_start.get(n, ThreadTimes())) for n, one in _threads(self._top)}
+        own_wait = spent.pop(OWN_THREAD, ThreadTimes()).waited
         ran = sum(one.ran for one in spent.values())
         longest = max((one.waited for one in spent.values()), default=0.0)
         more = (
             min(min(own_wait + longest, wall.monotonic() - self._since - ran), self._max_bytes) - self.granted
         )
-        if more < SHORTEST:
+        if more < MIN_EXTENSION:
             return 0.0
         self.granted += more
         return more
@@ -119,7 +119,7 @@ def _threads(top: int) -> Iterator[tuple[int, ThreadTimes]]:
     files = [Path("/proc/thread-self/schedstat")]
     files += [file for pid in descendants(top) for file in Path(f"/proc/{pid}/task").glob("*/schedstat")]
     for file in files:
-        number = int(file.parent.name) if file is not files[0] else OWN
+        number = int(file.parent.name) if file is not files[0] else OWN_THREAD
         # The system is not Linux, or the thread has just ended.
         with suppress(OSError, ValueError):
             ran, waited, _ = map(int, file.read_text().split())
@@ -291,7 +291,7 @@ class ScenarioGraph:
         for service in sorted(parameter_services):
             self._record_rejections(service)
         calls = [plain(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
-        self.part = Instructions(task.kind, scenario.seed, calls)
+        self.instructions = Instructions(task.kind, scenario.seed, calls)
 
     def evidence(self, outcome: Outcome, *, output: str = "", stopped: str = "") -> Evidence:
         """Return the evidence with the messages recorded so far."""
@@ -362,15 +362,15 @@ class ImageLimit:
 
     def __init__(self, most: float = ALL) -> None:
         self._max_bytes = most
-        self._used = Counter[str]()
-        self._kept = 0
+        self._bytes_by_topic = Counter[str]()
+        self._kept_bytes = 0
 
     def limit_size(self, sample: Sample) -> Sample:
         """Return the sample, without its pixels if they exceed the limit."""
         if sample.type_name not in PICTURES:
             return sample
-        self._used[sample.topic] += len(sample.cdr)
-        if self._used[sample.topic] > ROOM or self._kept + len(sample.cdr) > self._max_bytes:
+        self._bytes_by_topic[sample.topic] += len(sample.cdr)
+        if self._bytes_by_topic[sample.topic] > ROOM or self._kept_bytes + len(sample.cdr) > self._max_bytes:
             try:
                 if sample.type_name == POINT_CLOUD and _count_fields(sample.cdr) > MOST_FIELDS:
                     raise ValueError("a point cloud with far too many fields")
@@ -380,7 +380,7 @@ class ImageLimit:
                 return replace(sample, cdr=b"")
             message.data = []
             return replace(sample, cdr=serialize(message))
-        self._kept += len(sample.cdr)
+        self._kept_bytes += len(sample.cdr)
         return sample
 
 
@@ -557,7 +557,10 @@ class SubmissionRun:
 
     def _serve(self, worker: WorkerProcess, stage: ScenarioGraph, task: Task) -> tuple[Outcome, str]:
         """Run a scenario in the worker; return its outcome and the limit that ended it, or ""."""
-        seconds, part = min(self._limits.scenario_seconds, self._time_budget.remaining(task.id)), stage.part
+        seconds, part = (
+            min(self._limits.scenario_seconds, self._time_budget.remaining(task.id)),
+            stage.instructions,
+        )
         order = [task.id, task.name, part.kind, part.seed, part.calls]
         worker.waiting.begin(seconds)
         worker.allow(seconds)

@@ -56,7 +56,7 @@ from course_lib.grading.submissions.submission import lesson_of, read_packed_zip
 
 ANY = "*"  # pseudo exercise: all exercises that a student has worked on are collected
 WORKING = (".rviz", ".yaml", ".yml", ".py")
-KEPT = (".ipynb", ".zip", *WORKING)
+ACCEPTED_SUFFIXES = (".ipynb", ".zip", *WORKING)
 ADVICE = "Submit {}.ipynb, or the zip that `course submit` writes"
 MOST_NAMED = 3  # files per reason
 Kind = Literal["notebook", "working"]
@@ -136,10 +136,10 @@ def inspect_file(arrival: Arrival, handed: DownloadName) -> DownloadedFile:
         plain = re.sub(r"^\d{8}_?\d{6}_", "", name)
         item = _notebook(arrival, handed, arrival.data, plain)
         if item.problem and not name.lower().endswith(".ipynb") and not item.exercise:
-            raise CourseError(f"unsupported file type; expected one of {', '.join(KEPT)}")
+            raise CourseError(f"unsupported file type; expected one of {', '.join(ACCEPTED_SUFFIXES)}")
         return item
     if not name.lower().endswith(WORKING):
-        raise CourseError(f"unsupported file type; expected one of {', '.join(KEPT)}")
+        raise CourseError(f"unsupported file type; expected one of {', '.join(ACCEPTED_SUFFIXES)}")
     return DownloadedFile(arrival.parts, handed)
 
 
@@ -368,10 +368,10 @@ def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: Layout) -
         )
 
 
-__all__ = ["KEPT", "Collection", "PlatformTime", "collect", "write_list", "write_receipts"]
+__all__ = ["ACCEPTED_SUFFIXES", "Collection", "PlatformTime", "collect", "write_list", "write_receipts"]
 
 BAD_PATHS = (errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL, errno.EILSEQ)
-LATE = {True: "yes", False: "no", None: ""}
+LATE_TEXTS = {True: "yes", False: "no", None: ""}
 MAX_NAME = 100  # characters of a rejected file's name in received.csv
 STAMP_DEPTH = 2  # depth of nbgrader's stamp in a student's folder: ASSIGNMENT/timestamp.txt
 
@@ -787,7 +787,7 @@ def _row(handed: DownloadName, zone: ZoneInfo, exports: Exports) -> dict[str, st
     time, source = exports.time(handed)
     return {
         "received": time.astimezone(zone).isoformat() if time else "",
-        "late": LATE[handed.late],
+        "late": LATE_TEXTS[handed.late],
         "source": escape_formula(source),
         "name": escape_formula(handed.name),
         "handed_in_as": escape_formula(handed.handed_in_as),

@@ -50,17 +50,17 @@ class NotebookReview:
         notebook: The parsed notebook.
         tasks: The tasks of its exercise.
         state: The state stored in the student's folder.
-        own: The ID stored in the student's folder.
+        identity: The ID stored in the student's folder.
     """
 
     def __init__(
         self, path: Path, notebook: Notebook, tasks: Sequence[Task], state: State, identity: str | None
     ) -> None:
-        self._path, self._notebook, self._tasks, self._own = path, notebook, tasks, identity
+        self._path, self._notebook, self._tasks, self._identity = path, notebook, tasks, identity
         pairs = zip(notebook.cells, notebook.ran, strict=True)
         self._cells = [CodeCell(number, text, ran) for number, (text, ran) in enumerate(pairs, 1)]
         checks = ((task.id, last_check(state, task.id)) for task in tasks)
-        self._checked: dict[str, LastCheck] = {name: last for name, last in checks if last}
+        self._last_checks: dict[str, LastCheck] = {name: last for name, last in checks if last}
         self._released_digests = _released_digests(notebook.exercise or "")
 
     @cached_property
@@ -71,14 +71,14 @@ class NotebookReview:
     def warnings(self) -> list[str]:
         """Return warnings, one sentence each."""
         problems = [cell.syntax_error for cell in self._cells if cell.syntax_error]
-        if self._tasks and not self._checked:
+        if self._tasks and not self._last_checks:
             problems.append(f"it was never checked here: run course check {self._path.name} first")
-        silent = {"passed"} if self._checked else {"passed", "unchecked"}
+        silent = {"passed"} if self._last_checks else {"passed", "unchecked"}
         problems += [f"{name} {one.text}" for name, one in self.tasks.items() if one.outcome not in silent]
         return [*problems, *self._unchecked_cells(), *self._unsaved_warning(), *self._id()]
 
     def _assess(self, task: Task) -> Standing:
-        cell, last = self._own_cell(task), self._checked.get(task.id)
+        cell, last = self._own_cell(task), self._last_checks.get(task.id)
         if cell is None:
             return Standing("missing", f"is missing: no cell defines {task.name}")
         as_checked = last is not None and cell.digest in last.cells
@@ -112,7 +112,7 @@ class NotebookReview:
 
     def _unchecked_cells(self) -> Iterator[str]:
         """Yield a warning for each cell without a task, up to the last check, that no check has seen."""
-        checked_digests = frozenset[str]().union(*(last.cells for last in self._checked.values()))
+        checked_digests = frozenset[str]().union(*(last.cells for last in self._last_checks.values()))
         if not checked_digests and not any(cell.ran for cell in self._cells):
             # Nothing is known about any cell.
             return
@@ -128,11 +128,11 @@ class NotebookReview:
 
     def _unsaved_warning(self) -> Iterator[str]:
         """Warn if the last check may have used changes that are not in the saved file."""
-        if not self._checked:
+        if not self._last_checks:
             return
-        last_check, save_time = max(one.time for one in self._checked.values()), saved_at(self._path)
+        last_check, save_time = max(one.time for one in self._last_checks.values()), saved_at(self._path)
         unseen = any(one.outcome not in ("passed", "failed") for one in self.tasks.values())
-        has_digests = all(one.cells for one in self._checked.values())
+        has_digests = all(one.cells for one in self._last_checks.values())
         if save_time < last_check and (unseen or not has_digests):
             yield (
                 f"the notebook was saved at {_format_time(save_time)}, before the last check at "
@@ -141,10 +141,10 @@ class NotebookReview:
 
     def _id(self) -> Iterator[str]:
         stored_id = self._notebook.student
-        if stored_id and self._own and stored_id != self._own:
+        if stored_id and self._identity and stored_id != self._identity:
             yield (
-                f"{self._path.name} has the student ID {stored_id}, but yours is {self._own}: open "
-                f"{first_lesson()}, or type set_identity('{self._own}') in a cell, then submit again"
+                f"{self._path.name} has the student ID {stored_id}, but yours is {self._identity}: open "
+                f"{first_lesson()}, or type set_identity('{self._identity}') in a cell, then submit again"
             )
 
 

@@ -154,7 +154,7 @@ Find = Callable[[Evidence, Arguments, Any], list[Problem]]
 
 MARKER, CIRCLE, COUNT = "expect_marker", "expect_circle", "expect_marker_count"
 SELECTING = ("topic", "at", "tolerance", "allow_others")  # arguments that are not a property of a marker
-SAME = 1e-6  # tolerance within which the numbers of two checks are equal
+SAME_TOLERANCE = 1e-6  # tolerance within which the numbers of two checks are equal
 MOST_MARKERS = 2_000  # markers of a topic that are compared with each check
 FULL_WEIGHT = 1.0  # weight of a check that was not reduced, as for formal checks
 WRONG_TYPE = "the type of a marker is wrong"
@@ -213,7 +213,7 @@ def _are_compatible(one: Any, other: Any) -> bool:
     if one is None or other is None:
         return True
     if isinstance(one, Real) and isinstance(other, Real):
-        return math.isclose(one, other, abs_tol=SAME)
+        return math.isclose(one, other, abs_tol=SAME_TOLERANCE)
     if isinstance(one, list) and isinstance(other, list):
         # A color may be given with or without alpha.
         is_color = len(one) != len(other) and {len(one), len(other)} == {3, 4}
@@ -235,7 +235,7 @@ class MarkerScene:
         evidence: The evidence of the scenario.
         topic: The topic of the markers.
         at: The moment [s]; None is the end.
-        asked: The checks of single markers.
+        checks: The checks of single markers.
         counts: The checks of the number of markers.
         is_whole: Whether these are all checks of the scenario, so that surplus markers can be
             detected.

@@ -58,7 +58,7 @@ Path = list[tuple[float, tuple[float, float, float]]]  # ([s], [m])
 TF = "tf2_msgs/msg/TFMessage"
 FOR_EVER_NS = 2**62  # [ns] cache time of the buffer, practically infinite
 YAW_TOLERANCE = 0.05  # [rad]
-STILL = 1e-3  # [rad] amplitude of a joint that moves, if only a little
+MOVING_AMPLITUDE = 1e-3  # [rad] amplitude of a joint that moves, if only a little
 MAX_NAMED = 3  # frames that a message lists
 PATH = "nav_msgs/msg/Path"
 
@@ -558,7 +558,9 @@ def _compare_swing(
             yield Problem(f"{joint} stands still, expected it to swing", "a joint stands still")
         return
     if amplitude and is_close(actual, 0.0, tolerance):
-        little = f"swings by only {format_number(actual, 'rad')}" if actual > STILL else "stands still"
+        little = (
+            f"swings by only {format_number(actual, 'rad')}" if actual > MOVING_AMPLITUDE else "stands still"
+        )
         message = f"{joint} {little}, expected it to swing by {format_number(amplitude, 'rad')}"
         yield Problem(message, "a joint stands still")
     elif not is_close(actual, amplitude, tolerance):

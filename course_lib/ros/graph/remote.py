@@ -25,9 +25,9 @@ MAX_FRAME = 32 * 2**20
 # 60 in memory.
 MAX_ITEMS = 1_000_000
 # Bytes to read or to queue at a time. Several small frames are read together.
-READ, MOST = 2**14, 2**20
+READ_SIZE, MAX_BATCH = 2**14, 2**20
 # Limit on queued frames, so that the other side notices an endless loop.
-MOST_QUEUED = 256
+MAX_QUEUED = 256
 # Interval after which the socket's timeout is updated from the deadline [s].
 DEADLINE_REFRESH = 0.02
 _HEADER = struct.Struct("!I")
@@ -74,7 +74,7 @@ class Channel:
         It is sent with the next `send`, or when the queue is full.
         """
         self._pack(frame)
-        if len(self._unsent) >= MOST_QUEUED or self._unsent_bytes >= MOST:
+        if len(self._unsent) >= MAX_QUEUED or self._unsent_bytes >= MAX_BATCH:
             self._send_all()
 
     def send(self, frame: list[Any]) -> None:
@@ -122,7 +122,9 @@ class Channel:
         """Wait for `size` bytes, remove them from the buffer and return them."""
         while len(self._received) < size:
             try:
-                chunk = self._run(self._socket.recv, max(READ, min(size - len(self._received), MOST)))
+                chunk = self._run(
+                    self._socket.recv, max(READ_SIZE, min(size - len(self._received), MAX_BATCH))
+                )
             except ChannelTimeoutError:
                 if not self._is_in_overtime():
                     raise

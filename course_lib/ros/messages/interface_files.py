@@ -302,7 +302,7 @@ class LazyTypes(MutableMapping[str, Any]):
     hundreds of them, but a program needs only a few.
 
     Args:
-        known: Types that are already defined.
+        definitions: Types that are already defined.
         files: The text of interface files by name, ``my_msgs/msg/Name.msg``.
         defaults: Receives the default values of each parsed file, by type and field.
         table: Further types and parsed files. A file whose text has changed since is parsed again.

@@ -40,11 +40,11 @@ class PackageText:
 
 def package_files(text: PackageText) -> dict[str, str]:
     """Return the files by their paths in the package; without nodes, launch files and layouts."""
-    files = {place: filled(template, text=text) for template, place in _WHERE.items()}
+    files = {place: fill_template(template, text=text) for template, place in _WHERE.items()}
     return files | {f"resource/{text.name}": "", f"{text.name}/__init__.py": ""}
 
 
-def filled(template: str, **values: object) -> str:
+def fill_template(template: str, **values: object) -> str:
     """Fill in one of the templates next to this file."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import escape

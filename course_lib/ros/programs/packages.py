@@ -248,7 +248,7 @@ Executable = tuple[str, str] | Path
 _FILES = ("setup.cfg", "setup.py", "CMakeLists.txt")
 _SOURCE_FOLDERS = ("CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR")
 # Limit on the files of one package.
-_MOST = 10_000
+_MAX_FILES = 10_000
 # An entry of console_scripts, or of a component.
 # As in Python's entry points, the function may be an attribute of a class, and extras may follow.
 _SCRIPT = re.compile(r"\s*([\w.:-]+)\s*=\s*([\w.]+)\s*:\s*(\w+(?:\.\w+)*)\s*(?:\[[^\]]*\]\s*)?")
@@ -361,7 +361,7 @@ def _installed_files(data_files: ast.expr, values: "_Values", folder: Path) -> I
         if not isinstance(entry, ast.Tuple) or len(entry.elts) != 2:
             continue
         destinations, files = (values.texts(part) for part in entry.elts)
-        for file in files[:_MOST] if len(destinations) == 1 else ():
+        for file in files[:_MAX_FILES] if len(destinations) == 1 else ():
             place = os.path.normpath(os.path.join(destinations[0], os.path.basename(file)))
             inside = (folder / file).resolve().is_relative_to(folder.resolve())
             if inside and (folder / file).exists():
@@ -595,7 +595,7 @@ def _installed_by_cmake(source_folder: Path, kind: str, arguments: list[str]) ->
         if kind != "DIRECTORY":
             yield (renamed[0] if renamed else file.name), file
         elif file.is_dir():
-            yield from ((one.name, one) for one in sorted(file.iterdir())[:_MOST])
+            yield from ((one.name, one) for one in sorted(file.iterdir())[:_MAX_FILES])
 
 
 def _words(inner: str, variables: Mapping[str, list[str]]) -> list[str]:
@@ -616,7 +616,7 @@ def _glob(folder: Path, pattern: str) -> list[Path]:
     if os.path.normpath(pattern) == "." or "\0" in pattern:
         return []
     try:
-        return sorted(islice(folder.glob(pattern), _MOST))
+        return sorted(islice(folder.glob(pattern), _MAX_FILES))
     except (ValueError, NotImplementedError, OSError):
         # pathlib rejects some patterns that CMake and the glob module accept, such as "**.py".
         return []

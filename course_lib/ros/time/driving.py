@@ -331,18 +331,18 @@ class _ViewerPresence:
 
     def __init__(self) -> None:
         # The number of executed cells.
-        self._cells = -1
+        self._cell_count = -1
         # When the last one was executed [s].
-        self._last = 0.0
+        self._last_cell_at = 0.0
         self.was_present = True
 
     def update_states(self, runs: Sequence[LiveRun]) -> None:
         """Update the states in the cells as long as someone may see them."""
         ipython = sys.modules.get("IPython")
         cells = getattr(ipython and ipython.get_ipython(), "execution_count", 0)
-        if cells != self._cells:
-            self._cells, self._last = cells, wall.monotonic()
-        is_recent = wall.monotonic() - self._last < RECENTLY
+        if cells != self._cell_count:
+            self._cell_count, self._last_cell_at = cells, wall.monotonic()
+        is_recent = wall.monotonic() - self._last_cell_at < RECENTLY
         was_present = self.was_present
         self.was_present = is_recent or any(is_shown() for is_shown in tuple(pace.views))
         for run in runs if was_present else ():

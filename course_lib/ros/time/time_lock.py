@@ -72,14 +72,14 @@ def never() -> bool:
 class Wait:
     """A wait of a program thread: the condition and deadline that end it, and its description."""
 
-    __slots__ = ("deadline_passed", "events_help", "graph", "has_deadline", "ready", "what")
+    __slots__ = ("awaited", "deadline_passed", "events_help", "graph", "has_deadline", "ready")
 
     def __init__(
         self, graph: Graph, ready: Callable[[], bool], what: str, *, events_help: bool = True
     ) -> None:
         self.graph = graph
         self.ready = ready
-        self.what = what
+        self.awaited = what
         self.events_help = events_help
         self.has_deadline = False
         self.deadline_passed = False
@@ -451,7 +451,7 @@ class TimeLock:
 
     def _report_deadlock(self, me: ProgramThread, graph: Graph) -> None:
         waits = ", ".join(
-            f'thread "{t.name}" waits for {t.wait.what}'
+            f'thread "{t.name}" waits for {t.wait.awaited}'
             for t in self._waiting
             if t.wait is not None and t.wait.graph is graph
         )

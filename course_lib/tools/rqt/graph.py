@@ -162,7 +162,7 @@ _ARROW = (
     'orient="auto"><path d="M0 0 8 4 0 8z" fill="var(--rqt-dim)"/></marker></defs>'
 )
 # Suffix of topics on which some publisher and subscription do not match.
-_BAD = " (QoS!)"
+_BAD_QOS = " (QoS!)"
 # Half the height of a node [px].
 _HALF = 14.0
 
@@ -188,7 +188,7 @@ class GraphView(RqtView):
         ends = self._ends().items()
         # The topics on which some publisher does not match some subscription.
         bad_topics = {t for t, e in ends for a in e for b in e if a.kind < b.kind and _mismatch(a, b)}
-        names = {name: name.strip() + _BAD * (name[1:] in bad_topics) for name in sorted(nodes | topics)}
+        names = {name: name.strip() + _BAD_QOS * (name[1:] in bad_topics) for name in sorted(nodes | topics)}
         if not names:
             return "<p>There is no node. Create one, like node = MyNode().</p>"
         widths = {name: 26 + 6.8 * len(label) for name, label in names.items()}
@@ -242,7 +242,7 @@ class GraphView(RqtView):
                 pairs = ((a, b) for a in ends for b in ends if (a.kind, b.kind) == ("pub", "sub"))
                 for a, b in pairs:
                     lines = edges.setdefault((names[a.node], names[b.node]), [])
-                    line = topic + _BAD * _mismatch(a, b)
+                    line = topic + _BAD_QOS * _mismatch(a, b)
                     lines += [line] if line not in lines else []
             else:
                 for end in ends:

@@ -97,7 +97,7 @@ class TopicView(RqtView):
 
         # Time [ns] and size [bytes] by topic.
         self._received: dict[str, deque[tuple[int, int]]] = {}
-        self._last: dict[str, Sample] = {}
+        self._last_samples: dict[str, Sample] = {}
         self.rows: dict[str, Any] = {}
         self.table = VBox()
         self.add_text("Filter", hint="part of a name")
@@ -116,7 +116,7 @@ class TopicView(RqtView):
         window.append((sample.stamp_ns, len(sample.cdr)))
         while window[0][0] < sample.stamp_ns - _WINDOW_NS:
             window.popleft()
-        self._last[sample.topic] = sample
+        self._last_samples[sample.topic] = sample
 
     def refresh(self) -> None:
         """Update the rows."""
@@ -128,7 +128,7 @@ class TopicView(RqtView):
             button, about = line.children
             about.value = _cells(self.cells(topic, topics[topic]))
             button.icon = "caret-down" if button.value else "caret-right"
-            last = self._last.get(topic)
+            last = self._last_samples.get(topic)
             text = to_yaml(last.message(), Style()) if last and button.value else "no message yet"
             value.value = f"<pre>{escape(text)}</pre>" if button.value else ""
         self.table.children = tuple(self.rows[topic] for topic in topics)
@@ -160,7 +160,7 @@ class TopicView(RqtView):
         if seconds:
             (bandwidth,) = in_bytes(sum(size for _, size in window[1:]) / seconds)
             rates = [f"{bandwidth}/s", f"{(len(window) - 1) / seconds:.2f}"]
-        last = self._last.get(topic)
+        last = self._last_samples.get(topic)
         value = to_csv(last.message(), Style(truncate=8))[:200] if last else "no message yet"
         return [", ".join(types), *rates, value]
 

@@ -32,7 +32,7 @@ class DiagnosticStatusWrapper(DiagnosticStatus):
 
     def summary(self, *args: Any) -> None:
         """Set level and message: `summary(level, message)`, or copy them from another status."""
-        self.level, self.message = _parts(args)
+        self.level, self.message = _level_and_message(args)
 
     def clearSummary(self) -> None:
         """Set the level to OK and the message to ""."""
@@ -40,7 +40,7 @@ class DiagnosticStatusWrapper(DiagnosticStatus):
 
     def mergeSummary(self, *args: Any) -> None:
         """Keep the worse level. Messages are joined if both levels are OK, or if neither is."""
-        level, message = _parts(args)
+        level, message = _level_and_message(args)
         if (level > DiagnosticStatus.OK) == (self.level > DiagnosticStatus.OK):
             self.message = f"{self.message}; {message}" if self.message else message
         elif level > self.level:
@@ -205,7 +205,7 @@ class Updater:
         return status
 
 
-def _parts(args: tuple[Any, ...]) -> tuple[bytes, str]:
+def _level_and_message(args: tuple[Any, ...]) -> tuple[bytes, str]:
     if len(args) == 1:
         return args[0].level, args[0].message
     level, message = args

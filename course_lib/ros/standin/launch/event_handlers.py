@@ -19,7 +19,7 @@ from launch.events import ProcessExited, ProcessIO, ProcessStarted
 from launch.events import Shutdown as _Shutdown
 
 Target: TypeAlias = Action | Callable[[Action], bool] | None
-Heard: TypeAlias = Callable[[ProcessIO], Entities | None] | None
+OutputHandler: TypeAlias = Callable[[ProcessIO], Entities | None] | None
 
 
 EventHandler = BaseEventHandler
@@ -95,9 +95,9 @@ class OnProcessIO(OnActionEventBase):
         self,
         *,
         target_action: Target = None,
-        on_stdin: Heard = None,
-        on_stdout: Heard = None,
-        on_stderr: Heard = None,
+        on_stdin: OutputHandler = None,
+        on_stdout: OutputHandler = None,
+        on_stderr: OutputHandler = None,
         **options: Any,
     ) -> None:
         reactions = {1: on_stdout, 2: on_stderr}

@@ -125,7 +125,7 @@ class Command(Substitution):
                 raise SubstitutionFailure(
                     "expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn' or 'capture'"
                 )
-            result = _finished(arguments)
+            result = _run_command(arguments)
             outcome = "failed" if result.code else "showed stderr output"
             text = f"executed command {outcome}. Command: {shlex.join(arguments)}"
             text += f"\nCaptured stderr output: {result.errors}"
@@ -192,7 +192,7 @@ class ThisLaunchFileDir(Substitution):
         super().__init__(lambda context: str(Path(context.file).parent))
 
 
-def _finished(arguments: Sequence[str]) -> ProgramResult:
+def _run_command(arguments: Sequence[str]) -> ProgramResult:
     if Path(arguments[0]).name == "xacro":
         return run_xacro(arguments[1:])
     if Path(arguments[0]).name == "ros2" and arguments[1:2] in (["pkg"], ["interface"]):

@@ -176,7 +176,7 @@ _LOOK = 0.1
 
 
 @dataclass(frozen=True)
-class _Given:
+class _NodeSettings:
     """The names and parameters that a launch file sets for a node."""
 
     name: Some | None
@@ -248,14 +248,14 @@ class Node(Action):
         pairs = tuple(remappings or ())
         if any(not isinstance(pair, tuple | list) or len(pair) != 2 for pair in pairs):
             raise TypeError(f"Node: remappings={remappings!r}, expected pairs: remappings=[('from', 'to')]")
-        self._given = _Given(name, namespace, tuple(parameters or ()), pairs)
+        self._settings = _NodeSettings(name, namespace, tuple(parameters or ()), pairs)
         self._arguments, self._ros_arguments = list(arguments or ()), list(ros_arguments or ())
         self._on_exit, self._options = on_exit, options
 
     def _start(self, context: LaunchContext) -> None:
         warn_about_ignored_options(context, self._options)
         react_to_exit(context, self, self._on_exit)
-        executable, common = text_of(context, self._executable), self._given
+        executable, common = text_of(context, self._executable), self._settings
         arguments = [text_of(context, word) for word in self._arguments]
         ros_words = [text_of(context, word) for word in self._ros_arguments]
         arguments = [*arguments, "--ros-args", *ros_words, *common.words(context)]
@@ -284,7 +284,7 @@ class LifecycleNode(Node):
 
     def _start(self, context: LaunchContext) -> None:
         runner = context.runner
-        self.node_name = f"{self._given.full_namespace(context)}/{text_of(context, self._given_name)}"
+        self.node_name = f"{self._settings.full_namespace(context)}/{text_of(context, self._given_name)}"
         self._is_running = True
 
         def on_rejection(number: int) -> None:
@@ -347,13 +347,13 @@ class ComposableNode:
     ) -> None:
         check_values(parameters)
         self._package, self._plugin, self._condition = package, plugin, condition
-        self._given = _Given(name, namespace, tuple(parameters or ()), tuple(remappings or ()))
+        self._settings = _NodeSettings(name, namespace, tuple(parameters or ()), tuple(remappings or ()))
 
     def load(self, context: LaunchContext, action: Action) -> None:
         """Start the component unless its condition is false."""
         if self._condition is None or self._condition.evaluate(context):
             package, plugin = text_of(context, self._package), text_of(context, self._plugin)
-            arguments = ["--ros-args", *self._given.words(context)]
+            arguments = ["--ros-args", *self._settings.words(context)]
             context.runner.start_component(action, package, plugin, arguments)
 
 

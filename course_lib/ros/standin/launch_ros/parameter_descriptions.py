@@ -15,7 +15,7 @@ from launch.frontend import parse_substitution
 from course_lib.ros.programs.missing_packages import INSTALLED
 
 # Number of characters of a value that an error shows.
-_SHOWN = 60
+_EXCERPT_LENGTH = 60
 
 
 class ParameterValue:
@@ -139,7 +139,7 @@ def _read(text: str, name: str) -> Any:
     except yaml.YAMLError:
         value = None
     if not isinstance(value, bool | int | float | str | list):
-        excerpt = repr(text) if len(text) <= _SHOWN else f"{text[:_SHOWN]!r}…"
+        excerpt = repr(text) if len(text) <= _EXCERPT_LENGTH else f"{text[:_EXCERPT_LENGTH]!r}…"
         raise TypeError(
             f"Unable to parse the value of parameter {name} as yaml. If the parameter is meant to be a "
             "string, try wrapping it in launch_ros.parameter_descriptions.ParameterValue(value, "

@@ -64,7 +64,7 @@ class ReplaceString(Substitution):
             text = source.read_text(encoding="utf-8")
             for old, new in replacements.items():
                 text = text.replace(old, text_of(context, new))
-            return _written(text, source.suffix)
+            return _write_temporary(text, source.suffix)
 
         super().__init__(make)
 
@@ -104,7 +104,7 @@ class RewrittenYaml(Substitution):
             names = {key: text_of(context, text) for key, text in (key_rewrites or {}).items()}
             root = text_of(context, root_key or "")
             renamed = _renamed(data, names)
-            return _written(yaml.dump({root: renamed} if root else renamed), "")
+            return _write_temporary(yaml.dump({root: renamed} if root else renamed), "")
 
         super().__init__(make)
 
@@ -120,7 +120,7 @@ class HasNodeParams(Substitution):
         super().__init__(make)
 
 
-def _written(text: str, suffix: str) -> str:
+def _write_temporary(text: str, suffix: str) -> str:
     """Write a temporary file and return its path."""
     with tempfile.NamedTemporaryFile("w", suffix=suffix, delete=False, encoding="utf-8") as copy:
         copy.write(text)

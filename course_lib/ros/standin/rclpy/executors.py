@@ -124,7 +124,7 @@ class Executor(AbstractContextManager["Executor"]):
         self._course_threads = 1
         self._is_shutdown = False
         # Description of the awaited condition for a DeadlockError.
-        self.__what = "a callback of no node"
+        self.__awaited = "a callback of no node"
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Report attributes of a student's class that have private names of rclpy."""
@@ -348,7 +348,7 @@ class Executor(AbstractContextManager["Executor"]):
                 task = self._course_next_task()
                 if task is not None or limit_ns == 0:
                     return task
-                if not time_lock.wait(is_over, until_ns=until_ns, what=self.__what):
+                if not time_lock.wait(is_over, until_ns=until_ns, what=self.__awaited):
                     break
         finally:
             waits.is_running = False
@@ -421,7 +421,7 @@ class Executor(AbstractContextManager["Executor"]):
         It is built here because waits are frequent.
         """
         names = ", ".join(handle.full_name for handle in self._nodes.values())
-        self.__what = f"a callback of {names or 'no node'}"
+        self.__awaited = f"a callback of {names or 'no node'}"
 
     def _course_holds_up(self, entity: Entity) -> bool:
         """Return whether an entity's callback cannot run before the calling callback has ended."""

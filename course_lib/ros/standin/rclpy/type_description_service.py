@@ -49,7 +49,7 @@ class TypeDescriptionService:
         if not _HASH.fullmatch(request.type_hash):
             response.failure_reason = "Failed to parse type hash"
             return response
-        name = self.__used().get(request.type_hash)
+        name = self.__types_in_use().get(request.type_hash)
         if name is None:
             response.failure_reason = "Type not currently in use by this node"
             return response
@@ -68,7 +68,7 @@ class TypeDescriptionService:
         response.successful = True
         return response
 
-    def __used(self) -> dict[str, str]:
+    def __types_in_use(self) -> dict[str, str]:
         """Return the types of the node's endpoints by their hashes."""
         handle = self._node.handle
         endpoints = (info for info in handle.graph.endpoints() if info.node == handle.id)

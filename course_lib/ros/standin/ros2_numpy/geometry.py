@@ -63,7 +63,7 @@ def transform_to_numpy(msg: Transform) -> Floats:
 @converts_from_numpy(Transform)
 def numpy_to_transform(arr: Any) -> Transform:
     """Convert a transformation matrix of shape (4, 4) to a Transform."""
-    matrix = _checked(arr)
+    matrix = _as_transform(arr)
     return Transform(
         translation=numpy_to_vector3(matrix[:3, 3]), rotation=numpy_to_quat(quaternion_from_matrix(matrix))
     )
@@ -78,7 +78,7 @@ def pose_to_numpy(msg: Pose) -> Floats:
 @converts_from_numpy(Pose)
 def numpy_to_pose(arr: Any) -> Pose:
     """Convert a transformation matrix of shape (4, 4) to a Pose."""
-    matrix = _checked(arr)
+    matrix = _as_transform(arr)
     return Pose(
         position=numpy_to_point(matrix[:3, 3]), orientation=numpy_to_quat(quaternion_from_matrix(matrix))
     )
@@ -106,7 +106,7 @@ def _matrix(translation: Floats, quaternion: Floats) -> Floats:
     return matrix
 
 
-def _checked(arr: Any) -> Floats:
+def _as_transform(arr: Any) -> Floats:
     matrix = np.asarray(arr, dtype=float)
     if matrix.shape != (4, 4):
         raise ValueError(f"a transform is a (4, 4) matrix, not of the shape {matrix.shape}")

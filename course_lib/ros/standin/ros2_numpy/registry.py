@@ -33,7 +33,9 @@ def numpify(msg: Any, *args: Any, **kwargs: Any) -> Any:
             raise ValueError("Cannot determine the type of an empty Collection")
         key = (type(msg[0]), True)
     if key not in _to_numpy:
-        raise ValueError(f"Unable to convert message {key[0].__name__} - only supports {_listed(_to_numpy)}")
+        raise ValueError(
+            f"Unable to convert message {key[0].__name__} - only supports {_list_names(_to_numpy)}"
+        )
     return _to_numpy[key](msg, *args, **kwargs)
 
 
@@ -46,10 +48,10 @@ def msgify(msg_type: type[Any], numpy_obj: Any, *args: Any, plural: bool = False
     key = (msg_type, plural)
     if key not in _from_numpy:
         raise ValueError(
-            f"Unable to build message {msg_type.__name__} - only supports {_listed(_from_numpy)}"
+            f"Unable to build message {msg_type.__name__} - only supports {_list_names(_from_numpy)}"
         )
     return _from_numpy[key](numpy_obj, *args, **kwargs)
 
 
-def _listed(converters: dict[_Key, Converter]) -> str:
+def _list_names(converters: dict[_Key, Converter]) -> str:
     return ", ".join(cls.__name__ + ("[]" if plural else "") for cls, plural in converters)

@@ -42,7 +42,7 @@ class SequentialWriter:
     def open(self, storage_options: StorageOptions, converter_options: ConverterOptions) -> None:
         """Create a bag. Raise a RuntimeError if its folder exists or an option is unknown."""
         self.close()
-        storage, compression = _checked(storage_options, converter_options)
+        storage, compression = _check_options(storage_options, converter_options)
         folder = Path(storage_options.uri)
         if folder.exists():
             raise BagError(f"Bag directory already exists ({folder}), can't overwrite existing bag")
@@ -139,7 +139,7 @@ def get_registered_writers() -> set[str]:
     return set(STORAGES)
 
 
-def _checked(options: StorageOptions, converter: ConverterOptions) -> tuple[str, str]:
+def _check_options(options: StorageOptions, converter: ConverterOptions) -> tuple[str, str]:
     """Return the storage and compression of a new bag.
 
     Reject options that the kit does not support.

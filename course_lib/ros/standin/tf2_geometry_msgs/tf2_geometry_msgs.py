@@ -28,7 +28,7 @@ from course_lib.ros.tf2 import Pose as Placement
 
 def do_transform_point(point: PointStamped, transform: TransformStamped) -> PointStamped:
     """Transform a point to the parent frame of the transform."""
-    x, y, z = _placed(transform, point.point)[0]
+    x, y, z = _transform_placement(transform, point.point)[0]
     return PointStamped(header=transform.header, point=Point(x=x, y=y, z=z))
 
 
@@ -40,7 +40,7 @@ def do_transform_vector3(vector3: Vector3Stamped, transform: TransformStamped) -
     shift = transform.transform.translation
     shift.x = shift.y = shift.z = 0.0
     result = Vector3Stamped(header=transform.header)
-    result.vector.x, result.vector.y, result.vector.z = _placed(transform, vector3.vector)[0]
+    result.vector.x, result.vector.y, result.vector.z = _transform_placement(transform, vector3.vector)[0]
     return result
 
 
@@ -49,7 +49,7 @@ def do_transform_pose(pose: Pose, transform: TransformStamped) -> Pose:
 
     Its quaternion has w >= 0.
     """
-    (x, y, z), rotation = _placed(transform, pose.position, pose.orientation)
+    (x, y, z), rotation = _transform_placement(transform, pose.position, pose.orientation)
     qx, qy, qz, qw = rotation if rotation[3] >= 0 else (-part for part in rotation)
     return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
 
@@ -71,7 +71,7 @@ def do_transform_pose_with_covariance_stamped(
 
 def do_transform_polygon_stamped(polygon: PolygonStamped, transform: TransformStamped) -> PolygonStamped:
     """Transform a polygon to the parent frame of the transform."""
-    places = [_placed(transform, point)[0] for point in polygon.polygon.points]
+    places = [_transform_placement(transform, point)[0] for point in polygon.polygon.points]
     points = [Point32(x=x, y=y, z=z) for x, y, z in places]
     return PolygonStamped(header=transform.header, polygon=Polygon(points=points))
 
@@ -84,7 +84,9 @@ def transform_covariance(cov_in: Floats, transform: TransformStamped) -> Floats:
     return covariance.reshape(36)
 
 
-def _placed(transform: TransformStamped, place: Any, turn: Quaternion | None = None) -> Placement:
+def _transform_placement(
+    transform: TransformStamped, place: Any, turn: Quaternion | None = None
+) -> Placement:
     """Apply a transform to a position and an orientation.
 
     Quaternions are normalized. The zero quaternion counts as no rotation.

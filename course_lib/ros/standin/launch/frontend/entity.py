@@ -63,7 +63,7 @@ class Entity:
         """Create an error for this element."""
         return EntityError(self.line, f"<{self.type_name}>: {text}")
 
-    def _wrong(self, name: str, kind: type | None, value: object) -> EntityError:
+    def _type_error(self, name: str, kind: type | None, value: object) -> EntityError:
         return self.error(f"{name} is {value!r}, expected {_WORDS[kind]}")
 
 
@@ -109,7 +109,7 @@ class XmlEntity(Entity):
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
             return float(value)
         if not _fits(value, kind):
-            raise self._wrong(name, kind, text)
+            raise self._type_error(name, kind, text)
         return value
 
     def refuse_rest(self, known: Sequence[str]) -> None:
@@ -161,7 +161,7 @@ class YamlEntity(Entity):
         self._asked.add(name)
         value = self._mapping().get(name)
         if value is not None and not isinstance(value, str) and not _fits(value, kind):
-            raise self._wrong(name, kind, value)
+            raise self._type_error(name, kind, value)
         return value
 
     def _mapping(self) -> dict[str, Any]:
@@ -197,9 +197,9 @@ def _unexpected(kind: str, name: str, known_names: Sequence[str]) -> str:
 # Limit on the size of a file [bytes].
 _LARGEST = 4 * 2**20
 # Limit on the nesting of elements.
-_DEEPEST = 50
+_MAX_DEPTH = 50
 # Limit on the number of values of a YAML file, counted again for each alias.
-_MOST = 50_000
+_MAX_VALUES = 50_000
 
 
 def read_entity(file: Path) -> Entity:
@@ -244,8 +244,8 @@ class _XmlReader:
         else:
             self._root = element
         self._open.append(element)
-        if len(self._open) > _DEEPEST:
-            raise element.error(f"more than {_DEEPEST} elements are nested")
+        if len(self._open) > _MAX_DEPTH:
+            raise element.error(f"more than {_MAX_DEPTH} elements are nested")
 
     def _end(self, name: str) -> None:
         self._open.pop()
@@ -283,7 +283,7 @@ def _yaml_root(data: bytes) -> Entity:
     except yaml.YAMLError as error:
         raise _yaml_error(error, data) from error
     except RecursionError as error:
-        raise EntityError(1, f"more than {_DEEPEST} elements are nested") from error
+        raise EntityError(1, f"more than {_MAX_DEPTH} elements are nested") from error
     return YamlEntity(str(name), node.start_mark.line + 1, value, loader.lines)
 
 
@@ -301,8 +301,12 @@ def _check_size(root: Any) -> None:
     while waiting:
         node, depth = waiting.pop()
         count += 1
-        if depth > 2 * _DEEPEST or count > _MOST:
-            excess = f"more than {_MOST} values" if count > _MOST else f"more than {_DEEPEST} nested elements"
+        if depth > 2 * _MAX_DEPTH or count > _MAX_VALUES:
+            excess = (
+                f"more than {_MAX_VALUES} values"
+                if count > _MAX_VALUES
+                else f"more than {_MAX_DEPTH} nested elements"
+            )
             raise EntityError(node.start_mark.line + 1, f"{excess}, with all aliases followed")
         if isinstance(node, yaml.SequenceNode):
             waiting += [(one, depth + 1) for one in node.value]

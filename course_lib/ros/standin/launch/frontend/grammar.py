@@ -72,7 +72,7 @@ class _Reader:
 
     def template(self, quote: str) -> Parts:
         """Parse text and substitutions up to the closing quote or the end."""
-        return self._parts(_STRING[quote], quote)
+        return self._read_parts(_STRING[quote], quote)
 
     def fail(self, expected: str) -> NoReturn:
         """Raise a ValueError for the current position."""
@@ -80,7 +80,7 @@ class _Reader:
         found_text = f"found {excerpt!r}" if excerpt else "the text ends"
         raise ValueError(f"{self.text!r}, character {self.at + 1}: expected {expected}, {found_text}")
 
-    def _parts(self, pattern: re.Pattern[str], quote: str) -> Parts:
+    def _read_parts(self, pattern: re.Pattern[str], quote: str) -> Parts:
         parts: Parts = []
         while True:
             if self.text.startswith("$(", self.at):
@@ -102,33 +102,33 @@ class _Reader:
         self._depth += 1
         if self._depth > _DEEPEST:
             raise ValueError(f"more than {_DEEPEST} substitutions are nested in {self.text[:40]!r}…")
-        while self._takes(" "):
+        while self._skip(" "):
             arguments.append(self._argument(quote))
         self._depth -= 1
-        if not self._takes(")"):
+        if not self._skip(")"):
             self.fail("')', or one space and an argument; put quotes around one with spaces")
-        return _made(name[0], arguments, self.text[begin : self.at])
+        return _make_substitution(name[0], arguments, self.text[begin : self.at])
 
     def _argument(self, quote: str) -> Parts:
         opening = self.text[self.at : self.at + 1]
         if not quote and opening and opening in "'\"":
             self.at += 1
             parts = self.template(opening)
-            if not self._takes(opening):
+            if not self._skip(opening):
                 self.fail(f"the quote {opening} that ends the argument")
             return parts
-        parts = self._parts(_WORD[quote], quote)
+        parts = self._read_parts(_WORD[quote], quote)
         if not parts:
             self.fail("an argument; between two there is one space")
         return parts
 
-    def _takes(self, character: str) -> bool:
+    def _skip(self, character: str) -> bool:
         is_next = self.text.startswith(character, self.at)
         self.at += is_next
         return is_next
 
 
-def _made(name: str, arguments: Sequence[Parts], text: str) -> Substitution:
+def _make_substitution(name: str, arguments: Sequence[Parts], text: str) -> Substitution:
     form = SUBSTITUTIONS.get(name)
     if form is None:
         names = [*SUBSTITUTIONS]
