@@ -606,17 +606,14 @@ def find_false_passes(
     # the others.
     groups = group_deletions(deletions(code, tasks), code, tasks)
     public = run([rehearsal_without(group, code, week, hidden=False) for group in groups])
-    passing = [one for group, result in zip(groups, public, strict=True) for one in _passing(group, result)]
+    passing = []
+    for group, result in zip(groups, public, strict=True):
+        passed_tasks = {task.task for task in result.results if passes_public_checks(task)}
+        passing += [one for one in group if not passed_tasks.isdisjoint(one.tasks)]
     groups = group_deletions(passing, code, tasks)
     complete = run([rehearsal_without(group, code, week) for group in groups])
     for group, result in zip(groups, complete, strict=True):
         yield from false_passes(group, result)
-
-
-def _passing(group: Sequence[Deletion], rehearsal_result: RehearsalResult) -> Iterator[Deletion]:
-    """Yield the deletions with which a task passes all public checks."""
-    passed_tasks = {result.task for result in rehearsal_result.results if passes_public_checks(result)}
-    yield from (one for one in group if not passed_tasks.isdisjoint(one.tasks))
 
 
 def false_passes(

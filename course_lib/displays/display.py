@@ -641,12 +641,8 @@ class DrawnDisplay(TopicDisplay):
     def draw(self) -> None:
         """Put the drawables into the scene, replacing earlier ones."""
         scene, node, drawables = self.context.scene, f"{self.path}/drawn", self.drawables()
-        previous_node = scene.find(node)
-        for name in (
-            {path.rpartition("/")[2] for path in previous_node.children} - drawables.keys()
-            if previous_node
-            else ()
-        ):
-            scene.delete(f"{node}/{name}")
+        if previous := scene.find(node):
+            for name in {path.rpartition("/")[2] for path in previous.children} - drawables.keys():
+                scene.delete(f"{node}/{name}")
         for name, drawable in drawables.items():
             scene.set_object(f"{node}/{name}", drawable)

@@ -127,32 +127,23 @@ def _compare_topic(topic: str, in_kit: Sequence[Sample], in_ros: Sequence[Sample
     )
     best: list[tuple[bytes, bytes]] = []
     different: list[tuple[bytes, bytes]] = []
-    limit = max(MAX_OFFSET, *(_count_first(side) for side in (in_kit, in_ros)))
+    # The numbers of samples in the first MAX_OFFSET_NS of both recordings.
+    early_counts = [
+        sum(one.stamp_ns < side[0].stamp_ns + MAX_OFFSET_NS for one in side) for side in (in_kit, in_ros)
+    ]
+    limit = max(MAX_OFFSET, *early_counts)
     for offset in sorted(range(-limit, limit + 1), key=abs):
         pairs = list(zip(kit_messages[max(0, offset) :], ros_messages[max(0, -offset) :], strict=False))
         # An offset must not be selected because it leaves few messages to compare.
         is_long = 2 * len(pairs) >= min(len(kit_messages), len(ros_messages))
-        field_differences = _differences(pairs)
+        unequal = [pair for pair in pairs if pair[0] != pair[1]]
         # The share of different pairs, because later offsets have fewer pairs.
-        if (
-            pairs
-            and is_long
-            and (not best or len(field_differences) * len(best) < len(different) * len(pairs))
-        ):
-            best, different = pairs, field_differences
+        if pairs and is_long and (not best or len(unequal) * len(best) < len(different) * len(pairs)):
+            best, different = pairs, unequal
     field = _different_field(*different[0], in_kit[0].type_name) if different else ""
     return TopicComparison(
         topic, len(kit_messages), len(ros_messages), len(best), len(best) - len(different), field
     )
-
-
-def _count_first(samples: Sequence[Sample]) -> int:
-    """Return the number of samples in the first MAX_OFFSET_NS of a recording."""
-    return sum(one.stamp_ns < samples[0].stamp_ns + MAX_OFFSET_NS for one in samples)
-
-
-def _differences(pairs: Sequence[tuple[bytes, bytes]]) -> list[tuple[bytes, bytes]]:
-    return [pair for pair in pairs if pair[0] != pair[1]]
 
 
 def _different_field(kit_cdr: bytes, ros_cdr: bytes, type_name: str) -> str:

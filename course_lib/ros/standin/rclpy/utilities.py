@@ -29,7 +29,7 @@ def get_available_rmw_implementations() -> set[str]:
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     """Return the arguments (default: `sys.argv`) that are not for ROS.
 
-    Those between `--ros-args` and `--` are left out, and remappings like `chatter:=other`.
+    Arguments between `--ros-args` and `--` are removed, and so are remappings like `chatter:=other`.
     """
     return without_ros(sys.argv if args is None else args)
 

@@ -101,7 +101,7 @@ class NodeExecutor(TaskRunner, Protocol):
 
 
 class Turn(NamedTuple):
-    """A ready entity in an executor's queue: its position in the order, and since when it is ready [ns]."""
+    """A ready entity in an executor's queue, with its position and the time since which it is ready [ns]."""
 
     order: int
     entity: "Entity"
