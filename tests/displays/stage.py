@@ -22,6 +22,6 @@ def wait(graph: Graph, seconds: float) -> None:
         pass
 
 
-def shown(viewer: Viewer) -> set[str]:
+def visible_nodes(viewer: Viewer) -> set[str]:
     viewer.look()
     return {path.split("/")[1] for path in viewer.scene.objects() if viewer.scene.visible(path)}

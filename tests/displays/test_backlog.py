@@ -32,7 +32,7 @@ class Noted(OwnDisplay):
 
 
 @pytest.fixture
-def heard(monkeypatch: pytest.MonkeyPatch) -> list[Sample]:
+def processed_samples(monkeypatch: pytest.MonkeyPatch) -> list[Sample]:
     """The samples that sessions have processed."""
     samples: list[Sample] = []
     receive = RvizSession.receive
@@ -80,16 +80,16 @@ def test_every_display_shows_the_same_state_after_a_backlog_of_messages(
     assert unseen == seen
 
 
-def test_messages_are_processed_only_on_request(graph: Graph, heard: list[Sample]) -> None:
+def test_messages_are_processed_only_on_request(graph: Graph, processed_samples: list[Sample]) -> None:
     viewer = Unseen()
     viewer.add("Marker", "/m")
     publish(graph, "/m", marker())
     wait(graph, 1.0)
     assert repr(viewer) == "<Viewer of map with Grid, Marker>"
     assert [display.name for display in viewer.displays] == ["Grid", "Marker"]
-    assert heard == []
+    assert processed_samples == []
     assert ("Marker", "Topic", "ok", "1 messages received at inf hz.") in viewer.statuses()
-    assert len(heard) == 1
+    assert len(processed_samples) == 1
 
 
 def test_property_change_is_applied_after_earlier_messages(graph: Graph) -> None:
@@ -145,28 +145,28 @@ def test_recorded_frames_have_the_arrival_times_of_messages(graph: Graph) -> Non
 
 
 def test_number_of_waiting_messages_is_limited(
-    graph: Graph, heard: list[Sample], monkeypatch: pytest.MonkeyPatch
+    graph: Graph, processed_samples: list[Sample], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(session, "MAX_WAITING", 10)
     viewer = Unseen()
     viewer.add("Marker", "/m")
     for number in range(25):
         publish(graph, "/m", marker(number=number))
-    assert len(heard) in range(15, 25)
+    assert len(processed_samples) in range(15, 25)
     assert "25 messages received" in str(viewer.statuses())
 
 
 def test_large_messages_without_a_matching_display_use_no_buffer(
-    graph: Graph, heard: list[Sample], monkeypatch: pytest.MonkeyPatch
+    graph: Graph, processed_samples: list[Sample], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(session, "MAX_BYTES", 1_000)
     viewer = Unseen()
     viewer.add("Image", "/shown")
     picture = Image(width=40, height=10, step=120, encoding="rgb8", data=bytes(1_200))
     publish(graph, "/not_shown", picture)
-    assert heard == []
+    assert processed_samples == []
     publish(graph, "/shown", picture)
-    assert [sample.topic for sample in heard] == ["/not_shown", "/shown"]
+    assert [sample.topic for sample in processed_samples] == ["/not_shown", "/shown"]
 
 
 def test_custom_display_receives_its_messages_immediately(
@@ -184,11 +184,13 @@ def test_custom_display_receives_its_messages_immediately(
     assert len(Noted.seen) == 1
 
 
-def test_after_a_first_request_messages_are_drawn_immediately(graph: Graph, heard: list[Sample]) -> None:
+def test_after_a_first_request_messages_are_drawn_immediately(
+    graph: Graph, processed_samples: list[Sample]
+) -> None:
     viewer = Unseen()
     viewer.add("Marker", "/m")
     publish(graph, "/m", marker())
-    assert heard == []
+    assert processed_samples == []
     assert list(chain(viewer.scene.objects()))
     publish(graph, "/m", marker(number=2))
-    assert len(heard) == 2
+    assert len(processed_samples) == 2

@@ -47,7 +47,7 @@ def battery(percentage: float, frame: str = "base") -> BatteryState:
     return message
 
 
-def shown(bench: Bench, percentage: float = 0.5) -> Display:
+def show_battery(bench: Bench, percentage: float = 0.5) -> Display:
     display = bench.session.add(CLASS, "Battery", {"Topic": "/battery"})
     bench.transform("map", "base", (2.0, 0.0, 0.0))
     bench.publish("/battery", battery(percentage))
@@ -64,7 +64,7 @@ def bar(bench: Bench) -> Solids:
 @pytest.mark.usefixtures("lesson")
 def test_custom_display_draws_messages_in_their_frame() -> None:
     bench = Bench()
-    display = shown(bench)
+    display = show_battery(bench)
     np.testing.assert_allclose(
         bar(bench).placements[0], np.diag([0.1, 0.1, 0.5, 1]) + 0.25 * np.eye(4)[2][:, None] * np.eye(4)[3]
     )
@@ -89,7 +89,7 @@ def test_custom_display_waits_for_its_frame() -> None:
 @pytest.mark.usefixtures("lesson")
 def test_custom_display_is_saved_in_a_layout_and_restored(tmp_path: Path) -> None:
     bench = Bench()
-    shown(bench)["Height"] = 2.0
+    show_battery(bench)["Height"] = 2.0
     save_rviz(bench.session, tmp_path / "mine.rviz")
     reloaded = RvizSession(Scene())
     reloaded.apply(read_layout(tmp_path / "mine.rviz"))
@@ -118,7 +118,7 @@ def test_exception_in_the_drawing_method_is_a_status_and_later_messages_are_draw
             return {"bar": solid("box", size=(1, 1, 1 / message.percentage))}
 
     bench = Bench()
-    display = shown(bench, 0.0)
+    display = show_battery(bench, 0.0)
     level, text = bench.status(display, "Drawing") or ("", "")
     assert level == "error"
     assert "ZeroDivisionError" in text

@@ -20,7 +20,7 @@ def playback() -> Playback:
     )  # at 0 s a marker, at 1 s another, which is gone at 2 s
 
 
-def seen(playback: Playback) -> int:
+def count_visible(playback: Playback) -> int:
     scene = playback.session.context.scene
     return sum("Marker" in path and scene.visible(path) for path in scene.objects())
 
@@ -38,9 +38,9 @@ def test_seeking_shows_the_same_scene_as_a_replay_up_to_that_time(
 
 def test_playback_pauses_at_the_end_until_played_again(playback: Playback) -> None:
     playback.advance(1.5)
-    assert seen(playback) == 2
+    assert count_visible(playback) == 2
     playback.advance(9.0)
-    assert seen(playback) == 1
+    assert count_visible(playback) == 1
     assert (playback.time().elapsed, playback.paused) == (2.0, True)
     playback.advance(1.0)
     assert playback.time().elapsed == 2.0
@@ -52,7 +52,7 @@ def test_loop_restarts_and_rate_scales_the_playback(playback: Playback) -> None:
     playback.act(TimeChange(loop=True, rate=2))
     playback.advance(1.75)
     assert playback.time().elapsed == pytest.approx(1.5)
-    assert seen(playback) == 2
+    assert count_visible(playback) == 2
     assert not playback.paused
 
 

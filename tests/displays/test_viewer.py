@@ -19,7 +19,7 @@ from course_lib.robots.robot import load_robot
 from course_lib.ros.graph.graph import Graph
 from course_lib.viewer import encoding
 from tests.displays.bench import marker
-from tests.displays.stage import LATCHED, publish, shown
+from tests.displays.stage import LATCHED, publish, visible_nodes
 from tests.displays.test_layout import LAYOUT
 
 
@@ -36,14 +36,14 @@ def test_new_viewer_shows_a_grid_in_its_fixed_frame(graph: Graph) -> None:
     viewer = Viewer(fixed_frame="odom")
     assert [display.name for display in viewer.displays] == ["Grid"]
     assert viewer.fixed_frame == "odom"
-    assert shown(viewer) == {"Grid"}
+    assert visible_nodes(viewer) == {"Grid"}
 
 
 def test_display_shows_published_messages(graph: Graph) -> None:
     viewer = Viewer()
     viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())
-    assert shown(viewer) == {"Grid", "Marker"}
+    assert visible_nodes(viewer) == {"Grid", "Marker"}
     assert ("Marker", "Topic", "ok", "1 messages received at inf hz.") in viewer.statuses()
 
 
@@ -51,10 +51,10 @@ def test_late_joining_display_needs_transient_local_to_receive_latched_messages(
     publish(graph, "/m", marker(), LATCHED)
     viewer = Viewer()
     display = viewer.add("Marker", topic="/m")
-    assert shown(viewer) == {"Grid"}
+    assert visible_nodes(viewer) == {"Grid"}
     assert "set Durability Policy to Transient Local" in str(viewer.statuses())
     display["Durability Policy"] = "Transient Local"
-    assert shown(viewer) == {"Grid", "Marker"}
+    assert visible_nodes(viewer) == {"Grid", "Marker"}
     assert "Transient Local" not in str(viewer.statuses())
 
 
@@ -71,7 +71,7 @@ def test_markers_expire_by_robot_time(graph: Graph) -> None:
     fading = marker()
     fading.lifetime.sec = 1
     publish(graph, "/m", fading)
-    assert shown(viewer) == {"Grid", "Marker"}
+    assert visible_nodes(viewer) == {"Grid", "Marker"}
     graph.call_at(graph.now_ns + 2 * 10**9, lambda: None, node=1, entity=0)
     graph.advance()
     assert "displays/Marker/n/0/body" not in viewer.scene.objects()

@@ -15,7 +15,7 @@ from course_lib.ros.graph.graph import Graph
 from course_lib.ros.time import pace
 from course_lib.viewer.widget import side_panel
 from tests.displays.bench import marker
-from tests.displays.stage import publish, shown, wait
+from tests.displays.stage import publish, visible_nodes, wait
 
 
 def test_closed_viewer_receives_no_messages_and_can_be_closed_again(graph: Graph) -> None:
@@ -24,7 +24,7 @@ def test_closed_viewer_receives_no_messages_and_can_be_closed_again(graph: Graph
     viewer.close()
     viewer.close()
     publish(graph, "/m", marker())
-    assert shown(viewer) == {"Grid"}
+    assert visible_nodes(viewer) == {"Grid"}
 
 
 def test_cell_output_contains_the_view_an_image_and_the_statuses(graph: Graph) -> None:
@@ -113,7 +113,7 @@ def test_referenced_viewer_keeps_running_without_a_page_and_can_be_shown_again(g
     view.link.receive({"type": "views", "count": 0})
     viewer.add("Marker", topic="/m")
     publish(graph, "/m", marker())
-    assert shown(viewer) == {"Grid", "Marker"}
+    assert visible_nodes(viewer) == {"Grid", "Marker"}
     view.link.receive({"type": "views", "count": 1})
     assert view.keeps is viewer
     viewer.close()
@@ -138,12 +138,12 @@ def test_program_opens_its_viewer_in_a_browser_tab_until_it_is_closed(
 def test_beside_option_shows_the_viewer_in_the_cell_if_no_page_docks_it(
     graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shown: list[object] = []
-    monkeypatch.setattr("IPython.display.display", shown.append)
+    visible_nodes: list[object] = []
+    monkeypatch.setattr("IPython.display.display", visible_nodes.append)
     monkeypatch.delitem(sys.modules, "sidecar", raising=False)
     viewer = Viewer()
     viewer.beside()
-    assert shown == [viewer]
+    assert visible_nodes == [viewer]
     assert "sidecar" not in sys.modules
     assert viewer._cell._view is not None
     assert viewer._cell._view.beside

@@ -116,10 +116,10 @@ def test_options_documented_as_missing_are_rejected(command: str) -> None:
 @pytest.mark.parametrize("name", [name for cell in NAMES for name in code(cell)])
 def test_name_documented_as_missing_does_not_exist(name: str) -> None:
     with pytest.raises((ImportError, AttributeError)):
-        found(name)
+        find_object(name)
 
 
-def found(name: str) -> object:
+def find_object(name: str) -> object:
     """Return the module, class or function of a dotted name. All components except the last must exist."""
     module, _, rest = name.partition(".")
     drawable: object = importlib.import_module(module)

@@ -52,7 +52,7 @@ def collected(
     return collect(tmp_path / "in.zip", tmp_path / out, UTC, **more)  # type: ignore[arg-type]
 
 
-def found_in(out: Path) -> dict[str, list[str]]:
+def exercises_by_student(out: Path) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for one in find_submissions(out):
         found.setdefault(one.student.removeprefix("participant410000"), []).append(one.exercise)
@@ -75,7 +75,7 @@ def test_other_weeks_in_a_zip_are_ignored_and_listed(tmp_path: Path) -> None:
         tmp_path,
         {"Ada": {"all.zip": whole_course()}, "Bob": {"week02_exercise.ipynb": work(2)}},
     )
-    assert found_in(tmp_path / "out") == {
+    assert exercises_by_student(tmp_path / "out") == {
         "1": ["week01_exercise", "week02_exercise"],
         "2": ["week01_exercise", "week02_exercise"],
     }
@@ -98,7 +98,7 @@ def test_other_weeks_in_a_zip_are_ignored_and_listed(tmp_path: Path) -> None:
 
 def test_exercise_submitted_by_every_student_is_detected(tmp_path: Path) -> None:
     collection = collected(tmp_path, {"Ada": {"all.zip": whole_course()}, "Bob": {NAME: work(1)}})
-    assert found_in(tmp_path / "out") == {"1": ["week01_exercise"], "2": ["week01_exercise"]}
+    assert exercises_by_student(tmp_path / "out") == {"1": ["week01_exercise"], "2": ["week01_exercise"]}
     assert any(
         "it is week02_exercise, but this download counts for week01_exercise" in line
         for line in collection.aside
@@ -119,7 +119,7 @@ def test_ambiguous_exercise_is_an_error_and_nothing_is_collected(tmp_path: Path)
         collected(tmp_path, files)
     del files["Ada"]["week02_exercise.ipynb"]
     collected(tmp_path, files, exercise="week01")
-    assert found_in(tmp_path / "out") == {"1": ["week01_exercise"], "2": ["week01_exercise"]}
+    assert exercises_by_student(tmp_path / "out") == {"1": ["week01_exercise"], "2": ["week01_exercise"]}
     assert rejected_in(tmp_path / "out") == {
         "3": "week01_exercise: week02_exercise.ipynb: it is week02_exercise, not week01_exercise. Submit "
         "week01_exercise.ipynb, or the zip that `course submit` writes"
@@ -130,7 +130,7 @@ def test_rejection_is_kept_when_the_same_file_is_accepted_for_another_exercise(t
     wrong = {"Ada": {"week02_exercise.ipynb": work(2)}, "Bob": {"notes.pdf": b"1"}}
     collected(tmp_path, wrong, exercise="week01")
     collected(tmp_path, wrong, exercise="week02")
-    assert found_in(tmp_path / "out")["1"] == ["week02_exercise"]
+    assert exercises_by_student(tmp_path / "out")["1"] == ["week02_exercise"]
     refused = {one.exercise for one in find_submissions(tmp_path / "out", with_refused=True) if one.problem}
     assert rejected_in(tmp_path / "out")["1"].startswith("week01_exercise: week02_exercise.ipynb")
     assert refused == {"week01_exercise", "week02_exercise"}
@@ -169,12 +169,12 @@ def test_nbgrader_folder_with_several_assignments_is_sorted_by_assignment(tmp_pa
     (tmp_path / "in/submitted/bob/week02/week01_exercise.ipynb").write_bytes(work(1, "late = 1"))
     collection = collect(tmp_path / "in", tmp_path / "out", UTC)
     both = ["week01_exercise", "week02_exercise"]
-    assert found_in(tmp_path / "out") == {"ada": both, "bob": both}
+    assert exercises_by_student(tmp_path / "out") == {"ada": both, "bob": both}
     assert len(collection.aside) == 1
     bobs = {one.exercise: one.path for one in find_submissions(tmp_path / "out") if one.student == "bob"}
     assert bobs["week01_exercise"].parent.name == "week01"
     collect(tmp_path / "in", tmp_path / "2", UTC, exercise="week02")
-    assert found_in(tmp_path / "2") == {"ada": both[1:], "bob": both[1:]}
+    assert exercises_by_student(tmp_path / "2") == {"ada": both[1:], "bob": both[1:]}
 
 
 def stripped(data: bytes) -> bytes:
@@ -267,7 +267,7 @@ NAMES = ("week01_exercise.ipynb.txt", "week01_exercise.json", "week01_exercise.i
 @pytest.mark.parametrize("name", NAMES)
 def test_notebook_renamed_by_the_operating_system_is_accepted(tmp_path: Path, name: str) -> None:
     collection = collected(tmp_path, {"Ada": {name: work(1)}})
-    assert (collection.refused, found_in(tmp_path / "out")) == ([], {"1": ["week01_exercise"]})
+    assert (collection.refused, exercises_by_student(tmp_path / "out")) == ([], {"1": ["week01_exercise"]})
 
 
 @pytest.mark.parametrize("name", NAMES[:3])
@@ -294,7 +294,7 @@ def with_outputs(size: int) -> bytes:
 def test_large_outputs_are_removed_while_reading(tmp_path: Path) -> None:
     large = with_outputs(15_000_000)
     collected(tmp_path, {"Ada": {NAME: large}, "Bob": {"hw.zip": zipped({NAME: large})}})
-    assert found_in(tmp_path / "out") == {"1": ["week01_exercise"], "2": ["week01_exercise"]}
+    assert exercises_by_student(tmp_path / "out") == {"1": ["week01_exercise"], "2": ["week01_exercise"]}
     assert (tmp_path / "out/participant4100001" / NAME).stat().st_size < 1000
     (tmp_path / "hand/ada").mkdir(parents=True)
     (tmp_path / "hand/ada" / NAME).write_bytes(large)

@@ -50,7 +50,7 @@ def sort(tmp_path: Path) -> Callable[[Bytes], Collection]:
 Sort = Callable[[Bytes], Collection]
 
 
-def kept(out: Path) -> list[str]:
+def collected_files(out: Path) -> list[str]:
     return sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file())
 
 
@@ -60,7 +60,11 @@ def test_moodle_zip_is_collected_with_both_naming_schemes(sort: Sort, tmp_path: 
         f"Bob O'Neil_777_assignsubmission_file_{NAME}": notebook("b = 1"),
         "Bob O'Neil_777_assignsubmission_onlinetext_/onlinetext.html": b"<p>",
     })  # fmt: skip
-    assert kept(tmp_path / "out") == [f"participant12345/{NAME}", f"participant777/{NAME}", "received.csv"]
+    assert collected_files(tmp_path / "out") == [
+        f"participant12345/{NAME}",
+        f"participant777/{NAME}",
+        "received.csv",
+    ]
     assert len(collection.refused) == 1
     by_student = {s.student: s.received for s in find_submissions(tmp_path / "out")}
     assert {(r.time, r.source) for r in by_student.values()} == {
@@ -77,7 +81,7 @@ def test_canvas_names_with_late_marker_and_second_attempt_are_collected(sort: So
         "bobsonbob_12_902_week01_exercise-1.ipynb": notebook("b = 2"),
     })  # fmt: skip
     assert not collection.refused
-    assert kept(tmp_path / "out") == [
+    assert collected_files(tmp_path / "out") == [
         f"11/{NAME}",
         "12/week01_exercise-1.ipynb",
         f"12/{NAME}",
@@ -107,7 +111,7 @@ def test_platform_csv_maps_numbers_to_student_ids(sort: Sort, tmp_path: Path) ->
     (tmp_path / "in.zip").write_bytes(zipped({f"Ada L_12345_assignsubmission_file_/{NAME}": notebook()}))
     (tmp_path / "grades.csv").write_text("Identifier,ID number\nParticipant 12345,A 7\nParticipant 8,b\n")
     collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN, tmp_path / "grades.csv", "ID number")
-    assert kept(tmp_path / "out") == [f"a7/{NAME}", "received.csv"]
+    assert collected_files(tmp_path / "out") == [f"a7/{NAME}", "received.csv"]
     assert "note: student IDs are from the column 'ID number' of grades.csv" in collection.notes
 
 
@@ -160,7 +164,7 @@ def test_nbgrader_folders_keep_their_timestamps(tmp_path: Path) -> None:
 def test_repeated_collect_changes_nothing_and_a_new_version_is_added(sort: Sort, tmp_path: Path) -> None:
     for code in ("x = 1", "x = 1", "x = 2"):
         sort({f"ada/{NAME}": notebook(code)})
-    assert kept(tmp_path / "out") == ["ada/week01_exercise-2.ipynb", f"ada/{NAME}", "received.csv"]
+    assert collected_files(tmp_path / "out") == ["ada/week01_exercise-2.ipynb", f"ada/{NAME}", "received.csv"]
 
 
 def test_nested_archives_belong_to_the_student_of_the_outer_archive(sort: Sort, tmp_path: Path) -> None:
@@ -174,7 +178,7 @@ def test_nested_archives_belong_to_the_student_of_the_outer_archive(sort: Sort, 
         }
     )
     mine = f"ada/Bob_99_assignsubmission_file_/{NAME}"
-    assert kept(tmp_path / "out") == [mine, f"participant99/{NAME}", "received.csv"]
+    assert collected_files(tmp_path / "out") == [mine, f"participant99/{NAME}", "received.csv"]
     assert "timestamp.txt: unsupported file type; expected one of" in collection.refused[0]
 
 
@@ -216,7 +220,7 @@ def test_unsafe_files_are_rejected_and_the_rest_is_collected(sort: Sort, tmp_pat
     assert why in collection.refused[0]
     assert len(collection.refused) == 1
     assert all(line.isprintable() for line in collection.refused)
-    assert kept(tmp_path) == ["in.zip", "out/received.csv", f"out/zoe/{NAME}"]
+    assert collected_files(tmp_path) == ["in.zip", "out/received.csv", f"out/zoe/{NAME}"]
 
 
 def test_first_of_two_archive_members_with_one_name_counts(sort: Sort, tmp_path: Path) -> None:
@@ -240,7 +244,7 @@ def test_name_with_a_null_byte_and_locked_file_are_rejected(sort: Sort, tmp_path
     (tmp_path / "in.zip").write_bytes(data)
     collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
     assert len(collection.refused) == 2
-    assert kept(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
+    assert collected_files(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
 
 
 def test_nested_archive_exceeding_the_size_limit_is_not_unpacked_further(
@@ -252,8 +256,8 @@ def test_nested_archive_exceeding_the_size_limit_is_not_unpacked_further(
     )
     assert "more than 1000 bytes" in collection.refused[0]
     assert len(collection.refused) == 1
-    assert "ada/4.py" not in kept(tmp_path / "out")
-    assert f"zoe/{NAME}" in kept(tmp_path / "out")
+    assert "ada/4.py" not in collected_files(tmp_path / "out")
+    assert f"zoe/{NAME}" in collected_files(tmp_path / "out")
 
 
 def test_symlinks_and_pipes_in_a_folder_are_rejected(tmp_path: Path) -> None:
@@ -266,7 +270,7 @@ def test_symlinks_and_pipes_in_a_folder_are_rejected(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "in/zoe/week03_exercise.ipynb")
     collection = collect(tmp_path / "in", tmp_path / "out", AMMAN)
     assert len(collection.refused) == 3
-    assert kept(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
+    assert collected_files(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ WriteNotebook = Callable[..., Path]
 NAME = "week01_exercise.ipynb"
 
 
-def judged(top: Path) -> dict[str, tuple[str | None, str]]:
+def ids_by_student(top: Path) -> dict[str, tuple[str | None, str]]:
     """By student: whose personal values count, and the flag."""
     return {one.student: (one.values_of, one.id_flag) for one in resolve_ids(find_submissions(top), top)}
 
@@ -55,7 +55,7 @@ def test_folder_name_takes_precedence_over_the_id_in_the_file(
     for folder, claims in {"ada": "ada", "bob": "ada", "cleo": " CLEO ", "dora": "nobody"}.items():
         write_notebook(tmp_path / folder / NAME, "x = 1", student=claims)
     write_notebook(tmp_path / "emil" / NAME, "x = 1")
-    assert judged(tmp_path) == {
+    assert ids_by_student(tmp_path) == {
         "ada": ("ada", ""),
         "bob": ("bob", MISMATCH),
         "cleo": ("cleo", ""),
@@ -68,7 +68,7 @@ def test_platform_number_is_not_a_student_id(tmp_path: Path, write_notebook: Wri
     write_notebook(tmp_path / "participant4101" / NAME, "x = 1", student="ada")
     write_notebook(tmp_path / "Participant_4102" / NAME, "x = 1")
     write_notebook(tmp_path / "Cleo M_4103_assignsubmission_file_" / NAME, "x = 1", student="cleo")
-    assert judged(tmp_path) == {
+    assert ids_by_student(tmp_path) == {
         "participant4101": ("ada", UNVERIFIED),
         "participant_4102": (None, NO_ID),
         "cleom_4103_assignsubmission_file_": ("cleo", UNVERIFIED),
@@ -80,7 +80,7 @@ def test_two_platform_numbers_with_one_id_are_reported_as_a_mismatch(
 ) -> None:
     for folder, claims in {"participant1": "ada", "participant2": "ada", "participant3": "cleo"}.items():
         write_notebook(tmp_path / folder / NAME, "x = 1", student=claims)
-    assert judged(tmp_path) == {
+    assert ids_by_student(tmp_path) == {
         "participant1": ("ada", MISMATCH),
         "participant2": ("ada", MISMATCH),
         "participant3": ("cleo", UNVERIFIED),
@@ -101,7 +101,7 @@ def test_roster_maps_platform_numbers_to_student_ids(
         known = known.replace("Identifier", "ID").replace("Participant ", "")
     (tmp_path / "roster.csv").write_text(known)
     collect(tmp_path / "class.zip", tmp_path / "in", ZoneInfo("UTC"), tmp_path / "roster.csv", "ID number")
-    found = judged(tmp_path / "in")
+    found = ids_by_student(tmp_path / "in")
     assert {key: found[key] for key in ("ada", "bob")} == {"ada": ("ada", ""), "bob": ("bob", MISMATCH)}
     (unknown,) = found.keys() - {"ada", "bob"}
     assert unknown.endswith("4103")

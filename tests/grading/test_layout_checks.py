@@ -43,44 +43,59 @@ ROBOT = (
 )
 
 
-def said(check: Check, layout: Any = LAYOUT) -> str:
+def message_of(check: Check, layout: Any = LAYOUT) -> str:
     """Return the message of a layout check, or "" if it passes."""
     verdict = check.judge(Evidence("week05.x", "public", 0.0, returns=(layout,)))
     return "" if verdict.score == 1 else verdict.message
 
 
 def test_display_in_a_group_is_found_with_its_topic_and_values() -> None:
-    assert said(expect_display("LaserScan", "/scan", properties={"Name": "Laser"})) == ""
-    assert said(expect_display("Grid", properties={"Plane Cell Count": 20})) == ""
+    assert message_of(expect_display("LaserScan", "/scan", properties={"Name": "Laser"})) == ""
+    assert message_of(expect_display("Grid", properties={"Plane Cell Count": 20})) == ""
     policy = {"Topic/Reliability Policy": "Reliable"}
-    assert "is 'Best Effort', expected 'Reliable'" in said(expect_display("LaserScan", properties=policy))
-    assert said(expect_display("LaserScan", "/other")) == "LaserScan subscribes to '/scan', expected '/other'"
+    assert "is 'Best Effort', expected 'Reliable'" in message_of(
+        expect_display("LaserScan", properties=policy)
+    )
+    assert (
+        message_of(expect_display("LaserScan", "/other"))
+        == "LaserScan subscribes to '/scan', expected '/other'"
+    )
 
 
 def test_disabled_display_counts_as_missing() -> None:
-    assert said(expect_display("TF")) == "the layout has no enabled display TF, it has Grid and LaserScan"
+    assert (
+        message_of(expect_display("TF")) == "the layout has no enabled display TF, it has Grid and LaserScan"
+    )
 
 
 def test_global_options_and_view_are_compared() -> None:
-    assert said(expect_layout(fixed_frame="world", view="Orbit", view_properties={"Distance": 8.0})) == ""
-    assert "the Fixed Frame is 'world', expected 'map'" in said(expect_layout(fixed_frame="map"))
-    assert "the view is 'Orbit', expected 'FPS'" in said(expect_layout(view="FPS"))
+    assert (
+        message_of(expect_layout(fixed_frame="world", view="Orbit", view_properties={"Distance": 8.0})) == ""
+    )
+    assert "the Fixed Frame is 'world', expected 'map'" in message_of(expect_layout(fixed_frame="map"))
+    assert "the view is 'Orbit', expected 'FPS'" in message_of(expect_layout(view="FPS"))
 
 
 def test_one_of_several_expected_views_within_its_value_range_passes() -> None:
-    assert said(expect_layout(view=("FPS", "Orbit"), view_within={"Distance": (0.5, 50.0)})) == ""
-    assert said(expect_layout(view=("FPS", "XYOrbit"))) == "the view is 'Orbit', expected 'FPS' or 'XYOrbit'"
+    assert message_of(expect_layout(view=("FPS", "Orbit"), view_within={"Distance": (0.5, 50.0)})) == ""
+    assert (
+        message_of(expect_layout(view=("FPS", "XYOrbit")))
+        == "the view is 'Orbit', expected 'FPS' or 'XYOrbit'"
+    )
     too_far = "'Distance' of the view is 8, expected 0.5 to 5"
-    assert said(expect_layout(view_within={"Distance": (0.5, 5.0)})) == too_far
-    assert said(expect_layout(view_within={"Yaw": (0.0, 1.0)})) == "the view has no Yaw"
+    assert message_of(expect_layout(view_within={"Distance": (0.5, 5.0)})) == too_far
+    assert message_of(expect_layout(view_within={"Yaw": (0.0, 1.0)})) == "the view has no Yaw"
     nowhere = LAYOUT.replace("Distance: 8", "Distance: nan")
-    assert "expected 0.5 to 50" in said(expect_layout(view_within={"Distance": (0.5, 50.0)}), nowhere)
+    assert "expected 0.5 to 50" in message_of(expect_layout(view_within={"Distance": (0.5, 50.0)}), nowhere)
 
 
 def test_topic_without_a_display_or_with_two_is_reported() -> None:
-    assert said(expect_displays_on("/scan")) == ""
-    assert said(expect_displays_on("/scan", "/plan")) == "0 enabled displays subscribe to '/plan', expected 1"
-    assert said(expect_displays_on()) == "1 enabled displays subscribe to '/scan', expected 0"
+    assert message_of(expect_displays_on("/scan")) == ""
+    assert (
+        message_of(expect_displays_on("/scan", "/plan"))
+        == "0 enabled displays subscribe to '/plan', expected 1"
+    )
+    assert message_of(expect_displays_on()) == "1 enabled displays subscribe to '/scan', expected 0"
 
 
 @pytest.mark.parametrize(
@@ -97,16 +112,16 @@ def test_topic_without_a_display_or_with_two_is_reported() -> None:
 def test_similar_display_colors_are_reported(colors: tuple[str, ...], message: str) -> None:
     rows = "".join(f"    - {{Class: rviz_default_plugins/Path, Color: {color}}}\n" for color in colors)
     layout = f"Visualization Manager:\n  Displays:\n{rows}"
-    assert message in said(expect_colors_apart("Path", 100), layout)
-    assert (message == "") == (said(expect_colors_apart("Path", 100), layout) == "")
+    assert message in message_of(expect_colors_apart("Path", 100), layout)
+    assert (message == "") == (message_of(expect_colors_apart("Path", 100), layout) == "")
 
 
 def test_expect_drawn_judges_the_display_of_robot_messages() -> None:
     check = expect_drawn("LaserScan", ROBOT, best_effort=("/scan",))
-    assert said(check) == ""
-    assert "RELIABILITY" in said(check, LAYOUT.replace("Best Effort", "Reliable"))
-    assert "Frame [wrld] does not exist" in said(check, LAYOUT.replace("world", "wrld"))
-    assert "no enabled display LaserScan" in said(check, LAYOUT.replace("LaserScan", "Image"))
+    assert message_of(check) == ""
+    assert "RELIABILITY" in message_of(check, LAYOUT.replace("Best Effort", "Reliable"))
+    assert "Frame [wrld] does not exist" in message_of(check, LAYOUT.replace("world", "wrld"))
+    assert "no enabled display LaserScan" in message_of(check, LAYOUT.replace("LaserScan", "Image"))
 
 
 @pytest.mark.parametrize(
@@ -130,12 +145,12 @@ def test_invalid_layout_fails_with_a_message(layout: Any) -> None:
         expect_colors_apart("Path", 100),
         expect_displays_on("/scan"),
     )
-    assert all(said(check, layout) for check in checks)
+    assert all(message_of(check, layout) for check in checks)
 
 
 def test_grid_with_a_billion_cells_is_judged_quickly() -> None:
     layout = LAYOUT.replace("Plane Cell Count: 20", "Plane Cell Count: 1000000000")
-    assert said(expect_drawn("LaserScan", ROBOT, best_effort=("/scan",)), layout) == ""
+    assert message_of(expect_drawn("LaserScan", ROBOT, best_effort=("/scan",)), layout) == ""
 
 
 @pytest.mark.slow

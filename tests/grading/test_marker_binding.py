@@ -64,7 +64,7 @@ def evidence_of(publish: Publish, seconds: float, hz: float, **more: Any) -> Evi
     return Evidence("week01.demo", "public", seconds, samples, **more)
 
 
-def judged(task_id: str, publish: Publish, hz: float = 1.0, **personal: Any) -> TaskResult:
+def judge_messages(task_id: str, publish: Publish, hz: float = 1.0, **personal: Any) -> TaskResult:
     """Judge the messages of a node by the public and hidden scenarios of a task of the course."""
     catalog = load_catalog(exercises_dir(), solutions_dir())
     task = catalog.task(task_id)
@@ -78,7 +78,7 @@ def judged(task_id: str, publish: Publish, hz: float = 1.0, **personal: Any) -> 
     return judge_task(task, *catalog.points(task), runs)
 
 
-def judged_by(checks: Sequence[Check], publish: Publish, **personal: Any) -> TaskResult:
+def judge_by_checks(checks: Sequence[Check], publish: Publish, **personal: Any) -> TaskResult:
     """Judge the messages of a node by the checks of one scenario."""
     scenario = Scenario("public", seconds=6.0, checks=tuple(checks))
     task = Task("week01.demo", "A demo", "node", "Demo", HINTS, (scenario,))
@@ -92,27 +92,27 @@ WRONG = (
 )
 
 
-def judged_alone(one: Any) -> float:
-    return judged("week01.red_cube", lambda _: [one]).score
+def score_alone(one: Any) -> float:
+    return judge_messages("week01.red_cube", lambda _: [one]).score
 
 
 @pytest.mark.slow
 def test_three_incorrect_markers_score_as_the_best_one() -> None:
-    together = judged("week01.red_cube", lambda _: list(WRONG))
-    alone = [judged_alone(one) for one in WRONG]
+    together = judge_messages("week01.red_cube", lambda _: list(WRONG))
+    alone = [score_alone(one) for one in WRONG]
     assert together.score == max(alone) < 7.5
 
 
 def test_correct_marker_gets_full_marks() -> None:
-    assert judged("week01.red_cube", lambda _: [red_cube()]).score == 15
+    assert judge_messages("week01.red_cube", lambda _: [red_cube()]).score == 15
 
 
 def test_marker_array_published_in_each_timer_callback_gets_full_marks() -> None:
-    assert judged("week01.red_cube", lambda _: [MarkerArray(markers=[red_cube()])]).score == 15
+    assert judge_messages("week01.red_cube", lambda _: [MarkerArray(markers=[red_cube()])]).score == 15
 
 
 def test_marker_replacing_an_earlier_one_gets_full_marks() -> None:
-    result = judged("week01.red_cube", lambda at: [red_cube() if at > 2 else cylinder(0.6, 0)])
+    result = judge_messages("week01.red_cube", lambda at: [red_cube() if at > 2 else cylinder(0.6, 0)])
     assert result.score == 15
 
 
@@ -124,16 +124,16 @@ def test_deleting_an_earlier_marker_gets_full_marks(action: int) -> None:
     def gone() -> Any:
         return marker(Marker.CYLINDER, (0, 0, 0), (1, 1, 1), (1, 1, 1, 1), id=5, action=action)
 
-    assert judged("week01.red_cube", publish).score == 15
+    assert judge_messages("week01.red_cube", publish).score == 15
 
 
 def test_new_id_per_message_with_a_lifetime_of_one_period_gets_full_marks() -> None:
     life = Duration(seconds=1).to_msg()
-    assert judged("week01.red_cube", lambda at: [red_cube(round(at), lifetime=life)]).score == 15
+    assert judge_messages("week01.red_cube", lambda at: [red_cube(round(at), lifetime=life)]).score == 15
 
 
 def test_correct_marker_among_extra_markers_fails_one_check() -> None:
-    result = judged("week01.red_cube", lambda _: [red_cube(), cylinder(0.6, 1)])
+    result = judge_messages("week01.red_cube", lambda _: [red_cube(), cylinder(0.6, 1)])
     assert 9 <= result.score <= 12
     assert {check.mistake for check in result.checks if not check.passed} == {SURPLUS}
     assert (
@@ -147,8 +147,8 @@ def test_cylinders_of_every_height_do_not_earn_the_personal_value(height: float)
     def publish(_: float) -> list[Any]:
         return [cylinder(one, number) for number, one in enumerate(HEIGHTS)]
 
-    assert judged("week01.blue_cylinder", lambda _: [cylinder(height)], height=height).score == 20
-    result = judged("week01.blue_cylinder", publish, height=height)
+    assert judge_messages("week01.blue_cylinder", lambda _: [cylinder(height)], height=height).score == 20
+    result = judge_messages("week01.blue_cylinder", publish, height=height)
     assert result.score <= 20 * 0.3
     assert not any(check.passed for check in result.checks if "your" in check.title)
 
@@ -163,9 +163,9 @@ def test_short_lifetimes_do_not_hide_markers_of_every_height(lifetime: float) ->
             one.lifetime = life
         return made
 
-    result = judged("week01.blue_cylinder", publish, height=1.2)
+    result = judge_messages("week01.blue_cylinder", publish, height=1.2)
     assert result.score <= 20 * 0.3
-    every = judged(
+    every = judge_messages(
         "week01.blue_cylinder", lambda at: [with_life(one, life) for one in publish(at)], height=1.2
     )
     assert every.score <= 20 * 0.3
@@ -179,12 +179,12 @@ def with_life(one: Any, life: Any) -> Any:
 def test_extra_markers_fail_a_full_check_even_if_the_last_check_has_a_low_weight() -> None:
     boxes = [red_cube(), cylinder(0.6, 1)]
     checks = (SHAPE, PLACE, RED, expect_marker(TOPIC, ns="shapes").titled("the name").worth(0.2))
-    assert failing(judged_by(checks, lambda _: boxes)) == [RED.title]
+    assert failing(judge_by_checks(checks, lambda _: boxes)) == [RED.title]
 
 
 def test_fading_trail_of_new_ids_is_not_counted_as_extra_markers() -> None:
     life = Duration(seconds=1.05).to_msg()
-    assert judged("week01.red_cube", lambda at: [red_cube(round(at), lifetime=life)]).score == 15
+    assert judge_messages("week01.red_cube", lambda at: [red_cube(round(at), lifetime=life)]).score == 15
 
 
 @pytest.mark.slow
@@ -200,7 +200,7 @@ def test_node_that_publishes_everything_does_not_get_full_marks_for_four_tasks()
         return [red_cube(), cylinder(1.2, 1), *spheres, route]
 
     for task, points in (("red_cube", 20), ("blue_cylinder", 25), ("traffic_light", 25)):
-        result = judged(f"week01.{task}", publish, height=1.2)
+        result = judge_messages(f"week01.{task}", publish, height=1.2)
         assert result.score < 0.8 * points, task
 
 
@@ -216,27 +216,27 @@ def failing(result: TaskResult) -> list[str]:
 
 def test_extra_markers_pass_if_a_check_allows_them() -> None:
     checks = (SHAPE, PLACE, expect_marker(TOPIC, color=(1, 0, 0), allow_others=True))
-    assert judged_by(checks, lambda _: [red_cube(), cylinder(0.6, 1)]).score == 20
+    assert judge_by_checks(checks, lambda _: [red_cube(), cylinder(0.6, 1)]).score == 20
 
 
 def test_markers_required_by_a_count_check_are_not_extra() -> None:
     checks = (SHAPE, PLACE, RED, expect_marker_count(TOPIC, 2))
-    assert judged_by(checks, lambda _: [red_cube(), cylinder(0.6, 1)]).score == 20
-    result = judged_by(checks, lambda _: [red_cube(), cylinder(0.6, 1), cylinder(0.8, 2)])
+    assert judge_by_checks(checks, lambda _: [red_cube(), cylinder(0.6, 1)]).score == 20
+    result = judge_by_checks(checks, lambda _: [red_cube(), cylinder(0.6, 1), cylinder(0.8, 2)])
     assert failing(result) == ["the number of markers on /visualization_marker"]
 
 
 def test_count_of_one_type_does_not_allow_other_types() -> None:
     checks = (SHAPE, PLACE, RED, expect_marker_count(TOPIC, 1, type="CUBE"))
-    assert failing(judged_by(checks, lambda _: [red_cube(), cylinder(0.6, 1)])) == [RED.title]
+    assert failing(judge_by_checks(checks, lambda _: [red_cube(), cylinder(0.6, 1)])) == [RED.title]
 
 
 def test_contradicting_checks_are_bound_to_different_markers() -> None:
     checks = (RED.titled("red"), BLUE.titled("blue"), SHAPE)
     both = [red_cube(0), marker(Marker.CUBE, (3, 0, 0), (1, 1, 1), (0, 0, 1, 1), id=1)]
-    assert judged_by(checks, lambda _: both).score == 20
+    assert judge_by_checks(checks, lambda _: both).score == 20
     other = [red_cube(0), marker(Marker.CUBE, (3, 0, 0), (2, 1, 1), (0, 0, 1, 1), id=1)]
-    assert failing(judged_by(checks, lambda _: other)) == [SHAPE.title]
+    assert failing(judge_by_checks(checks, lambda _: other)) == [SHAPE.title]
 
 
 def label(number: int, letters: float, ns: str = "labels") -> Any:
@@ -254,8 +254,8 @@ LABELS = (
 
 
 def test_labels_of_one_size_are_judged_together() -> None:
-    assert judged_by(LABELS, lambda _: [label(1, 0.25), label(2, 0.25)], letters=0.25).score == 20
-    mixed = judged_by(LABELS, lambda _: [label(1, 0.25), label(2, 0.35)], letters=0.25)
+    assert judge_by_checks(LABELS, lambda _: [label(1, 0.25), label(2, 0.25)], letters=0.25).score == 20
+    mixed = judge_by_checks(LABELS, lambda _: [label(1, 0.25), label(2, 0.35)], letters=0.25)
     assert failing(mixed) == ["letters of your height"]
 
 
@@ -263,12 +263,12 @@ def test_labels_in_every_size_do_not_earn_the_personal_value() -> None:
     def publish(_: float) -> list[Any]:
         return [label(number, one, f"labels{one}") for number in (1, 2) for one in LETTERS]
 
-    result = judged_by(LABELS, publish, letters=0.25)
+    result = judge_by_checks(LABELS, publish, letters=0.25)
     assert failing(result) == ["two", "letters of your height"]
 
 
 def test_missing_label_does_not_fail_the_other_labels() -> None:
-    result = judged_by(LABELS, lambda _: [label(1, 0.25), label(3, 0.25)], letters=0.25)
+    result = judge_by_checks(LABELS, lambda _: [label(1, 0.25), label(3, 0.25)], letters=0.25)
     assert failing(result) == ["second"]
 
 
@@ -287,8 +287,8 @@ def test_circle_check_uses_the_marker_with_the_expected_color() -> None:
         .titled("a circle")
         .worth(2),
     )
-    assert failing(judged_by(checks, publish)) == ["purple"]
-    right = judged_by(checks, lambda at: [publish(at)[0], red_cube(2)])
+    assert failing(judge_by_checks(checks, publish)) == ["purple"]
+    right = judge_by_checks(checks, lambda at: [publish(at)[0], red_cube(2)])
     assert failing(right) == ["purple"]
 
 
@@ -297,14 +297,14 @@ def test_message_fields_are_compared_with_the_bound_marker() -> None:
 
     checks = (SHAPE, expect_marker(TOPIC, position=(0, 0, 0.5), allow_others=True))
     alpha = expect_message(TOPIC, {"color.a": 0.8}).titled("alpha")
-    assert judged_by((*checks, alpha), lambda _: [red_cube(), cylinder(0.6, 1)]).score == 20
+    assert judge_by_checks((*checks, alpha), lambda _: [red_cube(), cylinder(0.6, 1)]).score == 20
     other = expect_message(TOPIC, {"color.a": 1.0}).titled("alpha")
-    assert failing(judged_by((*checks, other), lambda _: [red_cube(), cylinder(0.6, 1)])) == ["alpha"]
+    assert failing(judge_by_checks((*checks, other), lambda _: [red_cube(), cylinder(0.6, 1)])) == ["alpha"]
 
 
 @pytest.mark.slow
 def test_many_markers_are_judged_within_the_time_limit() -> None:
     flood = [MarkerArray(markers=[red_cube(number) for number in range(5000)])]
-    result = judged_by((SHAPE, PLACE, RED), lambda at: flood if at == 6 else [])
+    result = judge_by_checks((SHAPE, PLACE, RED), lambda at: flood if at == 6 else [])
     assert not any(check.broken for check in result.checks)
     assert failing(result) == [RED.title]

@@ -63,7 +63,7 @@ def test_penalty_has_a_maximum_and_ends_with_the_last_accepted_day() -> None:
     assert [Mark.of(tasks, days, late).final for days in (0, 2, 3, 7, 8)] == [80, 64, 56, 56, 0]
 
 
-def judged(*checks: Check) -> TaskResult:
+def judge_checks(*checks: Check) -> TaskResult:
     demo = Task("week01.demo", "A demo", "value", "demo", ("one", "two", "three"))
     run = Run(Scenario("public", checks=checks), Evidence("week01.demo", "public", 1.0))
     return judge_task(demo, 50, False, [run])
@@ -74,15 +74,15 @@ def scoring(score: float) -> Check:
 
 
 def test_points_are_distributed_by_check_weight() -> None:
-    assert judged(scoring(1.0).worth(3), scoring(0.0)).score == 37.5
-    assert judged(scoring(1.0), scoring(0.0).worth(0)).score == 50
-    assert judged(scoring(0.25)).score == 12.5
-    assert judged().score == 0
+    assert judge_checks(scoring(1.0).worth(3), scoring(0.0)).score == 37.5
+    assert judge_checks(scoring(1.0), scoring(0.0).worth(0)).score == 50
+    assert judge_checks(scoring(0.25)).score == 12.5
+    assert judge_checks().score == 0
 
 
 @pytest.mark.parametrize("score", [float("nan"), -1.0, 2.0])
 def test_none_score_counts_as_zero(score: float) -> None:
-    assert judged(scoring(score)).score == 0
+    assert judge_checks(scoring(score)).score == 0
 
 
 def raising(evidence: Evidence) -> Verdict:
@@ -90,7 +90,7 @@ def raising(evidence: Evidence) -> Verdict:
 
 
 def test_raising_check_scores_zero_and_needs_review() -> None:
-    result = judged(Check("my check", raising), scoring(1.0))
+    result = judge_checks(Check("my check", raising), scoring(1.0))
     assert (result.score, result.needs_hand_mark) == (25, True)
     assert result.checks[0].broken == "tests/grading/test_marks.py line 88: KeyError: 'week01.demo'"
     assert "KeyError" not in result.checks[0].message + result.checks[0].mistake
@@ -98,11 +98,11 @@ def test_raising_check_scores_zero_and_needs_review() -> None:
 
 
 def test_broken_check_without_points_does_not_withhold_the_mark() -> None:
-    assert not judged(Check("my check", raising).worth(0), scoring(1.0)).needs_hand_mark
+    assert not judge_checks(Check("my check", raising).worth(0), scoring(1.0)).needs_hand_mark
 
 
 def test_check_reports_a_broken_required_check() -> None:
-    result = judged(scoring(1.0).requiring(Check("my check", raising)))
+    result = judge_checks(scoring(1.0).requiring(Check("my check", raising)))
     assert (result.checks[0].score, result.checks[0].broken) == (
         0,
         "tests/grading/test_marks.py line 88: KeyError: 'week01.demo'",
@@ -114,7 +114,7 @@ NO_NUMBER: Any = "a"
 
 @pytest.mark.parametrize("answer", [None, 1.0, Verdict(NO_NUMBER, "m")])
 def test_check_returning_an_invalid_verdict_is_reported_as_broken(answer: Any) -> None:
-    assert judged(Check("c", lambda _: answer)).needs_hand_mark
+    assert judge_checks(Check("c", lambda _: answer)).needs_hand_mark
 
 
 def test_required_check_is_evaluated_once_per_run() -> None:
@@ -125,7 +125,7 @@ def test_required_check_is_evaluated_once_per_run() -> None:
         return Verdict(1.0, "m")
 
     shaped = Check("shape", shape)
-    assert judged(shaped, *[scoring(1.0).requiring(shaped)] * 5).passed
+    assert judge_checks(shaped, *[scoring(1.0).requiring(shaped)] * 5).passed
     assert calls == ["public"]
 
 

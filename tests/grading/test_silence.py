@@ -14,7 +14,7 @@ from course_lib.grading import (
     expect_throughout,
 )
 from course_lib.grading.evidence import all_checks
-from tests.grading.test_marker_binding import judged, marker, red_cube
+from tests.grading.test_marker_binding import judge_messages, marker, red_cube
 
 MakeEvidence = Callable[..., Evidence]
 Publish = Callable[[float], bool]
@@ -70,8 +70,8 @@ def test_topic_may_be_silent_until_it_is_expected(evidence: MakeEvidence) -> Non
 
 
 def test_node_that_stops_publishing_fails_its_content_checks() -> None:
-    assert judged("week01.red_cube", lambda _: [red_cube()]).score == 15
-    result = judged("week01.red_cube", lambda at: [red_cube()] if at <= 7 else [])
+    assert judge_messages("week01.red_cube", lambda _: [red_cube()]).score == 15
+    result = judge_messages("week01.red_cube", lambda at: [red_cube()] if at <= 7 else [])
     hidden = [check for check in result.checks if check.hidden and check.weight]
     assert hidden
     assert result.score <= 11

@@ -59,7 +59,7 @@ def give_processors(cpus: set[int], *pids: int) -> None:
             os.sched_setaffinity(pid, cpus)
 
 
-def made(*cells: str, total: float = 2 * LIMIT) -> tuple[Evidence, CellLog]:
+def run_cells(*cells: str, total: float = 2 * LIMIT) -> tuple[Evidence, CellLog]:
     limits = Limits(cell_seconds=LIMIT, scenario_seconds=LIMIT, total_seconds=total)
     with closing(SubmissionRun(cells, {BUSY.id: {}}, limits)) as session:
         return session.run(BUSY, BUSY.scenarios[0]), session.log
@@ -68,7 +68,7 @@ def made(*cells: str, total: float = 2 * LIMIT) -> tuple[Evidence, CellLog]:
 @pytest.mark.slow
 @pytest.mark.usefixtures("starved")
 def test_cpu_wait_time_of_a_starved_submission_is_not_counted() -> None:
-    evidence, log = made(WORK, "work()", "work()")
+    evidence, log = run_cells(WORK, "work()", "work()")
     assert (log.limit, log.stopped, evidence.stopped, evidence.errors) == ("", {}, "", ())
 
 
@@ -76,7 +76,7 @@ def test_cpu_wait_time_of_a_starved_submission_is_not_counted() -> None:
 @pytest.mark.usefixtures("starved")
 @pytest.mark.parametrize("cell", ["while True: pass", "os.read(os.pipe()[0], 1)"])
 def test_endless_code_is_stopped_on_a_busy_machine(cell: str) -> None:
-    evidence, log = made(WORK, cell, total=60.0)
+    evidence, log = run_cells(WORK, cell, total=60.0)
     assert (log.limit, evidence.stopped) == ("time", "")
     assert log.stopped == {1: f"cell 2 was stopped after {LIMIT:g} s"}
 

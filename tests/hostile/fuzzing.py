@@ -95,11 +95,11 @@ def swallow(stream: bytes) -> Evidence:
         channel.close()
         other_end.close()
     evidence = stage.evidence(outcome)
-    judged(evidence)
+    judge_evidence(evidence)
     return evidence
 
 
-def judged(evidence: Evidence) -> None:
+def judge_evidence(evidence: Evidence) -> None:
     """Keep and judge any evidence; its mark is a number from 0 to the points."""
     run = Run(SCENARIO, evidence)
     stored = ExerciseRun((run,), CellLog(), Isolation())

@@ -14,7 +14,7 @@ from course_lib.grading.run.run import Job, Run, plan_scenarios, run_scenarios
 from course_lib.grading.submissions.archives import working_files
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.task import Message, load_catalog, time_limit
-from tests.hostile.made_up import made_up, spoilt_evidence
+from tests.hostile.made_up import random_evidence, spoilt_evidence
 
 T = "/topic"
 SCAN = {"angle_max": 1.0, "angle_increment": 0.1, "range_max": 9.0, "ranges": [1.0] * 11}
@@ -107,7 +107,7 @@ def words_over(chance: random.Random, rounds: int) -> int:
     """
     together = all_checks([check for _, check in WORDS])
     for number in range(rounds):
-        evidence = made_up(chance, ((T, chance.choice(ON_TOPIC)), *FIXED), seconds=3.0)
+        evidence = random_evidence(chance, ((T, chance.choice(ON_TOPIC)), *FIXED), seconds=3.0)
         evidence = replace(evidence, checks=together if number % 2 else ())
         for _, check in WORDS:
             judge(check, evidence)

@@ -40,7 +40,7 @@ PIECES = (
 def chosen_value(chance: random.Random, field: FieldDefinition, depth: int) -> Any:
     """Return one value of a field's base type."""
     if field.is_message:
-        return made_message(chance, field.base, depth + 1)
+        return random_message(chance, field.base, depth + 1)
     base = field.base
     if base in ("string", "wstring"):
         text = chance.choice(TEXTS)
@@ -57,7 +57,7 @@ def chosen_value(chance: random.Random, field: FieldDefinition, depth: int) -> A
     return chance.choice((0, 1, 2, 3, low, high, chance.randint(low, high)))
 
 
-def made_message(chance: random.Random, kind: str, depth: int = 0) -> Any:
+def random_message(chance: random.Random, kind: str, depth: int = 0) -> Any:
     """Return a message of any content that its type allows."""
     message = message_class(kind)()
     for field in definition(kind).fields:
@@ -82,9 +82,9 @@ def all_types() -> tuple[str, ...]:
     return tuple(name for name in type_names() if "/msg/" in name)
 
 
-def made_bytes(chance: random.Random, kind: str) -> bytes:
+def random_bytes(chance: random.Random, kind: str) -> bytes:
     """Return a message's bytes, occasionally corrupted."""
-    cdr = serialize(made_message(chance, kind))
+    cdr = serialize(random_message(chance, kind))
     return spoilt(chance, cdr) if chance.random() < 0.1 else cdr
 
 
@@ -102,7 +102,7 @@ def spoilt(chance: random.Random, data: bytes) -> bytes:
     return data[:at] + chance.choice((b"\xff", b"\0", b"\x7f")) * (to - at) + data[to:]
 
 
-def made_text(chance: random.Random) -> str:
+def random_text(chance: random.Random) -> str:
     """Return a layout or a parameter file with some fragments swapped, or a few random fragments."""
     text = chance.choice((LAYOUT, PARAMETERS, ""))
     for _ in range(chance.randint(0, 6)):
@@ -111,27 +111,27 @@ def made_text(chance: random.Random) -> str:
     return text
 
 
-def made_value(chance: random.Random, depth: int = 0) -> Any:
+def random_value(chance: random.Random, depth: int = 0) -> Any:
     """Return plain data, as a function may have returned it."""
     kinds: Sequence[Any] = (None, True, 0, -1, 2**63 - 1, *DOUBLES, "", {"object": "a Foo"}, [], {}, LAYOUT)
     pick = chance.random()
     if pick < 0.5 or depth > 3:
         return chance.choice(kinds)
     if pick < 0.6:
-        return made_text(chance)
-    items = [made_value(chance, depth + 1) for _ in range(chance.choice(COUNTS[:-1]))]
+        return random_text(chance)
+    items = [random_value(chance, depth + 1) for _ in range(chance.choice(COUNTS[:-1]))]
     return items if pick < 0.8 else {chance.choice((*TEXTS, "x", "image_rate")): item for item in items}
 
 
-def made_up(chance: random.Random, topics: Sequence[tuple[str, str]], seconds: float) -> Evidence:
+def random_evidence(chance: random.Random, topics: Sequence[tuple[str, str]], seconds: float) -> Evidence:
     """Return evidence in which these topics have messages, mostly of the type named with them."""
     samples = []
     for topic, kind in topics:
         for _ in range(chance.choice((0, 1, 2, 3, 5))):
             own = kind if chance.random() < 0.7 else chance.choice(all_types())
             at = START_NS + chance.choice((0, 1, round(chance.random() * seconds * 1e9)))
-            samples.append(Sample(at, topic, own, made_bytes(chance, own), Qos(), 7))
-    returns = tuple(made_value(chance) for _ in range(chance.randint(0, 3)))
+            samples.append(Sample(at, topic, own, random_bytes(chance, own), Qos(), 7))
+    returns = tuple(random_value(chance) for _ in range(chance.randint(0, 3)))
     samples.sort(key=lambda sample: sample.stamp_ns)
     return Evidence("week01.demo", "public", seconds, tuple(samples), returns)
 
@@ -164,7 +164,7 @@ def _spoilt_sample(chance: random.Random, old: Sample) -> Sample:
         nudge(chance, message)
         return replace(old, cdr=serialize(message))
     other = old.type_name if chance.random() < 0.4 else chance.choice(all_types())
-    return replace(old, type_name=other, cdr=made_bytes(chance, other))
+    return replace(old, type_name=other, cdr=random_bytes(chance, other))
 
 
 def spoilt_evidence(chance: random.Random, right: Evidence) -> Evidence:
@@ -192,4 +192,4 @@ def _spoilt_value(chance: random.Random, value: Any) -> Any:
     if isinstance(value, str) and value and chance.random() < 0.8:
         at = chance.randrange(len(value))
         return value[:at] + chance.choice(PIECES) + value[at + chance.choice((0, 1, 5, 40)) :]
-    return made_value(chance)
+    return random_value(chance)

@@ -16,7 +16,7 @@ from course_lib.grading.run.submission_run import CellLog
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.task import Scenario, Task, time_limit
 from course_lib.ros.programs.parameter_yaml import read_text
-from tests.hostile.made_up import made_text, spoilt
+from tests.hostile.made_up import random_text, spoilt
 from tests.hostile.staff_files import STAFF
 
 SECONDS = 5.0  # [s] of processor time for one input
@@ -50,11 +50,11 @@ def _notebook(chance: random.Random) -> None:
 
 
 def _layout(chance: random.Random) -> None:
-    layout_of(made_text(chance), "the layout")
+    layout_of(random_text(chance), "the layout")
 
 
 def _parameters(chance: random.Random) -> None:
-    read_text(made_text(chance))
+    read_text(random_text(chance))
 
 
 def _stored(chance: random.Random) -> None:

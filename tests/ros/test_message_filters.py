@@ -29,7 +29,7 @@ def send(source: SimpleFilter, seconds: float) -> None:
     source.signalMessage(Image(header=Header(stamp=at(seconds).to_msg(), frame_id=f"{seconds:g}")))
 
 
-def heard(last: SimpleFilter) -> list[tuple[str, ...]]:
+def collect_frames(last: SimpleFilter) -> list[tuple[str, ...]]:
     """Return a list to which the frames of a filter's messages are appended."""
     sets: list[tuple[str, ...]] = []
     last.registerCallback(lambda *images: sets.append(tuple(image.header.frame_id for image in images)))
@@ -66,7 +66,7 @@ def test_pair_of_topics_is_synchronized_in_one_callback() -> None:
 
 def test_exact_stamps_match_and_full_queues_drop_the_oldest() -> None:
     left, right = SimpleFilter(), SimpleFilter()
-    sets = heard(TimeSynchronizer([left, right], 2))
+    sets = collect_frames(TimeSynchronizer([left, right], 2))
     for seconds in (1.0, 2.0, 3.0):
         send(left, seconds)
     for seconds in (1.0, 3.0, 2.0):
@@ -80,7 +80,7 @@ def test_exact_stamps_match_and_full_queues_drop_the_oldest() -> None:
 )
 def test_approximate_stamps_match_the_nearest_first(slop: float, expected: list[tuple[str, ...]]) -> None:
     left, right = SimpleFilter(), SimpleFilter()
-    sets = heard(ApproximateTimeSynchronizer([left, right], 10, slop))
+    sets = collect_frames(ApproximateTimeSynchronizer([left, right], 10, slop))
     for seconds in (1.0, 1.2):
         send(left, seconds)
     for seconds in (1.11, 0.9):
@@ -90,7 +90,7 @@ def test_approximate_stamps_match_the_nearest_first(slop: float, expected: list[
 
 def test_three_filters_match_only_within_the_slop_of_all() -> None:
     sources = [SimpleFilter() for _ in range(3)]
-    sets = heard(ApproximateTimeSynchronizer(sources, 5, 0.1))
+    sets = collect_frames(ApproximateTimeSynchronizer(sources, 5, 0.1))
     for source, seconds in zip(sources, (1.0, 1.09, 1.18), strict=True):
         send(source, seconds)
     assert sets == []
@@ -114,7 +114,7 @@ def test_message_without_a_header_uses_the_current_time_or_is_rejected(
 def test_cache_returns_messages_by_time_and_interval() -> None:
     source = SimpleFilter()
     cache = Cache(source, 3)
-    passed = heard(cache)
+    passed = collect_frames(cache)
     for seconds in (1.0, 2.0, 3.0, 4.0):
         send(source, seconds)
     assert len(passed) == 4

@@ -19,7 +19,7 @@ def node() -> Iterator[Node]:
         repeated_lines.end()
 
 
-def said(capsys: pytest.CaptureFixture[str]) -> list[str]:
+def printed_notices(capsys: pytest.CaptureFixture[str]) -> list[str]:
     return [line.rpartition("] ")[2] for line in capsys.readouterr().err.splitlines()]
 
 
@@ -27,7 +27,7 @@ def test_repeated_log_lines_in_a_notebook_are_counted(node: Node, capsys: pytest
     for _ in range(1003):
         node.get_logger().warning("no transform")
     node.get_logger().warning("found it")
-    assert said(capsys) == [
+    assert printed_notices(capsys) == [
         *5 * ["[robot]: no transform"],
         "… repeated 5 times",
         "… repeated 95 times",
@@ -43,7 +43,7 @@ def test_log_lines_that_differ_in_text_or_severity_are_all_shown(
     for number in range(20):
         node.get_logger().info(f"step {number % 2}")
         node.get_logger().error(f"step {number % 2}")
-    assert len(said(capsys)) == 40
+    assert len(printed_notices(capsys)) == 40
 
 
 def test_end_of_a_cell_prints_the_count_of_repeated_lines(
@@ -53,9 +53,9 @@ def test_end_of_a_cell_prints_the_count_of_repeated_lines(
         node.get_logger().info("on")
     repeated_lines.end()
     repeated_lines.end()
-    assert said(capsys)[5:] == ["… repeated 3 times"]
+    assert printed_notices(capsys)[5:] == ["… repeated 3 times"]
     node.get_logger().info("on")
-    assert said(capsys) == ["[robot]: on"]
+    assert printed_notices(capsys) == ["[robot]: on"]
 
 
 def test_log_of_a_program_keeps_every_line(capsys: pytest.CaptureFixture[str]) -> None:
@@ -64,7 +64,7 @@ def test_log_of_a_program_keeps_every_line(capsys: pytest.CaptureFixture[str]) -
         for _ in range(20):
             Node.get_logger(Node("robot")).info("on")
         rclpy.try_shutdown()
-    assert said(capsys).count("[robot]: on") == 20
+    assert printed_notices(capsys).count("[robot]: on") == 20
 
 
 def test_nodes_replaced_in_a_cell_are_listed_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -66,7 +66,7 @@ def workspace(tmp_path: Path) -> Path:
     return tmp_path / "src"
 
 
-def shown(program: Path, capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str]:
+def run_program(program: Path, capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, str]:
     with use_graph(Graph(end_ns=START_NS + 10**9)):
         code = run_files([program], seed=0, args=args)
     captured = capsys.readouterr()
@@ -87,7 +87,7 @@ def shown(program: Path, capsys: pytest.CaptureFixture[str], *args: str) -> tupl
 def test_program_in_a_package_finds_its_workspace(
     program: str, code: int, text: str, workspace: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert shown(workspace / program, capsys, "word") == (code, text)
+    assert run_program(workspace / program, capsys, "word") == (code, text)
 
 
 def test_ros2_run_accepts_a_package_folder(
@@ -126,7 +126,7 @@ def test_missing_executable_is_rejected_with_the_available_ones(
     with pytest.raises(
         CourseError, match=r"executable 'talk' not found in package .*: talker, fail, hello.py"
     ):
-        shown(workspace / "my_robot:talk", capsys)
+        run_program(workspace / "my_robot:talk", capsys)
 
 
 def test_compiled_executable_is_rejected_with_the_reason(
@@ -137,7 +137,7 @@ def test_compiled_executable_is_rejected_with_the_reason(
     with pytest.raises(
         CourseError, match=r"'driver' of package .* is a compiled program, and this kit runs Py"
     ):
-        shown(workspace / "my_robot:driver", capsys)
+        run_program(workspace / "my_robot:driver", capsys)
 
 
 @pytest.mark.parametrize(
@@ -206,7 +206,7 @@ def test_entry_point_with_an_attribute_of_a_class_or_extras_is_run(
         "class Robot:\n    @staticmethod\n    def go():\n        print('gone')\ngo = Robot.go\n"
     )
     (workspace / "my_robot" / "setup.py").write_text(SETUP.replace('["talker', f'["{entry}", "talker'))
-    assert shown(workspace / "my_robot:go", capsys) == (0, "gone\n")
+    assert run_program(workspace / "my_robot:go", capsys) == (0, "gone\n")
 
 
 def test_missing_attribute_of_a_class_in_an_entry_point_is_reported(
@@ -215,7 +215,7 @@ def test_missing_attribute_of_a_class_in_an_entry_point_is_reported(
     (workspace / "my_robot" / "my_robot" / "classes.py").write_text("class Robot:\n    def go(self): ...\n")
     entry = '["go = my_robot.classes:Robot.goo", "talker'
     (workspace / "my_robot" / "setup.py").write_text(SETUP.replace('["talker', entry))
-    code, text = shown(workspace / "my_robot:go", capsys)
+    code, text = run_program(workspace / "my_robot:go", capsys)
     assert code == 1
     assert "the module my_robot.classes has no function 'Robot.goo'. Did you mean go?" in text
 
@@ -229,7 +229,7 @@ def test_executable_of_a_package_with_cmake_macros_of_its_own_cannot_run_here(
     (driver / "CMakeLists.txt").write_text("project(driver)\nour_macro(code)\n")
     (driver / "code" / "main.cpp").write_text("int main() {}\n")
     with pytest.raises(NotHereError, match="'driver_node' of package 'driver' cannot run here"):
-        shown(workspace / "driver:driver_node", capsys)
+        run_program(workspace / "driver:driver_node", capsys)
 
 
 @pytest.mark.parametrize(("module", "name"), [("cv2", "opencv-python-headless"), ("serial", "pyserial")])

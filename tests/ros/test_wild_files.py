@@ -26,7 +26,7 @@ def test_all_public_layouts_survive_a_round_trip() -> None:
 
 
 @pytest.fixture
-def judged(tmp_path: Path) -> Callable[[str, str], tuple[str, str]]:
+def judge_text(tmp_path: Path) -> Callable[[str, str], tuple[str, str]]:
     """Judge the text of a file in a clone."""
 
     def judge(name: str, text: str) -> tuple[str, str]:
@@ -60,19 +60,19 @@ def generate_launch_description():
     ],
 )
 def test_launch_file_is_described_completely_in_a_separate_process(
-    judged: Callable[[str, str], tuple[str, str]], action: str, expected: tuple[str, str]
+    judge_text: Callable[[str, str], tuple[str, str]], action: str, expected: tuple[str, str]
 ) -> None:
-    assert judged("a.launch.py", PYTHON.format(action)) == expected
+    assert judge_text("a.launch.py", PYTHON.format(action)) == expected
 
 
 @pytest.mark.slow
 def test_error_in_an_xml_launch_file_or_layout_is_its_reported_reason(
-    judged: Callable[[str, str], tuple[str, str]],
+    judge_text: Callable[[str, str], tuple[str, str]],
 ) -> None:
     include = '<launch><include file="$(find-pkg-share nav2_bringup)/x.launch.py"/></launch>'
-    assert judged("a.launch.xml", include) == ("needs", "nav2_bringup")
-    assert judged("a.rviz", LAYOUT) == ("kept", "")
-    assert judged("a.rviz", "a: [")[0] == "fails"
+    assert judge_text("a.launch.xml", include) == ("needs", "nav2_bringup")
+    assert judge_text("a.rviz", LAYOUT) == ("kept", "")
+    assert judge_text("a.rviz", "a: [")[0] == "fails"
 
 
 def test_reason_contains_no_local_path() -> None:

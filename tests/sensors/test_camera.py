@@ -20,7 +20,7 @@ WORLD = World([
 ])  # fmt: skip
 
 
-def seen(message: type, **settings: Any) -> Any:
+def capture(message: type, **settings: Any) -> Any:
     node = lambda: CameraNode(WORLD, TRANSFORM_OPTICAL_TO_WORLD, pinhole=SMALL, **settings)  # noqa: E731  # one use
     return published(node, message)[0]
 
@@ -30,7 +30,7 @@ def pixels(image: Any) -> Any:
 
 
 def test_objects_to_the_left_and_above_appear_left_and_up_in_the_image() -> None:
-    image = seen(Image)
+    image = capture(Image)
     assert (image.encoding, image.step, len(image.data)) == ("rgb8", 120, 3600)
     red, green = ((pixels(image)[..., a] > 50) & (pixels(image)[..., b] == 0) for a, b in ((0, 1), (1, 0)))
     (red_v, red_u), (green_v, green_u) = np.nonzero(red), np.nonzero(green)
@@ -39,7 +39,7 @@ def test_objects_to_the_left_and_above_appear_left_and_up_in_the_image() -> None
 
 
 def test_surfaces_facing_the_camera_are_bright_and_the_sky_is_uniform() -> None:
-    picture = pixels(seen(Image))
+    picture = pixels(capture(Image))
     v, u = np.rint(SMALL.matrix[:2] @ (-1 / 4.5, -0.8 / 4.5, 1))[::-1].astype(int)
     assert picture[v, u, 0] > 200
     assert picture[-1, 0].tolist() == [153, 191, 230]
@@ -47,26 +47,26 @@ def test_surfaces_facing_the_camera_are_bright_and_the_sky_is_uniform() -> None:
 
 @pytest.mark.parametrize(("kind", "error"), [("png", 0), ("jpeg", 40)])
 def test_compressed_images_agree_with_raw_images(kind: Literal["png", "jpeg"], error: float) -> None:
-    message = seen(CompressedImage, compressed=kind)
+    message = capture(CompressedImage, compressed=kind)
     assert message.format == f"rgb8; {kind} compressed bgr8"
     unpacked = np.asarray(Pictures.open(io.BytesIO(bytes(message.data))), int)
-    assert np.abs(unpacked - pixels(seen(Image))).mean() <= error
+    assert np.abs(unpacked - pixels(capture(Image))).mean() <= error
 
 
 def test_no_compressed_images_are_published_without_compression() -> None:
     with pytest.raises(IndexError):
-        seen(CompressedImage, compressed=None)
+        capture(CompressedImage, compressed=None)
 
 
 def test_camera_info_has_the_stamp_and_frame_of_the_image() -> None:
-    assert seen(CameraInfo).header == seen(Image).header
-    assert seen(CameraInfo).header.frame_id == "camera_optical_frame"
+    assert capture(CameraInfo).header == capture(Image).header
+    assert capture(CameraInfo).header.frame_id == "camera_optical_frame"
 
 
 def test_noise_changes_colors_and_dropouts_are_black() -> None:
-    clean, noisy = pixels(seen(Image)), pixels(seen(Image, noise=5.0))
+    clean, noisy = pixels(capture(Image)), pixels(capture(Image, noise=5.0))
     assert 2 < np.abs(clean.astype(int) - noisy).mean() < 8
-    assert (pixels(seen(Image, dropout=1.0)) == 0).all()
+    assert (pixels(capture(Image, dropout=1.0)) == 0).all()
 
 
 @pytest.mark.parametrize("rows", [1, 7, 32])
@@ -81,4 +81,4 @@ def test_image_shaded_in_parts_has_the_same_lighting(rows: int, monkeypatch: pyt
 
 def test_unknown_compression_is_reported() -> None:
     with pytest.raises(CourseError, match="compressed is 'gif'; give 'png', 'jpeg' or None"):
-        seen(Image, compressed="gif")
+        capture(Image, compressed="gif")

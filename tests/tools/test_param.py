@@ -27,7 +27,7 @@ def node() -> Iterator[Node]:
         yield node
 
 
-def told(*words: str) -> str:
+def run_param(*words: str) -> str:
     lines: list[str] = []
     ros2(["param", *words], GraphSource(current_graph()), lines.append)
     return "".join(lines)
@@ -35,43 +35,43 @@ def told(*words: str) -> str:
 
 def test_parameters_of_a_node_are_listed(node: Node) -> None:
     names = "  names\n  speed\n  start_type_description_service\n  use_sim_time\n"
-    assert told("list", "/talker") == names
-    assert told("list") == f"/talker:\n{names}"
+    assert run_param("list", "/talker") == names
+    assert run_param("list") == f"/talker:\n{names}"
 
 
 def test_value_is_printed_with_its_type(node: Node) -> None:
-    assert told("get", "/talker", "speed") == "Integer value is: 1\n"
-    assert told("get", "talker", "use_sim_time") == "Boolean value is: False\n"
-    assert told("get", "/talker", "names") == "String values are: ['a', 'b']\n"
+    assert run_param("get", "/talker", "speed") == "Integer value is: 1\n"
+    assert run_param("get", "talker", "use_sim_time") == "Boolean value is: False\n"
+    assert run_param("get", "/talker", "names") == "String values are: ['a', 'b']\n"
 
 
 def test_value_is_set_or_rejected_with_the_reason(node: Node) -> None:
-    assert told("set", "/talker", "speed", "5") == "Set parameter successful\n"
+    assert run_param("set", "/talker", "speed", "5") == "Set parameter successful\n"
     assert node.get_parameter("speed").value == 5
     wrong = "Wrong parameter type, expected 'Type.INTEGER' got 'Type.STRING'"
-    assert told("set", "/talker", "speed", "fast") == f"Setting parameter failed: {wrong}\n"
+    assert run_param("set", "/talker", "speed", "fast") == f"Setting parameter failed: {wrong}\n"
 
 
 def test_missing_nodes_and_parameters_are_reported(node: Node) -> None:
     with pytest.raises(CourseError, match=r"Node not found: /x\. There are: /talker\."):
-        told("list", "/x")
+        run_param("list", "/x")
     with pytest.raises(CourseError, match=r"^Parameter not set: spee\. Did you mean speed\?$"):
-        told("get", "/talker", "spee")
+        run_param("get", "/talker", "spee")
     with pytest.raises(CourseError, match="Parameter not set"):
-        told("get", "/talker", "x")
+        run_param("get", "/talker", "x")
     running_nodes().clear()
     with pytest.raises(CourseError, match="/talker does not respond"):
-        told("get", "/talker", "speed")
+        run_param("get", "/talker", "speed")
     with pytest.raises(CourseError, match="Parameters need a running node"):
         ros2(["param", "list"], RecordingSource(Recording(())), print)
 
 
 def test_list_can_be_filtered_and_show_types(node: Node) -> None:
     node.declare_parameter("arm.speed", 1.5)
-    assert told("list", "/talker", "--param-prefixes", "arm") == "  arm.speed\n"
-    output = told("list", "/talker", "--filter", "n|s.*d$", "--param-type")
+    assert run_param("list", "/talker", "--param-prefixes", "arm") == "  arm.speed\n"
+    output = run_param("list", "/talker", "--filter", "n|s.*d$", "--param-type")
     assert output == "  names (type: string array)\n  speed (type: integer)\n"
-    assert told("get", "/talker", "names", "--hide-type") == "['a', 'b']\n"
+    assert run_param("get", "/talker", "names", "--hide-type") == "['a', 'b']\n"
 
 
 def test_describe_shows_the_descriptor(node: Node) -> None:
@@ -80,7 +80,7 @@ def test_describe_shows_the_descriptor(node: Node) -> None:
         description="how many", read_only=True, integer_range=[limits], additional_constraints="even"
     )
     node.declare_parameter("count", 4, about)
-    assert told("describe", "/talker", "count", "speed") == (
+    assert run_param("describe", "/talker", "count", "speed") == (
         "Parameter name: count\n  Type: integer\n  Description: how many\n  Constraints:\n"
         "    Read only: true\n    Min value: 0\n    Max value: 10\n    Step: 2\n"
         "    Additional constraints: even\n"
@@ -90,7 +90,7 @@ def test_describe_shows_the_descriptor(node: Node) -> None:
 
 def test_dumped_parameters_can_be_loaded(node: Node, tmp_path: Path) -> None:
     node.declare_parameter("arm.speed", 1.5)
-    dumped = told("dump", "/talker")
+    dumped = run_param("dump", "/talker")
     assert dumped == (
         "/talker:\n  ros__parameters:\n    arm:\n      speed: 1.5\n    names:\n    - a\n    - b\n"
         "    speed: 1\n    start_type_description_service: true\n    use_sim_time: false\n\n"
@@ -98,27 +98,27 @@ def test_dumped_parameters_can_be_loaded(node: Node, tmp_path: Path) -> None:
     file = tmp_path / "talker.yaml"
     file.write_text("/**:\n  ros__parameters:\n    speed: 3\n/talker:\n  ros__parameters:\n    names: 2\n")
     wrong = "Wrong parameter type, expected 'Type.STRING_ARRAY' got 'Type.INTEGER'"
-    assert told("load", "/talker", str(file)) == (
+    assert run_param("load", "/talker", str(file)) == (
         f"Set parameter speed successful\nSet parameter names failed: {wrong}\n"
     )
     assert node.get_parameter("speed").value == 3
     file.write_text(dumped)
-    printed = told("load", "/talker", str(file))
+    printed = run_param("load", "/talker", str(file))
     assert printed.count("successful") == 4
     assert "start_type_description_service failed: Trying to set a read-only parameter" in printed
     assert node.get_parameter("speed").value == 1
     file.write_text("speed: 3")
     with pytest.raises(CourseError, match="is not a valid ROS parameter file: Cannot have a value before"):
-        told("load", "/talker", str(file))
+        run_param("load", "/talker", str(file))
 
 
 def test_only_dynamic_parameters_can_be_deleted(node: Node) -> None:
     node.declare_parameter("free", 1, ParameterDescriptor(dynamic_typing=True))
-    assert told("delete", "/talker", "free") == "Deleted parameter successfully\n"
+    assert run_param("delete", "/talker", "free") == "Deleted parameter successfully\n"
     assert not node.has_parameter("free")
-    assert told("delete", "/talker", "speed").startswith("Deleting parameter failed: ")
+    assert run_param("delete", "/talker", "speed").startswith("Deleting parameter failed: ")
 
 
 def test_missing_parameter_file_is_rejected_by_its_name(node: Node) -> None:
     with pytest.raises(CourseError, match=r"nothing\.yaml cannot be read: No such file or directory"):
-        told("load", node.get_name(), "nothing.yaml")
+        run_param("load", node.get_name(), "nothing.yaml")

@@ -26,7 +26,7 @@ def dock(widget: SceneWidget, action: str, **rest: str) -> Sidecar | None:
     return side_panel._panel
 
 
-def shown(panel: Sidecar | None) -> str:
+def panel_model(panel: Sidecar | None) -> str:
     """Return the model of the widget in the panel."""
     assert panel is not None
     return str(panel.outputs[0]["data"][VIEW]["model_id"])
@@ -36,7 +36,7 @@ def test_page_opens_the_panel_with_the_view_and_closes_it(widget: SceneWidget) -
     panel = dock(widget, "open")
     assert panel is not None
     assert (panel.title, panel.anchor, panel.model_id) == ("RViz view", "split-right", widget.panel)
-    assert shown(panel) == widget.model_id
+    assert panel_model(panel) == widget.model_id
     assert widget.beside
     assert dock(widget, "close") is None
     assert (panel.comm, widget.panel, widget.beside) == (None, "", False)
@@ -60,11 +60,11 @@ def test_next_view_takes_the_open_panel_if_the_notebook_wants_one(
     panel = dock(widget, "join")
     side_panel.take(other)
     assert side_panel._panel is panel
-    assert shown(panel) == other.model_id
+    assert panel_model(panel) == other.model_id
     assert (widget.panel, other.panel) == ("", panel.model_id if panel else None)
     assert (widget.beside, other.beside) == (True, True)
     assert dock(widget, "take") is panel
-    assert shown(panel) == widget.model_id
+    assert panel_model(panel) == widget.model_id
 
 
 def test_panel_that_was_opened_by_its_button_shows_the_next_view(
@@ -73,14 +73,14 @@ def test_panel_that_was_opened_by_its_button_shows_the_next_view(
     panel = dock(widget, "open")
     side_panel.take(other)
     assert side_panel._panel is panel
-    assert shown(panel) == other.model_id
+    assert panel_model(panel) == other.model_id
 
 
 def test_page_that_opens_the_panel_late_shows_the_last_view(widget: SceneWidget, other: SceneWidget) -> None:
     side_panel.is_wanted = True
     side_panel.take(widget)
     side_panel.take(other)
-    assert shown(dock(widget, "join")) == other.model_id
+    assert panel_model(dock(widget, "join")) == other.model_id
 
 
 def test_only_a_panel_that_is_still_open_is_closed_by_its_page(widget: SceneWidget) -> None:

@@ -21,7 +21,7 @@ def warnings_fail() -> Iterator[None]:
         yield
 
 
-def shown(name: str) -> tuple[Any, Scene]:
+def display_robot(name: str) -> tuple[Any, Scene]:
     from example_robot_data import load
     from pinocchio.visualize import MeshcatVisualizer
 
@@ -43,7 +43,7 @@ def empty() -> tuple[Any, Scene]:
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["ur10", "talos"])
 def test_pinocchio_draws_a_robot_at_its_joint_positions(name: str) -> None:
-    visualizer, scene = shown(name)
+    visualizer, scene = display_robot(name)
     configuration = pinocchio.randomConfiguration(
         visualizer.model, np.full(visualizer.model.nq, -1.0), np.full(visualizer.model.nq, 1.0)
     )
@@ -93,7 +93,7 @@ def test_camera_without_control_has_the_given_pose() -> None:
 @pytest.mark.slow
 def test_captured_image_has_the_requested_size(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_lib.viewer.picture.find_browser", lambda: None)
-    visualizer, scene = shown("ur10")
+    visualizer, scene = display_robot("ur10")
     visualizer.setCameraPosition([1.5, 1.5, 1.0])
     visualizer.display(pinocchio.neutral(visualizer.model))
     picture = visualizer.captureImage(320, 200)

@@ -20,7 +20,7 @@ ORANGE, CORNERS = 0xFF8000, np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float
 TRANSFORM_UP_TO_Y = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # three.js's axis
 
 
-def drawn(scene: Scene) -> np.ndarray:
+def render_pixels(scene: Scene) -> np.ndarray:
     scene.camera = Camera(eye=(3, 2, 2))
     return np.asarray(Image.open(BytesIO(renderer.draw(scene, (80, 60))))).astype(int)
 
@@ -53,8 +53,8 @@ def test_meshcat_geometry_is_drawn_like_viewer_geometry(
     vis["thing"].set_object(theirs, g.MeshLambertMaterial(color=ORANGE))
     expected = Scene()
     expected.set_object("thing", ours)
-    assert np.array_equal(drawn(scene), drawn(expected))
-    assert len(np.unique(drawn(scene))) > 2
+    assert np.array_equal(render_pixels(scene), render_pixels(expected))
+    assert len(np.unique(render_pixels(scene))) > 2
 
 
 def test_meshcat_points_have_their_colors(scene: Scene, vis: Any) -> None:
@@ -62,7 +62,7 @@ def test_meshcat_points_have_their_colors(scene: Scene, vis: Any) -> None:
     expected = Scene()
     colors = np.column_stack([np.eye(3), np.ones(3)])
     expected.set_object("cloud", Points(CORNERS, colors, (0.3, 0.3)))
-    assert np.array_equal(drawn(scene), drawn(expected))
+    assert np.array_equal(render_pixels(scene), render_pixels(expected))
 
 
 def test_transforms_visibility_and_deletion_change_the_scene(scene: Scene, vis: Any) -> None:
@@ -86,7 +86,7 @@ def test_color_property_is_applied_to_all_descendants_of_a_path(scene: Scene, vi
     raised = np.eye(4)
     raised[2, 3] = 0.5  # [m]
     expected.set_transform("box", raised)
-    assert np.array_equal(drawn(scene), drawn(expected))
+    assert np.array_equal(render_pixels(scene), render_pixels(expected))
 
 
 def test_camera_and_background_are_those_of_the_scene(scene: Scene, vis: Any) -> None:
@@ -146,4 +146,4 @@ def test_pinocchio_draws_a_robot_and_moves_it() -> None:
         assert scene.world_transform(path) == pytest.approx(placement.homogeneous, abs=1e-12)
         assert isinstance(scene.objects()[path], Mesh)
         assert not isinstance(scene.objects()[path], MeshcatObject)
-    assert len(np.unique(drawn(scene).reshape(-1, 3), axis=0)) > 50
+    assert len(np.unique(render_pixels(scene).reshape(-1, 3), axis=0)) > 50

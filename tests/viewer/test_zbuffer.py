@@ -27,12 +27,12 @@ def from_above(*drawables: Drawable) -> Scene:
     return scene
 
 
-def drawn(scene: Scene) -> np.ndarray:
+def render_pixels(scene: Scene) -> np.ndarray:
     return np.asarray(Image.open(BytesIO(renderer.draw(scene, SIZE)))).astype(int)
 
 
 def middle(scene: Scene) -> list[int]:
-    found: list[int] = drawn(scene)[SIZE[1] // 2, SIZE[0] // 2].tolist()
+    found: list[int] = render_pixels(scene)[SIZE[1] // 2, SIZE[0] // 2].tolist()
     return found
 
 
@@ -72,32 +72,32 @@ def test_hidden_and_deleted_objects_are_not_drawn() -> None:
     scene = from_above(box((1, 0, 0, 1)), box((0, 1, 0, 1)))
     scene.set_visible("0", False)
     scene.delete("1")
-    assert not drawn(scene).any()
+    assert not render_pixels(scene).any()
 
 
 def test_lines_have_the_requested_width_or_one_pixel() -> None:
-    wide = drawn(from_above(Lines([[-3, 0, 0], [3, 0, 0]], (1, 1, 1, 1), width=0.5)))[..., 0]
+    wide = render_pixels(from_above(Lines([[-3, 0, 0], [3, 0, 0]], (1, 1, 1, 1), width=0.5)))[..., 0]
     assert wide[:, 100].sum() / 255 == pytest.approx(10, abs=1)
     assert wide[80].sum() / 255 == pytest.approx(120, abs=1)
-    thin = drawn(from_above(Lines([[-3, 0, 0], [3, 0, 0]], (1, 1, 1, 1))))[..., 0]
+    thin = render_pixels(from_above(Lines([[-3, 0, 0], [3, 0, 0]], (1, 1, 1, 1))))[..., 0]
     assert thin[:, 100].sum() / 255 == pytest.approx(1, abs=0.5)
 
 
 def test_line_starting_behind_the_camera_is_drawn() -> None:
     scene = from_above(Lines([[0, -1, 100], [0, 0, -100]], (1, 1, 1, 1), width=0.2))
     scene.camera = Camera(eye=(0, 0, 10), target=(0, 0, 0), up=(0, 1, 0))
-    assert drawn(scene).any()
+    assert render_pixels(scene).any()
 
 
 def test_points_are_squares_with_sizes_in_meters_or_pixels() -> None:
-    metres = drawn(from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (1.0, 0.5))))[..., 0] > 0
+    metres = render_pixels(from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (1.0, 0.5))))[..., 0] > 0
     assert metres.sum() == 20 * 10
-    pixels = drawn(from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (4, 4), pixels=True)))[..., 0] > 0
+    pixels = render_pixels(from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (4, 4), pixels=True)))[..., 0] > 0
     assert pixels.sum() == 16
 
 
 def test_capital_letters_have_the_requested_height_and_are_centered() -> None:
-    rows, columns = np.nonzero(drawn(from_above(Text("H", 2.0)))[..., 0] > 128)
+    rows, columns = np.nonzero(render_pixels(from_above(Text("H", 2.0)))[..., 0] > 128)
     assert np.ptp(rows) + 1 == pytest.approx(40, abs=1)
     assert (rows.min() + rows.max()) / 2 == pytest.approx(79.5, abs=1)
     assert (columns.min() + columns.max()) / 2 == pytest.approx(99.5, abs=2)
@@ -109,20 +109,20 @@ def test_text_at_or_beyond_the_image_edge_raises_no_exception() -> None:
         transform_text_to_scene = np.eye(4)
         transform_text_to_scene[:2, 3] = place  # [m]
         scene.set_transform(path, transform_text_to_scene)
-    assert drawn(scene).shape == (SIZE[1], SIZE[0], 3)
+    assert render_pixels(scene).shape == (SIZE[1], SIZE[0], 3)
 
 
 def test_vertex_colors_are_interpolated() -> None:
     corners = [[-4, -3, 0], [4, -3, 0], [0, 3, 0]]
     mesh = Mesh(corners, None, [(1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1)], lit=False)
-    picture = drawn(from_above(mesh))
+    picture = render_pixels(from_above(mesh))
     assert picture[80, 100] == pytest.approx([64, 64, 128], abs=3)
 
 
 def test_empty_scene_is_only_background() -> None:
     scene = from_above(Points([], [], (1, 1)), Lines([], []), Solids("box", [], []))
     scene.background = (1, 2, 3)
-    assert (drawn(scene) == [1, 2, 3]).all()
+    assert (render_pixels(scene) == [1, 2, 3]).all()
 
 
 @pytest.mark.filterwarnings("error")
@@ -134,7 +134,7 @@ def test_objects_with_non_finite_positions_are_not_drawn() -> None:
         Mesh(nowhere, None, (1, 1, 1, 1)),
         Solids("box", np.full((1, 4, 4), np.nan), (1, 1, 1, 1)),
     )
-    assert not drawn(scene).any()
+    assert not render_pixels(scene).any()
 
 
 def test_flattened_solid_is_drawn_from_its_flat_side() -> None:
@@ -145,7 +145,7 @@ def test_flattened_solid_is_drawn_from_its_flat_side() -> None:
 def test_flat_list_elements_keep_their_upper_side_along_the_node_y_axis() -> None:
     scene = from_above(Points([[0, 0, 0]], (1, 1, 1, 1), (4.0, 1.0)))
     scene.set_transform("0", [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])  # a quarter turn
-    rows, columns = np.nonzero(drawn(scene).max(axis=2))
+    rows, columns = np.nonzero(render_pixels(scene).max(axis=2))
     assert np.ptp(rows) > 3 * np.ptp(columns)
 
 
@@ -155,7 +155,9 @@ def test_sides_of_listed_boxes_are_shaded_as_in_rviz() -> None:
 
 
 def test_oblong_listed_sphere_is_an_ellipse_with_a_darker_rim() -> None:
-    picture = drawn(from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (4.0, 2.0, 1.0), spot="sphere")))[..., 0]
+    picture = render_pixels(from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (4.0, 2.0, 1.0), spot="sphere")))[
+        ..., 0
+    ]
     rows, columns = np.nonzero(picture)
     assert (np.ptp(columns), np.ptp(rows)) == pytest.approx((79, 39), abs=2)
     assert picture[80, 100] > picture[80, 70] > 0.75 * 255
@@ -167,14 +169,14 @@ def test_tiles_lie_in_the_plane_of_their_node_and_are_two_sided(tilt: float, hei
     turn = np.eye(4)
     turn[1:3, 1:3] = [[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]]
     scene.set_transform("0", turn)
-    covered = drawn(scene)[..., 0] > 128
+    covered = render_pixels(scene)[..., 0] > 128
     assert covered.any(axis=0).sum() == pytest.approx(40, abs=1)
     assert covered.any(axis=1).sum() == pytest.approx(height, abs=1)
 
 
 def test_points_in_pixels_are_round_if_drawn_as_discs() -> None:
     scene = from_above(Points([[0, 0, 0]], (1, 0, 0, 1), (40.0, 40.0), pixels=True, spot="disc"))
-    area = (drawn(scene)[..., 0] > 128).sum()
+    area = (render_pixels(scene)[..., 0] > 128).sum()
     assert area == pytest.approx(4 * np.sin(np.pi / 4) * 20**2, rel=0.02)  # eight corners stand for a circle
 
 
@@ -185,7 +187,7 @@ PALETTE = np.tile([(1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (1, 1, 1, 0)], (64,
 def on_sheet(scene: Scene) -> list[list[int]]:
     """The colours around the middle: left and right above, left and right below, 1 m from it."""
     x, y, away = SIZE[0] // 2, SIZE[1] // 2, 20
-    return [drawn(scene)[y + dy, x + dx].tolist() for dy in (-away, away) for dx in (-away, away)]
+    return [render_pixels(scene)[y + dy, x + dx].tolist() for dy in (-away, away) for dx in (-away, away)]
 
 
 def test_sheet_shows_its_rows_along_y_with_sharp_cells() -> None:
@@ -212,4 +214,4 @@ def test_line_on_a_sheet_is_visible(alpha: int) -> None:
 
 def test_list_elements_are_scaled_in_z() -> None:
     spots = Points([(0, 0, 1), (0, 0, 3)], (1, 1, 1, 1), (1.0, 1.0), grow=True)
-    assert (drawn(from_above(spots))[..., 0] > 0).sum() == pytest.approx(60**2, rel=0.05)  # 3 m wide
+    assert (render_pixels(from_above(spots))[..., 0] > 0).sum() == pytest.approx(60**2, rel=0.05)  # 3 m wide

@@ -44,7 +44,7 @@ def plain(positions: npt.ArrayLike, order: Order = "<", **channels: Any) -> npt.
     return points
 
 
-def shown_by(bench: Bench, display: Display) -> list[Points]:
+def points_of(bench: Bench, display: Display) -> list[Points]:
     """Return the drawables of a display, the oldest cloud first."""
     objects = bench.scene.objects()
     found = [drawable for path, drawable in objects.items() if path.startswith(display.path + "/")]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from course_lib.displays.clouds import TRANSFORMERS, Cloud, best_transformer, channels_of, rainbow
 from tests.displays.bench import Bench
-from tests.displays.clouds.clouds import TOPIC, Order, add, cloud, plain, shown_by
+from tests.displays.clouds.clouds import TOPIC, Order, add, cloud, plain, points_of
 
 ORDERS: tuple[Order, ...] = ("<", ">")
 LINE = [[0, 0, 0], [0, 0, 1], [0, 0, 2], [0, 0, 4]]
@@ -24,7 +24,7 @@ def colors(bench: Bench, **properties: Any) -> np.ndarray:
     intensity = np.array([0, 1, 2, 4], np.float32)
     bench.publish(TOPIC, cloud(plain(LINE, intensity=intensity)))
     bench.update()
-    return shown_by(bench, display)[0].colors
+    return points_of(bench, display)[0].colors
 
 
 @settings(deadline=None)  # machines may be busy
@@ -83,7 +83,7 @@ def test_axis_colors_vary_along_the_axis_of_the_fixed_frame_or_of_the_cloud() ->
         turned = np.roll(LINE, 1, axis=1) if not fixed else LINE
         bench.publish(TOPIC, cloud(plain(turned), "laser"))
         bench.update()
-        np.testing.assert_allclose(shown_by(bench, display)[0].colors[:, :3], rainbow(expected))
+        np.testing.assert_allclose(points_of(bench, display)[0].colors[:, :3], rainbow(expected))
         if fixed:
             assert display["Min Value"] == display["Max Value"] == 3.0
 
@@ -106,4 +106,4 @@ def test_alpha_of_points_is_used_if_the_channel_is_named_rgba() -> None:
         bench.publish(TOPIC, cloud(plain(LINE, **tinted)))
         bench.update()
         # RViz draws points twice, see marker/drawables.py
-        np.testing.assert_allclose(shown_by(bench, display)[0].colors[:, 3], 1 - (1 - alpha) ** 2, atol=1e-6)
+        np.testing.assert_allclose(points_of(bench, display)[0].colors[:, 3], 1 - (1 - alpha) ** 2, atol=1e-6)

@@ -50,7 +50,7 @@ def hear(bench: Bench, *messages: Any, at: float = 0.0) -> None:
     bench.update(at)
 
 
-def shown(bench: Bench) -> Points | None:
+def displayed_points(bench: Bench) -> Points | None:
     clouds = [
         drawable
         for path, drawable in bench.scene.objects().items()
@@ -64,7 +64,7 @@ def test_depths_become_points_with_the_size_of_their_pixels() -> None:
     bench = Bench()
     display = add(bench)
     hear(bench, info(), depth(2.0, 4.0))
-    cloud = shown(bench)
+    cloud = displayed_points(bench)
     assert cloud is not None
     np.testing.assert_allclose(cloud.points, [[0.0, 0.0, 2.0], [0.04, 0.0, 4.0]])
     assert cloud.colors[:, :3].tolist() == [[1, 1, 1]] * 2
@@ -76,7 +76,7 @@ def test_depths_become_points_with_the_size_of_their_pixels() -> None:
     display["Auto Size"] = False
     display["Size (m)"] = 0.5
     bench.update(0.1)
-    cloud = shown(bench)
+    cloud = displayed_points(bench)
     assert cloud is not None
     assert (cloud.grow, cloud.size[0]) == (False, 0.5)
 
@@ -86,7 +86,7 @@ def test_nothing_is_drawn_without_camera_info_and_a_hint_is_shown() -> None:
     display = add(bench)
     assert bench.status(display, "Depth Map") == ("ok", "0 depth maps received")
     hear(bench, depth(1.0, 1.0))
-    assert shown(bench) is None
+    assert displayed_points(bench) is None
     assert bench.status(display, "Depth Map") == ("ok", "1 messages received at inf hz.")
     assert INFO in " ".join(bench.hints(display))
 
@@ -96,9 +96,9 @@ def test_depth_image_waits_for_its_color_image() -> None:
     display = add(bench, color_image_topic=COLOR)
     assert display["Color Transformer"] == "RGB8"
     hear(bench, info(), depth(1.0, 1.0))
-    assert shown(bench) is None
+    assert displayed_points(bench) is None
     hear(bench, color())
-    cloud = shown(bench)
+    cloud = displayed_points(bench)
     assert cloud is not None
     assert cloud.colors[:, :3].tolist() == [[1, 0, 0]] * 2
     assert bench.status(display, "Image Size") == ("ok", "2 x 1")
@@ -109,7 +109,7 @@ def test_color_image_with_the_nearest_time_is_used() -> None:
     add(bench, color_image_topic=COLOR)
     images = [color(RED // 3 * part, at) for part, at in ((1, 0.0), (2, 0.1), (3, 0.2))]
     hear(bench, info(), *images, depth(1.0, 1.0, at=0.12))
-    cloud = shown(bench)
+    cloud = displayed_points(bench)
     assert cloud is not None
     assert cloud.colors[0, 0] == pytest.approx(170 / 255)
 
@@ -127,7 +127,7 @@ def test_compressed_images_arrive_on_separate_topics() -> None:
     bench.publish(f"{DEPTH}/compressed", stamped(packed_depth))
     bench.publish(f"{COLOR}/compressed", stamped(packed(RED, "rgb8; png compressed bgr8")))
     bench.update()
-    cloud = shown(bench)
+    cloud = displayed_points(bench)
     assert cloud is not None
     assert cloud.points[:, 2].tolist() == [1, 2]
     assert isinstance(packed_depth, CompressedImage)
@@ -163,13 +163,13 @@ def test_occluded_points_are_kept_until_the_timeout_or_a_camera_motion() -> None
     for at, x in moves.items():
         bench.transform("fixed", "map", (x, 0.0, 0.0), at=at, static=False)
         hear(bench, info(), depth(*((1.0, 2.0) if at == 1.0 else (4.0, 4.0)), at=at), at=at)
-        cloud = shown(bench)
+        cloud = displayed_points(bench)
         observed.append(0 if cloud is None else len(cloud.points))
     assert observed == [2, 4, 2, 2]
     hear(bench, depth(1.0, 1.0, at=8.0), at=8.0)
     display["Occlusion Compensation"] = False
     hear(bench, depth(1.0, 1.0, at=8.0), at=8.0)
-    cloud = shown(bench)
+    cloud = displayed_points(bench)
     assert cloud is not None
     assert len(cloud.points) == 2
 

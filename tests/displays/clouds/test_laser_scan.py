@@ -9,7 +9,7 @@ from sensor_msgs.msg import LaserScan
 
 from course_lib.displays.display import Display
 from tests.displays.bench import START_NS, Bench, ns
-from tests.displays.clouds.clouds import shown_by
+from tests.displays.clouds.clouds import points_of
 
 
 def scan(ranges: list[float], frame: str = "map", at: float = 0.0, **fields: Any) -> LaserScan:
@@ -24,7 +24,7 @@ def add(bench: Bench) -> Display:
 
 
 def ends(bench: Bench, display: Display) -> np.ndarray:
-    return np.round(shown_by(bench, display)[0].points, 5)
+    return np.round(points_of(bench, display)[0].points, 5)
 
 
 def test_beam_angles_increase_counterclockwise() -> None:
@@ -68,10 +68,10 @@ def test_scan_waits_for_the_transform_of_its_last_beam() -> None:
     bench.publish("/scan", long)  # determines the duration of scans
     bench.publish("/scan", long)
     bench.update()
-    assert not shown_by(bench, display)
+    assert not points_of(bench, display)
     bench.transform("map", "laser", at=1.0, static=False)
     bench.update(1.0)
-    assert len(shown_by(bench, display)) == 1
+    assert len(points_of(bench, display)) == 1
 
 
 def test_scan_of_long_duration_causes_a_warning() -> None:
@@ -92,7 +92,7 @@ def test_intensities_color_the_points_if_there_is_one_per_range(intensities: lis
     display = add(bench)
     bench.publish("/scan", scan([1.0, 1.0], intensities=intensities))
     bench.update()
-    colours = shown_by(bench, display)[0].colors
+    colours = points_of(bench, display)[0].colors
     assert (len(np.unique(colours, axis=0)) == 2) == (len(intensities) == 2)
     assert len(bench.hints(display)) == hints
 

@@ -7,12 +7,12 @@ from sensor_msgs.msg import ChannelFloat32, PointCloud
 from course_lib.displays.display import Display
 from tests.displays.bench import Bench
 from tests.displays.clouds import clouds
-from tests.displays.clouds.clouds import cloud, plain, shown_by
+from tests.displays.clouds.clouds import cloud, plain, points_of
 
 PLACES = [(0.0, 1.0, 2.0), (1.0, 0.0, 1.0), (3.0, 2.0, 0.0)]
 
 
-def shown(*channels: ChannelFloat32, places: Any = PLACES, **properties: Any) -> tuple[Bench, Display]:
+def show_cloud(*channels: ChannelFloat32, places: Any = PLACES, **properties: Any) -> tuple[Bench, Display]:
     bench = Bench()
     display = bench.session.add("rviz_default_plugins/PointCloud", "Old", {"Topic": "/old"}, **properties)
     message = PointCloud(points=[Point32(x=x, y=y, z=z) for x, y, z in places], channels=list(channels))
@@ -23,11 +23,11 @@ def shown(*channels: ChannelFloat32, places: Any = PLACES, **properties: Any) ->
 
 
 def test_point_cloud_with_lists_is_drawn_like_the_same_cloud_with_fields() -> None:
-    bench, display = shown(ChannelFloat32(name="intensity", values=[1.0, 5.0, 9.0]))
+    bench, display = show_cloud(ChannelFloat32(name="intensity", values=[1.0, 5.0, 9.0]))
     twin = clouds.add(bench)
     bench.publish(clouds.TOPIC, cloud(plain(PLACES, intensity=np.array([1, 5, 9], np.float32))))
     bench.update()
-    (old,), (new,) = shown_by(bench, display), shown_by(bench, twin)
+    (old,), (new,) = points_of(bench, display), points_of(bench, twin)
     np.testing.assert_array_equal(old.points, new.points)
     np.testing.assert_array_equal(old.colors, new.colors)
     assert (old.size, old.spot) == (new.size, new.spot)
@@ -35,13 +35,13 @@ def test_point_cloud_with_lists_is_drawn_like_the_same_cloud_with_fields() -> No
 
 def test_invalid_points_are_omitted_along_with_their_channel_values() -> None:
     places = [*PLACES[:2], (float("nan"), 0.0, 0.0)]
-    bench, display = shown(ChannelFloat32(name="intensity", values=[1.0, 5.0, 9.0]), places=places)
-    (drawn,) = shown_by(bench, display)
+    bench, display = show_cloud(ChannelFloat32(name="intensity", values=[1.0, 5.0, 9.0]), places=places)
+    (drawn,) = points_of(bench, display)
     assert drawn.points.tolist() == [list(place) for place in PLACES[:2]]
     assert display["Max Intensity"] == 5.0
 
 
 def test_channel_with_a_different_length_is_reported_and_not_used() -> None:
-    bench, display = shown(ChannelFloat32(name="intensity", values=[1.0]))
-    assert len(shown_by(bench, display)[0].points) == 3
+    bench, display = show_cloud(ChannelFloat32(name="intensity", values=[1.0]))
+    assert len(points_of(bench, display)[0].points) == 3
     assert bench.hints(display) == ["channel 'intensity' has 1 value for 3 points."]

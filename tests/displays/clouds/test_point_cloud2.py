@@ -3,7 +3,7 @@ import pytest
 
 from course_lib.displays.clouds import STYLES
 from tests.displays.bench import Bench
-from tests.displays.clouds.clouds import TOPIC, add, cloud, plain, shown_by
+from tests.displays.clouds.clouds import TOPIC, add, cloud, plain, points_of
 
 TWO = [[1, 2, 3], [4, 5, 6]]
 
@@ -14,7 +14,7 @@ def test_cloud_is_placed_by_its_frame_and_its_points_are_counted() -> None:
     display = add(bench)
     bench.publish(TOPIC, cloud(plain(TWO), "laser"))
     bench.update()
-    (points,) = shown_by(bench, display)
+    (points,) = points_of(bench, display)
     np.testing.assert_array_equal(points.points, TWO)
     assert bench.status(display, "Points") == ("ok", "Showing [2] points from [1] messages")
     path = f"{display.path}/clouds/1"
@@ -28,11 +28,11 @@ def test_cloud_in_an_unknown_frame_is_an_error_and_the_next_cloud_is_shown() -> 
         bench.publish(TOPIC, cloud(plain(TWO), frame))
         bench.update()
         assert bench.status(display, "Transform") == ("error", f"Could not transform from [{frame}] to [map]")
-        assert not shown_by(bench, display)
+        assert not points_of(bench, display)
     bench.publish(TOPIC, cloud(plain(TWO)))
     bench.update()
     assert bench.status(display, "Transform") == ("ok", "Ok")
-    assert len(shown_by(bench, display)) == 1
+    assert len(points_of(bench, display)) == 1
 
 
 def test_inconsistent_sizes_are_an_error_until_a_valid_cloud_is_received() -> None:
@@ -76,7 +76,7 @@ def test_clouds_are_kept_for_the_decay_time(decay: float, remaining: int) -> Non
     for number in range(4):
         bench.publish(TOPIC, cloud(plain([[number, 0, 0]])), at=number * 0.2)
         bench.update(number * 0.2)
-    assert [points.points[0, 0] for points in shown_by(bench, display)] == list(range(4))[-remaining:]
+    assert [points.points[0, 0] for points in points_of(bench, display)] == list(range(4))[-remaining:]
     assert bench.status(display, "Points") == (
         "ok",
         f"Showing [{remaining}] points from [{remaining}] messages",
@@ -88,10 +88,10 @@ def test_last_cloud_is_kept_without_a_decay_time() -> None:
     display = add(bench)
     bench.publish(TOPIC, cloud(plain(TWO)))
     bench.update(100.0)
-    assert len(shown_by(bench, display)) == 1
+    assert len(points_of(bench, display)) == 1
     display["Decay Time"] = 1.0
     bench.update(100.0)
-    assert not shown_by(bench, display)
+    assert not points_of(bench, display)
 
 
 @pytest.mark.parametrize("style", STYLES)
@@ -100,7 +100,7 @@ def test_each_style_has_its_shape_and_size(style: str) -> None:
     display = add(bench, style=style, **{"Size (m)": 0.5, "Size (Pixels)": 7.0})
     bench.publish(TOPIC, cloud(plain(TWO)))
     bench.update()
-    (points,) = shown_by(bench, display)
+    (points,) = points_of(bench, display)
     assert points.spot == STYLES[style]
     assert points.pixels == (style == "Points")
     assert points.size == ((7.0,) * 3 if points.pixels else (0.5,) * 3)
@@ -112,7 +112,7 @@ def test_changed_property_redraws_the_current_cloud() -> None:
     bench.publish(TOPIC, cloud(plain(TWO)))
     display["Color"] = (255, 0, 0)
     display["Alpha"] = 0.5
-    (points,) = shown_by(bench, display)
+    (points,) = points_of(bench, display)
     np.testing.assert_allclose(points.colors, [[1, 0, 0, 0.75]] * 2)  # drawn twice
 
 

@@ -7,7 +7,7 @@ from sensor_msgs.msg import FluidPressure, Illuminance, RelativeHumidity, Temper
 from course_lib.displays.clouds import rainbow
 from course_lib.displays.display import Display
 from tests.displays.bench import Bench
-from tests.displays.clouds.clouds import shown_by
+from tests.displays.clouds.clouds import points_of
 
 # Class, a value, and the position of its color in RViz's rainbow: 1 is red, 0 is violet.
 MEASURED: list[tuple[Any, str, float, float]] = [
@@ -18,7 +18,7 @@ MEASURED: list[tuple[Any, str, float, float]] = [
 ]
 
 
-def shown(kind: Any, field: str, value: float, **properties: Any) -> tuple[Bench, Display]:
+def show_value(kind: Any, field: str, value: float, **properties: Any) -> tuple[Bench, Display]:
     bench = Bench()
     bench.transform("map", "sensor", (1.0, 2.0, 3.0))
     name = kind.__name__
@@ -34,8 +34,8 @@ def shown(kind: Any, field: str, value: float, **properties: Any) -> tuple[Bench
 def test_measurement_is_one_point_at_its_frame_colored_by_its_range(
     kind: Any, field: str, value: float, place: float
 ) -> None:
-    bench, display = shown(kind, field, value)
-    (point,) = shown_by(bench, display)
+    bench, display = show_value(kind, field, value)
+    (point,) = points_of(bench, display)
     np.testing.assert_allclose(point.colors[0, :3], rainbow([place])[0], atol=1e-6)
     (path,) = (path for path in bench.scene.objects() if path.startswith(f"{display.path}/"))
     assert bench.scene.world_transform(path)[:3, 3].tolist() == [1.0, 2.0, 3.0]
@@ -44,15 +44,15 @@ def test_measurement_is_one_point_at_its_frame_colored_by_its_range(
 
 def test_room_temperature_is_violet_and_boiling_water_is_red() -> None:
     for temperature, place in ((-10.0, 0.0), (100.0, 1.0)):
-        bench, display = shown(Temperature, "temperature", temperature)
-        np.testing.assert_allclose(shown_by(bench, display)[0].colors[0, :3], rainbow([place])[0])
+        bench, display = show_value(Temperature, "temperature", temperature)
+        np.testing.assert_allclose(points_of(bench, display)[0].colors[0, :3], rainbow([place])[0])
 
 
 def test_decay_time_keeps_the_track_of_a_moving_sensor() -> None:
-    bench, display = shown(Temperature, "temperature", 20.0, **{"Decay Time": 10.0})
+    bench, display = show_value(Temperature, "temperature", 20.0, **{"Decay Time": 10.0})
     bench.transform("map", "sensor", (5.0, 0.0, 0.0), at=1.0)
     message = Temperature(temperature=30.0)
     message.header.frame_id = "sensor"
     bench.publish("/measured", message, at=1.0)
     bench.update(1.0)
-    assert len(shown_by(bench, display)) == 2
+    assert len(points_of(bench, display)) == 2

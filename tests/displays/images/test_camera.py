@@ -25,7 +25,7 @@ def add(bench: Bench, **properties: Any) -> Display:
     return bench.session.add("rviz_default_plugins/Camera", "Camera", config, **properties)
 
 
-def seen(
+def show_inset(
     bench: Bench, described: CameraInfo | None, frame: str = "map", picture: Image | None = None
 ) -> Inset | None:
     if described is not None:
@@ -56,7 +56,7 @@ def test_points_are_drawn_at_the_pixels_of_the_projection_matrix(
 ) -> None:
     bench = Bench()
     add(bench)
-    inset = seen(bench, described)
+    inset = show_inset(bench, described)
     assert inset is not None
     u, v, w = described.p.reshape(3, 4) @ (*point, 1.0)  # map is the optical frame here
     assert pixel_of(inset, point) == pytest.approx((u / w, v / w))
@@ -66,7 +66,7 @@ def test_camera_is_placed_at_its_frame() -> None:
     bench = Bench()
     bench.transform("map", "optical", (1.0, 2.0, 3.0))
     add(bench, far_plane_distance=7.0)
-    inset = seen(bench, info(), "optical")
+    inset = show_inset(bench, info(), "optical")
     assert inset is not None
     assert inset.camera is not None
     assert inset.camera.eye == (1.0, 2.0, 3.0)
@@ -78,7 +78,7 @@ def test_zoom_magnifies_around_the_center() -> None:
     near, far = (Bench(), Bench())
     add(near, zoom_factor=2.0)
     add(far)
-    big, small = seen(near, info(cx=3.0)), seen(far, info(cx=3.0))
+    big, small = show_inset(near, info(cx=3.0)), show_inset(far, info(cx=3.0))
     assert big is not None
     assert small is not None
     (u, v), (x, y) = pixel_of(big, (0.2, 0.1, 2.0)), pixel_of(small, (0.2, 0.1, 2.0))
@@ -92,7 +92,7 @@ def test_zoom_magnifies_around_the_center() -> None:
 def test_image_is_drawn_behind_the_scene_or_as_an_overlay(rendering: str, behind: bool, over: float) -> None:
     bench = Bench()
     add(bench, image_rendering=rendering, overlay_alpha=0.25)
-    inset = seen(bench, info())
+    inset = show_inset(bench, info())
     assert inset is not None
     assert (inset.behind, inset.over, inset.hidden) == (behind, over, ("displays/Grid",))
 
@@ -100,7 +100,7 @@ def test_image_is_drawn_behind_the_scene_or_as_an_overlay(rendering: str, behind
 def test_missing_camera_info_is_reported_as_in_rviz() -> None:
     bench = Bench()
     display = add(bench)
-    assert seen(bench, None) is None
+    assert show_inset(bench, None) is None
     assert bench.status(display, "Camera Info") == (
         "warn",
         "Expecting Camera Info on topic [/eye/camera_info]. No CameraInfo received. Topic may not exist.",
@@ -119,9 +119,9 @@ def test_invalid_camera_info_is_reported_with_rviz_text_and_the_next_is_used() -
         (CameraInfo(width=WIDTH, height=HEIGHT), position),
         (info(cx=np.nan), "Contains invalid floating point values (nans or infs)"),
     ):
-        assert seen(bench, wrong) is None
+        assert show_inset(bench, wrong) is None
         assert bench.status(display, "Camera Info") == ("error", text)
-    assert seen(bench, info()) is not None
+    assert show_inset(bench, info()) is not None
     assert bench.status(display, "Camera Info") == ("ok", "ok")
 
 

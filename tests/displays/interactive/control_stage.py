@@ -72,6 +72,6 @@ class Stage:
         at: list[float] = self.viewer.scene.world_transform(path)[:3, 3].round(6).tolist()
         return at
 
-    def told(self, display: InteractiveMarkersDisplay, name: str) -> tuple[str, str]:
+    def status(self, display: InteractiveMarkersDisplay, name: str) -> tuple[str, str]:
         rows = [row for row in self.viewer.statuses() if row.name == name and row.level != "hint"]
         return rows[0].level, rows[0].text

@@ -32,8 +32,8 @@ LABEL = "Interactive Marker Client"
 
 def test_late_joining_display_requests_the_markers_and_follows_updates(stage: Stage) -> None:
     display = stage.show(box(C.MOVE_AXIS))
-    assert stage.told(display, LABEL) == ("ok", "Initialized")
-    assert stage.told(display, "box") == ("ok", "Locked to frame map")
+    assert stage.status(display, LABEL) == ("ok", "Initialized")
+    assert stage.status(display, "box") == ("ok", "Locked to frame map")
     parts = {path.split("/")[-3] for path in stage.viewer.scene.objects() if "/controls/" in path}
     assert parts == {"move", "button"}
     stage.server.setPose("box", Pose(position=Point(x=2.0)))
@@ -59,7 +59,7 @@ def test_display_shows_a_server_that_starts_later(stage: Stage) -> None:
     assert [*display.markers] == ["box"]
     server.shutdown()
     spin_for(0.2, stage.node)
-    assert stage.told(display, LABEL) == ("warn", "Server not available while running, resetting")
+    assert stage.status(display, LABEL) == ("warn", "Server not available while running, resetting")
     assert not display.markers
 
 
@@ -166,7 +166,7 @@ def test_marker_locked_to_a_frame_moves_and_sends_feedback_in_this_frame(stage: 
 
 def test_marker_in_an_unknown_frame_waits_for_its_transform_and_reports_it(stage: Stage) -> None:
     display = stage.show(box(frame="nowhere"))
-    level, text = stage.told(display, LABEL)
+    level, text = stage.status(display, LABEL)
     assert level == "ok"
     assert text.startswith("Resetting due to transform error: ")
     assert not display.markers

@@ -12,7 +12,7 @@ HELD = f"{HANDLES}/box/controls/move"
 OTHERS = (f"{HANDLES}/box/controls/button", f"{HANDLES}/far/controls/turn")
 
 
-def shown(stage: Stage) -> list[bool]:
+def visibilities(stage: Stage) -> list[bool]:
     return [stage.viewer.scene.visible(path) for path in (HELD, *OTHERS, f"{HANDLES}/far/controls/button")]
 
 
@@ -27,6 +27,6 @@ def test_other_controls_are_hidden_during_a_drag_unless_always_visible(stage: St
     desk = OrderDesk(session)
     desk.carry_out(order(f"{HELD}/0/mesh", "down", (0.5, 0.0, 0.0)))
     desk.carry_out(order(f"{HELD}/0/mesh", "move", (0.6, 0.0, 0.0)))
-    assert shown(stage) == [True, not hides, not hides, True]
+    assert visibilities(stage) == [True, not hides, not hides, True]
     desk.carry_out(order(f"{HELD}/0/mesh", "up", (0.6, 0.0, 0.0)))
-    assert shown(stage) == [True] * 4
+    assert visibilities(stage) == [True] * 4

@@ -22,14 +22,14 @@ def obj(tmp_path: Path) -> str:
     return f"file://{tmp_path}/my%20mesh.obj"
 
 
-def drawn(uri: str, **fields: Any) -> Mesh:
+def draw_mesh(uri: str, **fields: Any) -> Mesh:
     part = mesh(marker(Marker.MESH_RESOURCE, mesh_resource=uri, **fields)).drawables["mesh"]
     assert isinstance(part, Mesh)
     return part
 
 
 def test_mesh_is_drawn_with_the_color_and_scale_of_the_marker(obj: str) -> None:
-    part = drawn(obj, scale=Vector3(x=2.0, y=1.0, z=1.0))
+    part = draw_mesh(obj, scale=Vector3(x=2.0, y=1.0, z=1.0))
     np.testing.assert_array_equal(part.vertices.max(axis=0), [2, 1, 1])
     assert len(part.faces) == 2
     np.testing.assert_array_equal(part.colors, [1, 0, 0, 1])
@@ -37,7 +37,7 @@ def test_mesh_is_drawn_with_the_color_and_scale_of_the_marker(obj: str) -> None:
 
 def test_mesh_of_the_robot_data_is_found_by_its_package() -> None:
     pytest.importorskip("pinocchio", reason="robot data comes with pin, which has no wheels here")
-    part = drawn(UPPER_ARM)
+    part = draw_mesh(UPPER_ARM)
     assert len(part.faces) > 1000
     assert np.ptp(part.vertices, axis=0).max() == pytest.approx(0.7, abs=0.2)  # [m]
 
@@ -45,7 +45,7 @@ def test_mesh_of_the_robot_data_is_found_by_its_package() -> None:
 @pytest.mark.parametrize("tint", [False, True])
 def test_mesh_with_embedded_materials_is_tinted_only_on_request(obj: str, tint: bool) -> None:
     color = ColorRGBA(r=1.0, a=1.0) if tint else ColorRGBA()
-    part = drawn(obj, mesh_use_embedded_materials=True, color=color)
+    part = draw_mesh(obj, mesh_use_embedded_materials=True, color=color)
     red, green, _, alpha = np.broadcast_to(part.colors, (4, 4))[0]
     assert alpha == 1.0
     assert (red > green) == tint

@@ -13,7 +13,7 @@ from tests.displays.bench import marker, points
 SIX = points(*[(float(i), float(i % 2), 0.0) for i in range(6)])
 
 
-def drawn(**fields: Any) -> Mesh:
+def draw_triangles(**fields: Any) -> Mesh:
     part = triangles(marker(Marker.TRIANGLE_LIST, points=SIX, **fields)).drawables["mesh"]
     assert isinstance(part, Mesh)
     return part
@@ -24,7 +24,7 @@ def clear(alpha: float, count: int) -> list[ColorRGBA]:
 
 
 def test_triangles_without_colors_are_shaded_in_the_marker_color() -> None:
-    mesh = drawn(scale=Vector3(x=2.0, y=1.0, z=1.0))
+    mesh = draw_triangles(scale=Vector3(x=2.0, y=1.0, z=1.0))
     assert mesh.lit
     np.testing.assert_array_equal(mesh.colors, [1, 0, 0, 1])
     np.testing.assert_array_equal(mesh.vertices[3], [6, 1, 0])
@@ -32,14 +32,14 @@ def test_triangles_without_colors_are_shaded_in_the_marker_color() -> None:
 
 @pytest.mark.parametrize("count", [6, 2], ids=["each corner", "each face"])
 def test_triangles_with_colors_are_not_shaded(count: int) -> None:
-    mesh = drawn(colors=clear(1.0, count))
+    mesh = draw_triangles(colors=clear(1.0, count))
     assert not mesh.lit
     np.testing.assert_array_equal(mesh.colors, [[0, 1, 0, 1]] * 6)
 
 
 @pytest.mark.parametrize("count", [1, 3, 5, 7])
 def test_colors_that_match_neither_vertices_nor_faces_are_ignored(count: int) -> None:
-    np.testing.assert_array_equal(drawn(colors=clear(1.0, count)).colors, [1, 0, 0, 1])
+    np.testing.assert_array_equal(draw_triangles(colors=clear(1.0, count)).colors, [1, 0, 0, 1])
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_colors_that_match_neither_vertices_nor_faces_are_ignored(count: int) ->
     ],
 )
 def test_triangles_are_blended_as_in_rviz(count: int, own: float, each: float, alpha: float) -> None:
-    mesh = drawn(color=ColorRGBA(r=1.0, a=own), colors=clear(each, count))
+    mesh = draw_triangles(color=ColorRGBA(r=1.0, a=own), colors=clear(each, count))
     np.testing.assert_allclose(mesh.colors[:, 3], alpha)
 
 

@@ -26,7 +26,7 @@ def turned_frame() -> np.ndarray:
     return transform_frame_to_fixed
 
 
-def drawn(
+def drawn_poses(
     covariance: np.ndarray, frame: np.ndarray | None = None, turned: bool = False, values: Any = ()
 ) -> dict[str, np.ndarray]:
     """Return the poses of the drawables for some property values."""
@@ -47,7 +47,7 @@ def blocks(place: np.ndarray, turn: np.ndarray) -> np.ndarray:
 def test_position_ellipsoid_is_one_standard_deviation_along_the_frame_axes(factor: np.ndarray) -> None:
     covariance = factor @ factor.T
     frame = turned_frame()
-    (body,) = drawn(blocks(covariance, np.eye(3)), frame, turned=True)["place"]
+    (body,) = drawn_poses(blocks(covariance, np.eye(3)), frame, turned=True)["place"]
     wanted = frame[:3, :3] @ covariance @ frame[:3, :3].T
     # the unit sphere has a radius of 1/2
     np.testing.assert_allclose(body[:, :3] @ body[:, :3].T / 4, wanted, atol=1e-5)
@@ -60,7 +60,7 @@ def test_orientation_disc_has_the_width_of_the_angles_perpendicular_to_its_axis(
     axis: int, angles: tuple[int, int], factor: np.ndarray
 ) -> None:
     covariance = SMALL * factor @ factor.T
-    disc = drawn(blocks(np.eye(3), covariance))["discs"][axis]
+    disc = drawn_poses(blocks(np.eye(3), covariance))["discs"][axis]
     assert disc[:, 3].tolist() == [2 + (axis == 0), axis == 1, axis == 2]
     along, across = disc[axis, :2], np.delete(disc[:, :2], axis, axis=0)
     np.testing.assert_allclose(along, 0, atol=1e-9)
@@ -72,7 +72,7 @@ def test_orientation_disc_has_the_width_of_the_angles_perpendicular_to_its_axis(
 
 def test_large_angles_are_drawn_by_their_tangents_and_limited_to_89_degrees() -> None:
     widths = [
-        np.linalg.norm(drawn(blocks(np.eye(3), np.eye(3) * deviation**2))["discs"][0], axis=0)[0]
+        np.linalg.norm(drawn_poses(blocks(np.eye(3), np.eye(3) * deviation**2))["discs"][0], axis=0)[0]
         for deviation in (0.5, 100.0)
     ]
     np.testing.assert_allclose(widths, [2 * np.tan(0.5), 2 * np.tan(np.radians(89))], rtol=1e-5)
@@ -80,7 +80,7 @@ def test_large_angles_are_drawn_by_their_tangents_and_limited_to_89_degrees() ->
 
 def test_planar_covariance_is_a_flat_ellipse_and_a_yaw_cone_from_the_pose() -> None:
     covariance = np.diag([0.25, 1.0, 0, 0, 0, 0.04])
-    parts = drawn(covariance)
+    parts = drawn_poses(covariance)
     assert sorted(parts) == ["cones", "place"]
     np.testing.assert_allclose(np.linalg.norm(parts["place"][0, :, :3], axis=0), [1, 2, 0.001], rtol=1e-5)
     (cone,) = parts["cones"]
@@ -93,12 +93,12 @@ def test_planar_covariance_is_a_flat_ellipse_and_a_yaw_cone_from_the_pose() -> N
 def test_orientation_covariance_is_shown_in_the_axes_of_the_pose_or_its_frame(
     frame: str, ahead: list[float]
 ) -> None:
-    (first, *_) = drawn(np.eye(6), turned=True, values={f"{TURN}/Frame": frame})["discs"]
+    (first, *_) = drawn_poses(np.eye(6), turned=True, values={f"{TURN}/Frame": frame})["discs"]
     np.testing.assert_allclose(first[:, 3] - [2, 0, 0], ahead, atol=1e-6)
 
 
 def test_covariance_with_a_negative_eigenvalue_has_zero_extent() -> None:
-    (body,) = drawn(np.diag([-1.0, 1.0, 1.0, 1.0, 1.0, 1.0]))["place"]
+    (body,) = drawn_poses(np.diag([-1.0, 1.0, 1.0, 1.0, 1.0, 1.0]))["place"]
     assert not body[:, :3].any()
 
 
@@ -107,7 +107,7 @@ def test_covariance_with_a_negative_eigenvalue_has_zero_extent() -> None:
     [("Covariance", False, []), (PLACE, False, ["discs"]), (TURN, False, ["place"])],
 )
 def test_position_and_orientation_can_be_hidden(label: str, value: bool, remaining: list[str]) -> None:
-    assert sorted(drawn(np.eye(6), values={label: value})) == remaining
+    assert sorted(drawn_poses(np.eye(6), values={label: value})) == remaining
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,7 @@ def test_position_and_orientation_can_be_hidden(label: str, value: bool, remaini
 )
 def test_scales_and_offset_enlarge_the_covariance(label: str, part: str) -> None:
     covariance = np.eye(6) * SMALL
-    one, two = (drawn(covariance, values={label: value})[part][0] for value in (1.0, 2.0))
+    one, two = (drawn_poses(covariance, values={label: value})[part][0] for value in (1.0, 2.0))
     np.testing.assert_allclose(two[:, :2], 2 * one[:, :2], rtol=1e-3, atol=1e-9)
 
 

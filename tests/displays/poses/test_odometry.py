@@ -7,7 +7,7 @@ from nav_msgs.msg import Odometry
 
 from course_lib.displays.display import INVALID
 from tests.displays.bench import Bench
-from tests.displays.poses.test_poses import add, drawn, extent
+from tests.displays.poses.test_poses import add, drawables_of, extent
 
 
 def message(x: float = 0.0, yaw: float = 0.0) -> Odometry:
@@ -20,7 +20,7 @@ def message(x: float = 0.0, yaw: float = 0.0) -> Odometry:
 
 
 def steps(bench: Bench) -> int:
-    return len(drawn(bench)["shaft"].placements)
+    return len(drawables_of(bench)["shaft"].placements)
 
 
 def test_pose_is_shown_if_it_exceeds_the_tolerances() -> None:
@@ -54,11 +54,11 @@ def test_shape_properties_are_nested_below_the_shape() -> None:
     config = {"Topic": "/pose", "Shape": {"Value": "Axes", "Axes Length": 2, "Color": "0; 0; 255"}}
     display = bench.session.add("rviz_default_plugins/Odometry", "Shown", {**config, "Covariance": False})
     bench.publish("/pose", message())
-    assert sorted(drawn(bench)) == ["axes"]
+    assert sorted(drawables_of(bench)) == ["axes"]
     np.testing.assert_allclose(extent(bench, "axes")[1], [2, 0, 0], atol=1e-6)
     display["Shape"] = "Arrow"
     display["Shape/Alpha"] = 0.5
-    assert drawn(bench)["head"].colors.tolist() == [0, 0, 1, 0.5]
+    assert drawables_of(bench)["head"].colors.tolist() == [0, 0, 1, 0.5]
 
 
 def test_layout_can_set_only_nested_properties() -> None:
@@ -75,9 +75,9 @@ def test_covariances_are_shown_at_each_pose() -> None:
     display = add(bench, "Odometry")
     for x in range(3):
         bench.publish("/pose", message(float(x)))
-    assert [len(drawn(bench)[name].placements) for name in ("place", "discs")] == [3, 9]
+    assert [len(drawables_of(bench)[name].placements) for name in ("place", "discs")] == [3, 9]
     display["Covariance"] = False
-    assert sorted(drawn(bench)) == ["head", "shaft"]
+    assert sorted(drawables_of(bench)) == ["head", "shaft"]
 
 
 @pytest.mark.parametrize(
@@ -94,4 +94,4 @@ def test_invalid_odometry_is_an_error(field: str, value: float, status: str) -> 
     getattr(wrong.pose.pose, field).z = value
     bench.publish("/pose", wrong)
     assert bench.status(display, "Topic") == ("error", status)
-    assert not drawn(bench)
+    assert not drawables_of(bench)

@@ -8,7 +8,7 @@ from nav_msgs.msg import Path
 from course_lib.displays.display import INVALID, Display
 from course_lib.viewer.drawables import Lines, Solids
 from tests.displays.bench import Bench
-from tests.displays.poses.test_poses import drawn, extent, pose
+from tests.displays.poses.test_poses import drawables_of, extent, pose
 
 START = (0.0, 1.0, 2.0)
 
@@ -27,7 +27,7 @@ def path(*xs: float, turned: bool = False) -> Path:
 
 def xs(bench: Bench) -> list[list[float]]:
     """Return the x coordinates of the points of each line."""
-    lines = [drawable for name, drawable in sorted(drawn(bench).items()) if name.startswith("line")]
+    lines = [drawable for name, drawable in sorted(drawables_of(bench).items()) if name.startswith("line")]
     return [line.points[:, 0].tolist() for line in lines]
 
 
@@ -35,13 +35,13 @@ def test_path_is_a_thin_line_or_a_strip_of_the_requested_width() -> None:
     bench = Bench()
     display = add(bench)
     bench.publish("/path", path(*START))
-    line = drawn(bench)["line 0"]
+    line = drawables_of(bench)["line 0"]
     assert isinstance(line, Lines)
     assert (line.width, line.strip, line.points[:, 0].tolist()) == (0.0, True, list(START))
     np.testing.assert_allclose(line.colors, [25 / 255, 1, 0, 1], atol=1e-6)
     display["Line Style"] = "Billboards"
     display["Line Width"] = 0.2
-    assert drawn(bench)["line 0"].width == 0.2
+    assert drawables_of(bench)["line 0"].width == 0.2
     display["Offset"] = (1, 0, 0)
     assert xs(bench) == [[1, 2, 3]]
 
@@ -62,9 +62,9 @@ def test_non_finite_path_replaces_an_older_path() -> None:
     bench.publish("/path", path(*START))
     bench.publish("/path", path(0.0, np.nan))
     assert bench.status(display, "Topic") == ("error", INVALID)
-    assert not drawn(bench)
+    assert not drawables_of(bench)
     bench.publish("/path", path())
-    assert not drawn(bench)
+    assert not drawables_of(bench)
 
 
 def test_arrows_are_drawn_at_the_poses_in_their_own_color() -> None:
@@ -73,7 +73,7 @@ def test_arrows_are_drawn_at_the_poses_in_their_own_color() -> None:
     bench.publish("/path", path(*START, turned=True))
     np.testing.assert_allclose(np.array(extent(bench, "shaft", 1)), [[1.0, 0, 0], [1.0, 0.1, 0]], atol=1e-6)
     np.testing.assert_allclose(np.array(extent(bench, "head", 2)), [[2.0, 0.1, 0], [2.0, 0.3, 0]], atol=1e-6)
-    assert drawn(bench)["head"].colors.tolist() == [0, 0, 1, 1]
+    assert drawables_of(bench)["head"].colors.tolist() == [0, 0, 1, 1]
 
 
 @pytest.mark.parametrize(
@@ -91,9 +91,9 @@ def test_shapes_at_the_poses_have_the_requested_size(style: str, label: str, par
     bench = Bench()
     display = add(bench, pose_style=style)
     bench.publish("/path", path(*START))
-    before = drawn(bench)[part]
+    before = drawables_of(bench)[part]
     display[label] = 2.0
-    after = drawn(bench)[part]
+    after = drawables_of(bench)[part]
     assert isinstance(before, Solids)
     assert isinstance(after, Solids)
     assert np.abs(after.placements - before.placements).max() > 0.5

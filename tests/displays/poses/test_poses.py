@@ -34,7 +34,7 @@ def add(bench: Bench, name: str, **properties: Any) -> Display:
     return bench.session.add(f"rviz_default_plugins/{name}", "Shown", {"Topic": "/pose"}, **properties)
 
 
-def drawn(bench: Bench) -> dict[str, Any]:
+def drawables_of(bench: Bench) -> dict[str, Any]:
     """Return the drawables by name."""
     objects = bench.scene.objects().items()
     return {
@@ -44,7 +44,7 @@ def drawn(bench: Bench) -> dict[str, Any]:
 
 def extent(bench: Bench, name: str, number: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Return the ends of a solid's axis in the fixed frame."""
-    solids = drawn(bench)[name]
+    solids = drawables_of(bench)[name]
     assert isinstance(solids, Solids)
     transform = bench.scene.world_transform(f"displays/Shown/drawn/{name}") @ solids.placements[number]
     low, high = ((transform @ (0, 0, z, 1))[:3] for z in (-0.5, 0.5))
@@ -68,9 +68,9 @@ def test_changed_property_redraws_the_pose() -> None:
     display = add(bench, "Pose")
     bench.publish("/pose", stamped(pose()))
     display["Shape"] = "Axes"
-    assert list(drawn(bench)) == ["axes"]
+    assert list(drawables_of(bench)) == ["axes"]
     display["Shape"] = "Arrow"
-    assert sorted(drawn(bench)) == ["head", "shaft"]
+    assert sorted(drawables_of(bench)) == ["head", "shaft"]
 
 
 @pytest.mark.parametrize(
@@ -86,11 +86,11 @@ def test_non_finite_poses_are_an_error_and_the_next_ones_are_shown(name: str, wr
     bench.publish("/pose", wrong)
     bench.update()
     assert bench.status(display, "Topic") == ("error", INVALID)
-    assert not drawn(bench)
+    assert not drawables_of(bench)
     bench.publish("/pose", right, at=0.1)
     bench.update(0.1)
     assert bench.status(display, "Topic") == ("ok", "2 messages received at 20.0 hz.")
-    assert drawn(bench)
+    assert drawables_of(bench)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_pose_array_is_shown_in_its_shape(shape: str, parts: list[str]) -> None:
     add(bench, "PoseArray", shape=shape)
     bench.publish("/pose", array(*(pose(float(x)) for x in range(5))))
     bench.update()
-    assert sorted(drawn(bench)) == parts
+    assert sorted(drawables_of(bench)) == parts
 
 
 def test_flat_arrows_start_at_their_poses_and_have_the_requested_length() -> None:
@@ -109,7 +109,7 @@ def test_flat_arrows_start_at_their_poses_and_have_the_requested_length() -> Non
     add(bench, "PoseArray", arrow_length=2.0)
     bench.publish("/pose", array(pose(1.0), pose(5.0, turned=True)))
     bench.update()
-    lines = drawn(bench)["arrows"]
+    lines = drawables_of(bench)["arrows"]
     assert isinstance(lines, Lines)
     ends = np.round(lines.points.reshape(2, 6, 3), 5)
     assert ends[0, :2].tolist() == [[1, 0, 0], [3, 0, 0]]
@@ -133,4 +133,4 @@ def test_empty_array_is_not_drawn() -> None:
     bench.publish("/pose", array(pose()))
     bench.publish("/pose", array())
     bench.update()
-    assert not drawn(bench)
+    assert not drawables_of(bench)

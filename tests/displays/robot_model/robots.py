@@ -45,7 +45,7 @@ def standing(bench: Bench, **properties: Any) -> Display:
     return robot(bench, **properties)
 
 
-def drawn(bench: Bench) -> dict[str, Drawable]:
+def visible_drawables(bench: Bench) -> dict[str, Drawable]:
     """Return the visible drawables of the robot, by link/kind/number."""
     start = "displays/Robot/links/"
     objects = bench.scene.objects().items()

@@ -9,7 +9,7 @@ from course_lib.robots.kinematics import link_poses
 from course_lib.robots.robot import Robot, load_robot
 from course_lib.robots.urdf import links_of
 from tests.displays.bench import Bench
-from tests.displays.robot_model.robots import LATCHED, ROBOT, drawn
+from tests.displays.robot_model.robots import LATCHED, ROBOT, visible_drawables
 
 # One of each kind: arms, a hand, legs, wheels, meshes of every format, and a robot without visuals.
 SOME = {"anymal", "baxter", "go2", "panda", "simple_humanoid", "tiago", "ur10", "xarm7"}
@@ -49,6 +49,6 @@ def assert_drawn(name: str, robot: Robot) -> None:
     bench.publish("/robot_description", String(data=robot.urdf), qos=LATCHED)
     bench.update()
     assert {row.level for row in display.rows()} == {"ok"}, name
-    visuals = [part for part in drawn(bench) if "/visual/" in part]
+    visuals = [part for part in visible_drawables(bench) if "/visual/" in part]
     assert len(visuals) == sum(len(link.visuals) for link in links_of(robot.urdf)), name
     assert bool(visuals) == (name not in BLANK), name

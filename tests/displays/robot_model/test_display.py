@@ -9,7 +9,16 @@ from std_msgs.msg import String
 from course_lib.displays.viewer import Viewer
 from course_lib.ros.graph.topics import Qos
 from tests.displays.bench import START_NS, Bench
-from tests.displays.robot_model.robots import ARM, CYLINDER, LATCHED, MISSING, ROBOT, drawn, robot, standing
+from tests.displays.robot_model.robots import (
+    ARM,
+    CYLINDER,
+    LATCHED,
+    MISSING,
+    ROBOT,
+    robot,
+    standing,
+    visible_drawables,
+)
 
 
 def test_latched_description_is_received_even_with_volatile_durability() -> None:
@@ -28,7 +37,7 @@ def test_invalid_description_is_an_error_with_rviz_text_and_a_hint(text: str) ->
     bench.update()
     assert bench.status(display, "URDF") == ("error", "URDF failed Model parse")
     assert bench.hints(display)
-    assert not drawn(bench)
+    assert not visible_drawables(bench)
     assert [prop.label for prop in display.properties if prop.path[:2] == ("Links", "arm")] == []
 
 
@@ -43,7 +52,7 @@ def test_missing_mesh_is_an_error_and_other_shapes_are_shown() -> None:
     )
     assert bench.status(display, "URDF") == ("error", text)
     assert bench.status(display, "arm") == ("ok", "Transform OK")
-    assert list(drawn(bench)) == ["base/visual/0"]
+    assert list(visible_drawables(bench)) == ["base/visual/0"]
 
 
 def test_invalid_mesh_file_is_reported_as_in_rviz(tmp_path: Path) -> None:
@@ -66,7 +75,7 @@ def test_link_settings_of_a_layout_are_kept_until_the_links_are_loaded() -> None
     bench.publish("/robot_description", String(data=ARM.format(arm=CYLINDER)), qos=LATCHED)
     bench.update()
     assert display["Links/arm/Alpha"] == 0.25
-    assert list(drawn(bench)) == ["arm/visual/0"]
+    assert list(visible_drawables(bench)) == ["arm/visual/0"]
 
 
 def test_tf_prefix_is_prepended_to_frames_so_that_several_robots_can_be_shown() -> None:
@@ -94,7 +103,7 @@ def test_robot_description_can_be_read_from_a_file(tmp_path: Path) -> None:
     display["Enabled"] = False
     display["Enabled"] = True
     assert bench.status(display, "URDF") == ("ok", "URDF parsed OK")
-    assert "base/visual/0" in drawn(bench)
+    assert "base/visual/0" in visible_drawables(bench)
 
 
 def test_links_are_placed_once_per_update_interval() -> None:
@@ -112,7 +121,7 @@ def test_changed_fixed_frame_keeps_the_robot() -> None:
     bench = Bench()
     display = standing(bench)
     bench.session.fixed_frame = "base"
-    assert "arm/visual/0" in drawn(bench)
+    assert "arm/visual/0" in visible_drawables(bench)
     assert bench.status(display, "arm") == ("ok", "Transform OK")
 
 
@@ -130,7 +139,7 @@ def test_disabled_robot_removes_its_objects() -> None:
     bench = Bench()
     display = standing(bench)
     display["Enabled"] = False
-    assert not drawn(bench)
+    assert not visible_drawables(bench)
     assert not display.rows()
 
 

@@ -8,13 +8,13 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.viewer.drawables import Lines, Mesh, Solids
 from tests.displays.bench import Bench
-from tests.displays.robot_model.robots import drawn, robot, standing
+from tests.displays.robot_model.robots import robot, standing, visible_drawables
 
 
 def test_links_are_drawn_at_their_tf_frames() -> None:
     bench = Bench()
     display = standing(bench)
-    box, tube = drawn(bench)["base/visual/0"], drawn(bench)["arm/visual/0"]
+    box, tube = visible_drawables(bench)["base/visual/0"], visible_drawables(bench)["arm/visual/0"]
     assert isinstance(box, Solids)
     assert isinstance(tube, Solids)
     assert (box.shape, tube.shape) == ("box", "cylinder")
@@ -29,7 +29,7 @@ def test_links_are_drawn_at_their_tf_frames() -> None:
 def test_first_material_colors_the_link_and_a_link_without_material_is_red() -> None:
     bench = Bench()
     standing(bench)
-    box, tube = drawn(bench)["base/visual/0"], drawn(bench)["arm/visual/0"]
+    box, tube = visible_drawables(bench)["base/visual/0"], visible_drawables(bench)["arm/visual/0"]
     assert isinstance(box, Solids)
     assert isinstance(tube, Solids)
     np.testing.assert_allclose(box.colors, [0, 0, 1, 0.5])
@@ -41,7 +41,7 @@ def test_alphas_of_robot_link_and_material_are_multiplied() -> None:
     display = standing(bench, Alpha=0.5)
     display["Links/base/Alpha"] = 0.5
     bench.update()
-    box = drawn(bench)["base/visual/0"]
+    box = visible_drawables(bench)["base/visual/0"]
     assert isinstance(box, Solids)
     assert box.colors[3] == pytest.approx(0.5**3)
 
@@ -50,14 +50,14 @@ def test_link_without_a_transform_is_white_unshaded_and_an_error() -> None:
     bench = Bench()
     bench.transform("map", "base")
     display = robot(bench)
-    tube = drawn(bench)["arm/visual/0"]
+    tube = visible_drawables(bench)["arm/visual/0"]
     assert isinstance(tube, Solids)
     np.testing.assert_array_equal(tube.colors, np.ones(4))
     assert not tube.lit
     assert bench.status(display, "arm") == ("error", "No transform from [arm] to [map]")
     bench.transform("base", "arm", (0.0, 3.0, 0.0))
     bench.update()
-    again = drawn(bench)["arm/visual/0"]
+    again = visible_drawables(bench)["arm/visual/0"]
     assert isinstance(again, Solids)
     assert again.lit
     assert bench.status(display, "arm") == ("ok", "Transform OK")
@@ -74,7 +74,7 @@ def test_stl_uses_the_link_color_and_other_formats_use_their_own(tmp_path: Path)
         bench = Bench()
         bench.transform("map", "arm")
         robot(bench, f'<mesh filename="file://{tmp_path}/arm.{suffix}" scale="2 2 2"/>')
-        mesh = drawn(bench)["arm/visual/0"]
+        mesh = visible_drawables(bench)["arm/visual/0"]
         assert isinstance(mesh, Mesh)
         np.testing.assert_allclose(np.broadcast_to(mesh.colors, (3, 4)), [color] * 3, atol=0.01)
         where = bench.scene.world_transform("displays/Robot/links/arm/visual/0")
@@ -93,19 +93,19 @@ def test_stl_uses_the_link_color_and_other_formats_use_their_own(tmp_path: Path)
 def test_display_properties_show_and_hide_their_drawables(label: str, expected: str) -> None:
     bench = Bench()
     display = standing(bench)
-    before = drawn(bench).keys()
+    before = visible_drawables(bench).keys()
     display[label] = True
-    assert drawn(bench).keys() - before == {expected}
+    assert visible_drawables(bench).keys() - before == {expected}
     node = "displays/Robot/links/" + expected.rpartition("/")[0]
     np.testing.assert_array_equal(bench.scene.transform(node)[:3, 3], [1, 0, 0])
     display[label] = False
-    assert drawn(bench).keys() == before
+    assert visible_drawables(bench).keys() == before
 
 
 def test_mass_is_drawn_as_a_ball_of_lead() -> None:
     bench = Bench()
     standing(bench, Mass=True)
-    ball = drawn(bench)["base/mass/mass"]
+    ball = visible_drawables(bench)["base/mass/mass"]
     assert isinstance(ball, Solids)
     radius = ball.placements[0, 0, 0] / 2
     assert 4 / 3 * np.pi * radius**3 * 11340 == pytest.approx(11340)
@@ -115,12 +115,12 @@ def test_links_are_hidden_individually_and_together() -> None:
     bench = Bench()
     display = standing(bench)
     display["Links/base"] = False
-    assert list(drawn(bench)) == ["arm/visual/0"]
+    assert list(visible_drawables(bench)) == ["arm/visual/0"]
     assert display["All Links Enabled"] is False
     display["All Links Enabled"] = True
-    assert len(drawn(bench)) == 2
+    assert len(visible_drawables(bench)) == 2
     display["Visual Enabled"] = False
-    assert not drawn(bench)
+    assert not visible_drawables(bench)
 
 
 def test_link_without_shapes_cannot_be_enabled() -> None:
@@ -137,7 +137,7 @@ def test_trail_follows_the_last_two_meters_of_the_link() -> None:
     for step in range(1, 301):
         bench.transform("map", "base", (0.05 * step, 0.0, 0.0), at=step / 100, static=False)
         bench.update(step / 100)
-    trail = drawn(bench)["base/trail"]
+    trail = visible_drawables(bench)["base/trail"]
     assert isinstance(trail, Lines)
     assert trail.points[-1, 0] == pytest.approx(15.0, abs=0.02)
     assert 1.9 < np.ptp(trail.points[:, 0]) <= 2.0

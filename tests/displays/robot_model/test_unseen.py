@@ -5,7 +5,7 @@ import pytest
 
 from course_lib.displays.statuses import StatusTable
 from tests.displays.bench import Bench
-from tests.displays.robot_model.robots import CYLINDER, MISSING, drawn, robot, standing
+from tests.displays.robot_model.robots import CYLINDER, MISSING, robot, standing, visible_drawables
 
 KNOWN = '<mesh filename="package://example-robot-data/robots/ur_description/meshes/ur10/visual/base.dae"/>'
 
@@ -16,7 +16,7 @@ def unseen() -> Bench:
     return bench
 
 
-def said(bench: Bench) -> str:
+def status_table(bench: Bench) -> str:
     bench.update(1.0)
     return str(StatusTable(bench.session.rows()))
 
@@ -29,15 +29,15 @@ def test_invisible_robot_has_the_same_statuses_without_drawing(arm: str, tmp_pat
     benches = [Bench(), unseen()]
     for bench in benches:
         standing(bench, arm=shape)
-    assert len({said(bench) for bench in benches}) == 1
-    assert (bool(drawn(benches[0])), drawn(benches[1])) == (True, {})
+    assert len({status_table(bench) for bench in benches}) == 1
+    assert (bool(visible_drawables(benches[0])), visible_drawables(benches[1])) == (True, {})
 
 
 def test_bundled_meshes_are_not_read_for_the_statuses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delattr("course_lib.displays.robot_model.load_mesh")
     bench = unseen()
     standing(bench, arm=KNOWN)
-    assert "could not load" not in said(bench).lower()
+    assert "could not load" not in status_table(bench).lower()
 
 
 def test_robot_is_drawn_at_its_current_pose_on_the_first_scene_request() -> None:
@@ -48,7 +48,7 @@ def test_robot_is_drawn_at_its_current_pose_on_the_first_scene_request() -> None
             bench.transform("map", "base", (float(number), 0.0, 0.0), at=number / 5, static=False)
             bench.session.tick(bench.session.context.now_ns + 10**8)
     benches[1].session.context.show()
-    seen, shown = (drawn(bench) for bench in benches)
+    seen, shown = (visible_drawables(bench) for bench in benches)
     assert shown.keys() == seen.keys()
     for path in seen:
         one, other = (bench.scene.world_transform(f"displays/Robot/links/{path}") for bench in benches)

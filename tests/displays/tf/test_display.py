@@ -13,7 +13,7 @@ from tests.displays.bench import Bench
 TF = "rviz_default_plugins/TF"
 
 
-def shown(bench: Bench) -> set[str]:
+def visible_parts(bench: Bench) -> set[str]:
     """Return the visible drawables, by part/frame."""
     paths = (path for path in bench.scene.objects() if bench.scene.visible(path))
     return {path.removeprefix("displays/TF/") for path in paths if path.startswith("displays/TF/")}
@@ -32,7 +32,7 @@ def test_frames_have_axes_and_arrows_to_their_parents() -> None:
     bench = Bench()
     display = chain(bench)
     arrows = {f"arrows/{frame}/{part}" for frame in ("base", "camera") for part in ("shaft", "head")}
-    assert shown(bench) == {"axes/map", "axes/base", "axes/camera"} | arrows
+    assert visible_parts(bench) == {"axes/map", "axes/base", "axes/camera"} | arrows
     np.testing.assert_allclose(bench.scene.transform("displays/TF/axes/camera")[:3, 3], [1, 0, 0.5])
     assert bench.status(display, "camera") == ("ok", "Transform OK")
 
@@ -49,12 +49,12 @@ def test_arrow_extends_from_child_to_parent_with_its_head_at_the_parent() -> Non
 def test_show_properties_toggle_all_drawables_of_one_kind() -> None:
     bench = Bench()
     display = chain(bench, show_axes=False, show_arrows=False, show_names=True)
-    assert shown(bench) == {"names/map", "names/base", "names/camera"}
+    assert visible_parts(bench) == {"names/map", "names/base", "names/camera"}
     text = bench.scene.node("displays/TF/names/base").object
     assert isinstance(text, Text)
     assert (text.text, text.height, text.below) == ("base", 0.1, True)
     display["Show Names"] = False
-    assert not shown(bench)
+    assert not visible_parts(bench)
 
 
 def test_marker_scale_scales_all_drawables_of_the_frame() -> None:
@@ -69,10 +69,10 @@ def test_frames_are_enabled_individually_and_together() -> None:
     bench = Bench()
     display = chain(bench, show_arrows=False)
     display["Frames/base"] = False
-    assert shown(bench) == {"axes/map", "axes/camera"}
+    assert visible_parts(bench) == {"axes/map", "axes/camera"}
     assert display["All Enabled"] is False
     display["All Enabled"] = True
-    assert shown(bench) == {"axes/map", "axes/base", "axes/camera"}
+    assert visible_parts(bench) == {"axes/map", "axes/base", "axes/camera"}
 
 
 def test_layout_enables_frames_before_they_are_known_even_with_a_slash() -> None:
@@ -81,9 +81,9 @@ def test_layout_enables_frames_before_they_are_known_even_with_a_slash() -> None
     display = bench.session.add(TF, "TF", config)
     bench.transform("map", "robot/base")
     bench.update()
-    assert shown(bench) == {"axes/map"}
+    assert visible_parts(bench) == {"axes/map"}
     display["robot/base"] = True
-    assert shown(bench) == {"axes/map", "axes/robot%2Fbase"}
+    assert visible_parts(bench) == {"axes/map", "axes/robot%2Fbase"}
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_filters_are_searched_as_regular_expressions(
     bench = Bench()
     display = chain(bench, show_arrows=False)
     display["Filter (whitelist)"], display["Filter (blacklist)"] = whitelist, blacklist
-    assert shown(bench) == {f"axes/{name}" for name in expected}
+    assert visible_parts(bench) == {f"axes/{name}" for name in expected}
 
 
 def test_invalid_regular_expression_is_reported_with_its_position() -> None:
@@ -127,7 +127,7 @@ def test_stale_frame_turns_gray_fades_and_is_removed(age: float, color: list[flo
     bench.update()
     bench.update(age)
     if color is None:
-        assert "axes/base" not in shown(bench)
+        assert "axes/base" not in visible_parts(bench)
         return
     drawable = bench.scene.node("displays/TF/axes/base").object
     assert isinstance(drawable, Solids)
@@ -141,7 +141,7 @@ def test_static_frames_and_republished_frames_stay_fresh() -> None:
     for at in (0.0, 10.0, 20.0):
         bench.transform("map", "base", at=at, static=False)
         bench.update(at)
-    assert {"axes/fixed", "axes/base", "axes/map"} <= shown(bench)
+    assert {"axes/fixed", "axes/base", "axes/map"} <= visible_parts(bench)
     assert bench.status(display, "base") == ("ok", "Transform OK")
 
 
@@ -151,7 +151,7 @@ def test_frame_in_another_tree_is_hidden_and_causes_a_warning() -> None:
     bench.transform("moon", "rover")
     bench.update()
     assert bench.status(display, "rover") == ("warn", "No transform from [rover] to [map]")
-    assert "axes/rover" not in shown(bench)
+    assert "axes/rover" not in visible_parts(bench)
 
 
 def test_loop_causes_a_warning_for_its_frames_and_others_are_shown() -> None:
@@ -161,7 +161,7 @@ def test_loop_causes_a_warning_for_its_frames_and_others_are_shown() -> None:
     bench.transform("a", "b", static=False)
     bench.update()
     assert bench.status(display, "a") == ("warn", "No transform from [a] to [map]")
-    assert shown(bench) == {"axes/map", "axes/base", "axes/camera"}
+    assert visible_parts(bench) == {"axes/map", "axes/base", "axes/camera"}
     assert display["Tree"] == {"map": {"base": {"camera": {}}}}
 
 

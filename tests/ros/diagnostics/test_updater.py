@@ -31,7 +31,7 @@ from course_lib.ros.hints import hint
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 
-def heard(node: Node) -> list[Any]:
+def collect_statuses(node: Node) -> list[Any]:
     """Return a list to which arriving statuses are appended while a node spins."""
     statuses: list[Any] = []
     node.create_subscription(DiagnosticArray, "/diagnostics", lambda array: statuses.extend(array.status), 99)
@@ -86,7 +86,7 @@ def test_non_string_value_is_rejected_as_it_aborts_on_a_robot() -> None:
 
 
 def test_updater_reports_node_starting_up_and_then_publishes_once_per_period(node: Node) -> None:
-    statuses = heard(node)
+    statuses = collect_statuses(node)
     updater = Updater(node, period=2.0)
     updater.setHardwareID("cam-1")
     updater.add("Lens", saying(WARN, "dusty"))
@@ -103,7 +103,7 @@ def test_period_is_set_by_a_parameter(started_graph: object) -> None:
     node = Node("talker", parameter_overrides=[Parameter("diagnostic_updater.period", value=4.0)])
     updater = Updater(node)
     updater.add(Heartbeat())
-    statuses = heard(node)
+    statuses = collect_statuses(node)
     rclpy.spin(node)
     assert updater.period == 4.0
     assert [s.message for s in statuses] == ["Alive"] * 2
@@ -115,7 +115,7 @@ def test_full_node_name_precedes_the_task_name_if_enabled(started_graph: object)
         namespace="/left",
         parameter_overrides=[Parameter("diagnostic_updater.use_fqn", value=True)],
     )
-    statuses = heard(node)
+    statuses = collect_statuses(node)
     Updater(node).add(Heartbeat())
     rclpy.spin_once(node)
     assert statuses[0].name == "/left/cam: Heartbeat"
@@ -124,7 +124,7 @@ def test_full_node_name_precedes_the_task_name_if_enabled(started_graph: object)
 def test_task_without_a_summary_is_an_error(node: Node) -> None:
     updater = Updater(node)
     updater.add("lazy", lambda stat: stat)
-    statuses = heard(node)
+    statuses = collect_statuses(node)
     updater.force_update()
     rclpy.spin_once(node)
     assert (statuses[0].level, statuses[0].message) == (ERROR, "No message was set")
@@ -162,7 +162,7 @@ def test_broadcast_sets_the_status_of_every_task(node: Node) -> None:
     updater = Updater(node)
     updater.add("a", saying(OK, "fine"))
     updater.add("b", saying(OK, "fine"))
-    statuses = heard(node)
+    statuses = collect_statuses(node)
     updater.broadcast(WARN, "shutting down")
     rclpy.spin_once(node)
     assert [(s.name, s.message) for s in statuses] == [
@@ -194,7 +194,7 @@ def test_frequency_is_compared_with_its_bounds_and_tolerance(
     node: Node, rate: int, level: bytes, message: str
 ) -> None:
     updater = Updater(node)
-    statuses = heard(node)
+    statuses = collect_statuses(node)
     topic = HeaderlessTopicDiagnostic("scan", updater, FrequencyStatusParam({"min": 10, "max": 10}))
     for _ in range(rate):
         topic.tick()

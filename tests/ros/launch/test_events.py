@@ -12,7 +12,7 @@ ONCE = "(once := Node(package='my_robot', executable='once'))"
 
 
 @pytest.fixture
-def said(launch_file: Write, capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
+def run_actions(launch_file: Write, capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
     """Run a launch file of some actions to its end. Return its log lines in order."""
 
     def run(*actions: str, seconds: float | None = None, only: str = "launch.user") -> list[str]:
@@ -23,11 +23,11 @@ def said(launch_file: Write, capsys: pytest.CaptureFixture[str]) -> Callable[...
     return run
 
 
-def test_end_of_an_action_emits_an_event(said: Callable[..., list[str]]) -> None:
+def test_end_of_an_action_emits_an_event(run_actions: Callable[..., list[str]]) -> None:
     complete = (
         "RegisterEventHandler(OnExecutionComplete(target_action={}, on_completion=[LogInfo(msg='{}')]))"
     )
-    assert said(
+    assert run_actions(
         "(a := SetEnvironmentVariable('A', 'b')) and " + complete.format("a", "variable"),
         "a",
         ONCE,
@@ -37,9 +37,9 @@ def test_end_of_an_action_emits_an_event(said: Callable[..., list[str]]) -> None
     ) == ["variable", "node", "timer", "timer is over"]
 
 
-def test_process_output_triggers_on_process_io(said: Callable[..., list[str]]) -> None:
+def test_process_output_triggers_on_process_io(run_actions: Callable[..., list[str]]) -> None:
     heard = "lambda event: LogInfo(msg=event.text.decode().strip() + ' of ' + event.process_name)"
-    assert said(
+    assert run_actions(
         f"RegisterEventHandler(OnProcessIO(on_stdout={heard}))",
         "ExecuteProcess(cmd=[['ros2 pkg ', 'prefix my_robot']], shell=True)",
     )[0].endswith(" of ros2-1")
@@ -55,11 +55,11 @@ def test_echo_and_sleep_run_on_robot_time(launch_file: Write, capsys: pytest.Cap
     assert out.index("still asleep") < out.index("[echo-2] well rested")
 
 
-def test_process_event_ends_only_the_matching_processes(said: Callable[..., list[str]]) -> None:
+def test_process_event_ends_only_the_matching_processes(run_actions: Callable[..., list[str]]) -> None:
     talker = "Node(**TALKER, name='{}', on_exit=LogInfo(msg='end of {}'))"
     end = "EmitEvent(event={}(process_matcher=matches_action(a){}))"
     for event, more in (("ShutdownProcess", ""), ("SignalProcess", ", signal_number='SIGINT'")):
-        assert said(
+        assert run_actions(
             f"(a := {talker.format('a', 'a')})",
             talker.format("b", "b"),
             f"TimerAction(period=0.5, actions=[{end.format(event, more)}])",
@@ -67,19 +67,19 @@ def test_process_event_ends_only_the_matching_processes(said: Callable[..., list
         ) == ["end of a", "later", "end of b"]
 
 
-def test_signals_other_than_termination_signals_end_no_process(said: Callable[..., list[str]]) -> None:
+def test_signals_other_than_termination_signals_end_no_process(run_actions: Callable[..., list[str]]) -> None:
     signal = "SignalProcess(process_matcher=matches_action(a), signal_number='SIGUSR1')"
-    assert said(
+    assert run_actions(
         "(a := Node(**TALKER, on_exit=LogInfo(msg='end')))",
         f"EmitEvent(event={signal})",
         "TimerAction(period=1.0, actions=[LogInfo(msg='later'), Shutdown()])",
     ) == ["later", "end"]
 
 
-def test_event_is_in_the_locals_of_its_handler(said: Callable[..., list[str]]) -> None:
+def test_event_is_in_the_locals_of_its_handler(run_actions: Callable[..., list[str]]) -> None:
     code = "LogInfo(msg=['code ', LocalSubstitution('event.returncode')])"
     fail = "(fail := Node(package='my_robot', executable='fail'))"
-    assert said(f"RegisterEventHandler(OnProcessExit(on_exit=[{code}]))", fail) == ["code 1"]
+    assert run_actions(f"RegisterEventHandler(OnProcessExit(on_exit=[{code}]))", fail) == ["code 1"]
 
 
 WAITS = """
@@ -109,9 +109,9 @@ def test_coroutine_runs_on_robot_time_concurrently_with_processes(
     assert [text for line in out.splitlines() for text in texts if text in line] == [*texts]
 
 
-def test_exit_of_a_required_process_ends_the_launch(said: Callable[..., list[str]]) -> None:
+def test_exit_of_a_required_process_ends_the_launch(run_actions: Callable[..., list[str]]) -> None:
     node = "Node(package='my_robot', executable='once', on_exit=Shutdown())"
-    texts = said("Node(**TALKER)", node, only="[launch]")
+    texts = run_actions("Node(**TALKER)", node, only="[launch]")
     assert texts[-1] == "process[once-2] was required: shutting down launched system"
 
 

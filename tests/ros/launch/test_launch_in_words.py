@@ -27,7 +27,7 @@ def words(robot: Path) -> Write:
     return write
 
 
-def heard(file: Path, *args: str) -> Counter[str]:
+def count_published(file: Path, *args: str) -> Counter[str]:
     """Count the (topic, string) pairs that a launch publishes within a second."""
     recording, code = recorded(file, *args)
     assert code == 0
@@ -70,7 +70,7 @@ TALKER = '<node pkg="my_robot" exec="talker"'
 def test_nodes_of_an_xml_launch_file_run_as_described(
     words: Write, inner: str, expected: dict[str, int]
 ) -> None:
-    assert heard(words(f"<launch>{inner}</launch>")) == expected
+    assert count_published(words(f"<launch>{inner}</launch>")) == expected
 
 
 def test_parameters_are_read_from_a_file_with_substitutions_and_from_nested_elements(
@@ -82,7 +82,7 @@ def test_parameters_are_read_from_a_file_with_substitutions_and_from_nested_elem
         f'<launch><arg name="w" default="file"/>{TALKER}><param from="{source}" allow_substs="true"/></node>'
         f'{TALKER} name="n"><param name="deep"><param name="er" value="1"/></param></node></launch>'
     )
-    assert heard(file) == {"/chatter 'file' --ros-args": 4, "/chatter 'hi' --ros-args": 1}
+    assert count_published(file) == {"/chatter 'file' --ros-args": 4, "/chatter 'hi' --ros-args": 1}
 
 
 def test_nodes_of_a_yaml_launch_file_run_as_described(words: Write) -> None:
@@ -105,7 +105,7 @@ launch:
 """,
         "robot.launch.yaml",
     )
-    assert heard(file, "word:=ho") == {"/a/c 'ho' --ros-args": 2}
+    assert count_published(file, "word:=ho") == {"/a/c 'ho' --ros-args": 2}
     assert recorded(file, "word:=no")[1] == 1
     assert arguments_of(file).splitlines()[2:] == [
         "    'word':",
@@ -128,7 +128,7 @@ def test_python_xml_and_yaml_launch_files_include_each_other(words: Write, launc
         name="inner.launch.py",
     )
     outer = words(f"<launch>{included.format('py', 'from xml')}</launch>")
-    assert heard(outer) == {"/chatter 'from xml y' --ros-args": 3}
+    assert count_published(outer) == {"/chatter 'from xml y' --ros-args": 3}
 
 
 def test_deprecated_attribute_of_a_launch_file_logs_a_warning(

@@ -19,7 +19,7 @@ from tests.ros.launch.run import recorded
 Write = Callable[..., Path]
 
 
-def heard(recording: Recording) -> Counter[str]:
+def count_published(recording: Recording) -> Counter[str]:
     """Count the published (topic, string) pairs."""
     cls = message_class("std_msgs/msg/String")
     samples = [s for s in recording.samples if s.type_name == "std_msgs/msg/String"]
@@ -57,14 +57,14 @@ def test_nodes_run_as_described_in_the_launch_file(
 ) -> None:
     recording, code = recorded(launch_file(*actions))
     assert code == 0
-    assert heard(recording) == expected
+    assert count_published(recording) == expected
 
 
 def test_later_parameters_override_the_parameter_file_of_the_package(launch_file: Write, robot: Path) -> None:
     (robot / "config" / "p.yaml").write_text("talker:\n  ros__parameters: {rate: 4.0, word: file}\n")
     path = "PathJoinSubstitution([FindPackageShare('my_robot'), 'config', 'p.yaml'])"
     recording, _ = recorded(launch_file(f"Node(**TALKER, parameters=[{path}, {{'word': 'dict'}}])"))
-    assert heard(recording) == {"/chatter 'dict' --ros-args": 4}
+    assert count_published(recording) == {"/chatter 'dict' --ros-args": 4}
 
 
 def test_launch_arguments_set_configurations(launch_file: Write) -> None:
@@ -72,7 +72,7 @@ def test_launch_arguments_set_configurations(launch_file: Write) -> None:
         "DeclareLaunchArgument('word', default_value='hi', choices=['hi', 'ho'], description='To say')",
         "Node(**TALKER, parameters=[{'word': LaunchConfiguration('word')}])",
     )
-    assert heard(recorded(file, "word:=ho")[0]) == {"/chatter 'ho' --ros-args": 1}
+    assert count_published(recorded(file, "word:=ho")[0]) == {"/chatter 'ho' --ros-args": 1}
     assert recorded(file, "word:=he")[1] == 1
     assert arguments_of(file).splitlines()[2:] == [
         "    'word':",
@@ -85,7 +85,7 @@ def test_ros_args_of_a_launch_are_passed_to_all_nodes(launch_file: Write) -> Non
     file = launch_file("DeclareLaunchArgument('word')", "Node(**TALKER, namespace='a')", "Node(**TALKER)")
     recording, code = recorded(file, "--ros-args", "-p", "rate:=4.0", "--", "word:=x")
     assert code == 0
-    assert heard(recording) == {"/a/chatter 'hi' --ros-args": 4, "/chatter 'hi' --ros-args": 4}
+    assert count_published(recording) == {"/a/chatter 'hi' --ros-args": 4, "/chatter 'hi' --ros-args": 4}
 
 
 def test_included_launch_file_gets_arguments_and_its_own_directory(launch_file: Write) -> None:
@@ -96,7 +96,7 @@ def test_included_launch_file_gets_arguments_and_its_own_directory(launch_file: 
     )
     source = "PythonLaunchDescriptionSource([ThisLaunchFileDir(), '/inner.launch.py'])"
     outer = launch_file(f"IncludeLaunchDescription({source}, launch_arguments={{'word': 'in:'}}.items())")
-    assert heard(recorded(outer)[0]) == {f"/chatter 'in:{inner.parent}' --ros-args": 1}
+    assert count_published(recorded(outer)[0]) == {f"/chatter 'in:{inner.parent}' --ros-args": 1}
     assert recorded(inner)[1] == 1
 
 
@@ -116,7 +116,9 @@ def test_event_handlers_handle_process_starts_exits_and_shutdown(
     lines = [line for line in capsys.readouterr().out.splitlines() if "launch.user" in line]
     assert lines == [f"[INFO] [launch.user]: {word}" for word in ("started", "ended", "done")]
     assert code == 0
-    assert heard(recording) == {"/chatter 'hi' --ros-args": 1}  # the talker was ended before its first tick
+    assert count_published(recording) == {
+        "/chatter 'hi' --ros-args": 1
+    }  # the talker was ended before its first tick
 
 
 def test_ros2_command_runs_as_a_process(launch_file: Write) -> None:
@@ -129,7 +131,7 @@ def test_ros2_command_runs_as_a_process(launch_file: Write) -> None:
     )
     recording, code = recorded(file, seconds=3.0)
     assert code == 0
-    assert heard(recording) == {"/words hey": 1, "/words ho": 1}
+    assert count_published(recording) == {"/words hey": 1, "/words ho": 1}
 
 
 def test_failed_process_is_reported_and_the_others_continue(
@@ -138,7 +140,7 @@ def test_failed_process_is_reported_and_the_others_continue(
     recording, code = recorded(launch_file("Node(package='my_robot', executable='fail')", "Node(**TALKER)"))
     captured = capsys.readouterr()
     assert code == 1
-    assert heard(recording) == {"/chatter 'hi' --ros-args": 1}
+    assert count_published(recording) == {"/chatter 'hi' --ros-args": 1}
     assert "[fail-1] ValueError: no laser\n" in captured.err
     assert "[ERROR] [fail-1]: process has died [pid 1, exit code 1, cmd 'fail-1 " in captured.out
 
@@ -209,7 +211,7 @@ def test_action_that_cannot_run_is_skipped_with_one_line_and_the_others_start(
     file = launch_file(action, "Node(**TALKER)")
     file.write_text(file.read_text().replace("TALKER = dict", f"{GAZEBO}\nTALKER = dict"))
     recording, code = recorded(file)
-    assert (heard(recording), code) == ({"/chatter 'hi' --ros-args": 1}, 0)
+    assert (count_published(recording), code) == ({"/chatter 'hi' --ros-args": 1}, 0)
     (line,) = [one for one in capsys.readouterr().out.splitlines() if one.startswith("[WARNING] [launch]")]
     assert re.match(
         rf"\[WARNING\] \[launch\]: \S+\.launch\.py, line \d+: [\w.]+ is left out: .*{reason}", line
@@ -241,7 +243,7 @@ def test_action_using_a_module_of_a_missing_package_is_skipped(
     file = launch_file(action, "Node(**TALKER)")
     file.write_text(file.read_text().replace("TALKER = dict", f"{HELPERS}\nTALKER = dict"))
     recording, code = recorded(file)
-    assert (heard(recording), code) == ({"/chatter 'hi' --ros-args": 1}, 0)
+    assert (count_published(recording), code) == ({"/chatter 'hi' --ros-args": 1}, 0)
     out = capsys.readouterr().out
     assert len(re.findall(r"left out: package 'moveit_configs_utils' not found: MoveIt plans", out)) == 1
 
@@ -254,7 +256,7 @@ def test_launched_node_does_not_get_the_modules_imported_by_its_launch_file(
     file = launch_file("Node(**TALKER)")
     file.write_text(f"import moveit_configs_utils\n{file.read_text()}")
     recording, code = recorded(file)
-    assert (heard(recording), code) == ({}, 1)
+    assert (count_published(recording), code) == ({}, 1)
 
 
 def test_environment_variables_defined_by_a_ros_setup_can_be_extended(
@@ -265,13 +267,13 @@ def test_environment_variables_defined_by_a_ros_setup_can_be_extended(
     uses = "os.environ['GZ_SIM_RESOURCE_PATH'] += ':models'\nos.getenv('AMENT_PREFIX_PATH').split(':')"
     file.write_text(f"import os\n{uses}\n{file.read_text()}")
     recording, code = recorded(file)
-    assert (heard(recording), code) == ({"/chatter 'hi' --ros-args": 1}, 0)
+    assert (count_published(recording), code) == ({"/chatter 'hi' --ros-args": 1}, 0)
 
 
 def test_strict_launch_fails_on_an_action_that_cannot_run(launch_file: Write) -> None:
     file = launch_file("Node(**TALKER)", "Node(package='nowhere', executable='x')")
     recording, code = recorded(file, is_strict=True)
-    assert (heard(recording), code) == ({}, 1)
+    assert (count_published(recording), code) == ({}, 1)
 
 
 def test_handlers_of_a_skipped_process_run_except_for_a_shutdown(
@@ -284,7 +286,7 @@ def test_handlers_of_a_skipped_process_run_except_for_a_shutdown(
         "Node(**TALKER), EmitEvent(event=ShutdownEvent(reason='done'))]))",
     )
     recording, code = recorded(file)
-    assert (heard(recording), code) == ({"/chatter 'hi' --ros-args": 1}, 0)
+    assert (count_published(recording), code) == ({"/chatter 'hi' --ros-args": 1}, 0)
     assert "[launch.user]: started" in capsys.readouterr().out
 
 
@@ -373,7 +375,7 @@ def test_changed_package_is_reloaded(launch_file: Write, robot: Path) -> None:
     recorded(file)
     source = robot / "my_robot" / "talker.py"
     source.write_text(source.read_text().replace('"hi"', '"changed"'))
-    assert heard(recorded(file)[0]) == {"/chatter 'changed' --ros-args": 1}
+    assert count_published(recorded(file)[0]) == {"/chatter 'changed' --ros-args": 1}
 
 
 def test_program_arguments_without_a_launch_description_are_an_error(tmp_path: Path) -> None:
@@ -438,7 +440,7 @@ def test_error_in_a_timer_ends_the_launch_and_its_processes(
 ) -> None:
     file = launch_file("Node(**TALKER)", f"TimerAction(period=0.5, actions=[{bad}])")
     recording, code = recorded(file, seconds=None)
-    assert (len(heard(recording)), code) == (0, 1)
+    assert (len(count_published(recording)), code) == (0, 1)
     captured = capsys.readouterr()
     assert message in captured.out + captured.err
 

@@ -106,7 +106,7 @@ class Talker(LifecycleNode):
         return result
 
 
-def asked(node: rclpy.node.Node, kind: Any, service: str, **fields: Any) -> Any:
+def call_service(node: rclpy.node.Node, kind: Any, service: str, **fields: Any) -> Any:
     client = node.create_client(kind, f"/lc_talker/{service}")
     future = client.call_async(kind.Request(**fields))
     rclpy.spin_until_future_complete(node, future)
@@ -114,7 +114,7 @@ def asked(node: rclpy.node.Node, kind: Any, service: str, **fields: Any) -> Any:
 
 
 def state(node: LifecycleNode) -> tuple[int, str]:
-    current = asked(node, GetState, "get_state").current_state
+    current = call_service(node, GetState, "get_state").current_state
     return current.id, current.label
 
 
@@ -205,16 +205,20 @@ class TestLifecycleNode:
     def test_other_nodes_change_the_state_by_transition_id_or_label(self) -> None:
         node = Talker()
         wanted = Transition(id=Transition.TRANSITION_CONFIGURE)
-        assert asked(node, ChangeState, "change_state", transition=wanted).success
-        assert asked(node, ChangeState, "change_state", transition=Transition(label="activate")).success
-        assert not asked(node, ChangeState, "change_state", transition=Transition(label="cleanup")).success
+        assert call_service(node, ChangeState, "change_state", transition=wanted).success
+        assert call_service(
+            node, ChangeState, "change_state", transition=Transition(label="activate")
+        ).success
+        assert not call_service(
+            node, ChangeState, "change_state", transition=Transition(label="cleanup")
+        ).success
         assert state(node) == (3, "active")
 
     def test_other_nodes_receive_all_states_and_transitions_in_the_order_of_rcl(self) -> None:
         node = Talker()
-        states = asked(node, GetAvailableStates, "get_available_states").available_states
-        graph = asked(node, GetAvailableTransitions, "get_transition_graph").available_transitions
-        now = asked(node, GetAvailableTransitions, "get_available_transitions").available_transitions
+        states = call_service(node, GetAvailableStates, "get_available_states").available_states
+        graph = call_service(node, GetAvailableTransitions, "get_transition_graph").available_transitions
+        now = call_service(node, GetAvailableTransitions, "get_available_transitions").available_transitions
         assert [one.id for one in states] == [0, 1, 2, 3, 4, 10, 11, 12, 13, 14, 15]
         numbers = [one.transition.id for one in graph]
         assert numbers[:5] == [1, 10, 11, 12, 2]

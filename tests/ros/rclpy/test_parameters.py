@@ -232,7 +232,7 @@ def test_parameter_changes_are_published_on_parameter_events(node: Node) -> None
     assert events[1].changed_parameters[0].value.integer_value == 2
 
 
-def asked(node: Node, kind: Any, name: str, **request: Any) -> Any:
+def call_service(node: Node, kind: Any, name: str, **request: Any) -> Any:
     client = Node("asker").create_client(kind, f"/talker/{name}")
     future = client.call_async(kind.Request(**request))
     executor = rclpy.get_global_executor()
@@ -245,19 +245,19 @@ def asked(node: Node, kind: Any, name: str, **request: Any) -> Any:
 
 def test_other_nodes_get_and_set_parameters_with_the_six_services(node: Node) -> None:
     node.declare_parameter("speed", 1, ParameterDescriptor(description="how fast"))
-    names = asked(node, ListParameters, "list_parameters").result.names
+    names = call_service(node, ListParameters, "list_parameters").result.names
     assert names == ["use_sim_time", "start_type_description_service", "speed"]
-    (described,) = asked(node, DescribeParameters, "describe_parameters", names=["speed"]).descriptors
+    (described,) = call_service(node, DescribeParameters, "describe_parameters", names=["speed"]).descriptors
     assert (described.name, described.type, described.description) == ("speed", 2, "how fast")
-    assert asked(node, GetParameters, "get_parameters", names=["speed"]).values[0].integer_value == 1
-    assert list(asked(node, GetParameterTypes, "get_parameter_types", names=["speed"]).types) == [2]
+    assert call_service(node, GetParameters, "get_parameters", names=["speed"]).values[0].integer_value == 1
+    assert list(call_service(node, GetParameterTypes, "get_parameter_types", names=["speed"]).types) == [2]
     new = [Parameter(n, value=v).to_parameter_msg() for n, v in (("speed", 2), ("speed", "x"), ("no", 1))]
-    results = asked(node, SetParameters, "set_parameters", parameters=new).results
+    results = call_service(node, SetParameters, "set_parameters", parameters=new).results
     assert [result.successful for result in results] == [True, False, False]
     assert "undeclared" in results[2].reason
-    atomic = asked(node, SetParametersAtomically, "set_parameters_atomically", parameters=new[:2])
+    atomic = call_service(node, SetParametersAtomically, "set_parameters_atomically", parameters=new[:2])
     assert not atomic.result.successful
-    assert asked(node, GetParameters, "get_parameters", names=["speed", "no"]).values == []
+    assert call_service(node, GetParameters, "get_parameters", names=["speed", "no"]).values == []
 
 
 def test_parameter_services_can_be_disabled(started_graph: Graph) -> None:

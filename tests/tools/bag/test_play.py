@@ -17,13 +17,13 @@ from course_lib.tools.run import ros2_over
 from course_lib.tools.sources import RecordingSource
 
 Run = Callable[[str], str]
-Heard = list[tuple[float, str, str]]
+Received = list[tuple[float, str, str]]
 
 
 @pytest.fixture
-def heard(graph: Graph) -> Heard:
+def received_messages(graph: Graph) -> Received:
     """Return the messages that a live node receives: seconds since its start, topic, string."""
-    received: Heard = []
+    received: Received = []
     node = Node("ear")
 
     def hear(topic: str) -> Callable[[Any], None]:
@@ -38,14 +38,16 @@ def heard(graph: Graph) -> Heard:
     return received
 
 
-def texts(heard: Heard) -> str:
-    return "".join(text for _, _, text in heard)
+def texts(received_messages: Received) -> str:
+    return "".join(text for _, _, text in received_messages)
 
 
-def test_bag_is_played_in_order_and_at_its_rate(bag: Path, run: Run, heard: Heard) -> None:
+def test_bag_is_played_in_order_and_at_its_rate(bag: Path, run: Run, received_messages: Received) -> None:
     output = run("play five")
-    assert [(topic, text) for _, topic, text in heard] == [(("/a", "/b")[i % 2], str(i)) for i in range(6)]
-    assert [at for at, _, _ in heard] == pytest.approx([i + 0.001 for i in range(6)])
+    assert [(topic, text) for _, topic, text in received_messages] == [
+        (("/a", "/b")[i % 2], str(i)) for i in range(6)
+    ]
+    assert [at for at, _, _ in received_messages] == pytest.approx([i + 0.001 for i in range(6)])
     at = "[INFO] [1700000000.000000000] [rosbag2_player]: "
     assert output == f"{at}Set rate to 1\n{at}Playback until timestamp: -1\n"
 
@@ -66,26 +68,26 @@ def test_bag_is_played_in_order_and_at_its_rate(bag: Path, run: Run, heard: Hear
     ],
 )
 def test_options_select_topics_and_times_to_play(
-    bag: Path, run: Run, heard: Heard, options: str, played: str, first: float
+    bag: Path, run: Run, received_messages: Received, options: str, played: str, first: float
 ) -> None:
     run(f"play five {options}")
-    assert texts(heard) == played
-    assert heard[0][0] == pytest.approx(first + 0.001)
+    assert texts(received_messages) == played
+    assert received_messages[0][0] == pytest.approx(first + 0.001)
 
 
-def test_rate_option_scales_the_pauses(bag: Path, run: Run, heard: Heard) -> None:
+def test_rate_option_scales_the_pauses(bag: Path, run: Run, received_messages: Received) -> None:
     run("play five -r 4")
-    assert [at for at, _, _ in heard] == pytest.approx([i / 4 + 0.001 for i in range(6)])
+    assert [at for at, _, _ in received_messages] == pytest.approx([i / 4 + 0.001 for i in range(6)])
 
 
-def test_topics_are_remapped(bag: Path, run: Run, heard: Heard) -> None:
+def test_topics_are_remapped(bag: Path, run: Run, received_messages: Received) -> None:
     run("play five --topics /b --remap /b:=/c")
-    assert {topic for _, topic, _ in heard} == {"/c"}
+    assert {topic for _, topic, _ in received_messages} == {"/c"}
 
 
-def test_loop_ends_without_a_page(bag: Path, run: Run, heard: Heard) -> None:
+def test_loop_ends_without_a_page(bag: Path, run: Run, received_messages: Received) -> None:
     output = run("play five --loop -r 2")
-    assert texts(heard) == "012345" * 2
+    assert texts(received_messages) == "012345" * 2
     assert output.endswith("No page is watching: ros2 bag play stopped after 5 s of robot time.\n")
 
 
@@ -144,7 +146,7 @@ def test_start_paused_is_rejected_without_a_time_panel(bag: Path, run: Run) -> N
 
 
 def test_start_paused_waits_for_the_time_panel(
-    bag: Path, run: Run, heard: Heard, graph: Graph, monkeypatch: pytest.MonkeyPatch
+    bag: Path, run: Run, received_messages: Received, graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")
     speed = pace.speed_of(graph)
@@ -152,10 +154,10 @@ def test_start_paused_waits_for_the_time_panel(
 
     def press(seconds: float) -> None:
         if speed.paused:  # otherwise it follows the pace of robot time
-            assert heard == []
+            assert received_messages == []
             speed.paused = False
 
     with monkeypatch.context() as waits:
         waits.setattr(wall, "sleep", press)
         run("play five -p --playback-duration 0")
-    assert texts(heard) == "0"
+    assert texts(received_messages) == "0"

@@ -62,20 +62,22 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
 
 
 @pytest.fixture
-def made(run: Run) -> str:
+def creation_output(run: Run) -> str:
     """Output of `ros2 pkg create` in the working folder."""
     line = "create --build-type ament_python my_pkg --license MIT --node-name talker"
     return run(f"{line} --dependencies rclpy sensor_msgs")
 
 
-def test_each_step_has_the_output_of_ros2cli(made: str, tmp_path: Path) -> None:
-    assert made == CREATED.format(here=tmp_path, user=getpass.getuser())
-    for line in made.splitlines():
+def test_each_step_has_the_output_of_ros2cli(creation_output: str, tmp_path: Path) -> None:
+    assert creation_output == CREATED.format(here=tmp_path, user=getpass.getuser())
+    for line in creation_output.splitlines():
         if line.startswith("creating ./"):
             assert (tmp_path / line.removeprefix("creating ")).is_file()
 
 
-def test_created_package_is_listed_with_its_executable(made: str, run: Run, tmp_path: Path) -> None:
+def test_created_package_is_listed_with_its_executable(
+    creation_output: str, run: Run, tmp_path: Path
+) -> None:
     package = find_package("my_pkg")
     assert package is not None
     assert package.executables == {"talker": ("my_pkg.talker", "main")}
@@ -110,13 +112,13 @@ def test_unknown_license_causes_a_warning(run: Run) -> None:
     ],
 )
 def test_invalid_arguments_are_rejected_with_the_text_of_ros2_and_a_solution(
-    made: str, run: Run, line: str, text: str
+    creation_output: str, run: Run, line: str, text: str
 ) -> None:
     with pytest.raises(CourseError, match=text):
         run(line)
 
 
-def test_kit_packages_are_listed_along_with_custom_packages(made: str, run: Run) -> None:
+def test_kit_packages_are_listed_along_with_custom_packages(creation_output: str, run: Run) -> None:
     names = run("list").split()
     assert names == sorted(names)
     assert {*provided_packages(), "my_pkg", "rviz2"} <= set(names)
@@ -126,13 +128,15 @@ def test_kit_packages_are_listed_along_with_custom_packages(made: str, run: Run)
 
 
 def test_pkg_requires_neither_a_program_nor_a_recording(
-    made: str, capsys: pytest.CaptureFixture[str]
+    creation_output: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert ros2_over(["pkg", "executables", "my_pkg"], files=[], bag=None, seconds=1.0) == 0
     assert capsys.readouterr().out == "my_pkg talker\n"
 
 
-def test_created_executable_runs_from_the_command_line(made: str, capfd: pytest.CaptureFixture[str]) -> None:
+def test_created_executable_runs_from_the_command_line(
+    creation_output: str, capfd: pytest.CaptureFixture[str]
+) -> None:
     assert ros2_over(["run", "my_pkg", "talker"], files=[], bag=None, seconds=1.0) == 0
     assert capfd.readouterr().out == "Hi from my_pkg.\n"
 

@@ -12,7 +12,7 @@ from course_lib.ros.graph.graph import Graph
 from course_lib.tools.rqt.graph import ACTIVE, ALL, NODES, GraphView, matches_filter
 
 
-def drawn(view: GraphView) -> list[str]:
+def labels_of(view: GraphView) -> list[str]:
     """Return the labels in the picture."""
     return re.findall("<text[^>]*>([^<]*)<", view.picture())
 
@@ -25,16 +25,16 @@ def test_nodes_are_ellipses_and_connected_topics_are_boxes(graph: Graph, arm: No
     view = GraphView(graph, [])
     assert view["Show"] == ACTIVE
     view.controls["Group namespaces"].value = False
-    assert sorted(drawn(view)) == ["/arm/controller", "/arm/joint_states", "/planner"]
+    assert sorted(labels_of(view)) == ["/arm/controller", "/arm/joint_states", "/planner"]
     assert (shapes(view, "ellipse"), shapes(view, "rect")) == (2, 1)
 
 
 def test_all_option_shows_topics_without_subscription(graph: Graph, arm: Node, planner: Node) -> None:
     view = GraphView(graph, [])
     view.controls["Show"].value = ALL
-    assert "/plan" in drawn(view)
+    assert "/plan" in labels_of(view)
     view.controls["Hide Dead sinks"].value = True
-    assert "/plan" not in drawn(view)
+    assert "/plan" not in labels_of(view)
 
 
 def test_nodes_only_option_labels_arrows_with_topics(graph: Graph, arm: Node, planner: Node) -> None:
@@ -42,17 +42,17 @@ def test_nodes_only_option_labels_arrows_with_topics(graph: Graph, arm: Node, pl
     view.controls["Show"].value = NODES
     view.controls["Group namespaces"].value = False
     assert (shapes(view, "ellipse"), shapes(view, "rect")) == (2, 0)
-    assert "/arm/joint_states" in drawn(view)
+    assert "/arm/joint_states" in labels_of(view)
     assert "/arm/controller to /planner /arm/joint_states" in view.picture()
 
 
 def test_debug_nodes_and_parameters_are_hidden_by_default(graph: Graph, arm: Node) -> None:
     view = GraphView(graph, [])
     view.controls["Show"].value = ALL
-    assert not {"/rosout", "/parameter_events"} & set(drawn(view))
+    assert not {"/rosout", "/parameter_events"} & set(labels_of(view))
     for name in ("Hide Debug", "Hide Params"):
         view.controls[name].value = False
-    assert {"/rosout", "/parameter_events"} <= set(drawn(view))
+    assert {"/rosout", "/parameter_events"} <= set(labels_of(view))
 
 
 def test_incompatible_qos_is_explained(graph: Graph, planner: Node) -> None:
@@ -60,9 +60,9 @@ def test_incompatible_qos_is_explained(graph: Graph, planner: Node) -> None:
     Node("camera").create_publisher(String, "label", weak)
     planner.create_subscription(String, "label", lambda _: None, 10)
     view = GraphView(graph, [])
-    assert "/label (QoS!)" in drawn(view)
+    assert "/label (QoS!)" in labels_of(view)
     view.controls["Show"].value = NODES
-    assert "/label (QoS!)" in drawn(view)
+    assert "/label (QoS!)" in labels_of(view)
 
 
 def test_qos_of_the_topics_of_an_action_is_compatible(graph: Graph, planner: Node) -> None:
@@ -70,14 +70,14 @@ def test_qos_of_the_topics_of_an_action_is_compatible(graph: Graph, planner: Nod
     client = ActionClient(planner, GripperCommand, "grip")
     view = GraphView(graph, [])
     for view.controls["Show"].value in (ACTIVE, NODES):
-        assert "/grip/action_topics" in drawn(view)
-        assert "/grip/action_topics (QoS!)" not in drawn(view)
+        assert "/grip/action_topics" in labels_of(view)
+        assert "/grip/action_topics (QoS!)" not in labels_of(view)
     client.destroy()
     server.destroy()
 
 
 def test_namespaces_are_drawn_as_groups(graph: Graph, arm: Node, planner: Node) -> None:
-    assert "/arm" in drawn(GraphView(graph, []))
+    assert "/arm" in labels_of(GraphView(graph, []))
 
 
 def test_filters_accept_patterns_and_exclusions() -> None:

@@ -12,14 +12,14 @@ from course_lib.ros.graph.graph import Graph
 Run = Callable[[str], str]
 
 
-def heard_by(node: Node, kind: type, topic: str) -> list[Any]:
+def received_by(node: Node, kind: type, topic: str) -> list[Any]:
     messages: list[Any] = []
     node.create_subscription(kind, topic, messages.append, 10)
     return messages
 
 
 def test_once_publishes_one_message_with_the_output_of_ros2cli(run: Run, graph: Graph, talker: Node) -> None:
-    received = heard_by(talker, String, "ear")
+    received = received_by(talker, String, "ear")
     assert run("topic pub --once /ear std_msgs/msg/String {data: hi}") == (
         "publisher: beginning loop\npublishing #1: std_msgs.msg.String(data='hi')\n\n"
     )
@@ -28,7 +28,7 @@ def test_once_publishes_one_message_with_the_output_of_ros2cli(run: Run, graph: 
 
 
 def test_times_rate_and_print_options_take_effect(run: Run, graph: Graph, talker: Node) -> None:
-    received, start_ns = heard_by(talker, String, "ear"), graph.now_ns
+    received, start_ns = received_by(talker, String, "ear"), graph.now_ns
     text = run("topic pub -t 5 -r 4 -p 2 /ear std_msgs/String {data: hi}")
     assert len(received) == 5
     assert [line.split(":")[0] for line in text.splitlines() if line] == [
@@ -44,7 +44,7 @@ def test_pub_without_a_page_stops_with_a_notice(run: Run, talker: Node) -> None:
 
 
 def test_now_and_auto_are_the_publishing_time_of_each_message(run: Run, talker: Node) -> None:
-    received = heard_by(talker, PoseStamped, "goal")
+    received = received_by(talker, PoseStamped, "goal")
     run("topic pub -t 2 /goal geometry_msgs/msg/PoseStamped {header: auto, pose: {position: {x: 1}}}")
     run("topic pub --once /goal geometry_msgs/msg/PoseStamped {header: {stamp: now, frame_id: map}}")
     seconds = [one.header.stamp.sec + one.header.stamp.nanosec * 1e-9 - 1.7e9 for one in received]
