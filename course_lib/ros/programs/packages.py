@@ -529,7 +529,7 @@ class _CMake:
     def __init__(self, variables: dict[str, list[str]]) -> None:
         self.variables = variables
         self._macros: dict[str, _CMakeMacro] = {}
-        self._budget = _MOST
+        self._budget = _MAX_FILES
 
     def run(self, commands: Iterable[tuple[str, str]]) -> Iterator[tuple[str, list[str]]]:
         """Yield commands in lower case with their arguments, also those of loops, macros and functions."""
