@@ -25,9 +25,15 @@ ARROW = (1.0, 0.05, 0.3, 0.1)
 def rotation_to(direction: Floats) -> Floats:
     """Return a rotation that maps z to a unit vector, shape (3, 3)."""
     helper = np.eye(3)[np.argmin(np.abs(direction))]
-    x = np.cross(helper, direction)
+    x = _cross(helper, direction)
     x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(direction, x), direction])
+    return np.column_stack([x, _cross(direction, x), direction])
+
+
+def _cross(first: Floats, second: Floats) -> Floats:
+    """Return the cross product of two vectors, for which `np.cross` takes 30 times as long."""
+    (x, y, z), (u, v, w) = first.tolist(), second.tolist()
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
 def placement(rotation: Floats, size: Any, center: Any) -> Floats:
