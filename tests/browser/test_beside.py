@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
-from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, opened, red_pixels, view_of
+from tests.browser.jupyterlab import VIEWPORT, Lab, Notebook, opened, red_pixels, view_of, write_notebook
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -65,7 +65,7 @@ def ask_for_view_beside(notebook: Notebook) -> None:
 def columns(notebook: Notebook) -> float:
     """Return the number of columns of code that the notebook shows."""
     script = """() => {
-        const code = document.querySelector(".jp-Notebook .cm-content");
+        const code = courseNotebook().node.querySelector(".cm-content");
         const pen = document.createElement("canvas").getContext("2d");
         pen.font = getComputedStyle(code).font;
         return code.closest(".cm-scroller").clientWidth / pen.measureText("0").width; }"""
@@ -189,3 +189,31 @@ def test_kernel_restart_closes_the_side_panel_and_a_rerun_opens_it(notebook: Not
     expect(panel(notebook)).to_have_count(0)
     expect(notebook.page.locator(".course-elsewhere:visible")).to_have_count(0)
     expect(in_cells(notebook).first).to_be_visible()
+
+
+def test_panels_of_two_notebooks_are_tabs_that_follow_them_and_code_stays_readable(lab: Lab) -> None:
+    with opened(lab, "beside_two.ipynb", CELLS) as notebook:
+        notebook.run_all()
+        wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page, A_FRAME)
+        write_notebook(notebook.folder / "blue.ipynb", [cell.replace("color.r", "color.b") for cell in CELLS])
+        script = """async path => {
+            const opened = await jupyterapp.commands.execute('docmanager:open', { path });
+            await opened.context.ready; }"""
+        notebook.ask(script, f"{notebook.folder.name}/blue.ipynb")
+        notebook.wait_idle()
+        notebook.run_all()
+        tab = notebook.page.locator(TAB)
+        expect(tab).to_have_count(2)
+        wait_until(lambda: panel(notebook).count() == 1, notebook.page)
+        wait_until(lambda: red_pixels(panel(notebook)) == 0, notebook.page, A_FRAME)
+        wait_until(lambda: columns(notebook) >= READABLE, notebook.page)
+        notebook.page.locator(".lm-TabBar-tab:has-text('beside_two.ipynb')").click()
+        wait_until(lambda: panel(notebook).count() == 1, notebook.page)
+        wait_until(lambda: red_pixels(panel(notebook)) > ENOUGH, notebook.page, A_FRAME)
+        assert columns(notebook) >= READABLE
+        # The file browser returns with the last panel.
+        for remaining in (1, 0):
+            assert not notebook.page.locator(FILE_BROWSER).is_visible()
+            tab.first.locator(".lm-TabBar-tabCloseIcon").click()
+            expect(tab).to_have_count(remaining)
+        expect(notebook.page.locator(FILE_BROWSER)).to_be_visible()

@@ -169,16 +169,12 @@
     return Math.ceil(panel.node.offsetWidth - code.closest(".cm-scroller").clientWidth + columns + 12); // [px] its margins
   }
 
-  /** Divide the width between a notebook and the panel beside it; fold the file browser where both need its place. */
-  function divide(app, notebook, panel) {
+  /** Divide the width between a notebook and the panel beside it; `fold` the file browser where both need its place. */
+  function divide(notebook, panel, fold) {
     const dock = panel.parent;
     const frame = () => new Promise((done) => requestAnimationFrame(done));
     const wide = widthForCode(notebook);
-    const isNarrow = dock.node.offsetWidth < wide + LEAST;
-    if (isNarrow && !app.shell.leftCollapsed) {
-      app.shell.collapseLeft();
-      panel.disposed.connect(() => app.shell.leftCollapsed && app.shell.expandLeft());
-    }
+    if (dock.node.offsetWidth < wide + LEAST) fold();
     return frame().then(frame).then(() => {
       const left = panel.node.offsetLeft;
       const edges = [...dock.layout.handles()].filter(
@@ -196,18 +192,34 @@
   function arrangePanels(app, tracker) {
     /** Panels by the notebooks whose views they show. */
     const panels = new Map();
+    let isFolded = false; // whether the file browser was folded for them
+    const fold = () => {
+      if (app.shell.leftCollapsed) return;
+      isFolded = true;
+      app.shell.collapseLeft();
+    };
+    const unfold = () => {
+      if (!isFolded || [...panels.values()].some((panel) => panel.isAttached)) return;
+      isFolded = false;
+      if (app.shell.leftCollapsed) app.shell.expandLeft();
+    };
     document.addEventListener("course-docked", ({ target, detail }) => {
       const panel = [...app.shell.widgets("main")].find((one) => one.node.contains(target));
       const notebook = tracker.find((one) => one.context === detail.context);
       if (!panel?.parent?.layout?.moveHandle || !notebook || panels.get(notebook) === panel) return;
       const other = [...panels.values()].find((one) => one.isAttached);
       panels.set(notebook, panel);
-      panel.disposed.connect(() => panels.get(notebook) === panel && panels.delete(notebook));
+      panel.title.caption = `View of ${notebook.title.label}`;
+      panel.disposed.connect(() => {
+        if (panels.get(notebook) === panel) panels.delete(notebook);
+        unfold();
+      });
       notebook.disposed.connect(() => panel.isDisposed || panel.dispose());
       app.shell.activateById(notebook.id); // menus and keys act on the notebook
+      // JupyterLab has halved the notebook for the new panel, which becomes a tab of the other one.
       if (other) panel.parent.addWidget(panel, { mode: "tab-after", ref: other });
-      else divide(app, notebook, panel);
       panel.parent.selectWidget(panel);
+      divide(notebook, panel, fold);
     });
     tracker.currentChanged.connect((_, notebook) => {
       const panel = panels.get(notebook);
