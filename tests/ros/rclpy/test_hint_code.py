@@ -70,6 +70,7 @@ FIELDS = {
     "CYLINDER",
     "TEXT_VIEW_FACING",
     "color.a",
+    "msg",
     "sec",
     "seconds",
     "get_logger",
