@@ -61,6 +61,11 @@ _HINTS = {
 }
 
 
+# The hint for None in a field of text, and in one of a number.
+_NONE_VALUE = (
+    "this is None: is it a parameter without a value, or a function that returns nothing?",
+    "this is None: does the function that created it return something?",
+)
 # The table of attributes that rclpy lacks: its patterns match "rclpy.time.Time.now", not an exception's text.
 _OF_RCLPY = "OfRclpy"
 
@@ -190,10 +195,8 @@ def _value_hint(error: BaseException, text: str) -> str:
     value, kind = frame.f_locals["value"], match[1]
     name = type(value).__name__
     is_number = kind in ("float", "int")
-    if value is None and is_number:
-        return "this is None: does the function that created it return something?"
-    if value is None and kind == "str":
-        return "this is None: is it a parameter without a value, or a function that returns nothing?"
+    if value is None and (is_number or kind == "str"):
+        return _NONE_VALUE[is_number]
     if isinstance(value, type) and kind != "str":
         return f"this is the class {value.__name__}: create an object, with `{value.__name__}()`."
     if isinstance(value, FunctionType | MethodType | BuiltinFunctionType):
@@ -202,6 +205,8 @@ def _value_hint(error: BaseException, text: str) -> str:
         if len(value) == 1:
             return "remove the comma at the end of the line: it makes a tuple of one item."
         return f"this is {len(value)} numbers, {value!r}: a decimal number has a point, 0.8, not a comma."
+    if is_number and isinstance(value, np.generic):
+        return f"this is the {name} of numpy: convert it with {kind}(…)."
     if is_number and isinstance(value, str) and not re.search("'(type|action)' field", text):
         return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
     if is_number and isinstance(value, list | np.ndarray) and np.size(value) != 1:

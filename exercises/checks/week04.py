@@ -234,6 +234,8 @@ MENDED_ARM = Task(
     ),
 )
 
+# Index of the angle in a pose, which may differ by a full turn.
+YAW = (2,)
 IN_BETWEEN = Task(
     "week04.in_between",
     title="Stretch: interpolate as tf2 does",
@@ -253,16 +255,18 @@ IN_BETWEEN = Task(
                 Call([0.0, 0.0, -3.0], [0.0, 0.0, 3.0], 0.25),
             ),
             checks=(
-                expect_value([1.5, 2.5, 0.2], call=0, name="the pose after a quarter of the way"),
+                expect_value([1.5, 2.5, 0.2], call=0, name="the pose after a quarter of the way", angles=YAW),
                 expect_value(
                     [0.0, 1.0, 3.0 + 0.25 * (2 * math.pi - 6.0)],
                     call=1,
                     name="the pose a quarter of the shorter way round, from 3 rad to -3 rad,",
+                    angles=YAW,
                 ).titled("the shorter way round"),
                 expect_value(
                     [0.0, 0.0, -3.0 - 0.25 * (2 * math.pi - 6.0)],
                     call=2,
                     name="the pose a quarter of the shorter way round, from -3 rad to 3 rad,",
+                    angles=YAW,
                 ).titled("the shorter way round, clockwise"),
             ),
         ),

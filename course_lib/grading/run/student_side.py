@@ -129,7 +129,8 @@ def run_node(make: Any) -> None:
 def _callable(subject: Any, expected: str) -> Callable[..., Any]:
     if not callable(subject):
         name = type(subject).__name__
-        instead = "" if type(subject).__module__ == "builtins" else f": pass {name} itself, without ()"
+        itself = "its name alone" if type(subject).__module__ == "builtins" else f"{name} itself"
+        instead = f": pass {itself}, without ()"
         if isinstance(subject, str) and subject.isidentifier():
             instead = f": pass {subject} without quotes"
         raise CourseError(f"got an object of {name}, expected {expected}{instead}")

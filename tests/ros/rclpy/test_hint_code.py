@@ -74,6 +74,7 @@ FIELDS = {
     "sec",
     "seconds",
     "get_logger",
+    "msg",
     "publisher",
     "spin",
 }

@@ -190,4 +190,14 @@ NAMES = [
         undefined("week01"),
         'the name of a task is in quotes, as in check("week01.red_cube", RedCubeNode).',
     ),
+    (
+        "LookupException",
+        undefined("LookupException"),
+        "import it: `from tf2_ros import LookupException`; in a notebook run the first cells again.",
+    ),
+    (
+        "import numpy as np\nMarker().scale.x = np.float32(0.5)",
+        "AssertionError: The 'x' field must be of type 'float'",
+        "this is the float32 of numpy: convert it with float(…).",
+    ),
 ]
