@@ -2,13 +2,11 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anywidget
 import traitlets
-
-if TYPE_CHECKING:
-    from ipywidgets import VBox
+from ipywidgets import Label, VBox
 
 _FOLDER = Path(__file__).parent
 
@@ -49,6 +47,17 @@ class IntSlider(Slider):
     decimals = traitlets.Int(0).tag(sync=True)
 
 
+class LabelledSlider(VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """A slider, and below it a line of text. Pages without widgets, like GitHub, describe it in words."""
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> dict[str, Any]:
+        data: dict[str, Any] = super()._repr_mimebundle_(**kwargs)
+        chosen = self.children[0]
+        limits = f"from {chosen.min:g} to {chosen.max:g}"
+        text = f"A slider was here: {chosen.description}, {limits}. Run this cell to use it."
+        return data | {"text/plain": text}
+
+
 def slider(
     description: str,
     low: float,
@@ -57,7 +66,7 @@ def slider(
     *,
     value: float | None = None,
     step: float | None = None,
-) -> "VBox":
+) -> LabelledSlider:
     """Return a slider for the last line of a cell. The callback's return value is shown below it.
 
     The callback is called once with the initial value, and again whenever the slider is moved.
@@ -70,8 +79,6 @@ def slider(
         value: The initial value; None for the middle of the range.
         step: The change by an arrow key; None for a hundredth of the range.
     """
-    import ipywidgets
-
     control = Slider(
         value=(low + high) / 2 if value is None else value,
         min=low,
@@ -82,7 +89,7 @@ def slider(
         description_width="10em",
         layout={"width": "34em"},
     )
-    label = ipywidgets.Label()
+    label = Label()
 
     def show(new: float) -> None:
         text = on_change(new)
@@ -90,4 +97,4 @@ def slider(
 
     control.observe(lambda change: show(change["new"]), "value")
     show(control.value)
-    return ipywidgets.VBox([control, label])
+    return LabelledSlider([control, label])

@@ -40,3 +40,9 @@ def test_slider_callback_gets_the_initial_and_each_new_value() -> None:
     chosen.value = 400.0
     assert (values, label.value) == ([90.0, 180.0], "twice is 360.0")
     assert slider("z", 0.0, 2.0, lambda value: None).children[1].value == ""
+
+
+def test_page_without_widgets_describes_a_slider_in_words() -> None:
+    data = slider("z [m]", 0.0, 1.5, lambda value: None)._repr_mimebundle_()
+    assert data["text/plain"] == "A slider was here: z [m], from 0 to 1.5. Run this cell to use it."
+    assert "application/vnd.jupyter.widget-view+json" in data
