@@ -74,7 +74,6 @@ FIELDS = {
     "sec",
     "seconds",
     "get_logger",
-    "msg",
     "publisher",
     "spin",
 }
