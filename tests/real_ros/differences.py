@@ -178,6 +178,7 @@ MISTAKES = {
             "Marker().points = Point()",
             "Marker().color.a = 0,8",
             "Marker().scale.x = '1.0'",
+            "import numpy as np\nMarker().scale.x = np.float32(0.5)",
             "Marker().pose.position = PoseStamped().pose",
             "Marker().pose.position = Marker().scale",
             "Marker().header.stamp = Node('a').get_clock().now().to_msg",
