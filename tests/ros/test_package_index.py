@@ -209,6 +209,7 @@ function(add_nodes)
 endfunction()
 Add_Node(camera)
 add_nodes(laser imu)
+set_target_properties(camera_node PROPERTIES OUTPUT_NAME eye PREFIX "")
 foreach(side left right)
   foreach(part hand foot)
     add_executable(${side}_${part} src/${part}.cpp)
@@ -220,7 +221,7 @@ endforeach()
     found = find_package("arm")
     assert found is not None
     assert found.compiled == {
-        *("camera_node", "laser_node", "imu_node"),
+        *("camera_node", "eye", "laser_node", "imu_node"),
         *("left_hand", "left_foot", "right_hand", "right_foot"),
     }
     assert set(found.executables) == {"left", "right"}

@@ -501,6 +501,8 @@ def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
                 build_files.compiled.update(
                     (first, *_argument_after("EXECUTABLE", rest), *_argument_after("PLUGIN", rest))
                 )
+            case "set_target_properties", words:
+                build_files.compiled.update(_argument_after("OUTPUT_NAME", words))
             case "ament_python_install_package", [package, *rest]:
                 for folder in _argument_after("PACKAGE_DIR", rest):
                     build_files.package_folders[package] = source_folder / folder
