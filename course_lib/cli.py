@@ -194,7 +194,9 @@ def release(
 
 
 @authors.command()
-def book(out: Annotated[Path, typer.Argument(help="A new or empty folder, or a former book.")]) -> None:
+def book(
+    out: Annotated[Path, typer.Argument(help="A new or empty folder, or a former book.")],
+) -> None:
     """Build the course's lessons and guides as web pages, with their scenes; they need no network."""
     from course_lib.book.book import build
 
@@ -493,7 +495,14 @@ def mark(
         typer.echo(line)
 
 
-def _mark_without_file(out: Path, given: Sequence[str], row: str, comment: str, *, withdraw: bool) -> str:
+def _mark_without_file(
+    out: Path,
+    given: Sequence[str],
+    row: str,
+    comment: str,
+    *,
+    withdraw: bool,
+) -> str:
     from course_lib.grading.marking.marking_queue import mark_without_file
 
     if row or len(given) != len(("STUDENT", "EXERCISE")) + (not withdraw):
@@ -527,7 +536,15 @@ def _require_lms_options(lms: Path, given: Mapping[str, object]) -> None:
         raise CourseError(f"--lms also needs {needs}. {lms} has the headings {headings}")
 
 
-def _mark(out: Path, given: Sequence[str], row: str, comment: str, *, withdraw: bool, is_lms: bool) -> str:
+def _mark(
+    out: Path,
+    given: Sequence[str],
+    row: str,
+    comment: str,
+    *,
+    withdraw: bool,
+    is_lms: bool,
+) -> str:
     """Store the given points.
 
     Without points, update reports and gradebook from the stored marks.

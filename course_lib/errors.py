@@ -6,7 +6,10 @@ from pathlib import Path
 
 
 class CourseError(Exception):
-    """An error that the user can fix. The message states the input, the expectation and the next step."""
+    """An error that the user can fix.
+
+    The message states the input, the expectation and the next step.
+    """
 
 
 def did_you_mean(name: str, there: Iterable[str], max_count: int = 1) -> str:

@@ -253,7 +253,11 @@ def failure_text(result: TaskResult, *, hidden: bool | None = None) -> str:
     return "\n".join(f"{check.broken or check.message}\n{check.mistake}" for check in failed)
 
 
-def group_edits(edits: Iterable[Edit], cells: Sequence[str], week: str) -> list[tuple[list[Edit], Rehearsal]]:
+def group_edits(
+    edits: Iterable[Edit],
+    cells: Sequence[str],
+    week: str,
+) -> list[tuple[list[Edit], Rehearsal]]:
     """Combine edits of different tasks and different cells into few notebooks."""
     rounds: list[list[Edit]] = []
     for edit in edits:
@@ -317,7 +321,12 @@ def _variant_edit(variant: Variant, task: Task, place: str, cells: Sequence[str]
     return Edit(variant.task, name, new, bool(variant.way), look, is_right=bool(variant.way))
 
 
-def _check_wrong_answer(variant: Variant, task: Task, place: str, result: TaskResult) -> Iterator[Flaw]:
+def _check_wrong_answer(
+    variant: Variant,
+    task: Task,
+    place: str,
+    result: TaskResult,
+) -> Iterator[Flaw]:
     """Yield a flaw if no public check reports the requirement that a wrong answer misses."""
     name = f"{variant.task}: {variant.miss}"
     raised = [error.split(":")[0] for error in result.errors]
@@ -538,7 +547,11 @@ def _static_crash(code: Code, less: Code, keys: Iterable[Key], attributes: Itera
     return ""
 
 
-def group_deletions(deletions: Iterable[Deletion], code: Code, tasks: Sequence[Task]) -> list[list[Deletion]]:
+def group_deletions(
+    deletions: Iterable[Deletion],
+    code: Code,
+    tasks: Sequence[Task],
+) -> list[list[Deletion]]:
     """Group deletions that can be run together.
 
     They are in different cells, and no task of one needs a statement that another one changes.
@@ -564,7 +577,13 @@ def _conflict(one: Deletion, other: Deletion, needed_keys: Mapping[str, frozense
     )
 
 
-def rehearsal_without(group: Sequence[Deletion], code: Code, week: str, *, hidden: bool = True) -> Rehearsal:
+def rehearsal_without(
+    group: Sequence[Deletion],
+    code: Code,
+    week: str,
+    *,
+    hidden: bool = True,
+) -> Rehearsal:
     """Return the rehearsal of the answer with all deletions of a group."""
     remaining_code = code
     for one in group:

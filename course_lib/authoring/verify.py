@@ -190,7 +190,13 @@ class WeekRehearsals:
                 "solution", f"the solution with {values}", result, str(self._solution)
             )
 
-    def _check_full_marks(self, aspect: str, subject: str, result: TaskResult, place: str) -> Iterator[Flaw]:
+    def _check_full_marks(
+        self,
+        aspect: str,
+        subject: str,
+        result: TaskResult,
+        place: str,
+    ) -> Iterator[Flaw]:
         """Yield a flaw for a task without full marks, located at the first failing check."""
         if result.score < result.points or not result.passed:
             failing = [(key, check) for key, check in _checks_by_key(result) if not check.passed]
@@ -238,7 +244,11 @@ class WeekRehearsals:
                 text = f"{result.task}: {name}: expected a message with {says!r}, the checks say: "
                 yield Flaw("wrong", text + failure_text(result).splitlines()[0], place)
 
-    def _check_edits(self, group: Sequence[Edit], rehearsal_result: RehearsalResult) -> Iterator[Flaw]:
+    def _check_edits(
+        self,
+        group: Sequence[Edit],
+        rehearsal_result: RehearsalResult,
+    ) -> Iterator[Flaw]:
         """Yield the flaws of each edit in a notebook.
 
         An edit with flaws is run again on its own first, because the other edits may have affected
@@ -401,7 +411,11 @@ class WeekReport:
         return "." if aspect in self.unknown else "✔"
 
 
-def verify(course: Course, weeks: Sequence[str] = (), jobs: int | None = None) -> Iterator[WeekReport]:
+def verify(
+    course: Course,
+    weeks: Sequence[str] = (),
+    jobs: int | None = None,
+) -> Iterator[WeekReport]:
     """Verify weeks one after the other. A broken week does not affect the others.
 
     Args:

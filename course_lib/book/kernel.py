@@ -288,7 +288,13 @@ class Scenes:
         """Save a scene without a viewer and return the HTML that its cell displays."""
         return self._save_picture(widget, _make_scripts(encoding.snapshot(widget.scene)))
 
-    def _save_picture(self, widget: SceneWidget, scripts: _Scripts, *, plays: bool = False) -> dict[str, Any]:
+    def _save_picture(
+        self,
+        widget: SceneWidget,
+        scripts: _Scripts,
+        *,
+        plays: bool = False,
+    ) -> dict[str, Any]:
         self.end()
         name = self._next()
         self._saved_scenes.append((name, scripts, widget.scene))

@@ -48,7 +48,10 @@ class IntSlider(Slider):
 
 
 class LabelledSlider(VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """A slider, and below it a line of text. Pages without widgets, like GitHub, describe it in words."""
+    """A slider, and below it a line of text.
+
+    Pages without widgets, like GitHub, describe it in words.
+    """
 
     def _repr_mimebundle_(self, **kwargs: Any) -> dict[str, Any]:
         data: dict[str, Any] = super()._repr_mimebundle_(**kwargs)

@@ -250,8 +250,8 @@ def course_package() -> Path:
     candidates += [p for name, p in packages.items() if name == os.environ.get(CHOICE)]
     if not candidates:
         raise CourseError(
-            f"several courses are installed: {', '.join(sorted(packages))}. Change to the folder of "
-            f"one, or select it: export {CHOICE}={min(packages)}"
+            f"several courses are installed: {', '.join(sorted(packages))}. Change to the folder "
+            f"of one, or select it: export {CHOICE}={min(packages)}"
         )
     return candidates[0]
 

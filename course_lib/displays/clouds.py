@@ -447,7 +447,10 @@ class LaserScanDisplay(CloudDisplay):
         self.keep(Cloud(_project_scan(message, *ends), np.eye(4), self.context.now_ns))
 
     def transform_problem(self, message: Any) -> str | None:
-        """Return why a scan has to wait. The transforms at its first and last beam must be known."""
+        """Return why a scan has to wait.
+
+        The transforms at its first and last beam must be known.
+        """
         later = nanoseconds(message.header.stamp) + self._longest_ns
         frame = message.header.frame_id.removeprefix("/")
         return super().transform_problem(message) or self.context.frames.problem(frame, later)

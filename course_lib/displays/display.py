@@ -213,7 +213,10 @@ class Context:
 
 
 class Display(PropertyHolder):
-    """Base class of all displays. Each draws below its node `path` of the scene, in the fixed frame."""
+    """Base class of all displays.
+
+    Each draws below its node `path` of the scene, in the fixed frame.
+    """
 
     class_name: ClassVar[str] = ""
     properties: tuple[Property, ...] = (Property("Enabled", True, flag),)
@@ -330,7 +333,12 @@ def node_name(name: str) -> str:
 class Group:
     """A node of RViz's tree that contains displays and further groups; the root has no name."""
 
-    def __init__(self, name: str = "", config: Mapping[str, Any] | None = None, ticked: bool = True) -> None:
+    def __init__(
+        self,
+        name: str = "",
+        config: Mapping[str, Any] | None = None,
+        ticked: bool = True,
+    ) -> None:
         self.name = name
         self.config = dict(config or {})
         self.ticked = ticked
@@ -463,7 +471,13 @@ class TopicDisplay(Display):
         """Return the subscriptions that the properties request."""
         return (self.subscription(self[self.topic_label], self.type_name, self.receive),)
 
-    def subscription(self, topic: str, type_name: str, callback: Any, qos: Qos | None = None) -> Subscription:
+    def subscription(
+        self,
+        topic: str,
+        type_name: str,
+        callback: Any,
+        qos: Qos | None = None,
+    ) -> Subscription:
         """Return a subscription; without `qos` it has the display's quality of service."""
         return Subscription(
             "/" + topic.removeprefix("/"), type_name, qos or self.qos(), callback, self.statuses
@@ -511,7 +525,12 @@ class TopicDisplay(Display):
         frame = message.header.frame_id.removeprefix("/")
         return self.context.frames.problem(frame, nanoseconds(message.header.stamp))
 
-    def transform_at(self, header: Any, known: bool = True, stamp_ns: int | None = None) -> Matrix | None:
+    def transform_at(
+        self,
+        header: Any,
+        known: bool = True,
+        stamp_ns: int | None = None,
+    ) -> Matrix | None:
         """Return the transform from a header's frame to the fixed frame at its stamp, and set its status.
 
         Args:

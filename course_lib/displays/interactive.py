@@ -409,7 +409,13 @@ class SceneMarker:
         control = next((c for c in self.controls if c.message.name == name), self.controls[-1])
         self.report(MENU_SELECT, control, point, menu_entry_id=entry)
 
-    def report(self, event: int, control: SceneControl, point: Floats | None, menu_entry_id: int = 0) -> None:
+    def report(
+        self,
+        event: int,
+        control: SceneControl,
+        point: Floats | None,
+        menu_entry_id: int = 0,
+    ) -> None:
         """Send feedback, in the reference frame if the marker is locked to it, else in the fixed frame."""
         feedback = make(
             FEEDBACK, event_type=event, marker_name=self.message.name, control_name=control.message.name,
@@ -602,7 +608,10 @@ class InteractiveMarkersDisplay(Display):
         return tuple(_items(marker.message.menu_entries))
 
     def show_only(self, path: str | None) -> None:
-        """Hide all controls except the one at a path and the always visible ones. None shows all."""
+        """Hide all controls except the one at a path and the always visible ones.
+
+        None shows all.
+        """
         for control in (control for marker in self.markers.values() for control in marker.controls):
             is_held = path is not None and f"{path}/".startswith(f"{control.path}/")
             is_shown = path is None or is_held or control.message.always_visible

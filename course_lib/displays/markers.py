@@ -83,7 +83,10 @@ def scale_of(marker: Any) -> Floats:
 
 
 def colors(marker: Any) -> Floats:
-    """Return the colors of a marker's points, shape (N, 4). NaN becomes 0; RViz does not check for NaN."""
+    """Return the colors of a marker's points, shape (N, 4).
+
+    NaN becomes 0; RViz does not check for NaN.
+    """
     values: Floats = np.clip(np.nan_to_num(fields_of(marker.colors, "r", "g", "b", "a")), 0.0, 1.0)
     return values
 
@@ -150,7 +153,12 @@ def _arrow_between(marker: Any) -> MarkerDrawing:
     return _arrow(marker, shaft, head, warning)
 
 
-def _arrow(marker: Any, shaft: Floats, head: Floats, status: tuple[Level, str] | None) -> MarkerDrawing:
+def _arrow(
+    marker: Any,
+    shaft: Floats,
+    head: Floats,
+    status: tuple[Level, str] | None,
+) -> MarkerDrawing:
     color = rgba(marker.color)
     return MarkerDrawing(
         {"shaft": Solids("cylinder", [shaft], color), "head": Solids("cone", [head], color)}, status
@@ -390,7 +398,10 @@ class DisplayedMarker:
 
     @property
     def expires_ns(self) -> float:
-        """Robot time at which it expires [ns]. The lifetime counts from reception, not from the stamp."""
+        """Robot time at which it expires [ns].
+
+        The lifetime counts from reception, not from the stamp.
+        """
         lifetime_ns = nanoseconds(self.marker.lifetime)
         return self.received_ns + lifetime_ns if lifetime_ns > FOREVER_NS else math.inf
 
@@ -411,7 +422,10 @@ class MarkerStore:
         self._queue += [(marker, self._context.now_ns) for marker in markers]
 
     def add_array(self, array: Any) -> None:
-        """Queue the messages of a MarkerArray. Duplicate markers are an error, but both are drawn."""
+        """Queue the messages of a MarkerArray.
+
+        Duplicate markers are an error, but both are drawn.
+        """
         name = "Duplicate Marker Check"
         self._statuses.delete(name)
         keys: set[Key] = set()
@@ -505,7 +519,12 @@ class MarkerStore:
         )
         self._statuses.hint(name, *hints(marker), *([_REPEATED] if is_repeated else []))
 
-    def _draw(self, marker: Any, received_ns: int, before: DisplayedMarker | None) -> DisplayedMarker:
+    def _draw(
+        self,
+        marker: Any,
+        received_ns: int,
+        before: DisplayedMarker | None,
+    ) -> DisplayedMarker:
         """Put a marker's drawing into the scene, or reuse the existing one if it is equal."""
         path = self._node(marker)
         scene = self._context.scene

@@ -32,7 +32,11 @@ if TYPE_CHECKING:
 _DISPLAYS = {MARKER: "Marker", MARKER_ARRAY: "MarkerArray"}
 
 
-def scene_of(recording: Recording, rviz_path: str | Path | None = None, at: float | None = None) -> Scene:
+def scene_of(
+    recording: Recording,
+    rviz_path: str | Path | None = None,
+    at: float | None = None,
+) -> Scene:
     """Draw a recording with a layout.
 
     Args:
@@ -43,7 +47,11 @@ def scene_of(recording: Recording, rviz_path: str | Path | None = None, at: floa
     return replay(recording, rviz_path, at).context.scene
 
 
-def replay(recording: Recording, rviz_path: str | Path | None = None, at: float | None = None) -> RvizSession:
+def replay(
+    recording: Recording,
+    rviz_path: str | Path | None = None,
+    at: float | None = None,
+) -> RvizSession:
     """Play a recording up to a time, and return the session with its statuses; see `scene_of`."""
     session = session_for(recording, rviz_path)
     Playback(session, recording).go_to(_end_ns(recording, at))

@@ -215,7 +215,11 @@ class DrawnLink:
                     f"{self._path}/trail", Lines(np.array(trail), _TRAIL_COLOR, _TRAIL_WIDTH)
                 )
 
-    def _drawables(self, kind: str, settings: LinkSettings) -> Iterable[tuple[str, tuple[Drawable, Matrix]]]:
+    def _drawables(
+        self,
+        kind: str,
+        settings: LinkSettings,
+    ) -> Iterable[tuple[str, tuple[Drawable, Matrix]]]:
         for index, shape in enumerate(self._shapes.get(kind, ())):
             drawable = self.shapes.drawn(shape, settings.alpha, settings.lost)
             if drawable is not None:
@@ -247,7 +251,10 @@ _OF_LINKS = {"axes": "Show Axes", "trail": "Show Trail"}
 
 
 class RobotModelDisplay(TopicDisplay):
-    """A robot described by URDF, with each link at its tf frame. It does not subscribe to joint states."""
+    """A robot described by URDF, with each link at its tf frame.
+
+    It does not subscribe to joint states.
+    """
 
     class_name = "rviz_default_plugins/RobotModel"
     type_name = "std_msgs/msg/String"

@@ -299,7 +299,10 @@ class RvizSession:
             )
 
     def tick(self, now_ns: int) -> None:
-        """Update the scene if a frame is due at a robot time, [ns]. Objects expire even without a message."""
+        """Update the scene if a frame is due at a robot time, [ns].
+
+        Objects expire even without a message.
+        """
         if self.time.is_frame_due(now_ns):
             self.update(now_ns, is_look=False)
 

@@ -102,7 +102,11 @@ def shape_properties(
     )
 
 
-def draw_shapes(poses: npt.ArrayLike, holder: PropertyHolder, below: str = "") -> dict[str, Drawable]:
+def draw_shapes(
+    poses: npt.ArrayLike,
+    holder: PropertyHolder,
+    below: str = "",
+) -> dict[str, Drawable]:
     """Draw axes or arrows at poses, shape (N, 4, 4), according to the properties of `shape_properties`."""
     if holder["Shape"] == "Axes":
         return draw_axes(poses, holder[f"{below}Axes Length"], holder[f"{below}Axes Radius"])

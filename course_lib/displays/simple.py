@@ -365,7 +365,10 @@ class ScrewDisplay(DrawnDisplay):
     properties = (*_screw_properties(*labels), Property("Hide Small Values", True, flag))
 
     def process(self, message: Any) -> None:
-        """Keep the vectors, shape (2, 3), with the transform of their frame. A wrench may use NaN for 0."""
+        """Keep the vectors, shape (2, 3), with the transform of their frame.
+
+        A wrench may use NaN for 0.
+        """
         field, *names = self.path_to_vectors
         pair = [getattr(getattr(message, field), name) for name in names]
         vectors = np.array([(v.x, v.y, v.z) for v in pair])
@@ -529,7 +532,10 @@ class EffortDisplay(DrawnDisplay):
         super().start()
 
     def process(self, message: Any) -> None:
-        """Show the efforts of a joint state. Joints without an effort in it keep their previous one."""
+        """Show the efforts of a joint state.
+
+        Joints without an effort in it keep their previous one.
+        """
         if self._joints is None:
             self.statuses.set("error", "Process message", "Robot model might not be loaded yet")
             return

@@ -226,8 +226,8 @@ class Viewer(KnownAttributes):
             robot: A robot from `load_robot`.
             configuration: Joint positions by name as for `link_poses`, or Pinocchio's vector, shape
                 (nq,); None uses the rest posture.
-            frame: The frame that the robot moves with, which hides it while tf2 doesn't know it; None
-                is the fixed frame.
+            frame: The frame that the robot moves with, which hides it while tf2 doesn't know it;
+                None is the fixed frame.
             at: Its position in that frame, [m].
         """
         # Imported here because it is slow to load.
@@ -248,7 +248,11 @@ class Viewer(KnownAttributes):
         self.look()
         save_html(self.film if playback else self.scene, path, title=f"Viewer: {self.fixed_frame}")
 
-    def screenshot(self, path: str | Path | None = None, size: tuple[int, int] = (800, 600)) -> Picture:
+    def screenshot(
+        self,
+        path: str | Path | None = None,
+        size: tuple[int, int] = (800, 600),
+    ) -> Picture:
         """Render the scene as a PNG with a size in [px].
 
         It is rendered by a page that shows the viewer, else by Chromium or Chrome, else by numpy.
@@ -265,8 +269,8 @@ class Viewer(KnownAttributes):
     def beside(self) -> None:
         """Show the viewer in a panel next to the notebook in JupyterLab, else in the cell.
 
-        The viewers of later cells take the panel in turn, until the reader closes it or moves the view back.
-        A window of less than 1200 px has no room for it.
+        The viewers of later cells take the panel in turn, until the reader closes it or moves the
+        view back. A window of less than 1200 px has no room for it.
         """
         self._cell.dock(self)
 

@@ -436,10 +436,10 @@ _NEAREST, _FARTHEST = 2.0, 500.0
 class Framing:
     """Moves a view that neither a program, a layout nor a user has set, so that it shows what is drawn.
 
-    RViz starts 10 m from the origin, whatever is drawn. Here, the default view is moved so that all drawn
-    objects and the origin are in the image: when something is drawn for the first time, and when a display
-    draws for the first time, or a cell shows the view, while an object is outside the image. It does not
-    follow motion: a robot that drives away leaves the image, as in RViz.
+    RViz starts 10 m from the origin, whatever is drawn. Here, the default view is moved so that all
+    drawn objects and the origin are in the image: when something is drawn for the first time, and
+    when a display draws for the first time, or a cell shows the view, while an object is outside
+    the image. It does not follow motion: a robot that drives away leaves the image, as in RViz.
 
     Args:
         scene: The drawn objects.

@@ -68,7 +68,10 @@ def document(session: RvizSession) -> dict[str, Any]:
 
 
 def _options(options: Options) -> dict[str, Any]:
-    """Return the Global Options. RViz's own look is not written, because RViz has no such property."""
+    """Return the Global Options.
+
+    RViz's own look is not written, because RViz has no such property.
+    """
     config = _with_properties(options, {})
     if options[LOOK.label] == LOOK.default:
         del config[LOOK.label]

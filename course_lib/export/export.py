@@ -177,7 +177,11 @@ def _file_texts(
     return files | _launch_files(package, started, {_FOLDERS.get(one.suffix, ""): one.name for one in extra})
 
 
-def _launch_files(package: str, modules: Sequence[NodeModule], given: dict[str, str]) -> dict[str, str]:
+def _launch_files(
+    package: str,
+    modules: Sequence[NodeModule],
+    given: dict[str, str],
+) -> dict[str, str]:
     """Return the launch file, the parameters and the layout by path, except those in `given`.
 
     Args:

@@ -137,7 +137,10 @@ def statements(cells: Sequence[Cell]) -> list[Statement]:
 
 
 def _split_imports(source: str, nodes: Sequence[ast.stmt]) -> Iterator[tuple[ast.stmt, str]]:
-    """Yield each statement with its text. An import of several names is split into several imports."""
+    """Yield each statement with its text.
+
+    An import of several names is split into several imports.
+    """
     lines, end = source.splitlines(), 0
     for node in nodes:
         first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", ()))]) - 1

@@ -250,7 +250,10 @@ class Gateway:
                     self._send_stop(stream)
 
     def wait(self, seconds: float) -> None:
-        """Wait between two calls of `turn`. The link to a robot over DDS is served during the wait."""
+        """Wait between two calls of `turn`.
+
+        The link to a robot over DDS is served during the wait.
+        """
         if self._bridge is None:
             time.sleep(seconds)
         else:

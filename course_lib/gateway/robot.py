@@ -41,7 +41,13 @@ class RobotPlace:
     on_real_ros: bool = False
 
 
-def robot(kind: str, place: RobotPlace, write: Callable[[str], None], *, with_parent: bool = False) -> int:
+def robot(
+    kind: str,
+    place: RobotPlace,
+    write: Callable[[str], None],
+    *,
+    with_parent: bool = False,
+) -> int:
     """Run a robot until Ctrl+C, and return the program's exit code.
 
     Args:
@@ -86,7 +92,13 @@ def robot(kind: str, place: RobotPlace, write: Callable[[str], None], *, with_pa
             router.close()  # type: ignore[no-untyped-call]  # untyped there
 
 
-def _run_on_real_ros(program: Path, domain: int, write: Callable[[str], None], *, with_parent: bool) -> int:
+def _run_on_real_ros(
+    program: Path,
+    domain: int,
+    write: Callable[[str], None],
+    *,
+    with_parent: bool,
+) -> int:
     from course_lib.real.environment import find_environment
     from course_lib.real.process import RealProcesses, temporary_folder
 

@@ -1,7 +1,7 @@
 """Hints for a failed task: one for the cause, then further ones for students who remain stuck.
 
-Some causes are slips that raise no error, such as `==` for `=`. They are found in the syntax tree of
-the student's code.
+Some causes are slips that raise no error, such as `==` for `=`. They are found in the syntax tree
+of the student's code.
 """
 
 import ast
@@ -583,8 +583,8 @@ def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:
         if sample.qos.reliability == "best_effort" and sample.type_name.startswith(RELIABLE_TYPES):
             return [
                 f"Here the checks accept that {sample.topic} is published with Best Effort. On ROS 2, "
-                "the displays of RViz2 request Reliable and would receive nothing: pass a number like "
-                "10 as the last argument of create_publisher."
+                "the displays of RViz2 request Reliable and would receive nothing: pass a number "
+                "like 10 as the last argument of create_publisher."
             ]
     return []
 

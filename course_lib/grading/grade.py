@@ -89,7 +89,10 @@ class Trial:
     job: Job
 
     def key(self, machine: str) -> str:
-        """Return the name of the job's evidence. Equal inputs on the same machine have equal names."""
+        """Return the name of the job's evidence.
+
+        Equal inputs on the same machine have equal names.
+        """
         return f"{self.job.key}-{digest_of([machine, self.job.need])[:16]}"
 
 
@@ -479,8 +482,16 @@ def judge_mark_report(
     return MarkedResult(result, tuple(marks)).row
 
 
-def _judge_one(submission: Submission, faults: Faults, course: Course, out: Path) -> Judgement | Fault | None:
-    """Judge stored evidence. An error of the kit becomes a `Fault`, which costs the student nothing."""
+def _judge_one(
+    submission: Submission,
+    faults: Faults,
+    course: Course,
+    out: Path,
+) -> Judgement | Fault | None:
+    """Judge stored evidence.
+
+    An error of the kit becomes a `Fault`, which costs the student nothing.
+    """
     if submission.key in faults or not submission.key:
         return faults.get(submission.key)
     try:
@@ -493,7 +504,11 @@ def _judge_one(submission: Submission, faults: Faults, course: Course, out: Path
         return Fault.of(error)
 
 
-def _finish(rows: Sequence[GradebookRow], work: Pending, found_submissions: Sequence[Submission]) -> None:
+def _finish(
+    rows: Sequence[GradebookRow],
+    work: Pending,
+    found_submissions: Sequence[Submission],
+) -> None:
     """Compare the submissions of the class, write the tables of results, and print a summary."""
     out, catalog = work.out, catalog_of(work.course)
     zone = catalog.course.zone

@@ -131,7 +131,13 @@ def turned(yaw: float) -> dict[str, float]:
     return {"z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
 
 
-def detections(found: Iterable[Found], at: float, frame: str = "base_link", *, delay: float = 0.0) -> Message:
+def detections(
+    found: Iterable[Found],
+    at: float,
+    frame: str = "base_link",
+    *,
+    delay: float = 0.0,
+) -> Message:
     """Return a detector's message on `/objects`, published `at` [s] after the start.
 
     Its stamp is `delay` [s] earlier: a detector needs time, and the stamp is that of the image.
@@ -156,7 +162,12 @@ def transforms(poses: Iterable[Mapping[str, Any]], at: float) -> Message:
     return Message("/tf", "tf2_msgs/msg/TFMessage", {"transforms": stamped}, at=at)
 
 
-def circling(begin: float, end: float, parent: str = "world", child: str = "base_link") -> Iterable[Message]:
+def circling(
+    begin: float,
+    end: float,
+    parent: str = "world",
+    child: str = "base_link",
+) -> Iterable[Message]:
     """Yield transforms at 20 Hz of a frame that moves along `on_circle` between two times [s]."""
     for step in range(round((end - begin) * 20)):
         at = begin + step / 20  # [s]
@@ -207,7 +218,14 @@ def path(topic: str, at: float, places: Iterable[Vector], frame: str = "odom") -
     return Message(topic, "nav_msgs/msg/Path", fields, at=at)
 
 
-def marker_array(topic: str, at: float, frame: str, center: Vector, size: Vector, kind: int = 1) -> Message:
+def marker_array(
+    topic: str,
+    at: float,
+    frame: str,
+    center: Vector,
+    size: Vector,
+    kind: int = 1,
+) -> Message:
     """Return a MarkerArray with one green marker, a cube by default; center and size in [m]."""
     marker = {
         "header": header(at, frame),
@@ -243,7 +261,13 @@ def ghost(
     return Message("/expected", "visualization_msgs/msg/Marker", fields)
 
 
-def images(topic: str, hz: float, begin: float, end: float, frame: str = "camera_link") -> Iterable[Message]:
+def images(
+    topic: str,
+    hz: float,
+    begin: float,
+    end: float,
+    frame: str = "camera_link",
+) -> Iterable[Message]:
     """Yield images of one pixel at the rate `hz` [1/s] between two times [s]."""
     fields = {"width": 1, "height": 1, "step": 1, "encoding": "mono8", "data": [9]}
     for number in range(round(hz * (end - begin))):

@@ -252,7 +252,11 @@ def _rank(result: Result) -> float:
     return result.mark.final if result.mark else -1.0
 
 
-def _make_result(submission: Submission, judgement: Judgement | Fault | None, course: CourseFile) -> Result:
+def _make_result(
+    submission: Submission,
+    judgement: Judgement | Fault | None,
+    course: CourseFile,
+) -> Result:
     notes = tuple(submission.notes)
     if judgement is None:
         reason = submission.reason or ("wrong exercise" if submission.sha256 else "unreadable")

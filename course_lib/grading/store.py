@@ -138,7 +138,10 @@ def report_path(out: Path, student: str, exercise: str) -> Path:
 
 
 class OutError(CourseError):
-    """Raised if the folder of records can't be written. Grading stops, and continues with --resume."""
+    """Raised if the folder of records can't be written.
+
+    Grading stops, and continues with --resume.
+    """
 
 
 @contextmanager

@@ -27,7 +27,10 @@ AGAIN = 1.0
 
 
 class _TimeLimitError(BaseException):
-    """Raised when the time limit expires. A BaseException, so that `except Exception` does not catch it."""
+    """Raised when the time limit expires.
+
+    A BaseException, so that `except Exception` does not catch it.
+    """
 
 
 @contextmanager
@@ -386,7 +389,10 @@ def shipped_catalog() -> Catalog:
 
 
 def _load_hints(path: Path, tasks: Mapping[str, Task]) -> dict[str, Task]:
-    """Return the tasks for which the hints file has entries, with these hints. The file may be missing."""
+    """Return the tasks for which the hints file has entries, with these hints.
+
+    The file may be missing.
+    """
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else dict[str, Any]()
     except ValueError as error:

@@ -121,7 +121,11 @@ def compare(in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> list[TopicCom
     ]
 
 
-def _compare_topic(topic: str, in_kit: Sequence[Sample], in_ros: Sequence[Sample]) -> TopicComparison:
+def _compare_topic(
+    topic: str,
+    in_kit: Sequence[Sample],
+    in_ros: Sequence[Sample],
+) -> TopicComparison:
     kit_messages, ros_messages = (
         [serialize(_without_stamps(one)) for one in side] for side in (in_kit, in_ros)
     )
@@ -307,7 +311,12 @@ def _check(
     return RealResult(task, "", checks, result.errors, tuple(comparisons), tuple(sorted(packages)))
 
 
-def _module_text(task: Task, code: Sequence[Statement], catalog: Catalog, student: str | None) -> str:
+def _module_text(
+    task: Task,
+    code: Sequence[Statement],
+    catalog: Catalog,
+    student: str | None,
+) -> str:
     """Return the part of a notebook that creates a task's nodes, as a module.
 
     Calls of `my_values` are replaced by the student's values, as a program for a robot would
@@ -447,7 +456,12 @@ class ScenarioOnRos:
         type_name = f"{SET_PARAMETERS}_Response"
         graph.add_subscription(self._input_node, 0, f"{prefix}{service}{suffix}", type_name, Qos(), on_reply)
 
-    def _wait_for_begin(self, graph: RobotGraph, programs: RealProcesses, output: Path) -> int | None:
+    def _wait_for_begin(
+        self,
+        graph: RobotGraph,
+        programs: RealProcesses,
+        output: Path,
+    ) -> int | None:
         """Return the time at which the program creates its nodes, [ns] since 1970."""
         deadline = wall.monotonic() + START_SECONDS
         while programs.are_running() and wall.monotonic() < deadline:

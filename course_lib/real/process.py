@@ -314,7 +314,13 @@ def _recording(graph: RobotGraph, bag: Path | None) -> AbstractContextManager[ob
     return recorded(graph, bag)
 
 
-def _follow(graph: RobotGraph, programs: RealProcesses, seconds: float | None, *, shows: bool) -> None:
+def _follow(
+    graph: RobotGraph,
+    programs: RealProcesses,
+    seconds: float | None,
+    *,
+    shows: bool,
+) -> None:
     """Run the graph until the programs end, the time is over or Ctrl+C."""
     advance: Callable[[], object] = graph.advance
     try:

@@ -27,7 +27,10 @@ from course_lib.ros.programs.packages import has_interfaces, packages
 _SERVICE, _ACTION = "_Request", "_Goal"
 
 
-def missing_packages(installed: Iterable[str], programs: Iterable[Path]) -> tuple[list[str], list[str]]:
+def missing_packages(
+    installed: Iterable[str],
+    programs: Iterable[Path],
+) -> tuple[list[str], list[str]]:
     """Return the packages of types without a wheel, and a line for each package that cannot be read.
 
     Args:

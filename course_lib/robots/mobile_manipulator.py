@@ -59,7 +59,13 @@ class OmniBase(Node):
         CourseError: The rate is not positive.
     """
 
-    def __init__(self, *, rate: float = 20.0, timeout: float = 0.5, **options: Unpack[NodeOptions]) -> None:
+    def __init__(
+        self,
+        *,
+        rate: float = 20.0,
+        timeout: float = 0.5,
+        **options: Unpack[NodeOptions],
+    ) -> None:
         # In seconds.
         self._period, self._timeout = period_of(rate), timeout
         super().__init__("omni_base", **options)

@@ -48,7 +48,13 @@ class Wall:
         ):
             raise CourseError(f"{self} has no area; give x, (y from, y to) and (z from, z to), [m].")
 
-    def coverage(self, stripes: Iterable[Points], *, width: float = WIDTH, reach: float = 0.3) -> float:
+    def coverage(
+        self,
+        stripes: Iterable[Points],
+        *,
+        width: float = WIDTH,
+        reach: float = 0.3,
+    ) -> float:
         """Return the painted fraction of the wall, 0 … 1.
 
         Args:

@@ -175,7 +175,12 @@ class TrajectoryGoal:
         logger: Logs the joints that exceed their tolerances.
     """
 
-    def __init__(self, handle: ServerGoalHandle, joints: Sequence[str], logger: RcutilsLogger) -> None:
+    def __init__(
+        self,
+        handle: ServerGoalHandle,
+        joints: Sequence[str],
+        logger: RcutilsLogger,
+    ) -> None:
         self.handle, self._joints, self._logger = handle, joints, logger
         self.result: Future[Result] = Future()
         request = handle.request

@@ -122,7 +122,15 @@ class Turtle:
         theta: Heading, 0 to the right, [rad].
     """
 
-    def __init__(self, node: Node, name: str, canvas: Canvas, x: float, y: float, theta: float) -> None:
+    def __init__(
+        self,
+        node: Node,
+        name: str,
+        canvas: Canvas,
+        x: float,
+        y: float,
+        theta: float,
+    ) -> None:
         self._node, self._canvas, self.pen = node, canvas, Pen()
         self.x, self.y, self.theta = x, y, theta
         # In [m/s], [m/s] and [rad/s].

@@ -253,7 +253,12 @@ def name_hint(error: NameError) -> str:
     return _similar_name(missing, frame, owner, importable)
 
 
-def _similar_name(missing: str, frame: FrameType, owner: Sequence[str], importable: Mapping[str, str]) -> str:
+def _similar_name(
+    missing: str,
+    frame: FrameType,
+    owner: Sequence[str],
+    importable: Mapping[str, str],
+) -> str:
     """Return the hint for a name that no import defines, with the most similar name that exists."""
     for name, module in frame.f_globals.items():
         if (
@@ -278,8 +283,8 @@ def _similar_name(missing: str, frame: FrameType, owner: Sequence[str], importab
         return f"did you mean {similar}? Then import it: `{importable[similar]}`."
     if parameters := _parameters(frame.f_code):
         return (
-            f"{frame.f_code.co_name} gets {parameters}, and knows what the cells above define. Where is "
-            f"{missing} from?"
+            f"{frame.f_code.co_name} gets {parameters}, and knows what the cells above define. "
+            f"Where is {missing} from?"
         )
     return ""
 

@@ -1,7 +1,8 @@
 """Hints for syntax errors: the cause that Python's own message does not name to a beginner.
 
-A hint is found by the parser's message and the line at which it stops. Typical causes are text pasted
-from web pages, chats and C++, the decimal comma of many languages, and commands of a terminal.
+A hint is found by the parser's message and the line at which it stops. Typical causes are text
+pasted from web pages, chats and C++, the decimal comma of many languages, and commands of a
+terminal.
 """
 
 import re

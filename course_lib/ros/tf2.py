@@ -251,7 +251,12 @@ class TimeCache:
             )
 
 
-def rejection_messages(transform: Transform, parent: str, child: str, authority: str) -> tuple[str, ...]:
+def rejection_messages(
+    transform: Transform,
+    parent: str,
+    child: str,
+    authority: str,
+) -> tuple[str, ...]:
     """Return the lines that tf2 logs if it rejects a transform."""
     x, y, z, w = transform.rotation
     is_unit = abs(x * x + y * y + z * z + w * w - 1.0) < _NORM_TOLERANCE
@@ -298,7 +303,10 @@ _SHORTEST_NS = 100_000
 
 
 class BufferCore:
-    """A buffer of transforms, with lookups between any frames. Keeps dynamic ones for `cache_ns`."""
+    """A buffer of transforms, with lookups between any frames.
+
+    Keeps dynamic ones for `cache_ns`.
+    """
 
     def __init__(self, cache_ns: int = CACHE_NS) -> None:
         self._cache_ns = cache_ns
@@ -346,7 +354,14 @@ class BufferCore:
         translation, rotation = self._walk(target, source, time_ns)
         return Transform(target, source, time_ns, translation, normalized(rotation))
 
-    def lookup_full(self, target: str, target_ns: int, source: str, source_ns: int, fixed: str) -> Transform:
+    def lookup_full(
+        self,
+        target: str,
+        target_ns: int,
+        source: str,
+        source_ns: int,
+        fixed: str,
+    ) -> Transform:
         """Return the transform from `source` at one time to `target` at another, via a fixed frame.
 
         The time 0 [ns] stands for the latest. Raises a TransformException.

@@ -30,7 +30,10 @@ class _AbbreviatedStack(StackSummary):
     """A stack whose middle is omitted if it is very long, as after infinite recursion."""
 
     def format(self, **kwargs: Any) -> list[str]:
-        """Format the lines of a traceback. The arguments are the same as in later Python versions."""
+        """Format the lines of a traceback.
+
+        The arguments are the same as in later Python versions.
+        """
         hidden_count = len(self) - 2 * SHOWN_FRAMES
         if hidden_count <= SHOWN_FRAMES:
             return super().format(**kwargs)

@@ -104,7 +104,12 @@ class Detector:
         """Return the confidence of a thing, 0 to 1: its visible fraction, reduced to half at range_max."""
         return float(self._confidences([number], self._transform_at(seconds), self.world.poses(seconds))[0])
 
-    def _confidences(self, numbers: list[int], transform_sensor_to_world: Floats, poses: Floats) -> Floats:
+    def _confidences(
+        self,
+        numbers: list[int],
+        transform_sensor_to_world: Floats,
+        poses: Floats,
+    ) -> Floats:
         """Return the confidences of K things, shape (K,), by casting all rays in one call."""
         sizes = np.array([self.world.things[number].shape.size for number in numbers]).reshape(-1, 1, 3)
         rotations, centers = poses[numbers, :3, :3], poses[numbers, None, :3, 3]

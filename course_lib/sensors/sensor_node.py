@@ -70,7 +70,12 @@ class SensorNode(Node, ABC):
             chance: The random generator for noise, which depends on seed, stamp and name.
         """
 
-    def add_noise(self, distance: Floats, limits: tuple[float, float], chance: np.random.Generator) -> Floats:
+    def add_noise(
+        self,
+        distance: Floats,
+        limits: tuple[float, float],
+        chance: np.random.Generator,
+    ) -> Floats:
         """Return distances with noise.
 
         As in REP 117, inf is too far, -inf is too near, and NaN is lost.

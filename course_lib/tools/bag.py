@@ -189,7 +189,13 @@ def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
 class _Player:
     """Publishes events (delay [ns], publisher, CDR bytes) at their times on the graph's clock."""
 
-    def __init__(self, graph: Graph, node: int, events: list[tuple[int, int, bytes]], rate: float) -> None:
+    def __init__(
+        self,
+        graph: Graph,
+        node: int,
+        events: list[tuple[int, int, bytes]],
+        rate: float,
+    ) -> None:
         self._graph, self._node, self._events, self._rate = graph, node, events, rate
 
     def play(self, source: Source) -> None:

@@ -51,7 +51,11 @@ class AddTwoIntsServer(Node):
         super().__init__("add_two_ints_server")
         self.create_service(AddTwoInts, "add_two_ints", self._add)
 
-    def _add(self, request: AddTwoInts.Request, response: AddTwoInts.Response) -> AddTwoInts.Response:
+    def _add(
+        self,
+        request: AddTwoInts.Request,
+        response: AddTwoInts.Response,
+    ) -> AddTwoInts.Response:
         response.sum = request.a + request.b
         self.get_logger().info(f"Incoming request\na: {request.a} b: {request.b}")
         return response

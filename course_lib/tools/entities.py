@@ -451,7 +451,12 @@ def _check_type_name(name: str) -> str:
     return name
 
 
-def _definition_lines(name: str, depth: int, comments: bool, nested_comments: bool) -> Iterator[str]:
+def _definition_lines(
+    name: str,
+    depth: int,
+    comments: bool,
+    nested_comments: bool,
+) -> Iterator[str]:
     for line in _lines(name):
         text = line if comments else line.split("#")[0].strip()
         if text or comments:

@@ -313,7 +313,12 @@ def shorten_tracebacks(shell: "InteractiveShell") -> None:
     format_syntax_error = shell.SyntaxTB.structured_traceback
 
     # IPython passes some syntax errors to no handler, like a wrong indentation.
-    def format_with_hint(kind: type[BaseException], error: BaseException, *args: Any, **options: Any) -> Any:
+    def format_with_hint(
+        kind: type[BaseException],
+        error: BaseException,
+        *args: Any,
+        **options: Any,
+    ) -> Any:
         add_hint(error)
         return format_syntax_error(kind, error, *args, **options)
 

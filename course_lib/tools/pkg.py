@@ -53,7 +53,12 @@ def _list(executables: "Executables", source: Source, arguments: Namespace, writ
     write("".join(f"{name}\n" for name in _names(executables)))
 
 
-def _executables(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
+def _executables(
+    executables: "Executables",
+    source: Source,
+    arguments: Namespace,
+    write: Write,
+) -> None:
     package_name, package_names = arguments.package_name, _names(executables)
     if package_name is not None and package_name not in package_names:
         raise CourseError(f"Package '{package_name}' not found{did_you_mean(package_name, package_names)}")

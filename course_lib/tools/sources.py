@@ -228,7 +228,12 @@ def is_hidden(name: str) -> bool:
 
 
 @contextmanager
-def own_node(source: Source, name: str = NODE_NAME, *, use_sim_time: bool = False) -> "Iterator[Node]":
+def own_node(
+    source: Source,
+    name: str = NODE_NAME,
+    *,
+    use_sim_time: bool = False,
+) -> "Iterator[Node]":
     """Run a separate node together with the live ones within a `with` block.
 
     Raises:

@@ -290,7 +290,12 @@ def _rotation(arguments: Namespace) -> tuple[float, ...]:
     )
 
 
-def _publish(parent: str, child: str, shift: tuple[float, ...], turn: tuple[float, ...]) -> tuple[str, int]:
+def _publish(
+    parent: str,
+    child: str,
+    shift: tuple[float, ...],
+    turn: tuple[float, ...],
+) -> tuple[str, int]:
     """Start a node that broadcasts a static transform. Return its name and the robot time [ns]."""
     from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
     from rclpy.node import Node

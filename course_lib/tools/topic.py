@@ -172,7 +172,11 @@ def listen(
             write(f"No page is watching: ros2 topic {verb} stopped after {limit:g} s of robot time.\n")
 
 
-def _with_sim_time(arrivals: Iterable[TimedSample], topic: str, every: float | None) -> Iterator[TimedSample]:
+def _with_sim_time(
+    arrivals: Iterable[TimedSample],
+    topic: str,
+    every: float | None,
+) -> Iterator[TimedSample]:
     """Yield a topic's messages and ticks, timed by /clock [ns].
 
     Before the first message on /clock the time is 0.
@@ -579,7 +583,12 @@ def _wait_for_subscriptions(
         source.wait(lambda: False, LOOK_EVERY)
 
 
-def _publication_counts(source: Source, node: "Node", arguments: Namespace, write: Write) -> Iterator[int]:
+def _publication_counts(
+    source: Source,
+    node: "Node",
+    arguments: Namespace,
+    write: Write,
+) -> Iterator[int]:
     times = 1 if arguments.once else arguments.times
     limit = None if times else source.limit()
     start_ns, count = source.graph.now_ns, 0

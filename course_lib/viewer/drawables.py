@@ -145,7 +145,13 @@ class Solids:
         lit: Whether faces are shaded.
     """
 
-    def __init__(self, shape: Shape, placements: ArrayLike, colors: ArrayLike, lit: bool = True) -> None:
+    def __init__(
+        self,
+        shape: Shape,
+        placements: ArrayLike,
+        colors: ArrayLike,
+        lit: bool = True,
+    ) -> None:
         if shape not in get_args(Shape):
             raise CourseError(f"Solids(shape={shape!r}): expected one of {', '.join(get_args(Shape))}.")
         self.shape: Shape = shape
@@ -209,7 +215,13 @@ class Lines:
         strip: Whether each point is joined to the next.
     """
 
-    def __init__(self, points: ArrayLike, colors: ArrayLike, width: float = 0.0, strip: bool = True) -> None:
+    def __init__(
+        self,
+        points: ArrayLike,
+        colors: ArrayLike,
+        width: float = 0.0,
+        strip: bool = True,
+    ) -> None:
         self.points = float_array("points", points, (None, 3))
         if not strip and len(self.points) % 2:
             raise CourseError(f"Lines in pairs need an even number of points, there are {len(self.points)}.")
@@ -279,7 +291,13 @@ class Sheet:
         behind: Whether it is drawn behind everything else.
     """
 
-    def __init__(self, cells: ArrayLike, colors: ArrayLike, width: float, behind: bool = False) -> None:
+    def __init__(
+        self,
+        cells: ArrayLike,
+        colors: ArrayLike,
+        width: float,
+        behind: bool = False,
+    ) -> None:
         self.cells: Bytes = checked_array("cells", cells, np.uint8, (None, None))
         self.colors = rgba(colors, 256)
         self.width = float(width)

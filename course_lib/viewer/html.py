@@ -157,7 +157,13 @@ def content_policy(
     return _POLICY.format(scripts=" ".join(sources) or "'none'", connect=connect)
 
 
-def _page(title: str, background: object, fragment: str, script: str, connect: str = "'none'") -> str:
+def _page(
+    title: str,
+    background: object,
+    fragment: str,
+    script: str,
+    connect: str = "'none'",
+) -> str:
     policy = content_policy(script, connect=connect)
     return _PAGE.format(
         title=escape(title), background=background, fragment=fragment, script=script, policy=policy
@@ -191,6 +197,9 @@ def live_page(title: str) -> str:
 
 
 def bundle_code(start: str = MOUNT_ALL) -> str:
-    """Return the script that starts all scenes of a page. `start` is a function that is given the viewer."""
+    """Return the script that starts all scenes of a page.
+
+    `start` is a function that is given the viewer.
+    """
     zipped = base64.b64encode(bundle_zipped()).decode()
     return _CODE.format(zipped=zipped, key=bundle_name(), start=start)

@@ -212,7 +212,12 @@ class SceneRecording:
         """The current time, [s]."""
         return self._now()
 
-    def packed(self, seconds: float = math.inf, until: float = math.inf, interval: float = 0.0) -> bytes:
+    def packed(
+        self,
+        seconds: float = math.inf,
+        until: float = math.inf,
+        interval: float = 0.0,
+    ) -> bytes:
         """Return batches with times in [s] since the start, or only a snapshot if nothing has changed.
 
         Args:

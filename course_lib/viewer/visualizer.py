@@ -170,7 +170,10 @@ def _cylinder_surface(cylinder: Json) -> Surface:
 
 
 def _triangles(geometry: Json) -> Surface:
-    """Return the triangles of a BufferGeometry, subdivided into small ones. Without uv there are none."""
+    """Return the triangles of a BufferGeometry, subdivided into small ones.
+
+    Without uv there are none.
+    """
     attributes = geometry["data"]["attributes"]
     if "uv" not in attributes:
         return np.empty((0, 3)), np.empty((0, 2)), np.empty((0, 3))

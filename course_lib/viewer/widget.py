@@ -23,7 +23,8 @@ from course_lib.viewer.scene import Scene
 class SidePanel:
     """The panel next to the notebook, which shows one view of the kernel at a time.
 
-    Pages request it, because they know whether they are JupyterLab. Their messages arrive in another thread.
+    Pages request it, because they know whether they are JupyterLab. Their messages arrive in
+    another thread.
     """
 
     def __init__(self) -> None:
@@ -46,9 +47,9 @@ class SidePanel:
     def receive(self, widget: "SceneWidget", order: dict[str, Any]) -> None:
         """Execute the order of a page that shows a widget.
 
-        Its action is "open" (a new panel with this widget), "take" (an open panel shows this widget), "join"
-        (a panel opens with the last widget, unless there is one), "close", or "gone" (the reader has closed
-        the panel with this model).
+        Its action is "open" (a new panel with this widget), "take" (an open panel shows this
+        widget), "join" (a panel opens with the last widget, unless there is one), "close", or
+        "gone" (the reader has closed the panel with this model).
         """
         action = order.get("action")
         with self._lock:

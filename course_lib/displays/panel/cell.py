@@ -76,7 +76,13 @@ class ViewerCell:
         side_panel.take(self._widget(viewer))
         display(viewer)  # type: ignore[no-untyped-call]
 
-    def at_rest(self, recording: SceneRecording, seconds: float, *, plays: bool = False) -> "RestingView":
+    def at_rest(
+        self,
+        recording: SceneRecording,
+        seconds: float,
+        *,
+        plays: bool = False,
+    ) -> "RestingView":
         """Return a view that can play, or `plays`, the last part of a recording, until no page shows it."""
         # Imported here because anywidget is slow to load.
         from course_lib.displays.panel.resting_view import RestingView

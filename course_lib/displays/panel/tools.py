@@ -29,7 +29,14 @@ class Tool(PropertyHolder):
         properties: The properties of this tool.
     """
 
-    def __init__(self, short: str, label: str, key: str, gesture: Gesture, *properties: Property) -> None:
+    def __init__(
+        self,
+        short: str,
+        label: str,
+        key: str,
+        gesture: Gesture,
+        *properties: Property,
+    ) -> None:
         self.properties += properties
         super().__init__()
         self.class_name = f"rviz_default_plugins/{short}"
@@ -158,7 +165,11 @@ def load_tools(tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> I
             yield f"There is no tool {class_name!r}; the layout keeps its settings."
 
 
-def advertise_tools(node: RvizNode, tools: Iterable[Tool], configs: Sequence[Mapping[str, Any]]) -> None:
+def advertise_tools(
+    node: RvizNode,
+    tools: Iterable[Tool],
+    configs: Sequence[Mapping[str, Any]],
+) -> None:
     """Advertise the topics of the tools in a layout, as RViz does when it loads one."""
     class_names = {text_at(config, "Class") for config in configs}
     for tool in tools:

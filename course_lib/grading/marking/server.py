@@ -401,7 +401,13 @@ ROUTES: tuple[tuple[str, type[RequestHandler]], ...] = (
 )
 
 
-def serve(out: Path, *, port: int | None = None, browser: bool = True, course: Course | None = None) -> None:
+def serve(
+    out: Path,
+    *,
+    port: int | None = None,
+    browser: bool = True,
+    course: Course | None = None,
+) -> None:
     """Serve the page for marking until Ctrl+C, then update reports and gradebook.
 
     Args:

@@ -78,7 +78,10 @@ def standalone(result: Result, out: Path, catalog: Catalog) -> bytes:
 
 
 def _max_scene_size(sizes: Sequence[int], room: int) -> int:
-    """Return the maximum size per scene so that all fit. Large scenes may use the room left by small ones."""
+    """Return the maximum size per scene so that all fit.
+
+    Large scenes may use the room left by small ones.
+    """
     for place, size in enumerate(sorted(sizes)):
         share = room // (len(sizes) - place)
         if size > share:
@@ -307,7 +310,11 @@ def feedback(
 Reports = dict[str, tuple[Result, PlatformName]]  # by the file name in the zip
 
 
-def _select_results(out: Path, exercise: str, students: Collection[str] | None) -> list[MarkedResult]:
+def _select_results(
+    out: Path,
+    exercise: str,
+    students: Collection[str] | None,
+) -> list[MarkedResult]:
     """Return the results of an exercise, for the given students.
 
     Raises:

@@ -107,7 +107,11 @@ PALE = 0.3  # alpha
 NAMESPACE = "expected"
 
 
-def expected_recording(task: Task, personal: Mapping[str, Any], inputs: Iterable[Message] = ()) -> Recording:
+def expected_recording(
+    task: Task,
+    personal: Mapping[str, Any],
+    inputs: Iterable[Message] = (),
+) -> Recording:
     """Return a recording of the expected messages, with the scenario's inputs."""
     return _recording(_input_samples(inputs, personal), [(m.topic, build(m, personal)) for m in task.ghost])
 

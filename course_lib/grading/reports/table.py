@@ -87,7 +87,11 @@ def rows(checks: Iterable[CheckResult]) -> list[Row]:
     return [row for _, row in scored_rows(checks)]
 
 
-def scored_rows(checks: Iterable[CheckResult], *, show_hidden: bool = False) -> list[tuple[float, Row]]:
+def scored_rows(
+    checks: Iterable[CheckResult],
+    *,
+    show_hidden: bool = False,
+) -> list[tuple[float, Row]]:
     """Return the rows with the scores of their checks; `show_hidden` reveals hidden checks."""
     rows_by_key: dict[tuple[str, ...], tuple[float, Row]] = {}
     hidden_count = 0

@@ -51,7 +51,13 @@ class RecordedLaunch(LaunchProgram):
         self._processes_of_nodes: dict[str, int] = {}
         self._starts_nodes = starts
 
-    def start(self, action: Action, package: str, executable: str, arguments: Iterable[str]) -> None:
+    def start(
+        self,
+        action: Action,
+        package: str,
+        executable: str,
+        arguments: Iterable[str],
+    ) -> None:
         """Record the node and start it."""
         arguments = list(arguments)
         if len(self.nodes) < MAX_STARTED:

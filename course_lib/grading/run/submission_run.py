@@ -342,7 +342,10 @@ class ScenarioGraph:
 
 @lru_cache(maxsize=MOST_INPUTS)
 def _serialize_input(topic: str, type_name: str, fields: bytes) -> bytes:
-    """Return the bytes of an input message. Building one takes ten times as long as pickling its fields."""
+    """Return the bytes of an input message.
+
+    Building one takes ten times as long as pickling its fields.
+    """
     return serialize(build(Message(topic, type_name, pickle.loads(fields)), {}))
 
 
@@ -555,7 +558,12 @@ class SubmissionRun:
             log.stopped[current] = f"cell {current + 1} {why}"
             return False
 
-    def _serve(self, worker: WorkerProcess, stage: ScenarioGraph, task: Task) -> tuple[Outcome, str]:
+    def _serve(
+        self,
+        worker: WorkerProcess,
+        stage: ScenarioGraph,
+        task: Task,
+    ) -> tuple[Outcome, str]:
         """Run a scenario in the worker; return its outcome and the limit that ended it, or ""."""
         seconds, part = (
             min(self._limits.scenario_seconds, self._time_budget.remaining(task.id)),

@@ -91,7 +91,12 @@ class Worker:
                 return
             handlers[name](*arguments)
 
-    def run_cells(self, cells: Sequence[str], values: dict[str, dict[str, Any]], skip: Sequence[int]) -> None:
+    def run_cells(
+        self,
+        cells: Sequence[str],
+        values: dict[str, dict[str, Any]],
+        skip: Sequence[int],
+    ) -> None:
         """Run all cells in order except those in `skip`; an error in one does not stop the others."""
         set_values(values)
         errors = []

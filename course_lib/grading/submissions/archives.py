@@ -205,7 +205,14 @@ class Arrivals:
             if (content := self._limit_content(parts, data)) is not None:
                 yield Arrival(parts, content, _time(info))
 
-    def _unpack(self, archive: zipfile.ZipFile, info: zipfile.ZipInfo, owner: str, *, counted: bool) -> bytes:
+    def _unpack(
+        self,
+        archive: zipfile.ZipFile,
+        info: zipfile.ZipInfo,
+        owner: str,
+        *,
+        counted: bool,
+    ) -> bytes:
         """Decompress a file within its owner's remaining limit. The platform's own archive is not counted.
 
         Raises:

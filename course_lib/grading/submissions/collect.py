@@ -233,7 +233,10 @@ def _choose_for_owner(
 
 
 def _expected_exercise(handed: DownloadName, exercise: str) -> str:
-    """Return the effective exercise of a file. The title of its assignment may override the given one."""
+    """Return the effective exercise of a file.
+
+    The title of its assignment may override the given one.
+    """
     return handed.assignment if handed.assignment and exercise in ("", handed.assignment) else exercise
 
 
@@ -582,7 +585,10 @@ def _inspect_all(
 
 
 def _is_stamp(arrival: Arrival, layout: Layout) -> bool:
-    """Return whether a file is nbgrader's time stamp. On other platforms, a student may use its name."""
+    """Return whether a file is nbgrader's time stamp.
+
+    On other platforms, a student may use its name.
+    """
     if layout.name != NBGRADER or arrival.parts[-1] != STAMP or any(map(is_zip, arrival.parts)):
         return False
     try:
@@ -599,7 +605,10 @@ def _read_exports(
     times: Sequence[Path],
     collection: Collection,
 ) -> Exports:
-    """Read the platform's exports. Their columns are found by the numbers and names in the download."""
+    """Read the platform's exports.
+
+    Their columns are found by the numbers and names in the download.
+    """
     if roster is None and not times:
         return Exports()
     keys: set[str] = set()
@@ -741,7 +750,13 @@ def _remove_rejection(student: str, exercise: str, collection: Collection) -> No
         del collection.rows[file]
 
 
-def _reject(choice: Choice, out: Path, zone: ZoneInfo, collection: Collection, exports: Exports) -> None:
+def _reject(
+    choice: Choice,
+    out: Path,
+    zone: ZoneInfo,
+    collection: Collection,
+    exports: Exports,
+) -> None:
     """Write a row with the reason for each student without a kept file, for `course grade` to show."""
     for handed, exercise, why in choice.rejected.values():
         try:

@@ -535,7 +535,11 @@ def _pair(pair: Pair, works: Mapping[str, Work], released: ReleasedCode) -> dict
     return {"share": pair.share, "sides": list(zip(names, blocks, strict=True))}
 
 
-def _match_lines(one: Fingerprint, other: Fingerprint, released_code: frozenset[int]) -> dict[int, int]:
+def _match_lines(
+    one: Fingerprint,
+    other: Fingerprint,
+    released_code: frozenset[int],
+) -> dict[int, int]:
     """Map the lines of one side that occur on the other side to their numbers there, from 0."""
     where = defaultdict[int, list[int]](list)
     for place, run in enumerate(other.runs):

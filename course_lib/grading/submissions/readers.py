@@ -577,7 +577,12 @@ class Layout:
         return f"{handed.name} ({handed.key})" if handed.name != handed.key else handed.key
 
 
-def choose_layout(paths: Sequence[Components], source: str, zone: ZoneInfo, name: str = "") -> Layout:
+def choose_layout(
+    paths: Sequence[Components],
+    source: str,
+    zone: ZoneInfo,
+    name: str = "",
+) -> Layout:
     """Choose the layout of a download by all its names.
 
     Args:

@@ -444,7 +444,11 @@ def plan_attempts(submissions: Sequence[Submission], course: Course, only: str) 
     return [_make_attempts(list(group), owners, course) for _, group in groups]
 
 
-def _make_attempts(group: Sequence[Submission], owners: Mapping[str, set[str]], course: Course) -> Attempts:
+def _make_attempts(
+    group: Sequence[Submission],
+    owners: Mapping[str, set[str]],
+    course: Course,
+) -> Attempts:
     planned = [_plan_job(submission, course) for submission in group]
     submissions = tuple(
         # Unchanged exercises are equal for all students.

@@ -46,7 +46,8 @@ def check_arguments(name: str, parameters: Iterable[Parameter], values: Mapping[
         values: The arguments by parameter name.
 
     Raises:
-        CourseError: An argument has the wrong type or length; the message states the expected value.
+        CourseError: An argument has the wrong type or length; the message states the expected
+            value.
     """
     for parameter in parameters:
         value, key = values[parameter.name], parameter.name

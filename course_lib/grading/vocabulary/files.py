@@ -106,7 +106,11 @@ def _find(started: Sequence[StartedNode], package: str, executable: str) -> Star
     return next((one for one in started if (one.package, one.executable) == (package, executable)), None)
 
 
-def _check_options(record: LaunchRecord, node: StartedNode, options: Mapping[str, Any]) -> Iterator[Problem]:
+def _check_options(
+    record: LaunchRecord,
+    node: StartedNode,
+    options: Mapping[str, Any],
+) -> Iterator[Problem]:
     for option, expected in options.items():
         value = node.options.get(option)
         if isinstance(expected, str) and expected.startswith("$(") and expected.endswith(")"):
@@ -277,7 +281,11 @@ def expect_drawn(
     return list(_check_drawing(session, class_name)) or _check_surplus(evidence, DRAWN, arguments)
 
 
-def _check_surplus(evidence: Evidence, check_name: str, arguments: Mapping[str, Any]) -> list[Problem]:
+def _check_surplus(
+    evidence: Evidence,
+    check_name: str,
+    arguments: Mapping[str, Any],
+) -> list[Problem]:
     """Return the problem of a passing check if the layout has more displays than the task requires.
 
     The checks with a personal value get the problem, because one of many values is not an answer,

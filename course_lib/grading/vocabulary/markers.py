@@ -624,7 +624,11 @@ def _compare_position(marker: Any, expected: Sequence[float], tolerance: float) 
             yield f" is {describe_offset(value, target, *directions)}: {where}"
 
 
-def _compare_scale(marker: Any, expected: Sequence[float | None], tolerance: float) -> Iterator[str]:
+def _compare_scale(
+    marker: Any,
+    expected: Sequence[float | None],
+    tolerance: float,
+) -> Iterator[str]:
     for axis, target in zip("xyz", expected, strict=True):
         value = getattr(marker.scale, axis)
         if target is not None and not is_close(value, target, tolerance):

@@ -366,7 +366,10 @@ def _check_pose(
         yield Problem(f"{transform.child} is turned by {came_yaw}", "the orientation of a frame is wrong")
 
 
-def _check_heading(poses: Sequence[tuple[float, Transform]], heading: float | None) -> Iterator[Problem]:
+def _check_heading(
+    poses: Sequence[tuple[float, Transform]],
+    heading: float | None,
+) -> Iterator[Problem]:
     for seconds, pose in poses if heading is not None else ():
         (x, y, _), turn = pose.translation, yaw_of(*pose.rotation)
         if heading is not None and not are_angles_close(turn - math.atan2(y, x), heading, YAW_TOLERANCE):

@@ -143,8 +143,8 @@ def expect_rate(
 ) -> Iterable[Problem]:
     """Expect the rate `hz` [1/s] within the relative `tolerance`, from `begin` to `end` [s].
 
-    Messages with equal times count once. With `by_marker`, each marker needs this rate, by its ns and
-    id; markers that are published once only count as in a topic without `by_marker`.
+    Messages with equal times count once. With `by_marker`, each marker needs this rate, by its ns
+    and id; markers that are published once only count as in a topic without `by_marker`.
     """
     end = evidence.seconds if end is None else end
     received = received_messages(evidence, topic)
@@ -389,7 +389,14 @@ def _possible_facts(name: str, value: Any) -> list[float | str]:
 
 
 @check_function("{level}, {says}")
-def expect_level(evidence: Evidence, level: str, *, says: str, begin: float, end: float) -> Iterable[Problem]:
+def expect_level(
+    evidence: Evidence,
+    level: str,
+    *,
+    says: str,
+    begin: float,
+    end: float,
+) -> Iterable[Problem]:
     """Expect one status per second from `begin` to `end` [s], with this level and `says` in its message."""
     arrays = received_messages(evidence, TOPIC, ARRAY)
     lists = [list(m.status) for at, m in arrays if begin + SETTLED <= at <= end + SETTLED - 1]

@@ -41,8 +41,8 @@ def expect_value(
 
     Numbers, strings, and lists or dicts of them can be compared; tuples, lists and arrays with
     equal values are equal. `parts` names the items of a list, ("size", "color"); without names a
-    message has their indices. `angles` are the indices of joint angles [rad] in a list: they are equal
-    if they differ by a full turn, and a joint turns by one turn at most in each direction.
+    message has their indices. `angles` are the indices of joint angles [rad] in a list: they are
+    equal if they differ by a full turn, and a joint turns by one turn at most in each direction.
     """
     if call >= len(evidence.returns):
         return [Problem(f"{name} is missing: nothing was returned", "a value is missing")]
@@ -222,7 +222,12 @@ def expect_parameters(
     ]
 
 
-def _check_parameter(node: str, key: str, parameters: Mapping[str, Any], expected: Any) -> Iterable[Problem]:
+def _check_parameter(
+    node: str,
+    key: str,
+    parameters: Mapping[str, Any],
+    expected: Any,
+) -> Iterable[Problem]:
     if key not in parameters:
         return [Problem(f"{node} gets no {key} from the file", "a parameter is missing in the file")]
     value = parameters[key]

@@ -278,7 +278,11 @@ def _text(value: str | bytes) -> int:
     return _keep_alive(ct.create_string_buffer(value.encode() if isinstance(value, str) else value))
 
 
-def _callback(result: Any, *arguments: Any, holds_gil: bool = False) -> Callable[[Callable[..., Any]], int]:
+def _callback(
+    result: Any,
+    *arguments: Any,
+    holds_gil: bool = False,
+) -> Callable[[Callable[..., Any]], int]:
     """Turn a function into a C callback. The decorated name is the callback's address."""
 
     def decorate(function: Callable[..., Any]) -> int:

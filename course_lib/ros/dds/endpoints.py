@@ -410,7 +410,15 @@ class Reader:
             self.incomplete += len(other.partial)
             other.partial.clear()
 
-    def on_heartbeat(self, guid: bytes, first: int, last: int, count: int, *, is_final: bool) -> None:
+    def on_heartbeat(
+        self,
+        guid: bytes,
+        first: int,
+        last: int,
+        count: int,
+        *,
+        is_final: bool,
+    ) -> None:
         """Process a heartbeat, and request the missing messages that the writer still has.
 
         If none is missing, the acknowledgement is sent with the next tick, for all messages until
@@ -482,7 +490,14 @@ class Reader:
         body += struct.pack("<I", next(writer.counts))
         self._sender.send([submessage(NACK_FRAG, 0, body)], writer.endpoint.locators, guid[:PREFIX_SIZE])
 
-    def _send_acknack(self, writer: MatchedWriter, base: int, missing: list[int], *, is_final: bool) -> None:
+    def _send_acknack(
+        self,
+        writer: MatchedWriter,
+        base: int,
+        missing: list[int],
+        *,
+        is_final: bool,
+    ) -> None:
         writer.is_ack_due = False
         guid = writer.endpoint.guid
         body = self.endpoint.guid[PREFIX_SIZE:] + guid[PREFIX_SIZE:] + sequence_number(base)

@@ -152,7 +152,10 @@ class DdsClient:
 
 
 class DdsServer:
-    """A service of the kit on the network. A reply waits until the client's reader has been matched."""
+    """A service of the kit on the network.
+
+    A reply waits until the client's reader has been matched.
+    """
 
     def __init__(self, link: "DdsLink", entity: DdsEntity, on_request: OnRequest) -> None:
         self._participant, self._actions, self._on_request = link.participant, link.actions, on_request

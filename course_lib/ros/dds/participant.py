@@ -357,7 +357,14 @@ class Participant:
 
     # Discovery of endpoints.
 
-    def _new_endpoint(self, kind: int, topic: str, type_name: str, qos: Qos, user_data: bytes) -> Endpoint:
+    def _new_endpoint(
+        self,
+        kind: int,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        user_data: bytes,
+    ) -> Endpoint:
         guid = self.prefix + next(self._entities).to_bytes(3, "big") + bytes([kind])
         return Endpoint(guid, topic, type_name, qos, user_data)
 

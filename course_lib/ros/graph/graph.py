@@ -285,7 +285,11 @@ class Graph:
         """List the publishers and subscriptions of a topic in the order of their creation."""
         return [info for info in self._topics.endpoints_on(topic) if info.node not in self._hidden_nodes]
 
-    def incompatible_policy(self, publisher: EndpointInfo, subscription: EndpointInfo) -> str | None:
+    def incompatible_policy(
+        self,
+        publisher: EndpointInfo,
+        subscription: EndpointInfo,
+    ) -> str | None:
         """Return the QoS policy that makes a publisher and subscription incompatible, or None."""
         return find_incompatible_policy(publisher.qos, subscription.qos)
 
@@ -295,8 +299,8 @@ class Graph:
         """Call `listener` with every sample on a topic when it is published.
 
         Return a function that ends this. As in `ros2 bag record`, requests and responses of
-        services are not included. `select_topics` returns the topics that a robot has to send for the
-        listener; None stands for all.
+        services are not included. `select_topics` returns the topics that a robot has to send for
+        the listener; None stands for all.
         """
         tap = (listener, select_topics)
         self._taps.append(tap)

@@ -250,7 +250,12 @@ class GraphServer:
     It validates every frame as hostile input.
     """
 
-    def __init__(self, graph: Graph, channel: Channel, budget: RecordingBudget | None = None) -> None:
+    def __init__(
+        self,
+        graph: Graph,
+        channel: Channel,
+        budget: RecordingBudget | None = None,
+    ) -> None:
         self.graph = graph
         # The first frame that is not a request of the graph, which ends the service.
         self.last_frame: list[Any] | None = None
@@ -322,7 +327,14 @@ class GraphServer:
             if endpoint in self._endpoints:
                 self._endpoints[endpoint] = ""
 
-    def _add_publisher(self, endpoint: int, node: int, topic: str, type_name: str, qos: list[Any]) -> None:
+    def _add_publisher(
+        self,
+        endpoint: int,
+        node: int,
+        topic: str,
+        type_name: str,
+        qos: list[Any],
+    ) -> None:
         self._check_new(endpoint, node, topic, type_name)
         self.graph.add_publisher(node, topic, type_name, _qos(qos))
         self._endpoints[endpoint] = type_name

@@ -15,8 +15,8 @@ _INFINITE = 2**63 - 1  # [ns]
 class Qos:
     """The QoS that a publisher offers or a subscription requests.
 
-    Durations in [ns], None is infinite. The history of a robot's endpoint is unknown over DDS, which
-    does not transmit it.
+    Durations in [ns], None is infinite. The history of a robot's endpoint is unknown over DDS,
+    which does not transmit it.
     """
 
     history: Literal["keep_last", "keep_all", "unknown"] = "keep_last"

@@ -152,7 +152,11 @@ def _is_valid_length(value: Collection[Any], field: FieldDefinition) -> bool:
     return not field.size or len(value) <= field.size
 
 
-def _are_valid_numbers(value: "np.ndarray[Any, Any]", field: FieldDefinition, primitive: Primitive) -> bool:
+def _are_valid_numbers(
+    value: "np.ndarray[Any, Any]",
+    field: FieldDefinition,
+    primitive: Primitive,
+) -> bool:
     if value.ndim != 1 or value.dtype.kind not in ("iuf" if primitive.python is float else "iu"):
         return False
     ends = [value.min(), value.max()] if value.size and primitive.python is int else []

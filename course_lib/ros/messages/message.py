@@ -346,7 +346,10 @@ def action_class(type_name: str) -> type:
     return _InterfaceMeta(name, bases, {**parts, "Impl": type("Impl", (), transport)})
 
 
-def _container_class(type_name: str, parts: tuple[str, ...]) -> tuple[str, tuple[type, ...], dict[str, Any]]:
+def _container_class(
+    type_name: str,
+    parts: tuple[str, ...],
+) -> tuple[str, tuple[type, ...], dict[str, Any]]:
     """Return the name, bases and namespace of a class that contains other types."""
     names = {part[1:]: message_class(type_name + part) for part in parts}
     home = {"__module__": module_of_type(type_name), "_TYPE_NAME": type_name}

@@ -160,7 +160,14 @@ class LaunchProgram(Process):
         is_strict: Whether the launch ends, as in ROS, if something cannot run here.
     """
 
-    def __init__(self, file: Path, args: Sequence[str], own: Executables, *, is_strict: bool = False) -> None:
+    def __init__(
+        self,
+        file: Path,
+        args: Sequence[str],
+        own: Executables,
+        *,
+        is_strict: bool = False,
+    ) -> None:
         super().__init__(file, args)
         self._own, self._is_strict = own, is_strict
         # Missing packages, with the reasons.
@@ -252,7 +259,13 @@ class LaunchProgram(Process):
         """Start a Python program by its path. Raise a CourseError if it cannot be run."""
         self.start_function(action, file.name, Program(file, ()).work, words)
 
-    def start_component(self, action: Action, package: str, plugin: str, words: Iterable[str]) -> None:
+    def start_component(
+        self,
+        action: Action,
+        package: str,
+        plugin: str,
+        words: Iterable[str],
+    ) -> None:
         """Start a component, or log why it is skipped."""
         try:
             function = find_component(package, plugin, self._own)

@@ -37,7 +37,13 @@ _imported: set[str] = set()
 class RunProgram(Function):
     """An executable of a package with its arguments, as `ros2 run` starts it."""
 
-    def __init__(self, package: str, executable: str, words: Sequence[str], own: Executables) -> None:
+    def __init__(
+        self,
+        package: str,
+        executable: str,
+        words: Sequence[str],
+        own: Executables,
+    ) -> None:
         super().__init__(executable, find_executable(package, executable, own), words)
 
     def run(self) -> None:

@@ -354,7 +354,11 @@ def _read_setup_py(name: str, setup: Path, build_files: BuildFiles) -> None:
     _add_scripts(build_files, ((PurePosixPath(place).name, file) for place, file in in_lib))
 
 
-def _installed_files(data_files: ast.expr, values: "_Values", folder: Path) -> Iterator[tuple[str, Path]]:
+def _installed_files(
+    data_files: ast.expr,
+    values: "_Values",
+    folder: Path,
+) -> Iterator[tuple[str, Path]]:
     """Yield each installed path of `data_files` with its file, if both are inside the package."""
     file_list = values.names.get(data_files.id) if isinstance(data_files, ast.Name) else data_files
     for entry in file_list.elts if isinstance(file_list, ast.List | ast.Tuple) else ():
@@ -588,7 +592,11 @@ def _body(commands: "deque[tuple[str, str]]", kind: str) -> list[tuple[str, str]
     return body
 
 
-def _installed_by_cmake(source_folder: Path, kind: str, arguments: list[str]) -> Iterator[tuple[str, Path]]:
+def _installed_by_cmake(
+    source_folder: Path,
+    kind: str,
+    arguments: list[str],
+) -> Iterator[tuple[str, Path]]:
     """Yield the names and files of one `install(…)`."""
     end = next((at for at, word in enumerate(arguments) if word in _KINDS_OF_INSTALL), len(arguments))
     renamed = _argument_after("RENAME", arguments)

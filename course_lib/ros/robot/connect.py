@@ -135,8 +135,8 @@ def full_address(address: str) -> str:
         )
     if found[4] and not 0 < int(found[4]) <= LAST_PORT:
         raise CourseError(
-            f"{address!r} is not an address of a robot: a port is a number from 1 to {LAST_PORT}, and a "
-            f"router usually has {PORT}."
+            f"{address!r} is not an address of a robot: a port is a number from 1 to {LAST_PORT}, "
+            f"and a router usually has {PORT}."
         )
     return f"{found[1] or 'tcp'}/{found[2] or ''}{found[3]}:{found[4] or PORT}"
 

@@ -183,7 +183,14 @@ class Link(Protocol):
     def publisher(self, entity: Any) -> NetworkPublisher:
         """Declare a publisher."""
 
-    def subscriber(self, topic: str, type_name: str, qos: Qos, kept: int, on_packet: OnPacket) -> Declaration:
+    def subscriber(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        kept: int,
+        on_packet: OnPacket,
+    ) -> Declaration:
         """Subscribe to a topic, and request the last `kept` messages of latched publishers.
 
         `on_packet` is called with each message in the link's threads.

@@ -289,7 +289,14 @@ class RobotGraph(Graph):
 
     keeps_wall_time = True
 
-    def __init__(self, link: Link, allowed: Permissions, report: Report, *, notebook: bool = False) -> None:
+    def __init__(
+        self,
+        link: Link,
+        allowed: Permissions,
+        report: Report,
+        *,
+        notebook: bool = False,
+    ) -> None:
         super().__init__(start_ns=wall.time_ns(), delay_ns=0, notebook=notebook)
         self.link = link
         self.blocked = BlockedTraffic(report, notebook=notebook)
@@ -400,7 +407,11 @@ class RobotGraph(Graph):
         if endpoint in self._announced:
             self._announced.pop(endpoint).withdraw()
 
-    def incompatible_policy(self, publisher: EndpointInfo, subscription: EndpointInfo) -> str | None:
+    def incompatible_policy(
+        self,
+        publisher: EndpointInfo,
+        subscription: EndpointInfo,
+    ) -> str | None:
         """Return the QoS policy that makes a pair incompatible.
 
         Over Zenoh, QoS does not separate pairs.

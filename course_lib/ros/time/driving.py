@@ -418,7 +418,10 @@ class _LiveLoop:
 
     @contextmanager
     def _keep_pace(self) -> Iterator[None]:
-        """Keep robot time to the wall clock even while a callback sleeps. Report lines that take long."""
+        """Keep robot time to the wall clock even while a callback sleeps.
+
+        Report lines that take long.
+        """
         former, watch.report = watch.report, self._report_busy
         self._graph.pace = self._wall_pace
         try:

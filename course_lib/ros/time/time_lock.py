@@ -248,7 +248,13 @@ class TimeLock:
             if me is not None:
                 self._threads[ident] = me
 
-    def new_thread(self, name: str, *, main: bool = False, is_ordinary: bool = False) -> ProgramThread:
+    def new_thread(
+        self,
+        name: str,
+        *,
+        main: bool = False,
+        is_ordinary: bool = False,
+    ) -> ProgramThread:
         """Create a thread's entry in the order of threads."""
         thread = ProgramThread(next(self._numbers), name=name, main=main, is_ordinary=is_ordinary)
         maker = self._threads.get(_thread.get_ident())
@@ -356,7 +362,12 @@ class TimeLock:
         """Block the calling program thread until robot time `wake_ns` [ns]."""
         self.wait(never, until_ns=wake_ns, what=what)
 
-    def poll(self, describe_unmet: Callable[[], str] | None = None, *, reads_clock: bool = False) -> None:
+    def poll(
+        self,
+        describe_unmet: Callable[[], str] | None = None,
+        *,
+        reads_clock: bool = False,
+    ) -> None:
         """Count a call that does not wait.
 
         A program that makes such calls in a loop waits for something, so after many calls they let

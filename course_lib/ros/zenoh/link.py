@@ -260,7 +260,10 @@ class ZenohLink:
         return ZenohDeclaration(self, self._declare_token(entity))
 
     def publisher(self, entity: ZenohEntity) -> ZenohPublisher:
-        """Declare a publisher. As in rmw_zenoh, it drops messages on a full link unless it keeps all."""
+        """Declare a publisher.
+
+        As in rmw_zenoh, it drops messages on a full link unless it keeps all.
+        """
         qos = entity.qos
         is_reliable, is_latched = qos.reliability == "reliable", qos.durability == "transient_local"
         blocks = is_reliable and qos.history == "keep_all"

@@ -155,7 +155,11 @@ class Handlers:
     def __init__(self) -> None:
         self.alive, self._mutex = 0, _thread.allocate_lock()
 
-    def direct(self, function: Callable[[Any], None], end: Callable[[], None] = _nothing) -> "Callback[Any]":
+    def direct(
+        self,
+        function: Callable[[Any], None],
+        end: Callable[[], None] = _nothing,
+    ) -> "Callback[Any]":
         """Return a handler for `function`. `end` is called after the last call."""
         with self._mutex:
             self.alive += 1

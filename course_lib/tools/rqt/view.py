@@ -164,7 +164,13 @@ class RqtView:
         control.observe(lambda _: None if self._is_updating_options else self.soon(act), "value")
         return control
 
-    def add_check(self, name: str, *, on: bool = False, action: Callable[[], None] | None = None) -> None:
+    def add_check(
+        self,
+        name: str,
+        *,
+        on: bool = False,
+        action: Callable[[], None] | None = None,
+    ) -> None:
         """Add a check box."""
         from ipywidgets import Checkbox
 

@@ -100,7 +100,11 @@ class TimeStampStatusParam:
 class TimeStampStatus(DiagnosticTask):
     """Checks the age of the time stamps that are passed to `tick`."""
 
-    def __init__(self, params: TimeStampStatusParam | None = None, name: str = "Timestamp Status") -> None:
+    def __init__(
+        self,
+        params: TimeStampStatusParam | None = None,
+        name: str = "Timestamp Status",
+    ) -> None:
         super().__init__(name)
         self.params = params or TimeStampStatusParam()
         self.lock = Lock()

@@ -254,11 +254,18 @@ class StereoCameraModel:
         """Return the frame of 3D points: the frame of the left camera."""
         return self.left.tfFrame()
 
-    def project3dToPixel(self, point: Sequence[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    def project3dToPixel(
+        self,
+        point: Sequence[float],
+    ) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the pixels of a point (x, y, z) in the left and in the right image."""
         return self.left.project3dToPixel(point), self.right.project3dToPixel(point)
 
-    def projectPixelTo3d(self, left_uv: Sequence[float], disparity: float) -> tuple[float, float, float]:
+    def projectPixelTo3d(
+        self,
+        left_uv: Sequence[float],
+        disparity: float,
+    ) -> tuple[float, float, float]:
         """Return the 3D point of a pixel in the left image; (0, 0, 0) if the disparity is 0."""
         x, y, z, w = self.Q @ [left_uv[0], left_uv[1], disparity, 1.0]
         return (x / w, y / w, z / w) if w != 0 else (0.0, 0.0, 0.0)

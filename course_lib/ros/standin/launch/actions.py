@@ -101,7 +101,11 @@ class UnsetLaunchConfiguration(Action):
 class ResetLaunchConfigurations(Action):
     """Removes all launch configurations except the given ones."""
 
-    def __init__(self, launch_configurations: Mapping[Any, Some] | None = None, **options: Any) -> None:
+    def __init__(
+        self,
+        launch_configurations: Mapping[Any, Some] | None = None,
+        **options: Any,
+    ) -> None:
         def do(context: LaunchContext) -> None:
             pairs = (launch_configurations or {}).items()
             configurations = {text_of(context, name): text_of(context, value) for name, value in pairs}
@@ -233,7 +237,13 @@ _MISSED = ("additional_env", "cwd", "env", "respawn")
 class Executable:
     """A command line. The other options of launch's Executable have no effect here."""
 
-    def __init__(self, *, cmd: Iterable[Some], arguments: Iterable[Some] = (), **options: Any) -> None:
+    def __init__(
+        self,
+        *,
+        cmd: Iterable[Some],
+        arguments: Iterable[Some] = (),
+        **options: Any,
+    ) -> None:
         unknown_options("Executable", options, NO_DIFFERENCE | {"name"})
         if isinstance(cmd, str):
             raise TypeError(f"ExecuteProcess: cmd={cmd!r}, expected a list of words: cmd={cmd.split()!r}")
@@ -253,7 +263,13 @@ class ExecuteLocal(Action):
 
     goes_on = True
 
-    def __init__(self, *, process_description: Executable, on_exit: Reaction = None, **options: Any) -> None:
+    def __init__(
+        self,
+        *,
+        process_description: Executable,
+        on_exit: Reaction = None,
+        **options: Any,
+    ) -> None:
         super().__init__(self._start, condition=options.pop("condition", None))
         unknown_options(type(self).__name__, options, NO_DIFFERENCE)
         self.process_description, self._on_exit, self._options = process_description, on_exit, options

@@ -33,7 +33,11 @@ class UnlessCondition(Condition):
 class LaunchConfigurationEquals(Condition):
     """True if a launch configuration has the expected value; with None, if it is not set."""
 
-    def __init__(self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None) -> None:
+    def __init__(
+        self,
+        launch_configuration_name: str,
+        expected_value: SomeSubstitutionsType | None,
+    ) -> None:
         super().__init__(
             predicate=lambda context: _equals(context, launch_configuration_name, expected_value)
         )
@@ -42,7 +46,11 @@ class LaunchConfigurationEquals(Condition):
 class LaunchConfigurationNotEquals(Condition):
     """True if a launch configuration does not have the expected value; with None, if it is set."""
 
-    def __init__(self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None) -> None:
+    def __init__(
+        self,
+        launch_configuration_name: str,
+        expected_value: SomeSubstitutionsType | None,
+    ) -> None:
         super().__init__(
             predicate=lambda context: not _equals(context, launch_configuration_name, expected_value)
         )
@@ -53,7 +61,10 @@ def _equals(context: LaunchContext, name: str, expected: SomeSubstitutionsType |
     return value == (None if expected is None else text_of(context, expected))
 
 
-def evaluate_condition_expression(context: LaunchContext, expression: SomeSubstitutionsType) -> bool:
+def evaluate_condition_expression(
+    context: LaunchContext,
+    expression: SomeSubstitutionsType,
+) -> bool:
     """Parse a string as true or false. Any other string raises an error with launch's message."""
     text = text_of(context, expression).strip().lower()
     if text not in _WORDS:

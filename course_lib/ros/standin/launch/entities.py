@@ -46,7 +46,13 @@ class Runner(Protocol):
     def start_file(self, action: "Action", file: Path, words: Iterable[str]) -> None:
         """Start a Python program by its path."""
 
-    def start_component(self, action: "Action", package: str, plugin: str, words: Iterable[str]) -> None:
+    def start_component(
+        self,
+        action: "Action",
+        package: str,
+        plugin: str,
+        words: Iterable[str],
+    ) -> None:
         """Start a component that is written in Python."""
 
     def start_function(
@@ -262,7 +268,10 @@ class BaseEventHandler:
 def several_entities(
     name: str, entities: Iterable[LaunchDescriptionEntity] | None
 ) -> list[LaunchDescriptionEntity]:
-    """Return entities that were passed to `name` as a list. Raise Python's TypeError for a single one."""
+    """Return entities that were passed to `name` as a list.
+
+    Raise Python's TypeError for a single one.
+    """
     if isinstance(entities, LaunchDescriptionEntity):
         kind = type(entities).__name__
         raise TypeError(f"'{kind}' object is not iterable: {name} takes a list, as in {name}([{kind}(…)])")

@@ -79,7 +79,13 @@ class OnProcessExit(OnActionEventBase):
 class OnExecutionComplete(OnActionEventBase):
     """Handles the completion of an action: its process has exited, or `execute` has returned."""
 
-    def __init__(self, *, target_action: Target = None, on_completion: Reaction, **options: Any) -> None:
+    def __init__(
+        self,
+        *,
+        target_action: Target = None,
+        on_completion: Reaction,
+        **options: Any,
+    ) -> None:
         super().__init__(
             action_matcher=target_action,
             on_event=on_completion,

@@ -42,7 +42,9 @@ def load_python_launch_file_as_module(python_launch_file_path: str | Path) -> Mo
     return module
 
 
-def get_launch_description_from_python_launch_file(launch_file_path: str | Path) -> LaunchDescription:
+def get_launch_description_from_python_launch_file(
+    launch_file_path: str | Path,
+) -> LaunchDescription:
     """Execute a Python file and return its launch description."""
     file = Path(launch_file_path)
     if file.suffix in LAUNCH_IN_WORDS:
@@ -78,7 +80,9 @@ def _short(value: object) -> str:
     return repr(value) if is_plain else f"a {type(value).__name__}"
 
 
-def get_launch_description_from_frontend_launch_file(launch_file_path: str | Path) -> LaunchDescription:
+def get_launch_description_from_frontend_launch_file(
+    launch_file_path: str | Path,
+) -> LaunchDescription:
     """Read an XML or YAML file and return its launch description."""
     return description_of(Path(launch_file_path))
 

@@ -24,7 +24,9 @@ def normalize_to_list_of_substitutions(subs: SomeSubstitutionsType) -> list[Subs
     return [TextSubstitution(text=str(subs))]
 
 
-def normalize_to_list_of_entities(entities: Iterable[SomeEntitiesType]) -> list[LaunchDescriptionEntity]:
+def normalize_to_list_of_entities(
+    entities: Iterable[SomeEntitiesType],
+) -> list[LaunchDescriptionEntity]:
     """Return entities, and lists of them, as one list."""
     return [one for part in entities for one in listed(part)]
 

@@ -61,7 +61,12 @@ class Subscriber(SimpleFilter):
 class Cache(SimpleFilter):
     """Stores the last `cache_size` messages of a filter with their times, and forwards each message."""
 
-    def __init__(self, f: SimpleFilter, cache_size: int = 1, allow_headerless: bool = False) -> None:
+    def __init__(
+        self,
+        f: SimpleFilter,
+        cache_size: int = 1,
+        allow_headerless: bool = False,
+    ) -> None:
         super().__init__()
         self.connectInput(f)
         self.cache_size, self.allow_headerless = cache_size, allow_headerless
@@ -176,7 +181,11 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
             if together is not None:
                 self._signal(together)
 
-    def _together(self, choices: Sequence[Sequence[int]], chosen: tuple[int, ...]) -> tuple[int, ...] | None:
+    def _together(
+        self,
+        choices: Sequence[Sequence[int]],
+        chosen: tuple[int, ...],
+    ) -> tuple[int, ...] | None:
         """Choose one stamp from each queue such that all are within `slop`.
 
         The choices of earlier queues take precedence.

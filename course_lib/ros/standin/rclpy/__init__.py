@@ -113,7 +113,12 @@ def spin(node: Node, executor: Executor | None = None) -> None:
         used_executor.spin()
 
 
-def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
+def spin_once(
+    node: Node,
+    *,
+    executor: Executor | None = None,
+    timeout_sec: float | None = None,
+) -> None:
     """Run one callback. Wait for it at most `timeout_sec` [s], without limit if that is None."""
     with _with_node(executor, node, keep=True) as used_executor, used_executor._course_beside_live():
         used_executor.spin_once(timeout_sec=timeout_sec)

@@ -147,7 +147,10 @@ class EventCallbacks:
             setattr(self, name, callbacks.get(name))
 
     def bind(self, node: NodeHandle, topic: str, callback_group: CallbackGroup) -> Events:
-        """Create the receivers of events. Callbacks run in an executor, warnings are logged directly."""
+        """Create the receivers of events.
+
+        Callbacks run in an executor, warnings are logged directly.
+        """
         handler_by_event = {name: getattr(self, name) for name in self._events}
         callbacks: dict[str, Report] = {
             name: one for name, one in handler_by_event.items() if one is not None

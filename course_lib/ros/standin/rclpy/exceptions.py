@@ -65,7 +65,10 @@ class UnsupportedEventTypeError(RCLError):
 class InvalidHandle(RuntimeError):
     """A destroyed object was used."""
 
-    def __init__(self, message: str = "cannot use Destroyable because destruction was requested") -> None:
+    def __init__(
+        self,
+        message: str = "cannot use Destroyable because destruction was requested",
+    ) -> None:
         super().__init__(message)
 
 

@@ -42,7 +42,13 @@ class CallbackTask(Task):
     functions.
     """
 
-    def __init__(self, turn: Turn, call: Callable[[], object], graph: Graph, executor: TaskRunner) -> None:
+    def __init__(
+        self,
+        turn: Turn,
+        call: Callable[[], object],
+        graph: Graph,
+        executor: TaskRunner,
+    ) -> None:
         Future.__init__(self, executor=executor)
         self.entity = turn.entity
         self._handler, self._course_awaited, self._executing = _run_callback(turn, call, graph), None, False
@@ -172,7 +178,10 @@ class Executor(AbstractContextManager["Executor"]):
         return entity.callback_group.can_execute(entity)
 
     def remove_node(self, node: HandledNode) -> None:
-        """Stop running a node's callbacks. Its ready entities remain ready, for another executor."""
+        """Stop running a node's callbacks.
+
+        Its ready entities remain ready, for another executor.
+        """
         self._nodes.pop(node, None)
         self.__name_nodes()
 
@@ -220,7 +229,11 @@ class Executor(AbstractContextManager["Executor"]):
         if graph.now_ns == limit_ns:
             say(f"No page is watching: spin() stopped after {pace.SECONDS_WITHOUT_A_PAGE:g} s of robot time.")
 
-    def _course_spin_until(self, until_ns: int | None, ready: Callable[[], bool] = lambda: False) -> None:
+    def _course_spin_until(
+        self,
+        until_ns: int | None,
+        ready: Callable[[], bool] = lambda: False,
+    ) -> None:
         """Run callbacks until `ready()` or robot time `until_ns`, including events at that time.
 
         A callback that takes robot time may end later. No callback is started after that.
@@ -307,7 +320,11 @@ class Executor(AbstractContextManager["Executor"]):
         can_run = [turn for turn in turns.values() if turn.entity.callback_group.can_execute(turn.entity)]
         return deque([*reversed(self.__tasks_in_order()), *sorted(can_run)])
 
-    def spin_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
+    def spin_until_future_complete(
+        self,
+        future: Future[Any],
+        timeout_sec: float | None = None,
+    ) -> None:
         """Run callbacks until a future is done or `timeout_sec` [s] have passed."""
         if not hasattr(future, "add_done_callback"):
             raise AttributeError(f"'{type(future).__name__}' object has no attribute 'add_done_callback'")
@@ -320,7 +337,11 @@ class Executor(AbstractContextManager["Executor"]):
                 if end_ns is not None and graph.now_ns >= end_ns:
                     return
 
-    def spin_once_until_future_complete(self, future: Future[Any], timeout_sec: float | None = None) -> None:
+    def spin_once_until_future_complete(
+        self,
+        future: Future[Any],
+        timeout_sec: float | None = None,
+    ) -> None:
         """Wait for a callback and run it, unless the future is done first."""
         self._spin_once_impl(timeout_sec_to_nsec(timeout_sec), _Completion(future))
 
@@ -627,7 +648,12 @@ def wait_driving_live_nodes(ready: Callable[[], bool], *, seconds: float | None)
     return ready()
 
 
-def wait_until(node: NodeHandle, ready: Callable[[], bool], timeout_sec: float | None, awaited: str) -> None:
+def wait_until(
+    node: NodeHandle,
+    ready: Callable[[], bool],
+    timeout_sec: float | None,
+    awaited: str,
+) -> None:
     """Wait until `ready()`, at most `timeout_sec` [s].
 
     In a notebook, live nodes run during the wait.

@@ -366,12 +366,20 @@ class Node:
         infos = endpoints_of(node, node_name, node_namespace, "subscriber")
         return sorted_types((i.topic, i.type_name) for i in infos if i.service is None and i.kind == "sub")
 
-    def get_service_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
+    def get_service_names_and_types_by_node(
+        self,
+        node_name: str,
+        node_namespace: str,
+    ) -> NamesAndTypes:
         """List the services of a node."""
         node = self.__usable("failed to get service names and types")
         return services(i for i in endpoints_of(node, node_name, node_namespace, "service") if i.is_service)
 
-    def get_client_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
+    def get_client_names_and_types_by_node(
+        self,
+        node_name: str,
+        node_namespace: str,
+    ) -> NamesAndTypes:
         """List the services that a node has clients for."""
         node = self.__usable("failed to get client names and types")
         return services(i for i in endpoints_of(node, node_name, node_namespace, "client") if i.is_client)
@@ -646,7 +654,12 @@ class Node:
         rate.destroy()
         return self.destroy_timer(rate._timer)
 
-    def __keep_endpoint(self, end: TopicEnd[Any], events: EventCallbacks, group: CallbackGroup) -> None:
+    def __keep_endpoint(
+        self,
+        end: TopicEnd[Any],
+        events: EventCallbacks,
+        group: CallbackGroup,
+    ) -> None:
         self.__created_entities.append(end)
         bound_events = events.bind(self.handle, end.topic, group)
         end.event_handlers = bound_events.handlers

@@ -101,7 +101,11 @@ class Time:
         return builtin_interfaces.msg.Time(sec=seconds, nanosec=nanoseconds)
 
     @classmethod
-    def from_msg(cls, msg: builtin_interfaces.msg.Time, clock_type: ClockType = ClockType.ROS_TIME) -> "Time":
+    def from_msg(
+        cls,
+        msg: builtin_interfaces.msg.Time,
+        clock_type: ClockType = ClockType.ROS_TIME,
+    ) -> "Time":
         """Create a time from a message. The default clock type is ROS_TIME, unlike in `Time()`."""
         if not isinstance(msg, builtin_interfaces.msg.Time):
             raise TypeError("Must pass a builtin_interfaces.msg.Time object")

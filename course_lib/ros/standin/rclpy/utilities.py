@@ -29,7 +29,8 @@ def get_available_rmw_implementations() -> set[str]:
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     """Return the arguments (default: `sys.argv`) that are not for ROS.
 
-    Arguments between `--ros-args` and `--` are removed, and so are remappings like `chatter:=other`.
+    Arguments between `--ros-args` and `--` are removed, and so are remappings like
+    `chatter:=other`.
     """
     return without_ros(sys.argv if args is None else args)
 

@@ -45,7 +45,11 @@ def pointcloud2_to_array(cloud_msg: PointCloud2, squeeze: bool = True) -> CloudA
 
 
 @converts_from_numpy(PointCloud2)
-def array_to_pointcloud2(cloud_arr: Any, stamp: Any = None, frame_id: str | None = None) -> PointCloud2:
+def array_to_pointcloud2(
+    cloud_arr: Any,
+    stamp: Any = None,
+    frame_id: str | None = None,
+) -> PointCloud2:
     """Convert a structured array, or a mapping with `xyz`, `rgb` and `intensity`, to a cloud."""
     points = _structured(cloud_arr) if isinstance(cloud_arr, Mapping) else np.asarray(cloud_arr)
     if points.dtype.names is None:
@@ -105,7 +109,11 @@ def dtype_to_fields(dtype: "np.dtype[Any]") -> list[PointField]:
     return fields
 
 
-def get_xyz_points(cloud_array: Any, remove_nans: bool = True, dtype: Any = np.float64) -> NDArray[Any]:
+def get_xyz_points(
+    cloud_array: Any,
+    remove_nans: bool = True,
+    dtype: Any = np.float64,
+) -> NDArray[Any]:
     """Return the coordinates of a structured array, shape (…, 3).
 
     With `remove_nans`, points with coordinates that are not finite are left out.

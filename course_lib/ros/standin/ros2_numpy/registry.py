@@ -14,7 +14,10 @@ def converts_to_numpy(msgtype: type[Any], plural: bool = False) -> Callable[[Con
     return lambda function: _to_numpy.setdefault((msgtype, plural), function)
 
 
-def converts_from_numpy(msgtype: type[Any], plural: bool = False) -> Callable[[Converter], Converter]:
+def converts_from_numpy(
+    msgtype: type[Any],
+    plural: bool = False,
+) -> Callable[[Converter], Converter]:
     """Decorate a function that `msgify` calls for a type, or for lists of it if `plural`."""
     return lambda function: _from_numpy.setdefault((msgtype, plural), function)
 
@@ -39,7 +42,13 @@ def numpify(msg: Any, *args: Any, **kwargs: Any) -> Any:
     return _to_numpy[key](msg, *args, **kwargs)
 
 
-def msgify(msg_type: type[Any], numpy_obj: Any, *args: Any, plural: bool = False, **kwargs: Any) -> Any:
+def msgify(
+    msg_type: type[Any],
+    numpy_obj: Any,
+    *args: Any,
+    plural: bool = False,
+    **kwargs: Any,
+) -> Any:
     """Convert an array to a message. Further arguments are passed to the converter of the type.
 
     Raises:

@@ -89,7 +89,10 @@ def read_points_list(
     return [point._make(values) for values in read_points(cloud, names, skip_nans, uvs)]
 
 
-def dtype_from_fields(fields: Iterable[PointField], point_step: int | None = None) -> "np.dtype[Any]":
+def dtype_from_fields(
+    fields: Iterable[PointField],
+    point_step: int | None = None,
+) -> "np.dtype[Any]":
     """Return the numpy type of one point, `point_step` bytes long, with a column for each value."""
     columns: dict[str, tuple[str, int]] = {}
     for number, field in enumerate(fields):

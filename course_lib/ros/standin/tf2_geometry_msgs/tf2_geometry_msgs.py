@@ -69,7 +69,10 @@ def do_transform_pose_with_covariance_stamped(
     return result
 
 
-def do_transform_polygon_stamped(polygon: PolygonStamped, transform: TransformStamped) -> PolygonStamped:
+def do_transform_polygon_stamped(
+    polygon: PolygonStamped,
+    transform: TransformStamped,
+) -> PolygonStamped:
     """Transform a polygon to the parent frame of the transform."""
     places = [_transform_placement(transform, point)[0] for point in polygon.polygon.points]
     points = [Point32(x=x, y=y, z=z) for x, y, z in places]

@@ -121,7 +121,10 @@ class Buffer(BufferInterface):
     async def lookup_transform_async(
         self, target_frame: str, source_frame: str, time: AnyTime
     ) -> TransformStamped:
-        """Wait for the transform and return it. The errors are the same as in `lookup_transform`."""
+        """Wait for the transform and return it.
+
+        The errors are the same as in `lookup_transform`.
+        """
         await self.wait_for_transform_async(target_frame, source_frame, time)
         return self.lookup_transform(target_frame, source_frame, time)
 
@@ -137,7 +140,11 @@ class Buffer(BufferInterface):
         """Remove all dynamic transforms."""
         self._core.clear()
 
-    def _describe(self, request: FrameGraph.Request, response: FrameGraph.Response) -> FrameGraph.Response:
+    def _describe(
+        self,
+        request: FrameGraph.Request,
+        response: FrameGraph.Response,
+    ) -> FrameGraph.Response:
         response.frame_yaml = self.all_frames_as_yaml()
         return response
 

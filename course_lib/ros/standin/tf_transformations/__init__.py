@@ -67,7 +67,10 @@ def quaternion_from_matrix(matrix: Floats) -> Floats:
     return np.roll(quaternions.mat2quat(affines.decompose(np.asarray(matrix))[1]), -1)
 
 
-def quaternion_multiply(quaternion1: Numbers, quaternion0: Numbers) -> tuple[float, float, float, float]:
+def quaternion_multiply(
+    quaternion1: Numbers,
+    quaternion0: Numbers,
+) -> tuple[float, float, float, float]:
     """Return the quaternion (x, y, z, w) that rotates by `quaternion0` first, then by `quaternion1`."""
     w, x, y, z = quaternions.qmult(np.roll(quaternion1, 1), np.roll(quaternion0, 1))
     return x, y, z, w

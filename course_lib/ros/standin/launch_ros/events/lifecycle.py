@@ -17,7 +17,12 @@ class ChangeState(Event):
 
     valid_transitions: ClassVar[dict[int, str]] = {getattr(Transition, name): name for name in _TRANSITIONS}
 
-    def __init__(self, *, lifecycle_node_matcher: Callable[[Any], bool], transition_id: int) -> None:
+    def __init__(
+        self,
+        *,
+        lifecycle_node_matcher: Callable[[Any], bool],
+        transition_id: int,
+    ) -> None:
         if transition_id not in self.valid_transitions:
             valid = ", ".join(f"{name}: {number}" for number, name in self.valid_transitions.items())
             raise ValueError(f"given transition_id of '{transition_id}', expected one of {{{valid}}}")

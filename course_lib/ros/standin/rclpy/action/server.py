@@ -251,7 +251,10 @@ class ActionServer:
             self._node._course_destroy(end)
         self.__is_destroyed = True
 
-    def register_execute_callback(self, execute_callback: Callable[[ServerGoalHandle], Any]) -> None:
+    def register_execute_callback(
+        self,
+        execute_callback: Callable[[ServerGoalHandle], Any],
+    ) -> None:
         """Replace the callback that executes goals."""
         if not callable(execute_callback):
             raise TypeError("Failed to register goal execution callback: not callable")
@@ -267,7 +270,10 @@ class ActionServer:
         """Replace the callback for accepted goals. None executes them immediately."""
         self._handle_accepted_callback = handle_accepted_callback or default_handle_accepted_callback
 
-    def register_cancel_callback(self, cancel_callback: Callable[[ServerGoalHandle], Any] | None) -> None:
+    def register_cancel_callback(
+        self,
+        cancel_callback: Callable[[ServerGoalHandle], Any] | None,
+    ) -> None:
         """Replace the callback that accepts or rejects cancellations. None rejects all."""
         self._cancel_callback = cancel_callback or default_cancel_callback
 
@@ -320,7 +326,11 @@ class ActionServer:
             self._course_notify_state(self._goal_handles[key])
             await await_or_execute(self._handle_accepted_callback, self._goal_handles[key])
 
-    async def __execute(self, callback: Callable[[ServerGoalHandle], Any], goal: ServerGoalHandle) -> None:
+    async def __execute(
+        self,
+        callback: Callable[[ServerGoalHandle], Any],
+        goal: ServerGoalHandle,
+    ) -> None:
         try:
             result = await await_or_execute(callback, goal)
         # As in rclpy, the client receives an empty result.
@@ -349,7 +359,11 @@ class ActionServer:
                     response.goals_canceling.append(goal._course_to_message().goal_info)
         respond(response)
 
-    def __goals_to_cancel(self, wanted: GoalInfo, response: CancelGoal.Response) -> list[ServerGoalHandle]:
+    def __goals_to_cancel(
+        self,
+        wanted: GoalInfo,
+        response: CancelGoal.Response,
+    ) -> list[ServerGoalHandle]:
         """Find the goals that a request selects: one, all accepted up to a time, or all (CancelGoal.srv)."""
         key, until = bytes(wanted.goal_id.uuid), Time.from_msg(wanted.stamp).nanoseconds
         if any(key) and not until:

@@ -101,7 +101,13 @@ def _sides(graph: Graph, *infos: EndpointInfo) -> list[Events]:
 class TopicEnd(Generic[MsgT]):
     """Base class of publishers and subscriptions: message type, topic as given, endpoint in the graph."""
 
-    def __init__(self, handle: Endpoint, msg_type: type[MsgT], topic: str, qos_profile: QoSProfile) -> None:
+    def __init__(
+        self,
+        handle: Endpoint,
+        msg_type: type[MsgT],
+        topic: str,
+        qos_profile: QoSProfile,
+    ) -> None:
         self.handle = handle
         handle.claimed = handle.topic_name
         self.msg_type = msg_type
@@ -134,7 +140,12 @@ class TopicEnd(Generic[MsgT]):
             self._course_deadline.stop()
 
 
-def claim_topic(node: NodeHandle, kind: Literal["publisher", "subscription"], topic: str, type_: str) -> None:
+def claim_topic(
+    node: NodeHandle,
+    kind: Literal["publisher", "subscription"],
+    topic: str,
+    type_: str,
+) -> None:
     """Register a topic's type.
 
     Raise the errors of rcl and Fast DDS if the context has another type for it.
@@ -149,7 +160,12 @@ def claim_topic(node: NodeHandle, kind: Literal["publisher", "subscription"], to
         raise marked(error, Mistake.TWO_TYPES) from None
 
 
-def claim_service(node: NodeHandle, kind: Literal["service", "client"], name: str, type_: str) -> None:
+def claim_service(
+    node: NodeHandle,
+    kind: Literal["service", "client"],
+    name: str,
+    type_: str,
+) -> None:
     """Register a service's type. Raise the error of rcl if the context has another type for it."""
     conflict = f"existing request topic name rq{name}Request with incompatible type {_idl(type_)}"
     failed = f"failed to create {kind}: create_{kind}() called for {conflict}"

@@ -141,7 +141,11 @@ def _parse_hash(text: str | None) -> TypeHash:
     return TypeHash(int(version), bytes.fromhex(value))
 
 
-def endpoints_on(node: NodeHandle, topic_name: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
+def endpoints_on(
+    node: NodeHandle,
+    topic_name: str,
+    kind: Literal["pub", "sub"],
+) -> list[EndpointInfo]:
     """List the publishers or subscriptions on a topic, whose name is resolved for a node."""
     full = names.expand_topic_name(topic_name, node.name, node.namespace)
     names.validate_full_topic_name(full)

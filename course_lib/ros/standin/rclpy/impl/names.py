@@ -146,7 +146,12 @@ def complaint_of(error: ValueError | NameValidationException) -> str:
     return str(error).partition(" is invalid: ")[2]
 
 
-def require_action_name(name: str, side: Literal["client", "server"], node_name: str, namespace: str) -> None:
+def require_action_name(
+    name: str,
+    side: Literal["client", "server"],
+    node_name: str,
+    namespace: str,
+) -> None:
     """Raise the errors of rcl_action if an action cannot have this name."""
     failed = f"Failed to create action {side}"
     if name is None:
@@ -196,7 +201,12 @@ def join(namespace: str, name: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
 
 
-def _refuse(name: str, rules: Rules, error: Callable[[str, str, int], Exception], start: int = 0) -> None:
+def _refuse(
+    name: str,
+    rules: Rules,
+    error: Callable[[str, str, int], Exception],
+    start: int = 0,
+) -> None:
     for pattern, complaint in rules:
         match = re.search(pattern, name[start:], re.DOTALL)
         if match:

@@ -156,7 +156,11 @@ def _declaration(name: str, *more: Any, namespace: str) -> tuple[str, Any, Param
     return name, *_typed(name, value, descriptor or ParameterDescriptor())
 
 
-def _typed(name: str, value: Any, descriptor: ParameterDescriptor) -> tuple[Any, ParameterDescriptor]:
+def _typed(
+    name: str,
+    value: Any,
+    descriptor: ParameterDescriptor,
+) -> tuple[Any, ParameterDescriptor]:
     """Set a descriptor's type to the value's type, or to the type that is passed instead of a value."""
     if isinstance(value, Parameter.Type):
         if value is Parameter.Type.NOT_SET:

@@ -116,7 +116,13 @@ class PrivateName:
     It reports an assignment to it in a student's class.
     """
 
-    def __init__(self, base: str, name: str, use: str, read: Callable[[Any], object] | None) -> None:
+    def __init__(
+        self,
+        base: str,
+        name: str,
+        use: str,
+        read: Callable[[Any], object] | None,
+    ) -> None:
         self._base, self._name, self._use, self._read = base, name, use, read
 
     def __get__(self, node: Any, owner: type) -> Any:

@@ -101,7 +101,12 @@ class RcutilsLogger:
         """Return whether messages of a severity are logged."""
         return LoggingSeverity(severity) >= self.get_effective_level()
 
-    def log(self, message: str | bytes | None, severity: LoggingSeverity | int, **kwargs: Any) -> bool:
+    def log(
+        self,
+        message: str | bytes | None,
+        severity: LoggingSeverity | int,
+        **kwargs: Any,
+    ) -> bool:
         """Log a message and return whether it was logged.
 
         `once=True`, `skip_first=True` and `throttle_duration_sec=...` (with a clock as
@@ -209,7 +214,11 @@ def _with_ancestors(name: str) -> list[str]:
     return [".".join(parts[:count]) for count in range(len(parts), 0, -1)] + ([""] if name else [])
 
 
-def _collect_options(severity: LoggingSeverity, name: str, keywords: Mapping[str, Any]) -> dict[str, Any]:
+def _collect_options(
+    severity: LoggingSeverity,
+    name: str,
+    keywords: Mapping[str, Any],
+) -> dict[str, Any]:
     """Collect the options of a call under the names that rclpy's error uses if one of them changes."""
     filters = [each for each, options in FILTERS.items() if any(keywords.get(option) for option in options)]
     for each in filters:
