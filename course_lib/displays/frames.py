@@ -212,9 +212,14 @@ class ViewTime:
         self.robot_ns, self._sim_ns, self._due_ns = 0, 0, None
 
     def request_frame(self) -> None:
-        """Schedule a frame after the frame interval, unless one is due earlier."""
+        """Schedule a frame one interval after the last one, or from now if that is over.
+
+        Messages that follow each other more quickly than frames do not delay them.
+        """
         if self._due_ns is None:
-            self._due_ns = self.robot_ns + self._interval_ns
+            # The last frame lies in the future if time has jumped back since.
+            is_recent = 0 <= self.robot_ns - self._frame_ns < self._interval_ns
+            self._due_ns = (self._frame_ns if is_recent else self.robot_ns) + self._interval_ns
 
     def overdue_ns(self, robot_ns: int) -> int | None:
         """Return the time at which a requested frame was due, if not after a robot time; else None."""

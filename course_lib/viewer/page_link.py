@@ -36,8 +36,9 @@ Send: TypeAlias = Callable[[Content, list[bytes]], None]
 # Reports of a page: visible, with all views scrolled out of sight, or with its tab hidden.
 Sight: TypeAlias = Literal["ready", "away", "hide"]
 
-# The time between two batches [s].
-INTERVAL = 1 / 40
+# The minimum time between two batches, and between a change and its batch, in which further changes
+# of the same frame are collected [s].
+INTERVAL, COLLECTING = 1 / 40, 1 / 100
 # The time after which an unresponsive page counts as disconnected [s].
 MAX_SILENCE = 10.0
 # An acknowledgement is requested after this many batches or bytes, whichever comes first.
@@ -410,10 +411,12 @@ class PageLink:
 
     def _send_batches(self) -> None:
         silence = 0.0  # [s]
+        sent = 0.0  # when the last batch was sent [s]
         while True:
             self._changed.wait()
-            # Further changes are collected in the same batch.
-            time.sleep(INTERVAL)
+            # At most an interval, because robot time replaces this clock when a program starts.
+            time.sleep(min(max(COLLECTING, sent + INTERVAL - time.monotonic()), INTERVAL))
+            sent = time.monotonic()
             if self._closed:
                 return
             silence = 0.0 if self._flow.has_room() else silence + INTERVAL

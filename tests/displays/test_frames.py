@@ -1,7 +1,9 @@
+from itertools import pairwise
+
 import pytest
 from geometry_msgs.msg import TransformStamped
 
-from course_lib.displays.frames import Frames
+from course_lib.displays.frames import NS, Frames, ViewTime
 
 
 def transform(parent: str, child: str, x: float = 0.0) -> TransformStamped:
@@ -47,3 +49,26 @@ def test_lookups_are_cached_until_transforms_arrive_or_the_fixed_frame_changes()
 def test_transform_ignored_by_tf2_is_reported() -> None:
     (complaint,) = Frames("map").add_transforms([transform("map", "map")], is_static=False)
     assert complaint.startswith("TF_SELF_TRANSFORM")
+
+
+@pytest.mark.parametrize("rate", [50, 100, 1000])
+def test_frames_keep_their_rate_while_messages_are_more_frequent(rate: int) -> None:
+    view_time = ViewTime(start_ns=0, use_sim_time=False)
+    frames_ns = []
+    for stamp_ns in range(0, NS, NS // rate):
+        if (due_ns := view_time.overdue_ns(stamp_ns)) is not None:
+            view_time.begin_frame(due_ns)
+            frames_ns.append(due_ns)
+        view_time.on_message(stamp_ns)
+        view_time.request_frame()
+    assert len(frames_ns) == view_time.frame_rate - 1
+    assert {b - a for a, b in pairwise(frames_ns)} == {NS // view_time.frame_rate}
+
+
+def test_frame_after_a_jump_back_in_time_is_due_one_interval_later() -> None:
+    view_time = ViewTime(start_ns=0, use_sim_time=False)
+    view_time.begin_frame(10 * NS)
+    view_time.restart()
+    view_time.on_message(2 * NS)
+    view_time.request_frame()
+    assert view_time.overdue_ns(3 * NS) == 2 * NS + NS // view_time.frame_rate

@@ -1,76 +1,32 @@
-"""The frozen outcomes, and the programs of the course's documents, against the real rclpy itself."""
+"""The frozen outcomes of probes and small programs, against the real rclpy itself."""
 
-import json
 import os
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from course_lib.real.check import compare
-from course_lib.real.process import run_on_ros
-from course_lib.recording import read_bag
-from tests import test_seed_programs as seeds
-from tests.real_ros import differences
-from tests.real_ros.mistakes import outcomes_of_mistakes
-from tests.real_ros.nodes import outcomes_on_ros
-from tests.real_ros.renew import outcomes_after_interrupt, outcomes_of_probes
+from tests.real_ros.renew import frozen_outcomes, outcomes_after_interrupt, outcomes_of_probes
 
 HERE = Path(__file__).parent
 PYTHON = os.environ.get("REAL_ROS_PYTHON", "")
 FILES = sorted(file.stem for file in (HERE / "probes").glob("*.py") if file.stem != "probing")
 PROGRAMS = sorted(file.stem for file in (HERE / "programs").glob("*.py"))
-# The first messages are published before the kit is connected.
-LOST_SECONDS = 1.5  # [s]
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not PYTHON, reason="REAL_ROS_PYTHON names no Python with the real rclpy"),
 ]
 
 
-def _frozen(file: str) -> dict[str, Any]:
-    outcomes: dict[str, Any] = json.loads((HERE / "frozen" / f"{file}.json").read_text("utf-8"))["outcomes"]
-    return outcomes
-
-
 @pytest.mark.parametrize("file", FILES)
 def test_real_rclpy_gives_the_frozen_outcomes(file: str) -> None:
-    assert outcomes_of_probes(PYTHON, HERE / "probes" / f"{file}.py") == _frozen(file)
+    assert outcomes_of_probes(PYTHON, HERE / "probes" / f"{file}.py") == frozen_outcomes(file)
 
 
 def test_real_rclpy_ends_programs_as_in_the_frozen_outcomes() -> None:
-    frozen = _frozen("programs")
+    frozen = frozen_outcomes("programs")
     different: dict[str, object] = dict.fromkeys(PROGRAMS)
     # How far a program is when the interrupt arrives varies, so the real rclpy gets three runs.
     for _ in range(3):
         found = outcomes_after_interrupt(PYTHON, (HERE / "programs" / f"{name}.py" for name in different))
         different = {name: found[name] for name in different if found[name] != frozen[name]}
     assert different == {}
-
-
-def test_real_rclpy_gives_the_frozen_errors_of_mistakes() -> None:
-    found, frozen = outcomes_of_mistakes(), _frozen("mistakes")
-    assert {key: found[key] for key in found if found[key] != frozen[key]} == {}
-
-
-def test_real_rclpy_gives_the_frozen_outcomes_of_nodes_of_the_course() -> None:
-    frozen = _frozen("nodes")
-    found = outcomes_on_ros(frozen)
-    for outcomes in (found, frozen):
-        outcomes.update({name: differences.without_values(outcomes[name]) for name in differences.NODES})
-    assert {name: found[name] for name in found if found[name] != frozen[name]} == {}
-
-
-@pytest.mark.skipif(not seeds.DOCUMENTS, reason="COURSE_SEEDS names no folder with the documents")
-@pytest.mark.parametrize("name", sorted(seeds.PROGRAMS))
-def test_program_of_the_documents_publishes_the_same_on_the_real_rclpy(tmp_path: Path, name: str) -> None:
-    program, topic = tmp_path / "program.py", seeds.PROGRAMS[name][0]
-    program.write_text(seeds.program(name))
-    in_kit = seeds.run(tmp_path / "kit", program)
-    run_on_ros([program], seconds=seeds.SECONDS, bag=tmp_path / "ros", arguments=[], shows=False)
-    in_ros = read_bag(tmp_path / "ros")
-    (found,) = [one for one in compare(in_kit.samples, in_ros.samples) if one.topic == topic]
-    _, rate, at_once = seeds.PROGRAMS[name]
-    assert found.in_ros >= (seeds.SECONDS - LOST_SECONDS) * rate * at_once * 0.9
-    if name not in differences.OTHER_VALUES:
-        assert (found.equal, found.different_field) == (found.pairs, ""), found
