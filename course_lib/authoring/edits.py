@@ -24,7 +24,7 @@ from typing import Any
 from course_lib.authoring.rehearsal import Rehearsal, RehearsalResult, cells_of
 from course_lib.authoring.rules import Flaw
 from course_lib.errors import CourseError, location_of
-from course_lib.grading.advice import Advice
+from course_lib.grading.advice import Advice, hints_by_mistake
 from course_lib.grading.records import TaskResult
 from course_lib.grading.submissions.notebook import CodeCell
 from course_lib.grading.task import Task
@@ -341,7 +341,8 @@ def _check_wrong_answer(
             "wrong", f"{name}: expected a message with {variant.says!r}, the checks say: {reported[0]}", place
         )
     elif variant.hint:
-        (first_hint, *_), expected_hint = Advice().hint(task, result), task.mistakes.get(variant.hint, "")
+        first_hint, *_ = Advice().hint(task, result)
+        expected_hint = task.mistakes.get(variant.hint) or hints_by_mistake().get(variant.hint)
         if first_hint != f"Hint: {expected_hint}":
             yield Flaw(
                 "wrong",

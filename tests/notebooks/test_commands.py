@@ -73,6 +73,7 @@ NOT_RUN = {  # command -> why
     ),
     "ros2 run my_markers first_marker": "a package that the student writes on the robot",
     "ros2 run rmw_zenoh_cpp rmw_zenohd": "runs on the robot",
+    "ros2 trace": "runs on the robot",
 }
 NAMED = {  # commands that a sentence only mentions: their help is printed
     "course run",
