@@ -27,7 +27,7 @@ from course_lib.tools.pkg import pkg_verbs
 from course_lib.tools.sources import DISCOVERY, GraphSource, Source
 from course_lib.tools.tf2 import STATIC_TRANSFORM_PUBLISHER, TF2_ECHO, TF2_MONITOR, VIEW_FRAMES
 from course_lib.tools.topic import TOPIC_ECHO, TOPIC_LISTS, TOPIC_MEASURES, TOPIC_PUB
-from course_lib.tools.verb import COURSE_OPTIONS, Verb, Write, value
+from course_lib.tools.verb import COURSE_OPTIONS, LINK_OPTIONS, Verb, Write, value
 
 if TYPE_CHECKING:
     from course_lib.ros.programs.package_programs import Executables
@@ -176,7 +176,7 @@ class _Parser(ArgumentParser):
         self.write(self.format_usage())
         if message.startswith("unrecognized arguments: -"):
             option, *rest = message.split()[2:]
-            if option.partition("=")[0] in COURSE_OPTIONS:
+            if option.partition("=")[0] in COURSE_OPTIONS | LINK_OPTIONS:
                 message += f". Options of course come first: course ros2 {' '.join((option, *rest[:1]))} "
                 message += f"{self.prog.removeprefix('ros2 ')} …"
             else:

@@ -329,6 +329,9 @@ class Reader:
         self, sender: Sender, endpoint: Endpoint, on_sample: Callable[[ReceivedSample], None]
     ) -> None:
         self._sender, self.endpoint, self._on_sample = sender, endpoint, on_sample
+        qos = endpoint.qos
+        # Number of latched messages that a late joiner receives; None is all of them.
+        self._latched_depth = max(1, qos.depth) if qos.history == "keep_last" else None
         self.writers: dict[bytes, MatchedWriter] = {}
         # Called when a writer has answered.
         self.on_matched: Callable[[], None] | None = None
@@ -344,7 +347,8 @@ class Reader:
             return
         writer = self.writers[endpoint.guid] = MatchedWriter(endpoint)
         if self._is_reliable(writer):
-            writer.due = 1 if self.endpoint.is_latched else None
+            takes_all = self.endpoint.is_latched and self._latched_depth is None
+            writer.due = 1 if takes_all else None
             self._request_heartbeat(writer)
 
     def tick(self) -> None:
@@ -429,11 +433,15 @@ class Reader:
             return
         writer.last_heartbeat = count
         was_open, writer.requests = writer.requests > 0, 0
+        if writer.due is None and self.endpoint.is_latched and self._latched_depth is not None:
+            # As in Fast DDS, a late joiner keeps only the newest messages, even if the writer has more.
+            first = max(first, last - self._latched_depth + 1)
         if writer.due is None or first > writer.due:
             # The writer no longer keeps the messages before `first`. It skips those from before the
             # match by a GAP.
             writer.due = first
             writer.pending = {number: one for number, one in writer.pending.items() if number >= first}
+            writer.partial = {number: one for number, one in writer.partial.items() if number >= first}
         self._deliver(writer)
         end = min(last, writer.due + MAX_SET - 1) + 1
         missing = [number for number in range(writer.due, end) if number not in writer.pending]

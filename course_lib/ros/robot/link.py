@@ -12,6 +12,8 @@ from typing import Any, Literal, Protocol
 
 from course_lib.ros.graph.topics import Qos
 
+# Limit on latched messages of a publisher or a subscription with history KEEP_ALL.
+KEEP_ALL_DEPTH = 1000
 EntityKind = Literal["node", "publisher", "subscription", "server", "client"]
 Actions = SimpleQueue[Callable[[], None]]
 # Prints a line for the user.
@@ -23,6 +25,13 @@ OnEntity = Callable[["Entity", bool], None]
 OnReply = Callable[[bytes | None], None]
 SendReply = Callable[[bytes], None]
 OnRequest = Callable[[bytes, SendReply], None]
+
+
+def latched_depth(qos: Qos) -> int:
+    """Return how many messages a publisher keeps, or a subscription requests, for late joiners."""
+    if qos.durability != "transient_local":
+        return 0
+    return KEEP_ALL_DEPTH if qos.history == "keep_all" else max(1, qos.depth)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from functools import partial
 
 from course_lib.errors import format_count
 from course_lib.ros.graph.topics import Qos
-from course_lib.ros.robot.link import Actions, Declaration, Link, Packet
+from course_lib.ros.robot.link import Actions, Declaration, Link, Packet, latched_depth
 from course_lib.ros.time import wall
 
 # Limits on pending messages per topic.
@@ -174,7 +174,7 @@ class TopicSubscriptions:
 
     def add(self, endpoint: int, topic: str, type_name: str, qos: Qos) -> None:
         """Subscribe an endpoint of the kit to a topic."""
-        kept = max(1, qos.depth) if qos.durability == "transient_local" else 0
+        kept = latched_depth(qos)
         key = topic, type_name, endpoint if self._link.is_qos_enforced else 0
         found = self._by_key.get(key)
         if found is None:

@@ -25,6 +25,7 @@ from course_lib.ros.robot.link import (
     OnRequest,
     Packet,
     Report,
+    latched_depth,
 )
 from course_lib.ros.time import wall
 from course_lib.ros.zenoh.session import (
@@ -273,7 +274,7 @@ class ZenohLink:
             congestion_control=zenoh.CongestionControl.BLOCK if blocks else zenoh.CongestionControl.DROP,
             reliability=zenoh.Reliability.RELIABLE if is_reliable else zenoh.Reliability.BEST_EFFORT,
             allowed_destination=zenoh.Locality.REMOTE,
-            cache=ext.CacheConfig(max_samples=qos.depth) if is_latched else None,
+            cache=ext.CacheConfig(max_samples=latched_depth(qos)) if is_latched else None,
             sample_miss_detection=(
                 ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT)
                 if is_latched and is_reliable

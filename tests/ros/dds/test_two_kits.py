@@ -37,6 +37,7 @@ from tests.ros.zenoh.test_two_kits import (  # noqa: F401  # pytest collects the
     say,
     talker,
     test_latched_messages_reach_early_and_late_joining_subscriptions,
+    test_late_joining_subscription_receives_latched_messages_up_to_its_depth,
     test_message_reaches_the_other_kit_once_and_is_not_returned,
     test_messages_that_are_not_allowed_are_counted_and_reported_once_instead_of_forwarded,
     test_remote_nodes_and_endpoints_are_listed_until_they_leave,

@@ -101,6 +101,32 @@ def test_latched_messages_reach_early_and_late_joining_subscriptions(kits: Kits,
     kits.until(lambda: texts(again)[-1:] == ["new"], "the latched message once more")
 
 
+KEEP_ALL = Qos(history="keep_all", depth=0, durability="transient_local")
+
+
+@pytest.mark.parametrize(
+    ("offered", "requested", "expected"),
+    [
+        (replace(LATCHED, depth=5), replace(LATCHED, depth=1), "7"),
+        (replace(LATCHED, depth=5), replace(LATCHED, depth=3), "567"),
+        (replace(LATCHED, depth=5), replace(LATCHED, depth=10), "34567"),
+        (replace(LATCHED, depth=5), KEEP_ALL, "34567"),
+        (KEEP_ALL, KEEP_ALL, "01234567"),
+    ],
+)
+def test_late_joining_subscription_receives_latched_messages_up_to_its_depth(
+    kits: Kits, offered: Qos, requested: Qos, expected: str
+) -> None:
+    robot, student = kits.join(send="/latched"), kits.join()
+    out = talker(robot, "/latched", qos=offered)
+    for number in range(8):
+        say(robot, out, str(number))
+    kits.until(lambda: "/latched" in topics(student, "pub"), "the robot")
+    heard = listener(student, "/latched", qos=requested)
+    kits.until(lambda: texts(heard)[-1:] == ["7"], "the latched messages")
+    assert "".join(texts(heard)) == expected
+
+
 @pytest.mark.slow
 def test_topic_is_subscribed_only_while_it_has_a_listener(kits: Kits) -> None:
     robot, student = kits.join(send="/chatter"), kits.join()
