@@ -60,7 +60,7 @@ class Viewer(KnownAttributes):
         # Runs once no variable or page refers to the viewer.
         self._end = weakref.finalize(self, end_all, stops, self._cell)
         self._end.atexit = False
-        names, errors = graph.part(UnspunNodes).names, graph.part(FailedNodes).errors
+        names, errors = graph.state(UnspunNodes).names, graph.state(FailedNodes).errors
         session.unspun = lambda: list(names.values())
         session.node_errors = lambda: list(errors.values())
         session.link_error = graph.link_error

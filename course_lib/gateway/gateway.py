@@ -38,7 +38,7 @@ from course_lib.gateway.access import (
 from course_lib.ros.robot.connect import full_address, is_over_dds
 from course_lib.ros.robot.sending import is_motion, stop_message
 from course_lib.ros.zenoh.session import PRESENCE, ROBOT, STUDENTS, gateway_key
-from course_lib.ros.zenoh.tokens import ZenohEntity, attachment, ros_name
+from course_lib.ros.zenoh.tokens import ZenohEntity, encode_attachment, ros_name
 from course_lib.third_party import read_json
 
 if TYPE_CHECKING:
@@ -351,8 +351,8 @@ class Gateway:
             self._bridge.publish(stream.entity.topic, stream.entity.type_name, payload)
             return
         stream.sequence += 1
-        note = attachment(stream.sequence, stream.entity.gid, time.time_ns())
-        self.robot_side.put(stream.entity.key_expr, payload, attachment=note)
+        attachment = encode_attachment(stream.sequence, stream.entity.gid, time.time_ns())
+        self.robot_side.put(stream.entity.key_expr, payload, attachment=attachment)
 
 
 def _bridge(settings: Settings, inner: str, report: Callable[[str], None]) -> "DdsBridge":

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError, format_count
 from course_lib.recording.recording import Recording, record
-from course_lib.ros.graph.graph import Graph, Sample, Wanted
+from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
 from course_lib.ros.graph.topics import Qos, read_tick
 from course_lib.ros.messages.definitions import definition, typestore
 from course_lib.ros.messages.hashes import type_hash
@@ -480,7 +480,7 @@ def recorded(
     graph: Graph,
     folder: Path,
     chosen: Chosen = lambda topic, type_name: True,
-    wanted: Wanted | None = None,
+    select_topics: TopicSelector | None = None,
     *,
     in_sim_time: bool = False,
 ) -> Iterator[None]:
@@ -491,8 +491,8 @@ def recorded(
             at the end.
         folder: The bag's folder.
         chosen: Selects the topics.
-        wanted: The topics that a linked robot has to send, in sim time including /clock; None for
-            all.
+        select_topics: Returns the topics that a linked robot has to send, in sim time including
+            /clock; None for all.
         in_sim_time: Whether messages are stamped by /clock. Of earlier messages, only those of
             transient_local publishers are kept.
 
@@ -507,7 +507,7 @@ def recorded(
 
     stamp_samples = _SimTime().stamp_samples if in_sim_time else stamp_by_start
     if graph.keeps_wall_time:
-        growing = _LiveBag(graph, folder, chosen, wanted, stamp_samples)
+        growing = _LiveBag(graph, folder, chosen, select_topics, stamp_samples)
         try:
             yield
         finally:
@@ -547,7 +547,12 @@ class _LiveBag:
     """
 
     def __init__(
-        self, graph: Graph, folder: Path, chosen: Chosen, wanted: Wanted | None, stamp_samples: Stamped
+        self,
+        graph: Graph,
+        folder: Path,
+        chosen: Chosen,
+        select_topics: TopicSelector | None,
+        stamp_samples: Stamped,
     ) -> None:
         check_free(folder.absolute(), force=False)
         self._folder, self._is_selected, self._stamp_samples = folder, chosen, stamp_samples
@@ -564,7 +569,7 @@ class _LiveBag:
             raise self._write_error(error) from error
         for sample in graph.latched_samples():
             self._on_sample(sample)
-        self._untap = graph.tap(self._on_sample, wanted)
+        self._untap = graph.tap(self._on_sample, select_topics)
 
     def close(self) -> None:
         """Complete the bag, or raise a CourseError if it could not be written."""

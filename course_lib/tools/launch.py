@@ -40,7 +40,7 @@ class LaunchedRun(LiveRun):
         self._processes = Processes()
         with time_lock.hold():
             self._processes.start(program)
-            time_lock.wait(self.is_over, until_ns=graph.now_ns, what="the start of the launch")
+            time_lock.wait(self.is_over, until_ns=graph.now_ns, awaited="the start of the launch")
 
     @property
     def name(self) -> str:
@@ -60,7 +60,7 @@ class LaunchedRun(LiveRun):
                 # In another thread, nothing would advance robot time.
                 if threading.current_thread() is threading.main_thread():
                     limit_ns = current_graph().now_ns + _STOP_LIMIT_NS
-                    time_lock.wait(self.is_over, until_ns=limit_ns, what="the ends of the processes")
+                    time_lock.wait(self.is_over, until_ns=limit_ns, awaited="the ends of the processes")
 
 
 def launch_verbs(executables: Executables) -> tuple[Verb, Verb]:

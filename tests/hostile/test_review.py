@@ -80,11 +80,11 @@ def test_qos_policy_that_is_not_a_string_is_rejected(word: object) -> None:
 
 
 def test_images_do_not_use_the_recording_limit_of_other_messages() -> None:
-    room = RecordingBudget()
-    room.charge("sensor_msgs/msg/Image", 10**8)
-    room.charge("visualization_msgs/msg/Marker", room.others)
+    budget = RecordingBudget()
+    budget.charge("sensor_msgs/msg/Image", 10**8)
+    budget.charge("visualization_msgs/msg/Marker", budget.other_bytes)
     with pytest.raises(RecordingLimitError, match="more bytes were published"):
-        room.charge("visualization_msgs/msg/Marker", 1)
+        budget.charge("visualization_msgs/msg/Marker", 1)
     with pytest.raises(RecordingLimitError, match="more messages were published"):
         RecordingBudget(messages=0).charge("visualization_msgs/msg/Marker", 0)
 

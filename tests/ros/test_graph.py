@@ -133,7 +133,7 @@ def test_another_graph_can_be_used_temporarily() -> None:
     before = current_graph()
     with use_graph(Graph()) as graph:
         assert current_graph() is graph
-        graph.part(list).append(1)
-        assert graph.part(list) == [1]
+        graph.state(list).append(1)
+        assert graph.state(list) == [1]
     assert current_graph() is before
-    assert before.part(list) == []
+    assert before.state(list) == []

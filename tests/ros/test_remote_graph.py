@@ -226,7 +226,7 @@ def serve_publications(
             channel.send(["done"])
 
     graph = Graph(end_ns=END_NS)
-    server = GraphServer(graph, in_a_child(child), RecordingBudget(pictures=2**40))
+    server = GraphServer(graph, in_a_child(child), RecordingBudget(image_bytes=2**40))
     server.serve()
     while graph.advance():
         pass

@@ -53,7 +53,7 @@ def test_thread_remaining_from_one_run_is_not_counted_in_the_next() -> None:
 
     def rest() -> None:
         with time_lock.hold():
-            time_lock.wait(lambda: bool(over), until_ns=None, what="the end of the test")
+            time_lock.wait(lambda: bool(over), until_ns=None, awaited="the end of the test")
 
     with use_graph(Graph()) as old:
         _thread.start_new_thread(rest, ())

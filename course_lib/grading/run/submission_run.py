@@ -46,7 +46,7 @@ from course_lib.grading.run.outcome import (
 from course_lib.grading.task import Message, Scenario, Task, resolve
 from course_lib.ros.graph.graph import START_NS, Graph, Sample
 from course_lib.ros.graph.remote import (
-    PICTURES,
+    IMAGE_TYPES,
     Channel,
     ChannelClosedError,
     ChannelError,
@@ -370,7 +370,7 @@ class ImageLimit:
 
     def limit_size(self, sample: Sample) -> Sample:
         """Return the sample, without its pixels if they exceed the limit."""
-        if sample.type_name not in PICTURES:
+        if sample.type_name not in IMAGE_TYPES:
             return sample
         self._bytes_by_topic[sample.topic] += len(sample.cdr)
         if self._bytes_by_topic[sample.topic] > ROOM or self._kept_bytes + len(sample.cdr) > self._max_bytes:

@@ -1,4 +1,12 @@
-"""The graph of one run: robot time, the heap of events that advances it, the nodes and the topics."""
+"""The graph of one run: robot time, the heap of events that advances it, the nodes and the topics.
+
+Robot time is virtual: it is the time of the last event, and it jumps to the next one when all
+threads of the program wait (`course_lib.ros.time.time_lock`). So a run does not depend on the speed
+of the computer and repeats exactly. Events of the same time are ordered by node, entity and the
+order in which they were scheduled. A published message is one event per matching subscription,
+`DELAY_NS` later; a subscription that joins late receives the samples that transient-local
+publishers keep in the same way.
+"""
 
 import heapq
 import threading
@@ -18,10 +26,18 @@ from course_lib.ros.graph.topics import (
     find_incompatible_policy,
 )
 
+__all__ = ["EndpointInfo", "Graph", "NodeInfo", "Sample", "current_graph", "use_graph"]
+
 # Robot time at the start of every run.
 START_NS = 1_700_000_000 * 10**9
+# Time from publication to delivery.
+DELAY_NS = 1_000_000
 # Stands for a node id where an event wakes a thread. It sorts after all nodes.
 THREADS = 1 << 30
+
+StateT = TypeVar("StateT")
+# Returns the topics that a tap needs.
+TopicSelector = Callable[[], Collection[str]]
 
 
 class Alarm:
@@ -41,61 +57,8 @@ class Alarm:
         self.cancelled = True
 
 
-class Clock:
-    """The clock and its heap of events, ordered by (due time, node, entity, sequence number)."""
-
-    def __init__(self, start_ns: int = START_NS) -> None:
-        self.now_ns = start_ns
-        self._heap: list[tuple[int, int, int, int, Alarm]] = []
-        self._sequence = 0
-
-    def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
-        """Schedule `action` at `due_ns`.
-
-        If that is in the past, it becomes the next event of its time.
-        """
-        alarm = Alarm(max(due_ns, self.now_ns), action, node, entity)
-        self._sequence += 1
-        heapq.heappush(self._heap, (alarm.due_ns, node, entity, self._sequence, alarm))
-        return alarm
-
-    def next_due_ns(self) -> int | None:
-        """Return the time of the next event, or None."""
-        while self._heap and self._heap[0][4].cancelled:
-            heapq.heappop(self._heap)
-        return self._heap[0][0] if self._heap else None
-
-    def is_next_for_same_entity(self, alarm: Alarm) -> bool:
-        """Return whether the next event has the same time and entity as `alarm`."""
-        if not self._heap:
-            return False
-        due_ns, node, entity, _, other = self._heap[0]
-        same = (due_ns, node, entity) == (alarm.due_ns, alarm.node, alarm.entity)
-        return same and not other.cancelled
-
-    def __len__(self) -> int:
-        return len(self._heap)
-
-    def actions(self) -> Iterator[Callable[[], None]]:
-        """Yield the actions of the scheduled events, in arbitrary order."""
-        return (entry[4].action for entry in self._heap)
-
-    def pop(self) -> Alarm:
-        """Remove and return the next event."""
-        return heapq.heappop(self._heap)[4]
-
-
-__all__ = ["EndpointInfo", "Graph", "NodeInfo", "Sample", "current_graph", "use_graph"]
-
-# Time from publication to delivery.
-DELAY_NS = 1_000_000
-PartT = TypeVar("PartT")
-# Returns the topics that a tap needs.
-Wanted = Callable[[], Collection[str]]
-
-
 class Graph:
-    """The nodes and topics of one run, and the clock that owns its events.
+    """The nodes and topics of one run, its clock and its scheduled events.
 
     Args:
         start_ns: Robot time at which the run starts.
@@ -133,33 +96,36 @@ class Graph:
         # Number of programs started concurrently.
         self.programs = 0
         # State objects by program name and class.
-        self._parts: dict[str, dict[type, object]] = {}
-        self._clock = Clock(start_ns)
+        self._states: dict[str, dict[type, object]] = {}
+        self._now_ns = start_ns
+        # A heap, ordered by (due time, node, entity, sequence number).
+        self._events: list[tuple[int, int, int, int, Alarm]] = []
+        self._sequence = 0
         self.delay_ns = delay_ns
         self._topics = Topics()
         self._nodes: dict[int, NodeInfo] = {}
         self._hidden_nodes: set[int] = set()
         # The number that was assigned last to a node or endpoint.
         self.last_id = 0
-        self._taps: list[tuple[Callable[[Sample], None], Wanted | None]] = []
+        self._taps: list[tuple[Callable[[Sample], None], TopicSelector | None]] = []
         self._watchers: list[Callable[[int], None]] = []
 
     @property
     def now_ns(self) -> int:
         """Robot time, [ns]."""
-        return self._clock.now_ns
+        return self._now_ns
 
-    def part(self, kind: type[PartT]) -> PartT:
+    def state(self, kind: type[StateT]) -> StateT:
         """Return the calling program's object of a class in this run, created on first use.
 
         A module that keeps state for a run defines a class for it, which is created without
         arguments.
         """
-        parts = self._parts.setdefault(program.name, {})
-        instance = parts.get(kind)
-        if not isinstance(instance, kind):
-            instance = parts[kind] = kind()
-        return instance
+        states = self._states.setdefault(program.name, {})
+        state = states.get(kind)
+        if not isinstance(state, kind):
+            state = states[kind] = kind()
+        return state
 
     def add_node(self, name: str, namespace: str) -> int:
         """Add a node. Return its id, which is its position in the start order."""
@@ -211,18 +177,24 @@ class Graph:
         self.show_node(info.node)
         sample = Sample(self.now_ns, info.topic, info.type_name, cdr, info.qos, info.node)
         if info.qos.durability == "transient_local":
-            publisher.kept.append(sample)
+            publisher.latched.append(sample)
         self._notify_taps(sample)
         for subscription in self._topics.receivers(info):
             self._deliver(sample, subscription)
 
     def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
-        """Schedule `action` at robot time `due_ns`, in the order of events."""
-        return self._clock.call_at(due_ns, action, node=node, entity=entity)
+        """Schedule `action` at robot time `due_ns`, in the order of events.
+
+        If that is in the past, it becomes the next event of its time.
+        """
+        alarm = Alarm(max(due_ns, self._now_ns), action, node, entity)
+        self._sequence += 1
+        heapq.heappush(self._events, (alarm.due_ns, node, entity, self._sequence, alarm))
+        return alarm
 
     def advance(self) -> bool:
         """Run the next event. If there is none before the end, set `ended` and return False."""
-        due_ns = self._clock.next_due_ns()
+        due_ns = self.next_due_ns()
         at_end = self.end_ns is not None and (due_ns is None or due_ns > self.end_ns)
         target_ns = self.end_ns if at_end else due_ns
         if target_ns is None:
@@ -231,7 +203,7 @@ class Graph:
             # The wall clock may not have reached the time, because other events may have been
             # scheduled.
             return True
-        alarm = None if at_end else self._clock.pop()
+        alarm = None if at_end else heapq.heappop(self._events)[4]
         self._advance_to(target_ns)
         self.ended = at_end
         if alarm is None:
@@ -240,29 +212,39 @@ class Graph:
         # too short drops the oldest samples of a burst, as in ROS.
         delivery = alarm.action if isinstance(alarm.action, _Delivery) else None
         is_burst = delivery is not None and delivery.sample.node not in self.human_nodes
-        self.more_follow = is_burst and self._clock.is_next_for_same_entity(alarm)
+        self.more_follow = is_burst and self._is_next_for_same_entity(alarm)
         alarm.action()
         while self.more_follow:
-            alarm = self._clock.pop()
-            self.more_follow = self._clock.is_next_for_same_entity(alarm)
+            alarm = heapq.heappop(self._events)[4]
+            self.more_follow = self._is_next_for_same_entity(alarm)
             alarm.action()
         return True
 
+    def _is_next_for_same_entity(self, alarm: Alarm) -> bool:
+        """Return whether the next event has the same time and entity as `alarm`."""
+        if not self._events:
+            return False
+        due_ns, node, entity, _, next_alarm = self._events[0]
+        is_same = (due_ns, node, entity) == (alarm.due_ns, alarm.node, alarm.entity)
+        return is_same and not next_alarm.cancelled
+
     def next_due_ns(self) -> int | None:
         """Return the time of the next event [ns], or None."""
-        return self._clock.next_due_ns()
+        while self._events and self._events[0][4].cancelled:
+            heapq.heappop(self._events)
+        return self._events[0][0] if self._events else None
 
     @property
     def pending(self) -> int:
         """The number of scheduled events."""
-        return len(self._clock)
+        return len(self._events)
 
     def count_stored_bytes(self) -> int:
         """Return the serialized size of all samples in transit or kept by publishers, each counted once."""
-        samples = {id(sample): sample for p in self._topics.publishers.values() for sample in p.kept}
-        for action in self._clock.actions():
-            if isinstance(action, _Delivery):
-                samples[id(action.sample)] = action.sample
+        samples = {id(sample): sample for p in self._topics.publishers.values() for sample in p.latched}
+        for *_, alarm in self._events:
+            if isinstance(alarm.action, _Delivery):
+                samples[id(alarm.action.sample)] = alarm.action.sample
         return sum(len(sample.cdr) for sample in samples.values())
 
     def hide_node(self, node: int) -> None:
@@ -294,7 +276,7 @@ class Graph:
         return find_incompatible_policy(publisher.qos, subscription.qos)
 
     def tap(
-        self, listener: Callable[[Sample], None], select_topics: Wanted | None = None
+        self, listener: Callable[[Sample], None], select_topics: TopicSelector | None = None
     ) -> Callable[[], None]:
         """Call `listener` with every sample on a topic when it is published.
 
@@ -336,7 +318,7 @@ class Graph:
 
     def latched_samples(self) -> list[Sample]:
         """List the samples that publishers keep for late-joining subscriptions, oldest first."""
-        samples = [sample for p in self._topics.publishers.values() for sample in p.kept]
+        samples = [sample for p in self._topics.publishers.values() for sample in p.latched]
         return sorted(samples, key=lambda sample: sample.stamp_ns)
 
     def _notify_taps(self, sample: Sample) -> None:
@@ -344,23 +326,20 @@ class Graph:
             listener(sample)
 
     def _advance_to(self, now_ns: int) -> None:
-        if now_ns > self._clock.now_ns:
-            self._clock.now_ns = now_ns
+        if now_ns > self._now_ns:
+            self._now_ns = now_ns
             for watcher in tuple(self._watchers):
                 watcher(now_ns)
 
     def _deliver(self, sample: Sample, subscription: Subscription) -> None:
-        due_ns = self.now_ns + self.delay_ns
-        arrive = _Delivery(self, sample, subscription)
-        self._clock.call_at(due_ns, arrive, node=subscription.info.node, entity=subscription.entity)
-
-    def _receive(self, sample: Sample, subscription: Subscription) -> None:
-        if subscription.info.id in self._topics.subscriptions:
-            subscription.on_message(sample.cdr, sample.stamp_ns, self.now_ns)
+        """Schedule the delivery of a sample to a subscription."""
+        delivery = _Delivery(self, sample, subscription)
+        node, entity = subscription.info.node, subscription.entity
+        self.call_at(self.now_ns + self.delay_ns, delivery, node=node, entity=entity)
 
 
 class _Delivery:
-    """The event that delivers a sample to a subscription.
+    """The event that delivers a sample to a subscription, unless it was removed in the meantime.
 
     `Graph.count_stored_bytes` accesses its sample.
     """
@@ -371,7 +350,9 @@ class _Delivery:
         self.graph, self.sample, self.subscription = graph, sample, subscription
 
     def __call__(self) -> None:
-        self.graph._receive(self.sample, self.subscription)
+        graph, sample, subscription = self.graph, self.sample, self.subscription
+        if subscription.info.id in graph._topics.subscriptions:
+            subscription.on_message(sample.cdr, sample.stamp_ns, graph.now_ns)
 
 
 @dataclass
@@ -418,9 +399,9 @@ def set_graph(graph: Graph) -> None:
 @contextmanager
 def use_graph(graph: Graph) -> Iterator[Graph]:
     """Make another graph the current one for the length of a `with` block."""
-    before = _current
+    previous = _current
     set_graph(graph)
     try:
         yield graph
     finally:
-        set_graph(before)
+        set_graph(previous)

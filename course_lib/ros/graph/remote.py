@@ -1,9 +1,14 @@
 """A graph that a student's process uses through a socket, and the server that owns its clock and topics.
 
-Frames are length-prefixed msgpack. The process may run hostile code, so everything received from it
-is validated and limited. Events run in lock-step: the server sends one event and waits until the
-process is idle again. So a run repeats exactly, and the code cannot change the evidence, which the
-server records.
+The grader judges the messages that a student's nodes publish, so the graph must not live in the
+process that runs their code. There, a `RemoteGraph` sends each operation as a frame; in the grader,
+a `GraphServer` applies it to the graph that is recorded. Frames are length-prefixed msgpack. The
+process may run hostile code, so everything received from it is validated and limited.
+
+Events run in lock-step. When all threads of the process wait, it sends "idle"; the server advances
+the graph, sends the next event for the process ("message" or "fire", with the robot time) and
+serves requests until the process is idle again. So a run repeats exactly, however fast the process
+is, and its code cannot change the evidence.
 """
 
 import socket
@@ -94,10 +99,19 @@ class Channel:
         if size > MAX_FRAME:
             raise FrameSizeError(f"Received a frame of {size} bytes; the limit is {MAX_FRAME} bytes.")
         body = self._read_bytes(size)
+        remaining_items = MAX_ITEMS
+
+        def count_items(items: Any) -> Any:
+            """Count the items of a list or dict while it is unpacked."""
+            nonlocal remaining_items
+            remaining_items -= len(items) + 1
+            if remaining_items < 0:
+                raise ValueError(f"more than {MAX_ITEMS} items")
+            return items
+
         try:
-            count = _ItemCounter()
             frame = msgpack.unpackb(
-                body, raw=False, strict_map_key=True, list_hook=count.add, object_hook=count.add
+                body, raw=False, strict_map_key=True, list_hook=count_items, object_hook=count_items
             )
         except (ValueError, msgpack.UnpackException, RecursionError) as error:
             raise ChannelError(f"The received data is not a valid frame: {error}") from error
@@ -134,8 +148,8 @@ class Channel:
             self._received += chunk
         # Avoids copying a message of many megabytes twice: a slice of a bytearray is a copy, and so
         # is bytes() of it.
-        with memoryview(self._received) as buffer, buffer[:size] as part:
-            data = bytes(part)
+        with memoryview(self._received) as buffer, buffer[:size] as first_bytes:
+            data = bytes(first_bytes)
         del self._received[:size]
         return data
 
@@ -163,20 +177,6 @@ class Channel:
         return self.deadline > wall.monotonic()
 
 
-class _ItemCounter:
-    """Counts the items of a frame while it is unpacked."""
-
-    def __init__(self) -> None:
-        self._remaining = MAX_ITEMS
-
-    def add(self, items: Any) -> Any:
-        """Add the number of items of a list or dict, and return it unchanged."""
-        self._remaining -= len(items) + 1
-        if self._remaining < 0:
-            raise ValueError(f"more than {MAX_ITEMS} items")
-        return items
-
-
 # Limit on the characters of a topic, type or node name, which every recorded sample contains.
 MAX_NAME = 255
 # Limit on the characters of a QoS policy value, such as "manual_by_topic".
@@ -191,8 +191,8 @@ MAX_HELD = 64 * 2**20
 # Messages that may be published in a burst, and per second of robot time.
 MESSAGES_AT_ONCE, MESSAGES_A_SECOND = 2000, 500
 # Bytes of images and point clouds per second of robot time.
-PICTURES_A_SECOND = 64 * 2**20
-PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2")
+IMAGE_BYTES_A_SECOND = 64 * 2**20
+IMAGE_TYPES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2")
 
 
 class RecordingLimitError(ChannelError):
@@ -209,13 +209,13 @@ class RecordingBudget:
 
     Args:
         messages: Messages of any type.
-        pictures: Bytes of images and point clouds.
-        others: Bytes of all other messages.
+        image_bytes: Bytes of images and point clouds.
+        other_bytes: Bytes of all other messages.
     """
 
     messages: int = 10_000
-    pictures: int = 256 * 2**20
-    others: int = 4 * 2**20
+    image_bytes: int = 256 * 2**20
+    other_bytes: int = 4 * 2**20
 
     @classmethod
     def for_duration(cls, seconds: float) -> Self:
@@ -223,7 +223,9 @@ class RecordingBudget:
 
         Correct programs need less.
         """
-        return cls(round(MESSAGES_AT_ONCE + MESSAGES_A_SECOND * seconds), round(PICTURES_A_SECOND * seconds))
+        return cls(
+            round(MESSAGES_AT_ONCE + MESSAGES_A_SECOND * seconds), round(IMAGE_BYTES_A_SECOND * seconds)
+        )
 
     def charge(self, type_name: str, size: int) -> None:
         """Subtract a message from the budget.
@@ -232,12 +234,12 @@ class RecordingBudget:
             RecordingLimitError: The budget is exhausted; the message states which one.
         """
         self.messages -= 1
-        if type_name in PICTURES:
-            self.pictures -= size
+        if type_name in IMAGE_TYPES:
+            self.image_bytes -= size
         else:
-            self.others -= size
-        if min(self.messages, self.pictures, self.others) < 0:
-            exceeded = "messages" if self.messages < 0 else "pictures" if self.pictures < 0 else "bytes"
+            self.other_bytes -= size
+        if min(self.messages, self.image_bytes, self.other_bytes) < 0:
+            exceeded = "messages" if self.messages < 0 else "pictures" if self.image_bytes < 0 else "bytes"
             raise RecordingLimitError(
                 f"more {exceeded} were published than are recorded, so it was stopped there: "
                 "is the period of a timer too short, or does a callback publish to its own topic?"
@@ -280,8 +282,11 @@ class GraphServer:
             "alarm": ((int, int, int, int), self._schedule_alarm),
             "cancel": ((int,), self._cancel_alarm),
             "nodes": ((), lambda: [(node.id, node.name, node.namespace) for node in graph.nodes()]),
-            "endpoints": ((), lambda: [_endpoint_row(endpoint) for endpoint in graph.endpoints()]),
-            "endpoints_on": ((str,), lambda topic: [_endpoint_row(end) for end in graph.endpoints_on(topic)]),
+            "endpoints": ((), lambda: [_endpoint_row(info) for info in graph.endpoints()]),
+            "endpoints_on": (
+                (str,),
+                lambda topic: [_endpoint_row(info) for info in graph.endpoints_on(topic)],
+            ),
         }
 
     def serve(self) -> None:
@@ -299,7 +304,7 @@ class GraphServer:
                 return
             kinds, handler = self._handlers[name]
             if len(arguments) != len(kinds) or any(
-                type(a) is not kind for a, kind in zip(arguments, kinds, strict=True)
+                type(value) is not kind for value, kind in zip(arguments, kinds, strict=True)
             ):
                 raise ChannelError(f"The frame {name!r} has the wrong arguments.")
             answer = handler(*arguments)
@@ -420,8 +425,8 @@ class GraphServer:
 
 
 def _endpoint_row(info: EndpointInfo) -> tuple[Any, ...]:
-    own = (info.id, info.kind, info.node, info.topic, info.type_name, info.qos.row())
-    return *own, info.remote_gid, info.remote_type_hash
+    row = (info.id, info.kind, info.node, info.topic, info.type_name, info.qos.row())
+    return *row, info.remote_gid, info.remote_type_hash
 
 
 def _qos(values: list[Any]) -> Qos:
@@ -434,8 +439,8 @@ def _qos(values: list[Any]) -> Qos:
     if (
         type(qos.depth) is not int
         or not 0 <= qos.depth <= 10**6
-        or not all(isinstance(word, str) and len(word) < MAX_WORD for word in policies)
-        or not all(d is None or type(d) is int for d in durations)
+        or not all(isinstance(policy, str) and len(policy) < MAX_WORD for policy in policies)
+        or not all(duration is None or type(duration) is int for duration in durations)
     ):
         raise ChannelError(f"Not a QoS: {values!r:.200}")
     return qos

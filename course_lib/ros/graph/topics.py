@@ -153,7 +153,7 @@ class Publisher:
     """A publisher's endpoint, with the samples that it keeps for late-joining subscriptions."""
 
     info: EndpointInfo
-    kept: deque[Sample] = field(default_factory=deque)
+    latched: deque[Sample] = field(default_factory=deque)
 
 
 @dataclass(slots=True)
@@ -188,7 +188,7 @@ class Topics:
     def endpoints_on(self, topic: str) -> list[EndpointInfo]:
         """List the endpoints of a topic in the order of their creation."""
         endpoints = (*self._publishers_by_topic.get(topic, ()), *self._subscriptions_by_topic.get(topic, ()))
-        return sorted((end.info for end in endpoints), key=lambda info: info.id)
+        return sorted((endpoint.info for endpoint in endpoints), key=lambda info: info.id)
 
     def add_publisher(self, info: EndpointInfo) -> None:
         """Add a publisher. Its history depth limits the samples that it keeps."""
@@ -200,7 +200,7 @@ class Topics:
     def add_subscription(self, subscription: Subscription) -> list[Sample]:
         """Add a subscription.
 
-        Return the kept samples that it receives as a late joiner, oldest first.
+        Return the latched samples that it receives as a late joiner, oldest first.
         """
         info = subscription.info
         self._receivers.clear()
@@ -209,7 +209,7 @@ class Topics:
         if info.qos.durability != "transient_local":
             return []
         publishers = self._publishers_by_topic.get(info.topic, ())
-        samples = [sample for p in publishers if matches(p.info, info) for sample in p.kept]
+        samples = [sample for p in publishers if matches(p.info, info) for sample in p.latched]
         return sorted(samples, key=lambda sample: sample.stamp_ns)
 
     def remove(self, endpoint: int) -> None:

@@ -395,7 +395,7 @@ class LaunchProgram(Process):
                     or self._due_actions
                     or (self._pending_timers and not current_graph().ended)
                 ):
-                    time_lock.wait(self._has_events, until_ns=None, what="the processes of the launch")
+                    time_lock.wait(self._has_events, until_ns=None, awaited="the processes of the launch")
                     while self._due_actions:
                         self._due_actions.pop(0)()
                 return

@@ -208,7 +208,7 @@ class Processes:
             finally:
                 # Nodes that the program has not destroyed are gone, as they are with a real
                 # process.
-                for node in current_graph().part(NodesOfProgram).ids:
+                for node in current_graph().state(NodesOfProgram).ids:
                     current_graph().remove_node(node)
                 self.ended.append(number)
 

@@ -76,11 +76,11 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     )
     graph = RobotGraph(link, allowed, report, notebook=notebook)
     atexit.register(graph.close_at_exit)
-    start = first_node = wall.monotonic()
-    while wall.monotonic() < min(
-        start + DISCOVERY, first_node + SETTLED if graph.nodes() else start + DISCOVERY
-    ):
-        first_node = first_node if graph.nodes() else wall.monotonic()
+    deadline = wall.monotonic() + DISCOVERY
+    settled_at: float | None = None
+    while wall.monotonic() < min(deadline, settled_at or deadline):
+        if settled_at is None and graph.nodes():
+            settled_at = wall.monotonic() + SETTLED
         graph.advance()
     if not graph.nodes():
         report(link.no_nodes_message())
@@ -127,18 +127,18 @@ def full_address(address: str) -> str:
         if not address.startswith(DDS) or not HOST.fullmatch(address.removeprefix(DDS)):
             raise CourseError(f"{address!r} is not an address of a robot: {_dds_advice(address)}")
         return address
-    found = ROUTER.fullmatch(address)
-    if found is None:
+    match = ROUTER.fullmatch(address)
+    if match is None:
         raise CourseError(
             f"{address!r} is not an address of a robot: write it like tcp/192.168.1.5:{PORT} or "
             f"{DDS}192.168.1.5."
         )
-    if found[4] and not 0 < int(found[4]) <= LAST_PORT:
+    if match[4] and not 0 < int(match[4]) <= LAST_PORT:
         raise CourseError(
             f"{address!r} is not an address of a robot: a port is a number from 1 to {LAST_PORT}, "
             f"and a router usually has {PORT}."
         )
-    return f"{found[1] or 'tcp'}/{found[2] or ''}{found[3]}:{found[4] or PORT}"
+    return f"{match[1] or 'tcp'}/{match[2] or ''}{match[3]}:{match[4] or PORT}"
 
 
 def open_dds_link(address: str, domain: int) -> "DdsLink":
@@ -159,9 +159,9 @@ def _dds_advice(address: str) -> str:
         return f"a link over DDS needs the robot's IPv4 address, like {DDS}192.168.1.5."
     if re.fullmatch(r"[\d.]+", host) and not HOST.fullmatch(host):
         return f"an IPv4 address has four numbers, like {DDS}192.168.1.5."
-    meant = HOST.fullmatch(host.partition(":")[0].rstrip("/"))
-    if meant:
-        return f"write it without a port or other signs, {DDS}{meant[0]}."
+    host_match = HOST.fullmatch(host.partition(":")[0].rstrip("/"))
+    if host_match:
+        return f"write it without a port or other signs, {DDS}{host_match[0]}."
     return f"write it like {DDS}192.168.1.5."
 
 
@@ -214,9 +214,9 @@ def connect(
     linked = link_to(RobotAddress(router, domain, send, call), notebook=True)
     set_graph(linked)
     drive_between_cells(linked)
-    out = ", ".join(sorted([*send, *call])) or "nothing: read-only"
+    allowed_names = ", ".join(sorted([*send, *call])) or "nothing: read-only"
     nodes = format_count(len(linked.nodes()), "node")
-    say(f"Linked to {linked.link.address}: {nodes}. What may go out: {out}.")
+    say(f"Linked to {linked.link.address}: {nodes}. What may go out: {allowed_names}.")
 
 
 def disconnect() -> None:

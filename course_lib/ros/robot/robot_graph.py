@@ -1,8 +1,20 @@
-"""The graph of a kit that is linked to a robot.
+"""The graph of a kit that is linked to a robot: its time is the wall clock, and it lists the robot's nodes.
 
-Its time is the wall clock, and it lists the robot's nodes.
+Nodes, displays and tools use it like any other graph. `RobotGraph` adds the network to it:
+
+- The link reports each remote node and endpoint as an `Entity`. `RemoteEntities` adds it to the
+  graph, so `nodes()`, `endpoints()` and matching treat it like the kit's own.
+- Publishers, subscriptions and services of the kit are declared on the network when they are added,
+  if `Permissions` allow it. A message received from the network is delivered to the subscriptions
+  of its topic, and to taps.
+- A robot sends only subscribed topics. Displays and recordings are not nodes, so a hidden node
+  subscribes to the topics that they need (`_follow_taps`).
+
+The link works in threads of its own, which must not touch the graph. They queue actions, and
+`advance` runs them in the thread that holds the time lock, together with the due events.
 """
 
+import heapq
 import itertools
 from _queue import Empty
 from collections import Counter
@@ -53,8 +65,9 @@ class Services:
         self._clients: dict[int, NetworkClient] = {}
         # Servers by the endpoint that receives their requests.
         self._servers: dict[int, Declaration] = {}
-        self._open: dict[int, SendReply] = {}
-        self._numbers = itertools.count()
+        # Functions that reply to the requests of the network, by request number.
+        self._pending_replies: dict[int, SendReply] = {}
+        self._request_numbers = itertools.count()
 
     def add_client(self, node: Any, info: EndpointInfo) -> None:
         """Declare a client, identified by the endpoint that publishes its requests."""
@@ -93,17 +106,17 @@ class Services:
     def send_response(self, data: bytes) -> None:
         """Send a response over the link if its request was received from there."""
         client, number = SERVICE_HEADER.unpack_from(data)
-        send_reply = self._open.pop(number, None) if client == REMOTE_CLIENT else None
+        send_reply = self._pending_replies.pop(number, None) if client == REMOTE_CLIENT else None
         if send_reply is not None:
             send_reply(data[SERVICE_HEADER.size :])
 
     def _on_request(self, info: EndpointInfo, cdr: bytes, send_reply: SendReply) -> None:
-        number = next(self._numbers)
-        self._open[number] = send_reply
-        if len(self._open) > MAX_OPEN:
+        number = next(self._request_numbers)
+        self._pending_replies[number] = send_reply
+        if len(self._pending_replies) > MAX_OPEN:
             # The oldest client receives no reply, which Zenoh reports to it when `send_reply` is
             # released.
-            del self._open[next(iter(self._open))]
+            del self._pending_replies[next(iter(self._pending_replies))]
         self._deliver(info.topic, info.type_name, SERVICE_HEADER.pack(REMOTE_CLIENT, number) + cdr)
 
 
@@ -131,7 +144,7 @@ class RemoteEntities:
         # Endpoint ids by GID.
         self._publishers: dict[bytes, int] = {}
         # Latched samples of departed publishers by GID.
-        self._latched: dict[bytes, list[Sample]] = {}
+        self._latched_of_departed: dict[bytes, list[Sample]] = {}
 
     def __len__(self) -> int:
         return len(self._nodes)
@@ -141,11 +154,11 @@ class RemoteEntities:
         if not has_joined:
             self._remove(entity)
         elif entity.kind == "node":
-            self._node_of(entity)
+            self._ensure_node(entity)
         elif entity.key not in self._endpoints:
-            endpoint = self._endpoints[entity.key] = self._add(entity, self._node_of(entity))
-            own = self._topics.publishers.get(endpoint) or self._topics.subscriptions[endpoint]
-            own.info = replace(own.info, remote_gid=entity.gid, remote_type_hash=entity.type_hash)
+            endpoint = self._endpoints[entity.key] = self._add(entity, self._ensure_node(entity))
+            listed = self._topics.publishers.get(endpoint) or self._topics.subscriptions[endpoint]
+            listed.info = replace(listed.info, remote_gid=entity.gid, remote_type_hash=entity.type_hash)
             self._on_added(entity)
 
     def publisher(self, gid: bytes) -> Publisher | None:
@@ -157,7 +170,8 @@ class RemoteEntities:
         publishers = (self._topics.publishers.get(endpoint) for endpoint in self._publishers.values())
         return [publisher.info for publisher in publishers if publisher is not None]
 
-    def _node_of(self, entity: Entity) -> int:
+    def _ensure_node(self, entity: Entity) -> int:
+        """Return the node of an entity. It is added if its endpoint is reported first."""
         if entity.node_key not in self._nodes:
             self._nodes[entity.node_key] = Graph.add_node(self._graph, entity.node, entity.namespace)
         return self._nodes[entity.node_key]
@@ -167,7 +181,8 @@ class RemoteEntities:
         if entity.kind == "publisher":
             endpoint = Graph.add_publisher(self._graph, node, topic, type_name, qos)
             self._publishers[entity.gid] = endpoint
-            self._topics.publishers[endpoint].kept.extend(self._latched.pop(entity.gid, ()))
+            latched = self._latched_of_departed.pop(entity.gid, ())
+            self._topics.publishers[endpoint].latched.extend(latched)
             return endpoint
         if entity.kind in ("server", "client"):
             prefix, suffix = SERVICE_TOPICS[0]
@@ -194,10 +209,10 @@ class RemoteEntities:
     def _keep_latched(self, gid: bytes, node: int | None) -> None:
         """Keep the latched messages of a publisher that leaves, because the link may only be interrupted."""
         publisher = self.publisher(gid)
-        if publisher is not None and publisher.kept and node in (None, publisher.info.node):
-            self._latched[gid] = list(publisher.kept)
-        while len(self._latched) > MAX_LATCHED:
-            del self._latched[next(iter(self._latched))]
+        if publisher is not None and publisher.latched and node in (None, publisher.info.node):
+            self._latched_of_departed[gid] = list(publisher.latched)
+        while len(self._latched_of_departed) > MAX_LATCHED:
+            del self._latched_of_departed[next(iter(self._latched_of_departed))]
 
 
 def ignore(cdr: bytes, source_ns: int, received_ns: int) -> None:
@@ -322,11 +337,11 @@ class RobotGraph(Graph):
     @property
     def now_ns(self) -> int:
         """Robot time, [ns]: the wall clock, but never decreasing."""
-        return self._clock.now_ns if self.ended else max(self._clock.now_ns, wall.time_ns())
+        return self._now_ns if self.ended else max(self._now_ns, wall.time_ns())
 
     def advance(self) -> bool:
         """Run the queued actions and the due event, or wait a moment for either."""
-        due_ns = self._clock.next_due_ns()
+        due_ns = self.next_due_ns()
         if self.end_ns is not None and self.now_ns >= self.end_ns and (due_ns or self.end_ns) >= self.end_ns:
             self.ended = True
         if self.ended:
@@ -335,14 +350,14 @@ class RobotGraph(Graph):
         try:
             # Messages that arrive faster than they are delivered wait in their inboxes, which are
             # bounded.
-            is_behind = remaining <= 0 and len(self._clock) > MAX_ACTIONS
+            is_behind = remaining <= 0 and self.pending > MAX_ACTIONS
             if not is_behind:
                 self._run_actions(min(max(remaining, 0.0), MAX_WAIT))
             self._poll()
             self._advance_to(self.now_ns)
-            due_ns = self._clock.next_due_ns()
-            if due_ns is not None and due_ns <= self._clock.now_ns:
-                self._clock.pop().action()
+            due_ns = self.next_due_ns()
+            if due_ns is not None and due_ns <= self._now_ns:
+                heapq.heappop(self._events)[4].action()
         except KeyboardInterrupt:
             self._sending.stop()
             raise
@@ -436,7 +451,7 @@ class RobotGraph(Graph):
 
     def link_report(self) -> list[tuple[str, object]]:
         """Return the state of the link: address, permissions, clocks and rates of topics."""
-        held = (f"{count} on {name}" for name, count in sorted(self.blocked.counts.items()))
+        blocked_counts = [f"{count} on {name}" for name, count in sorted(self.blocked.counts.items())]
         skew = self._clock_skew()
         return [
             (self.link.peer, f"{self.link.address}, {self._state()}"),
@@ -444,7 +459,7 @@ class RobotGraph(Graph):
             ("nodes", len(self._remote)),
             *self._allowed.status_rows(),
             *self.link.status_rows(),
-            ("held back", ", ".join(held) or "nothing"),
+            ("held back", ", ".join(blocked_counts) or "nothing"),
             ("robot's clock", NO_SKEW if skew is None else f"{skew:+.3f} s from this computer's"),
             *(subscription.status_row() for subscription in self._subscriptions),
         ]
@@ -473,8 +488,8 @@ class RobotGraph(Graph):
         Wait briefly for a lost link if the robot still needs its stop.
         """
         self.close()
-        end = wall.monotonic() + EXIT_SECONDS
-        while self.link.is_open and wall.monotonic() < end:
+        deadline = wall.monotonic() + EXIT_SECONDS
+        while self.link.is_open and wall.monotonic() < deadline:
             wall.sleep(MAX_WAIT)
         if self.link.is_open:
             self._report(NO_STOP)
@@ -500,7 +515,7 @@ class RobotGraph(Graph):
         sample = Sample(self.now_ns, topic, type_name, packet.cdr, qos, node)
         is_shared = not self.link.is_qos_enforced
         if publisher is not None and qos.durability == "transient_local" and is_shared:
-            publisher.kept.append(sample)
+            publisher.latched.append(sample)
         # If several subscriptions receive the message, taps receive it from their own subscription
         # only.
         if is_shared or self._tap_endpoints.get((topic, type_name)) in receiver.users:
@@ -549,20 +564,25 @@ class RobotGraph(Graph):
 
     def _follow_taps(self) -> None:
         """Subscribe to the topics that displays and recordings need, with the offered QoS."""
-        offered = {(info.topic, info.type_name): info.qos for info in self._remote.publisher_infos()}
-        takes_all = any(needed is None for _, needed in self._taps)
-        names = {topic for topic, _ in offered} if takes_all else set()
-        names |= {name for _, needed in self._taps if needed is not None for name in needed()}
-        topics = {key for key in offered if key[0] in names and is_known(key[1])}
-        for removed in self._tap_endpoints.keys() - topics:
-            self.remove_endpoint(self._tap_endpoints.pop(removed))
+        offered_qos = {(info.topic, info.type_name): info.qos for info in self._remote.publisher_infos()}
+        selectors = [select_topics for _, select_topics in self._taps]
+        names = {name for select_topics in selectors if select_topics is not None for name in select_topics()}
+        needs_all = None in selectors
+        topics = {
+            (topic, type_name)
+            for topic, type_name in offered_qos
+            if (needs_all or topic in names) and is_known(type_name)
+        }
+        for removed_topic in self._tap_endpoints.keys() - topics:
+            self.remove_endpoint(self._tap_endpoints.pop(removed_topic))
         if topics and self._tap_node is None:
             self._tap_node = self.add_node(TAP_NODE, "/")
         for key in sorted(topics - self._tap_endpoints.keys()):
             node = self._tap_node or 0
-            self._tap_endpoints[key] = self.add_subscription(node, 0, *key, offered[key], ignore)
+            self._tap_endpoints[key] = self.add_subscription(node, 0, *key, offered_qos[key], ignore)
 
     def _watch_link(self) -> None:
+        """Report when the link is lost or back, and when the robot stops answering."""
         is_up, address = self.link.is_up(), self.link.address
         if self._is_up and not is_up:
             self._down_since = wall.monotonic()
@@ -590,9 +610,9 @@ class RobotGraph(Graph):
 
         Latched topics are ignored, because their messages are old when they arrive.
         """
-        lags = [one.traffic.lag_ns for one in self._subscriptions if not one.kept]
-        known = [lag for lag in lags if lag is not None]
-        return -min(known) * 1e-9 if known else None
+        lags = [s.traffic.lag_ns for s in self._subscriptions if not s.latched_depth]
+        measured_lags = [lag for lag in lags if lag is not None]
+        return -min(measured_lags) * 1e-9 if measured_lags else None
 
     def _report_once(self, key: str, line: str) -> None:
         if line and key not in self._reported:

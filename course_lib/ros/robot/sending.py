@@ -116,8 +116,8 @@ class BlockedTraffic:
             name, option = name.split("/_action/")[0], "--call"
         self.counts[name] += 1
         if self.counts[name] == 1:
-            what = "Messages on" if option == "--send" else "Calls of"
-            self._report_rule(f"{what} {name} are held back", "let them out", name, option)
+            traffic = "Messages on" if option == "--send" else "Calls of"
+            self._report_rule(f"{traffic} {name} are held back", "let them out", name, option)
 
     def add_service(self, name: str, type_name: str) -> None:
         """Report a service of the kit that the robot cannot call."""
@@ -128,9 +128,10 @@ class BlockedTraffic:
             self._not_offered.add(name)
             self._report_rule(f"The {kind} {name} is not offered to the robot", "offer it", name, "--call")
 
-    def _report_rule(self, what: str, purpose: str, name: str, option: str) -> None:
+    def _report_rule(self, effect: str, purpose: str, name: str, option: str) -> None:
+        """Report an effect of the permissions, and the option that changes it."""
         python = f' or {option[2:]}=["{name}"]' if self._notebook else ""
-        self._report(f"{what}: the link only listens. To {purpose}, connect with {option} {name}{python}")
+        self._report(f"{effect}: the link only listens. To {purpose}, connect with {option} {name}{python}")
 
 
 class StopCommand:
@@ -203,7 +204,7 @@ class OutgoingTraffic:
         self._removed: dict[int, StopCommand] = {}
         self._is_open = True
         self._on_end: Callable[[], None] | None = None
-        self._ending = _thread.allocate_lock()
+        self._close_mutex = _thread.allocate_lock()
         # A separate thread, because the robot must stop even if the kernel is busy.
         _thread.start_new_thread(self._watch, ())
 
@@ -222,8 +223,8 @@ class OutgoingTraffic:
         stop, publisher = self._stops.get(endpoint), self._publishers.get(endpoint)
         if stop is not None:
             self._repeat_stops()
-            cut_off = (one.publisher.topic for one in self._removed.values() if one.is_cut_off)
-            if stop.publisher.topic not in cut_off:
+            moving_topics = [other.publisher.topic for other in self._removed.values() if other.is_cut_off]
+            if stop.publisher.topic not in moving_topics:
                 stop.put(cdr)
         elif publisher is not None:
             publisher.put(cdr)
@@ -272,7 +273,7 @@ class OutgoingTraffic:
     def _end_if_stopped(self) -> None:
         # A second caller waits here, because Python must not exit while the first is in the link's
         # library.
-        with self._ending:
+        with self._close_mutex:
             if self._on_end is not None and not any(stop.is_cut_off for stop in self._all_stops()):
                 self._is_open = False
                 self._on_end()

@@ -54,13 +54,13 @@ class BusyWaitTransformer(ast.NodeTransformer):
                 continue
             # `while True: pass` hangs in ROS as well, so it is left alone and reported.
             is_endless = isinstance(loop.test, ast.Constant) and loop.test.value
-            may_end = not is_endless or any(isinstance(part, ast.Break) for part in ast.walk(loop))
+            may_end = not is_endless or any(isinstance(inner, ast.Break) for inner in ast.walk(loop))
             # A condition that awaits lets other coroutines run.
             yields = any(isinstance(p, (ast.Await, ast.Yield, ast.YieldFrom)) for p in ast.walk(loop.test))
             if may_end and not yields:
                 (call,) = ast.parse(_CALL).body
-                for part in ast.walk(call):
-                    ast.copy_location(part, loop)
+                for inserted in ast.walk(call):
+                    ast.copy_location(inserted, loop)
                 loop.body.insert(0, call)
         return node
 
@@ -68,10 +68,10 @@ class BusyWaitTransformer(ast.NodeTransformer):
 def _is_idle(statements: list[ast.stmt]) -> bool:
     """Return whether statements do nothing except leave the loop."""
     return all(
-        isinstance(one, (ast.Pass, ast.Continue, ast.Break))
-        or (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))
-        or (isinstance(one, ast.If) and _is_idle(one.body) and _is_idle(one.orelse))
-        for one in statements
+        isinstance(statement, (ast.Pass, ast.Continue, ast.Break))
+        or (isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant))
+        or (isinstance(statement, ast.If) and _is_idle(statement.body) and _is_idle(statement.orelse))
+        for statement in statements
     )
 
 

@@ -1,6 +1,8 @@
 """Calls in a notebook cell that drive nodes, and nodes that run live between the cells.
 
-Robot time advances during such a call and stands still between calls, unless nodes run live.
+Robot time advances during such a call and stands still between calls, unless nodes run live. Live
+nodes have no thread of their own: an asyncio task in the kernel's event loop drives them in steps
+of 20 ms (`_LiveLoop`), so their callbacks run in the main thread, between the cells.
 """
 
 import asyncio
@@ -98,7 +100,9 @@ def drive_in_cell(seconds: float) -> bool:
         wait_for(never, seconds=seconds)
         return True
     with time_lock.hold(), pace.keep_pace(graph):
-        time_lock.wait(never, until_ns=graph.now_ns + round(seconds * 1e9), what=f"time.sleep({seconds:g})")
+        time_lock.wait(
+            never, until_ns=graph.now_ns + round(seconds * 1e9), awaited=f"time.sleep({seconds:g})"
+        )
     return True
 
 
@@ -109,7 +113,7 @@ def running_nodes() -> list["HandledNode"]:
     """
     from rclpy.executors import RunningNodes
 
-    return current_graph().part(RunningNodes).nodes
+    return current_graph().state(RunningNodes).nodes
 
 
 # Robot time for which live nodes run without a viewer page; the following cells drive them further
@@ -162,7 +166,7 @@ class LiveRun:
         if not self.running:
             return
         self.running = False
-        self._graph.part(_LiveRuns).runs.remove(self)
+        self._graph.state(_LiveRuns).runs.remove(self)
         for node in self.nodes:
             running_nodes().remove(node)
             # A call in a cell may be driving the node at this moment.
@@ -174,8 +178,8 @@ class LiveRun:
     def state(self, note: str = "") -> str:
         """Return a short text: whether it runs, for how long, and a note."""
         seconds = (self._graph.now_ns - self.started_ns) * 1e-9
-        word = "✗ stopped by an error" if self.error else "▶ running" if self.running else "■ stopped"
-        state = f"{word}: {self.name} ({seconds:.1f} s of robot time)"
+        status = "✗ stopped by an error" if self.error else "▶ running" if self.running else "■ stopped"
+        state = f"{status}: {self.name} ({seconds:.1f} s of robot time)"
         return ", ".join(filter(None, (state, note or self.note, self.error)))
 
     def show(self) -> None:
@@ -213,13 +217,13 @@ class LiveRun:
 
     def fail(self, error: Exception) -> None:
         """Stop because a callback raised an exception, which the state then shows."""
-        place = line_of_traceback(error.__traceback__)
+        line = line_of_traceback(error.__traceback__)
         summary = f"{type(error).__name__}: {error}".splitlines()[0][:_LONGEST_ERROR]
-        error_with_line = f"{summary}{place and f' in {place}'}"
+        error_with_line = f"{summary}{line and f' in {line}'}"
         self.error = f"{error_with_line}. Read on below the view."
         self.stop()
         for node in self.nodes:
-            failed = self._graph.part(FailedNodes)
+            failed = self._graph.state(FailedNodes)
             failed.errors[node.handle.full_name] = f"{self.name}: stopped by an error, {error_with_line}"
 
     def _on_stop_click(self) -> None:
@@ -270,10 +274,10 @@ def run_live(*nodes: "Node") -> LiveRun:
     graph = current_graph()
     with executor_with(nodes):
         run = LiveRun(graph, nodes)
-    for former in live_runs(graph):
+    for earlier_run in live_runs(graph):
         # A node has one Stop button only.
-        if not set(nodes).isdisjoint(former.nodes):
-            former.stop()
+        if not set(nodes).isdisjoint(earlier_run.nodes):
+            earlier_run.stop()
     return start_live_run(run)
 
 
@@ -285,7 +289,7 @@ def start_live_run(run: LiveRun) -> LiveRun:
             executor._course_spin_until(graph.now_ns + round(WITHOUT_A_PAGE * 1e9))
             say(f"No page is watching: ran {WITHOUT_A_PAGE:g} s of robot time at full speed.")
     run.started_ns = graph.now_ns
-    live = graph.part(_LiveRuns)
+    live = graph.state(_LiveRuns)
     live.stop_finished()
     live.runs.append(run)
     running_nodes().extend(run.nodes)
@@ -297,7 +301,7 @@ def start_live_run(run: LiveRun) -> LiveRun:
 
 def live_runs(graph: Graph) -> tuple[LiveRun, ...]:
     """List the live runs."""
-    live = graph.part(_LiveRuns)
+    live = graph.state(_LiveRuns)
     live.stop_finished()
     return tuple(live.runs)
 
@@ -312,7 +316,7 @@ def drive_between_cells(graph: Graph) -> None:
     """Drive a graph between the cells even if it has no live runs, because it is linked to a robot."""
     # In `course run` of a notebook there is no event loop; the cells drive the graph.
     with suppress(RuntimeError):
-        graph.part(_LiveRuns).drive(graph)
+        graph.state(_LiveRuns).drive(graph)
 
 
 def drive_threads() -> None:
@@ -358,7 +362,7 @@ class _LiveLoop:
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
-        self._live = graph.part(_LiveRuns)
+        self._live = graph.state(_LiveRuns)
         self._wall_pace = pace.WallPace(graph)
         self._presence = _ViewerPresence()
 
@@ -422,13 +426,13 @@ class _LiveLoop:
 
         Report lines that take long.
         """
-        former, watch.report = watch.report, self._report_busy
+        previous_report, watch.report = watch.report, self._report_busy
         self._graph.pace = self._wall_pace
         try:
             yield
         finally:
             self._graph.pace = None
-            watch.report = former
+            watch.report = previous_report
 
     def _report_busy(self, callback: Callback, line: str) -> None:
         runs = self._live.runs

@@ -161,15 +161,15 @@ class LiveInterrupts:
     @contextmanager
     def handle(self) -> Iterator[None]:
         """Let ■ raise KeyboardInterrupt in a running callback and set `was_pressed`, during the block."""
-        before = signal.signal(signal.SIGINT, self._handle)
+        previous = signal.signal(signal.SIGINT, self._handle)
         self._in_step = True
         try:
             yield
         finally:
             self._in_step = False
             # Otherwise the handler stays installed until `ignore`.
-            if before is not signal.SIG_IGN:
-                signal.signal(signal.SIGINT, before)
+            if previous is not signal.SIG_IGN:
+                signal.signal(signal.SIGINT, previous)
 
     def ignore(self) -> None:
         """Ignore ■ between the cells again, as Jupyter does."""
@@ -186,9 +186,9 @@ class LiveInterrupts:
 @contextmanager
 def interruptible() -> Iterator[None]:
     """Let ■ interrupt the callbacks that a kernel's cell drives, even if the cell awaits."""
-    before: Any = signal.getsignal(signal.SIGINT)
+    previous: Any = signal.getsignal(signal.SIGINT)
     is_main = threading.current_thread() is threading.main_thread()
-    is_of_cell = before is signal.default_int_handler or getattr(before, "__module__", "") == KERNELS
+    is_of_cell = previous is signal.default_int_handler or getattr(previous, "__module__", "") == KERNELS
     if not (is_main and is_of_cell and current_graph().notebook):
         yield
         return
@@ -196,7 +196,7 @@ def interruptible() -> Iterator[None]:
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, previous)
 
 
 def _interrupt(_number: int, frame: FrameType | None) -> None:
@@ -218,12 +218,12 @@ def _interrupt(_number: int, frame: FrameType | None) -> None:
                     raise KeyboardInterrupt
                 return trace
 
-            for one, _line in walk_stack(frame):
+            for caller, _line in walk_stack(frame):
                 # The function that has called the callback.
-                if one.f_code.co_name == "await_or_execute":
+                if caller.f_code.co_name == "await_or_execute":
                     break
-                if is_own(one.f_code.co_filename):
-                    one.f_trace = trace
+                if is_own(caller.f_code.co_filename):
+                    caller.f_trace = trace
             sys.settrace(lambda *_: None)
             return
     raise KeyboardInterrupt
@@ -238,11 +238,11 @@ def keep_signal_handlers() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    former = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    previous = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
-        for number, handler in former.items():
+        for number, handler in previous.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
@@ -256,11 +256,11 @@ def until_interrupted() -> Iterator[None]:
             yield
     except KeyboardInterrupt as interrupt:
         line = line_of_traceback(interrupt.__traceback__)
-        where = line and f", in {line}"
+        location = line and f", in {line}"
         # At the end of a run the interrupt does not come from a user.
         if graph.ended:
             return
-        say(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time{where}.")
+        say(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time{location}.")
 
 
 watch = Watch()

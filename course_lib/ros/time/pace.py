@@ -57,7 +57,7 @@ class Speed:
 
 def speed_of(graph: Graph) -> Speed:
     """Return the speed of a graph's robot time. It applies in real time only."""
-    return graph.part(Speed)
+    return graph.state(Speed)
 
 
 @contextmanager
@@ -90,12 +90,12 @@ class WallPace:
         self._speed = speed_of(graph)
         # Robot time that the wall clock has reached.
         self._allowed_ns = graph.now_ns
-        self._wall = wall.monotonic()
+        self._wall_time = wall.monotonic()
 
     def reached_ns(self, limit: float) -> int:
         """Return the robot time [ns] that the wall clock has reached, at most `limit` [s] later."""
-        before, self._wall = self._wall, wall.monotonic()
-        passed_ns = self._speed.advance_ns(min(self._wall - before, limit))
+        previous, self._wall_time = self._wall_time, wall.monotonic()
+        passed_ns = self._speed.advance_ns(min(self._wall_time - previous, limit))
         self._allowed_ns = max(self._allowed_ns, self._graph.now_ns) + passed_ns
         return self._allowed_ns
 
@@ -104,8 +104,8 @@ class WallPace:
 
         If not, wait a little.
         """
-        before, self._wall = self._wall, wall.monotonic()
-        self._allowed_ns += self._speed.advance_ns(self._wall - before)
+        previous, self._wall_time = self._wall_time, wall.monotonic()
+        self._allowed_ns += self._speed.advance_ns(self._wall_time - previous)
         remaining_seconds = (due_ns - self._allowed_ns) * 1e-9 / self._speed.rate
         if remaining_seconds > 0:
             wall.sleep(min(remaining_seconds, SLICE))

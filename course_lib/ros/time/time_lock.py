@@ -1,9 +1,13 @@
-"""The time lock, which lets one program thread run at a time.
+"""The time lock, which lets one program thread run at a time and decides when robot time advances.
 
-Robot time advances only when all threads of the program wait. The lock passes from thread to thread
-in an order that depends on the program alone, not on the operating system, so a run with threads
-repeats exactly. Ordinary threads, for example a notebook's, hold the lock during calls of the kit
-only.
+With the operating system's scheduler, two runs of a program with threads would differ, and robot
+time could not know whether a thread still computes or waits for it. So all threads of a program
+share this lock. A thread passes it on only in a wait (`TimeLock.wait`): a sleep, a spin, a lock, a
+join. The next holder is the next thread, in the order of creation, whose condition holds. If there
+is none, the waiting thread runs the graph's next event, which advances robot time. So a run depends
+on the program alone and repeats exactly.
+
+Ordinary threads, for example a notebook's, hold the lock during calls of the kit only.
 """
 
 import _thread
@@ -75,11 +79,11 @@ class Wait:
     __slots__ = ("awaited", "deadline_passed", "events_help", "graph", "has_deadline", "ready")
 
     def __init__(
-        self, graph: Graph, ready: Callable[[], bool], what: str, *, events_help: bool = True
+        self, graph: Graph, ready: Callable[[], bool], awaited: str, *, events_help: bool = True
     ) -> None:
         self.graph = graph
         self.ready = ready
-        self.awaited = what
+        self.awaited = awaited
         self.events_help = events_help
         self.has_deadline = False
         self.deadline_passed = False
@@ -257,8 +261,8 @@ class TimeLock:
     ) -> ProgramThread:
         """Create a thread's entry in the order of threads."""
         thread = ProgramThread(next(self._numbers), name=name, main=main, is_ordinary=is_ordinary)
-        maker = self._threads.get(_thread.get_ident())
-        if maker is not None and maker.at_end is not AtEnd.RETURN:
+        creator = self._threads.get(_thread.get_ident())
+        if creator is not None and creator.at_end is not AtEnd.RETURN:
             thread.at_end = AtEnd.SHUT_DOWN
         return thread
 
@@ -266,13 +270,13 @@ class TimeLock:
     def at_end(self, at_end: AtEnd) -> Iterator[None]:
         """Set the effect that the end of the run has on the calling program thread, within a `with` block."""
         me = self._threads[_thread.get_ident()]
-        before, me.at_end = me.at_end, at_end
+        previous, me.at_end = me.at_end, at_end
         me.waits_after_end = me.sleeps_after_end = 0
         me.handlers = {}
         try:
             yield
         finally:
-            me.at_end = before
+            me.at_end = previous
             me.handlers = {}
 
     def handlers(self) -> dict[int, Any] | None:
@@ -295,8 +299,10 @@ class TimeLock:
         self._waiting.append(thread)
 
     def dequeue(self, thread: ProgramThread) -> None:
-        """Remove a queued thread that could not be started."""
-        self._stop_waiting(thread)
+        """Remove a thread whose wait is over, or which could not be started."""
+        if thread in self._waiting:
+            self._waiting.remove(thread)
+        thread.wait = None
 
     def enter(self, me: ProgramThread) -> None:
         """Make the calling thread a program thread. Return when it holds the lock."""
@@ -306,7 +312,7 @@ class TimeLock:
                 self.enqueue(me)
             self._pass_lock(None, me)
         self._await_turn(me)
-        self._stop_waiting(me)
+        self.dequeue(me)
 
     def leave(self, me: ProgramThread) -> None:
         """Make the calling thread an ordinary thread and pass the lock on."""
@@ -321,33 +327,41 @@ class TimeLock:
             self._pass_lock(me, heir)
 
     def wait(
-        self, ready: Callable[[], bool], *, until_ns: int | None, what: str, events_help: bool = True
+        self, ready: Callable[[], bool], *, until_ns: int | None, awaited: str, events_help: bool = True
     ) -> bool:
         """Block the calling program thread until `ready()` or `until_ns` [ns], while other threads run.
 
-        `what` describes the wait in a DeadlockError. `events_help` states whether events alone can
-        end the wait. Returns the final value of `ready()`. Raises a DeadlockError in the main
-        thread if nothing can happen anymore.
+        Args:
+            ready: The condition that ends the wait.
+            until_ns: The robot time that ends it [ns], or None.
+            awaited: Describes in a DeadlockError what the thread waits for.
+            events_help: Whether an event can fulfil the condition. If not, only another thread can.
+
+        Returns:
+            The final value of `ready()`.
+
+        Raises:
+            DeadlockError: Nothing can happen anymore. Raised in the main thread if it waits, too.
         """
         if ready():
             return True
         graph, me = current_graph(), self._threads[_thread.get_ident()]
         me.polls = 0
-        wait = Wait(graph, ready, what, events_help=events_help)
-        outer, me.wait = me.wait, wait
+        wait = Wait(graph, ready, awaited, events_help=events_help)
+        outer_wait, me.wait = me.wait, wait
         alarm = None
         if until_ns is not None:
             wait.has_deadline = True
             alarm = graph.call_at(until_ns, wait.pass_deadline, node=THREADS, entity=me.index)
         try:
             # Otherwise this wait is inside an event, and the outer wait is already queued.
-            if outer is None:
+            if outer_wait is None:
                 self._waiting.append(me)
             self._run_others(me, graph)
         finally:
-            me.wait = outer
-            if outer is None:
-                self._stop_waiting(me)
+            me.wait = outer_wait
+            if outer_wait is None:
+                self.dequeue(me)
             if alarm is not None:
                 alarm.cancel()
         # Without an interrupt, an end or a deadline, only the condition can have ended the wait.
@@ -358,9 +372,9 @@ class TimeLock:
             me.handle_end(sleeps=until_ns is not None)
         return is_ready
 
-    def sleep_until(self, wake_ns: int, what: str) -> None:
+    def sleep_until(self, wake_ns: int, awaited: str) -> None:
         """Block the calling program thread until robot time `wake_ns` [ns]."""
-        self.wait(never, until_ns=wake_ns, what=what)
+        self.wait(never, until_ns=wake_ns, awaited=awaited)
 
     def poll(
         self,
@@ -416,7 +430,7 @@ class TimeLock:
         graph, me = current_graph(), self._threads[_thread.get_ident()]
         while any(thread.waits_in(graph) for thread in self._waiting):
             me.waits_after_end = me.sleeps_after_end = 0
-            self.wait(never, until_ns=None, what="the others' ends")
+            self.wait(never, until_ns=None, awaited="the others' ends")
 
     def interrupt(self, thread: threading.Thread) -> None:
         """Raise KeyboardInterrupt in a program thread, as the end of a run does."""
@@ -425,32 +439,32 @@ class TimeLock:
             state.raises = CtrlC()
 
     def _run_others(self, me: ProgramThread, graph: Graph) -> None:
+        """Run other threads and events until the wait of the calling thread is over."""
         # `wait` has checked the condition immediately before.
-        yielded, can_run = False, graph.ended or me.raises is not None
-        while not can_run or (graph.ended and not yielded):
-            other = self._runnable(me, graph)
-            yielded = True
-            if other is not None:
-                self._hand_over(me, other)
+        can_run = graph.ended or me.raises is not None
+        # Even after the end of the run, other threads get a turn.
+        has_yielded = False
+        while not can_run or (graph.ended and not has_yielded):
+            runnable_thread = self._runnable(me, graph)
+            has_yielded = True
+            if runnable_thread is not None:
+                self._hand_over(me, runnable_thread)
             elif graph.ended:
                 return
             # Ordinary threads may still enter, but time advances only while the main thread calls
             # the kit.
-            elif not any(t.main for t in list(self._threads.values())):
+            elif not any(thread.main for thread in list(self._threads.values())):
                 self.on_stall()
                 self._hand_over(me, None)
             else:
-                if not self._can_events_help(me, graph) or not (graph.advance() or graph.ended):
+                # Usually an event can end the calling thread's own wait, which is checked first.
+                can_events_help = me.wait is not None and me.wait.events_help
+                if not can_events_help:
+                    waits = [t.wait for t in self._waiting if t.wait is not None and t.waits_in(graph)]
+                    can_events_help = any(wait.events_help or wait.has_deadline for wait in waits)
+                if not can_events_help or not (graph.advance() or graph.ended):
                     self._report_deadlock(me, graph)
             can_run = me.can_run(graph)
-
-    def _can_events_help(self, me: ProgramThread, graph: Graph) -> bool:
-        """Return whether an event can end the wait of a thread in a run."""
-        # A shortcut for the usual wait.
-        if me.wait is not None and me.wait.events_help:
-            return True
-        waits = (t.wait for t in self._waiting if t.wait is not None and t.wait.graph is graph)
-        return any(wait.events_help or wait.has_deadline for wait in waits)
 
     def _runnable(self, me: ProgramThread, graph: Graph) -> ProgramThread | None:
         """Find the next thread, in the order after `me`, whose wait is over."""
@@ -461,6 +475,7 @@ class TimeLock:
         return min(runnable, key=lambda thread: (thread.index <= me.index, thread.index), default=None)
 
     def _report_deadlock(self, me: ProgramThread, graph: Graph) -> None:
+        """Set a DeadlockError for the main thread, or for the caller if the main thread does not wait."""
         waits = ", ".join(
             f'thread "{t.name}" waits for {t.wait.awaited}'
             for t in self._waiting
@@ -472,13 +487,13 @@ class TimeLock:
         )
         next((t for t in self._waiting if t.main and t.waits_in(graph)), me).raises = error
 
-    def _hand_over(self, me: ProgramThread, other: ProgramThread | None) -> None:
-        """Pass the lock to `other`, or release it until the main thread is back.
+    def _hand_over(self, me: ProgramThread, heir: ProgramThread | None) -> None:
+        """Pass the lock to `heir`, or release it until the main thread is back.
 
         Block until it returns.
         """
         with self._mutex:
-            self._pass_lock(me, other or self._runnable(me, current_graph()))
+            self._pass_lock(me, heir or self._runnable(me, current_graph()))
         self._await_turn(me)
 
     def _await_turn(self, me: ProgramThread) -> None:
@@ -531,19 +546,19 @@ class TimeLock:
         For a `with` block. No other thread waits for the main thread, so a program that ends in
         `while True: pass` would print nothing.
         """
-        end = _thread.allocate_lock()
-        end.acquire()
-        _thread.start_new_thread(self._watch_main_thread, (graph, end))
+        end_of_block = _thread.allocate_lock()
+        end_of_block.acquire()
+        _thread.start_new_thread(self._watch_main_thread, (graph, end_of_block))
         try:
             yield
         finally:
-            end.release()
+            end_of_block.release()
 
-    def _watch_main_thread(self, graph: Graph, end: _thread.LockType) -> None:
+    def _watch_main_thread(self, graph: Graph, end_of_block: _thread.LockType) -> None:
         from course_lib.ros.tracebacks import line_of_thread
 
         ident, seen_ns, started_at = threading.main_thread().ident or 0, -1, 0.0
-        while not end.acquire(timeout=LOOK):
+        while not end_of_block.acquire(timeout=LOOK):
             me = self._threads.get(ident)
             is_running = me is not None and self._holder is me and me.wait is None
             if not is_running or graph.now_ns != seen_ns:
@@ -563,11 +578,6 @@ class TimeLock:
             self._holder = heir
             if heir is not None:
                 heir.turn.release()
-
-    def _stop_waiting(self, me: ProgramThread) -> None:
-        if me in self._waiting:
-            self._waiting.remove(me)
-        me.wait = None
 
 
 class HeldTimeLock:
@@ -622,9 +632,9 @@ def set_handler(number: int, handler: Any) -> Any:
     if handlers is None:
         return real_signal(number, handler)
     is_main = threading.current_thread() is threading.main_thread()
-    before = real_signal(number, handler) if is_main else handlers.get(number, _default_handler(number))
+    previous = real_signal(number, handler) if is_main else handlers.get(number, _default_handler(number))
     handlers[number] = handler
-    return before
+    return previous
 
 
 def get_handler(number: int) -> Any:

@@ -1,8 +1,11 @@
 """Robot time behind the names of the standard library: `time`, sleeps, locks, threads and asyncio.
 
-Installed once. Every replacement checks whether the calling thread is a program thread; for all
-other threads it calls the original, so Jupyter's own threads keep to the wall clock. Waiting for a
-lock passes the time lock on.
+ROS programs are ordinary Python: they call `time.sleep`, start threads, wait for events and put
+messages into queues. Each such wait must be a wait for robot time, because a thread that blocks in
+the operating system would keep the time lock, and robot time would never advance again. So these
+functions and classes are replaced, once, for the whole process. Every replacement checks whether
+the calling thread is a program thread; for all other threads it calls the original, so Jupyter's
+own threads keep to the wall clock.
 """
 
 import _thread
@@ -58,8 +61,8 @@ def install() -> None:
         (threading, "_allocate_lock", make_waiter),
         # threading imports the function under this name, as queue does.
         (threading, "_time", time.monotonic),
-        (threading.Thread, "start", _start),
-        (threading.Thread, "join", _join),
+        (threading.Thread, "start", _start_thread),
+        (threading.Thread, "join", _join_thread),
         (queue, "time", time.monotonic),
         (queue, "SimpleQueue", SimpleQueue),
         (selectors.DefaultSelector, "select", _select),
@@ -113,7 +116,7 @@ def _sleep(*args: float) -> None:
         time_lock.sleep_until(current_graph().now_ns + round(seconds * 1e9), f"time.sleep({seconds:g})")
 
 
-def _start(thread: threading.Thread) -> None:
+def _start_thread(thread: threading.Thread) -> None:
     """Start a thread.
 
     A thread started by a program thread is a program thread from its first line on.
@@ -151,13 +154,13 @@ def _start(thread: threading.Thread) -> None:
         raise
 
 
-def _join(thread: threading.Thread, timeout: float | None = None) -> None:
+def _join_thread(thread: threading.Thread, timeout: float | None = None) -> None:
     program_thread: ProgramThread | None = getattr(thread, "_program_thread", None)
     if program_thread is not None and time_lock.is_program_thread():
         until_ns = None if timeout is None else current_graph().now_ns + round(max(timeout, 0) * 1e9)
         awaited = f'the end of thread "{thread.name}"'
         if not time_lock.wait(
-            lambda: program_thread.done, until_ns=until_ns, what=awaited, events_help=False
+            lambda: program_thread.done, until_ns=until_ns, awaited=awaited, events_help=False
         ):
             return
     _real_join(thread, timeout)
@@ -171,7 +174,7 @@ def _select(selector: Any, timeout: float | None = None) -> Any:
     if ready or (timeout is not None and timeout <= 0):
         return ready
     until_ns = None if timeout is None else current_graph().now_ns + round(timeout * 1e9)
-    time_lock.wait(lambda: bool(_real_select(selector, 0)), until_ns=until_ns, what="asyncio")
+    time_lock.wait(lambda: bool(_real_select(selector, 0)), until_ns=until_ns, awaited="asyncio")
     return _real_select(selector, 0)
 
 
@@ -230,7 +233,7 @@ class ProgramLock:
             is_free = time_lock.wait(
                 lambda: not self._real.locked() or self._is_held_outside(),
                 until_ns=until_ns,
-                what="a lock",
+                awaited="a lock",
                 events_help=False,
             )
             if not is_free and (until_ns is not None or self._returns_at_end):

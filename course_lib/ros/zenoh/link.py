@@ -41,9 +41,9 @@ from course_lib.ros.zenoh.tokens import (
     ADMIN,
     CODES,
     ZenohEntity,
-    attachment,
+    decode_attachment,
+    encode_attachment,
     key_expr_of,
-    read_attachment,
     read_token,
 )
 
@@ -95,8 +95,8 @@ class ZenohPublisher(ZenohDeclaration):
     def put(self, cdr: bytes, source_ns: int = 0) -> None:
         """Publish a message; may be called from any thread. Its source time is now by default."""
         if self._link.is_open and self._declarations:
-            extra = attachment(next(self._sequence), self._gid, source_ns or wall.time_ns())
-            self._publisher.put(cdr, attachment=extra)
+            attachment = encode_attachment(next(self._sequence), self._gid, source_ns or wall.time_ns())
+            self._publisher.put(cdr, attachment=attachment)
 
 
 class ZenohClient(ZenohDeclaration):
@@ -122,9 +122,9 @@ class ZenohClient(ZenohDeclaration):
             if next(replies) == 0:
                 actions.put(partial(on_reply, None))
 
-        extra = attachment(next(self._sequence), self._gid, wall.time_ns())
+        attachment = encode_attachment(next(self._sequence), self._gid, wall.time_ns())
         handler = self._link.handlers.direct(on_zenoh_reply, on_end)
-        self._querier.get(handler, payload=cdr, attachment=extra)
+        self._querier.get(handler, payload=cdr, attachment=attachment)
 
 
 class ZenohLink:
@@ -201,18 +201,18 @@ class ZenohLink:
     def domains(self) -> list[int]:
         """List the domains with nodes."""
         replies = self._session.liveliness().get(f"{ADMIN}/*/**", timeout=QUERY_SECONDS)
-        found = (read_token(str(reply.ok.key_expr)) for reply in replies if reply.ok is not None)
-        return sorted({entity.domain for entity in found if entity is not None})
+        entities = (read_token(str(reply.ok.key_expr)) for reply in replies if reply.ok is not None)
+        return sorted({entity.domain for entity in entities if entity is not None})
 
     def no_nodes_message(self) -> str:
         """Return a message for a domain without nodes, which lists the domains with nodes."""
-        others = self.domains()
-        if not others:
+        domains = self.domains()
+        if not domains:
             return f"There are no nodes in domain {self.domain} yet."
-        names = ", ".join(map(str, others))
+        names = ", ".join(map(str, domains))
         return (
             f"There are no nodes in domain {self.domain}, but in domain {names}: "
-            f"connect with --domain {others[0]}."
+            f"connect with --domain {domains[0]}."
         )
 
     def network_topic(self, topic: str) -> str:
@@ -311,7 +311,7 @@ class ZenohLink:
 
         def on_query(query: zenoh.Query) -> None:
             try:
-                sequence, _, gid = read_attachment(bytes(query.attachment or b""))
+                sequence, _, gid = decode_attachment(bytes(query.attachment or b""))
             except ValueError:
                 # Leaving the context ends the query without a reply.
                 with query:
@@ -320,8 +320,8 @@ class ZenohLink:
             def send_reply(cdr: bytes) -> None:
                 # Leaving the context indicates to the client that no further replies follow.
                 with query:
-                    extra = attachment(sequence, gid, wall.time_ns())
-                    query.reply(entity.key_expr, cdr, attachment=extra)
+                    attachment = encode_attachment(sequence, gid, wall.time_ns())
+                    query.reply(entity.key_expr, cdr, attachment=attachment)
 
             self.actions.put(partial(on_request, bytes(query.payload or b""), send_reply))
 
@@ -347,7 +347,7 @@ class ZenohLink:
             # Other Zenoh programs may use the same key; only messages of ROS have an attachment.
             return
         try:
-            sequence, source_ns, gid = read_attachment(bytes(sample.attachment))
+            sequence, source_ns, gid = decode_attachment(bytes(sample.attachment))
         except ValueError:
             self._old_attachments += 1
             return

@@ -34,14 +34,14 @@ class Login:
 
     def settings(self, address: str) -> dict[str, Any]:
         """Return Zenoh's settings: the login and, for TLS, the certificates that this computer trusts."""
-        found: dict[str, Any] = {}
+        settings: dict[str, Any] = {}
         if self.name:
-            found["transport/auth/usrpwd"] = {"user": self.name, "password": self.token}
+            settings["transport/auth/usrpwd"] = {"user": self.name, "password": self.token}
         # The environment variable SSL_CERT_FILE overrides the default.
-        trusted = ssl.get_default_verify_paths().cafile
-        if address.startswith("tls/") and trusted:
-            found["transport/link/tls"] = {"root_ca_certificate": trusted}
-        return found
+        certificates = ssl.get_default_verify_paths().cafile
+        if address.startswith("tls/") and certificates:
+            settings["transport/link/tls"] = {"root_ca_certificate": certificates}
+        return settings
 
     def network_topic(self, topic: str) -> str:
         """Return the topic on which this user's messages are sent; for students, in their namespace."""
@@ -72,8 +72,8 @@ def read_gateway_key(key: str) -> tuple[str, list[str]]:
 
 def split_login(address: str) -> tuple[str, Login]:
     """Split an address into the address without the login, and the login."""
-    found = re.fullmatch(r"(\w+/)(\w+):([\w-]+)@(.+)", address)
-    return (found[1] + found[4], Login(found[2], found[3])) if found else (address, NO_LOGIN)
+    match = re.fullmatch(r"(\w+/)(\w+):([\w-]+)@(.+)", address)
+    return (match[1] + match[4], Login(match[2], match[3])) if match else (address, NO_LOGIN)
 
 
 class DriverLock:
@@ -90,20 +90,20 @@ class DriverLock:
         self._driver: str | None = None
         # The topics that the gateway forwards.
         self._topics: Sequence[str] = ()
-        # By topic: whether it was reported as not forwarded.
-        self._sent: dict[str, bool] = {}
+        # By sent topic: whether it was reported as not forwarded.
+        self._reported: dict[str, bool] = {}
 
     def change(self, driver: str, topics: Sequence[str]) -> None:
         """Set the driver and the topics that the gateway forwards."""
         has_changed = driver != self._driver
         self._driver, self._topics = driver, topics
-        for topic in tuple(self._sent) if has_changed else ():
+        for topic in tuple(self._reported) if has_changed else ():
             self._explain(topic)
 
     def on_sent(self, topic: str) -> None:
         """Record that a message on a topic has been sent."""
-        if topic not in self._sent:
-            self._sent[topic] = False
+        if topic not in self._reported:
+            self._reported[topic] = False
             self._explain(topic)
 
     def status_rows(self) -> list[tuple[str, object]]:
@@ -117,30 +117,26 @@ class DriverLock:
         if self._driver is None or network_topic == topic:
             return
         if topic not in self._topics:
-            if not self._sent[topic]:
+            if not self._reported[topic]:
                 self._report(
                     f"The gateway does not pass {topic} on to the robot: others hear it as {network_topic}."
                 )
-            self._sent[topic] = True
+            self._reported[topic] = True
         elif self._driver != self._login.name:
             self._report(
                 f"{self._driver or 'Nobody'} drives: your {topic} is not passed on to the robot. The "
                 "instructor chooses the driver."
             )
-            self._sent[topic] = True
-        elif self._sent[topic]:
+            self._reported[topic] = True
+        elif self._reported[topic]:
             self._report(f"You drive now: your {topic} goes to the robot.")
-            self._sent[topic] = False
+            self._reported[topic] = False
 
 
 OPEN_SECONDS = 3.0  # [s] timeout of a router's answer
 CALL_SECONDS = 600.0  # [s] timeout of a service call, as in rmw_zenoh
 # Timeout of running handlers at the end, and the polling period.
 END_SECONDS, POLL_SECONDS = 2.0, 0.005
-
-
-def _nothing() -> None:
-    """Do nothing."""
 
 
 class Handlers:
@@ -153,28 +149,29 @@ class Handlers:
     """
 
     def __init__(self) -> None:
-        self.alive, self._mutex = 0, _thread.allocate_lock()
+        self.alive_count, self._mutex = 0, _thread.allocate_lock()
 
     def direct(
         self,
         function: Callable[[Any], None],
-        end: Callable[[], None] = _nothing,
+        on_end: Callable[[], None] | None = None,
     ) -> "Callback[Any]":
-        """Return a handler for `function`. `end` is called after the last call."""
+        """Return a handler for `function`. `on_end` is called after the last call."""
         with self._mutex:
-            self.alive += 1
+            self.alive_count += 1
 
         def on_drop() -> None:
-            end()
+            if on_end is not None:
+                on_end()
             with self._mutex:
-                self.alive -= 1
+                self.alive_count -= 1
 
         return Callback(function, on_drop, indirect=False)
 
     def wait(self, seconds: float = END_SECONDS) -> None:
         """Wait until all handlers have been dropped, at most `seconds`."""
-        end = wall.monotonic() + seconds
-        while self.alive and wall.monotonic() < end:
+        deadline = wall.monotonic() + seconds
+        while self.alive_count and wall.monotonic() < deadline:
             wall.sleep(POLL_SECONDS)
 
 

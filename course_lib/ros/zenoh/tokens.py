@@ -81,7 +81,7 @@ class ZenohEntity:
         parts = [ADMIN, str(self.domain), self.zid, str(self.node_id), str(self.id), self.code]
         parts += [_mangle(self.enclave), _mangle(self.namespace), self.node]
         if self.code != "NN":
-            parts += [_mangle(self.topic), dds_name(self.type_name), self.type_hash, qos_text(self.qos)]
+            parts += [_mangle(self.topic), dds_name(self.type_name), self.type_hash, encode_qos(self.qos)]
         return "/".join(parts)
 
     @property
@@ -122,7 +122,7 @@ def read_token(key: str) -> ZenohEntity | None:
             _demangle(topic),
             ros_name(type_name),
             type_hash,
-            read_qos(qos),
+            decode_qos(qos),
             _demangle(parts[6]),
         )
     except ValueError:
@@ -130,47 +130,47 @@ def read_token(key: str) -> ZenohEntity | None:
         return None
 
 
-def qos_text(qos: Qos) -> str:
+def encode_qos(qos: Qos) -> str:
     """Encode a QoS. Default values are omitted: `2::,5:,:,:,,` is best effort with depth 5."""
     depth = "" if qos.depth in (0, DEFAULT_DEPTH) else str(qos.depth)
     parts = (
         _encode_policy(_RELIABILITY, qos.reliability),
         _encode_policy(_DURABILITY, qos.durability),
         f"{_encode_policy(_HISTORY, qos.history)},{depth}",
-        _span_text(qos.deadline_ns),
-        _span_text(qos.lifespan_ns),
-        f"{_encode_policy(_LIVELINESS, qos.liveliness)},{_span_text(qos.lease_ns)}",
+        _encode_span(qos.deadline_ns),
+        _encode_span(qos.lifespan_ns),
+        f"{_encode_policy(_LIVELINESS, qos.liveliness)},{_encode_span(qos.lease_ns)}",
     )
     return ":".join(parts)
 
 
-def read_qos(text: str) -> Qos:
+def decode_qos(text: str) -> Qos:
     """Decode a QoS.
 
     Raises:
         ValueError: The string is not an encoded QoS.
     """
-    reliability, durability, kept, deadline, lifespan, alive = text.split(":")
-    history, depth = kept.split(",")
-    liveliness, lease = alive.split(",", 1)
+    reliability, durability, history_policy, deadline, lifespan, liveliness_policy = text.split(":")
+    history, depth = history_policy.split(",")
+    liveliness, lease = liveliness_policy.split(",", 1)
     return Qos(
         history=cast('Literal["keep_last", "keep_all"]', _decode_policy(_HISTORY, history)),
         depth=int(depth or DEFAULT_DEPTH),
         reliability=cast('Literal["reliable", "best_effort"]', _decode_policy(_RELIABILITY, reliability)),
         durability=cast('Literal["volatile", "transient_local"]', _decode_policy(_DURABILITY, durability)),
-        deadline_ns=_read_span(deadline),
-        lifespan_ns=_read_span(lifespan),
+        deadline_ns=_decode_span(deadline),
+        lifespan_ns=_decode_span(lifespan),
         liveliness=cast('Literal["automatic", "manual_by_topic"]', _decode_policy(_LIVELINESS, liveliness)),
-        lease_ns=_read_span(lease),
+        lease_ns=_decode_span(lease),
     )
 
 
-def attachment(sequence: int, gid: bytes, source_ns: int) -> bytes:
+def encode_attachment(sequence: int, gid: bytes, source_ns: int) -> bytes:
     """Return the attachment of a message, request or reply. Sequence numbers start at 1."""
     return ATTACHMENT.pack(sequence, source_ns, GID_BYTES, gid)
 
 
-def read_attachment(data: bytes) -> tuple[int, int, bytes]:
+def decode_attachment(data: bytes) -> tuple[int, int, bytes]:
     """Decode an attachment into sequence number, time [ns] and GID.
 
     Raises:
@@ -211,11 +211,15 @@ def _decode_policy(codes: Mapping[str, str], text: str) -> str:
     return {code: value for value, code in codes.items()}.get(text, next(iter(codes)))
 
 
-def _span_text(duration_ns: int | None) -> str:
+def _encode_span(duration_ns: int | None) -> str:
     span = INFINITE if duration_ns is None else divmod(duration_ns, 10**9)
-    return ",".join("" if part == most else str(part) for part, most in zip(span, INFINITE, strict=True))
+    return ",".join(
+        "" if value == infinite else str(value) for value, infinite in zip(span, INFINITE, strict=True)
+    )
 
 
-def _read_span(text: str) -> int | None:
-    seconds, rest = (int(part or most) for part, most in zip(text.split(","), INFINITE, strict=True))
-    return None if (seconds, rest) == INFINITE else seconds * 10**9 + rest
+def _decode_span(text: str) -> int | None:
+    seconds, nanoseconds = (
+        int(value or infinite) for value, infinite in zip(text.split(","), INFINITE, strict=True)
+    )
+    return None if (seconds, nanoseconds) == INFINITE else seconds * 10**9 + nanoseconds

@@ -76,7 +76,7 @@ def _show(view: RqtView) -> None:
     """
     from IPython.display import display
 
-    opened = current_graph().part(OpenViews).by_words
+    opened = current_graph().state(OpenViews).by_words
     key = (view.name, *view.words)
     # A cell that is run again replaces its view.
     if key in opened:

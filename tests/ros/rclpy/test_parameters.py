@@ -237,7 +237,7 @@ def call_service(node: Node, kind: Any, name: str, **request: Any) -> Any:
     future = client.call_async(kind.Request(**request))
     executor = rclpy.get_global_executor()
     executor.add_node(node)
-    for one in current_graph().part(OwnNodes).by_id.values():
+    for one in current_graph().state(OwnNodes).by_id.values():
         executor.add_node(one)
     executor.spin_until_future_complete(future)
     return future.result()

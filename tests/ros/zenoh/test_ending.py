@@ -56,7 +56,7 @@ def test_all_handlers_have_ended_when_a_link_is_closed(kits: Kits) -> None:
     serve(student, "/reset")
     kits.leave(student)
     assert isinstance(student.link, ZenohLink)
-    assert student.link.handlers.alive == 0
+    assert student.link.handlers.alive_count == 0
 
 
 def test_second_close_of_a_link_waits_for_the_first() -> None:

@@ -24,7 +24,7 @@ from course_lib.ros.robot.subscriptions import (
 )
 from course_lib.ros.time import wall
 from course_lib.ros.zenoh.session import open_session
-from course_lib.ros.zenoh.tokens import attachment, key_expr_of
+from course_lib.ros.zenoh.tokens import encode_attachment, key_expr_of
 from course_lib.tools.sources import GraphSource
 from tests.patience import PATIENCE
 from tests.processes import Program
@@ -176,7 +176,7 @@ def test_clock_offset_of_the_robot_is_measured_and_reported(kits: Kits, skew: fl
         out = robot.declare_publisher(key_expr_of(0, "/chatter", STRING, type_hash(STRING)))
 
         def told() -> bool:
-            extra = attachment(1, bytes(16), wall.time_ns() + int(skew * 1e9))
+            extra = encode_attachment(1, bytes(16), wall.time_ns() + int(skew * 1e9))
             out.put(serialize(String()), attachment=extra)
             return any("clock" in line for line in kits.lines)
 

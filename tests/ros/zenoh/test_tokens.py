@@ -5,10 +5,10 @@ import pytest
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.zenoh.tokens import (
     ZenohEntity,
-    attachment,
-    qos_text,
-    read_attachment,
-    read_qos,
+    decode_attachment,
+    decode_qos,
+    encode_attachment,
+    encode_qos,
     read_token,
 )
 
@@ -76,19 +76,19 @@ def test_key_expressions_of_topics_and_services_agree_with_the_design_page() -> 
     ],
 )
 def test_qos_survives_a_round_trip(qos: Qos, text: str) -> None:
-    assert qos_text(qos) == text
-    assert read_qos(text) == qos
+    assert encode_qos(qos) == text
+    assert decode_qos(text) == qos
 
 
 def test_attachment_has_33_bytes() -> None:
-    data = attachment(3, bytes(range(16)), 1_700_000_000_000_000_000)
+    data = encode_attachment(3, bytes(range(16)), 1_700_000_000_000_000_000)
     assert data.hex() == "0300000000000000" + "00002a36fe9c9717" + "10" + bytes(range(16)).hex()
-    assert read_attachment(data) == (3, 1_700_000_000_000_000_000, bytes(range(16)))
+    assert decode_attachment(data) == (3, 1_700_000_000_000_000_000, bytes(range(16)))
 
 
 def test_older_attachment_format_is_rejected() -> None:
     with pytest.raises(ValueError, match="49 bytes instead of 33"):
-        read_attachment(bytes(49))
+        decode_attachment(bytes(49))
 
 
 def test_gid_is_the_hash_of_the_token_with_the_low_half_first() -> None:

@@ -122,7 +122,7 @@ class _LaunchNode:
 
     def __init__(self) -> None:
         self.id = current_graph().add_node("launch_ros", "/")
-        current_graph().part(NodesOfProgram).ids.add(self.id)
+        current_graph().state(NodesOfProgram).ids.add(self.id)
 
 
 class _LifecycleLink:
@@ -141,7 +141,7 @@ class _LifecycleLink:
         self._graph, self._qos = current_graph(), Qos()
         # The requested transitions in the order of their requests.
         self._requested: list[int] = []
-        node = self._graph.part(_LaunchNode).id
+        node = self._graph.state(_LaunchNode).id
 
         def on_event(cdr: bytes, source_ns: int, received_ns: int) -> None:
             on_transition(deserialize(cdr, TransitionEvent))

@@ -223,12 +223,12 @@ class Clock:
         if until.clock_type != self.clock_type:
             raise ValueError("until's clock type does not match this clock's type")
         sleep, overridden = _Sleep(self.handle, until.nanoseconds), self.handle.is_overridden
-        what = f"{self!r}.sleep_until{', which follows /clock' if overridden else ''}"
+        awaited = f"{self!r}.sleep_until{', which follows /clock' if overridden else ''}"
         with time_lock.hold(), self.create_jump_callback(_WAKES, post_callback=sleep.note):
             time_lock.wait(
                 lambda: sleep.is_over or context.is_shut_down,
                 until_ns=None if overridden else until.nanoseconds,
-                what=what,
+                awaited=awaited,
             )
         return context.is_valid and not sleep.changed and self.handle.now_ns >= until.nanoseconds
 

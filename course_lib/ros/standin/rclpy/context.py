@@ -50,12 +50,12 @@ class Context(AbstractContextManager["Context"]):
         except RCLInvalidROSArgsError as error:
             raise RCLError(f"{NOT_INITIALIZED}{str(error).removeprefix(INVALID_ARGUMENTS)}") from None
         self.__domain_id = domain_id
-        current_graph().part(LogLevels).by_logger |= self.arguments.log_levels
+        current_graph().state(LogLevels).by_logger |= self.arguments.log_levels
         self.__initialized = True
         if time_lock.is_interrupted_by_end() and not self.graph.ended:
             handlers = time_lock.handlers()
             self.__program_handlers = {} if handlers is None else handlers
-        current_graph().part(Contexts).initialized.append(self)
+        current_graph().state(Contexts).initialized.append(self)
 
     @property
     def is_valid(self) -> bool:
@@ -125,7 +125,7 @@ class Context(AbstractContextManager["Context"]):
         It does not if `rclpy.init` installed no handler, or if the program has installed its own
         instead.
         """
-        if self.__program_handlers is None or not self.graph.part(Contexts).handles_interrupts:
+        if self.__program_handlers is None or not self.graph.state(Contexts).handles_interrupts:
             return False
         return not callable(self.__program_handlers.get(signal.SIGINT))
 
@@ -178,7 +178,7 @@ def get_default_context(*, shutting_down: bool = False) -> Context:
 
     After a call with `shutting_down`, the next call creates a new one.
     """
-    contexts = current_graph().part(Contexts)
+    contexts = current_graph().state(Contexts)
     context = contexts.default or Context()
     contexts.default = None if shutting_down else context
     return context

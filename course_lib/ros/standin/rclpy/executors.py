@@ -244,7 +244,7 @@ class Executor(AbstractContextManager["Executor"]):
             return self._course_can_work() or ready()
 
         while not ready() and (until_ns is None or graph.now_ns <= until_ns):
-            if not time_lock.wait(something_to_do, until_ns=until_ns, what="a timer or a message"):
+            if not time_lock.wait(something_to_do, until_ns=until_ns, awaited="a timer or a message"):
                 return
             self._spin_once_impl(0, never)
 
@@ -262,7 +262,7 @@ class Executor(AbstractContextManager["Executor"]):
     @contextmanager
     def _course_beside_live(self) -> Iterator[None]:
         """Run the live nodes as well during the block, at the selected pace."""
-        running = current_graph().part(RunningNodes).nodes
+        running = current_graph().state(RunningNodes).nodes
         with self._course_joined_by(running), pace.keep_pace(self.context.graph):
             yield
 
@@ -369,7 +369,7 @@ class Executor(AbstractContextManager["Executor"]):
                 task = self._course_next_task()
                 if task is not None or limit_ns == 0:
                     return task
-                if not time_lock.wait(is_over, until_ns=until_ns, what=self.__awaited):
+                if not time_lock.wait(is_over, until_ns=until_ns, awaited=self.__awaited):
                     break
         finally:
             waits.is_running = False
@@ -571,7 +571,9 @@ class MultiThreadedExecutor(Executor):
         limit_ns = timeout_sec_to_nsec(timeout_sec)
         until_ns = None if limit_ns < 0 else self.context.graph.now_ns + limit_ns
         with time_lock.hold():
-            return time_lock.wait(lambda: not self.__running, until_ns=until_ns, what="callbacks under way")
+            return time_lock.wait(
+                lambda: not self.__running, until_ns=until_ns, awaited="callbacks under way"
+            )
 
     def _spin_once_impl(self, limit_ns: int, condition: Callable[[], bool]) -> None:
         # As in rclpy, where only the other executor raises it.
@@ -621,7 +623,7 @@ class _Global:
 
 def get_global_executor() -> Executor:
     """Return the executor that `spin` uses if none is passed."""
-    holder = current_graph().part(_Global)
+    holder = current_graph().state(_Global)
     if holder.executor is None or (not holder.executor.context.is_valid and get_default_context().is_valid):
         holder.executor = SingleThreadedExecutor()
         holder.executor.context.on_shutdown(_drop_global_executor)
@@ -629,7 +631,7 @@ def get_global_executor() -> Executor:
 
 
 def _drop_global_executor() -> None:
-    holder = current_graph().part(_Global)
+    holder = current_graph().state(_Global)
     if holder.executor is not None:
         holder.executor.shutdown()
         holder.executor = None
@@ -643,7 +645,7 @@ def wait_driving_live_nodes(ready: Callable[[], bool], *, seconds: float | None)
     graph = current_graph()
     until_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     executor = get_global_executor()
-    with executor._course_joined_by(graph.part(RunningNodes).nodes), pace.keep_pace(graph):
+    with executor._course_joined_by(graph.state(RunningNodes).nodes), pace.keep_pace(graph):
         executor._course_spin_until(until_ns, ready)
     return ready()
 
@@ -658,9 +660,9 @@ def wait_until(
 
     In a notebook, live nodes run during the wait.
     """
-    if current_graph().part(RunningNodes).nodes and threading.current_thread() is threading.main_thread():
+    if current_graph().state(RunningNodes).nodes and threading.current_thread() is threading.main_thread():
         wait_driving_live_nodes(ready, seconds=timeout_sec)
         return
     until_ns = None if timeout_sec is None else node.graph.now_ns + round(timeout_sec * 1e9)
     with time_lock.hold():
-        time_lock.wait(ready, until_ns=until_ns, what=awaited)
+        time_lock.wait(ready, until_ns=until_ns, awaited=awaited)

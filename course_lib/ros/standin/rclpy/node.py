@@ -149,7 +149,7 @@ class Node:
         context = context or get_default_context()
         if not context.is_valid:
             error = NotInitializedException("cannot create node")
-            raise marked(error, Mistake.SHUT_DOWN) if current_graph().part(Contexts).initialized else error
+            raise marked(error, Mistake.SHUT_DOWN) if current_graph().state(Contexts).initialized else error
         local = parse(cli_args or [])
         for warning in local.warnings:
             get_logger("rcl").warning(warning)
@@ -167,7 +167,7 @@ class Node:
         self.__rosout = self.create_publisher(Log, "/rosout", _ROSOUT) if enable_rosout else None
         if self.__rosout is not None:
             self._course_hide(self.__rosout)
-            current_graph().part(Rosout).publish.setdefault(self.handle.logger_name, self.__publish_log)
+            current_graph().state(Rosout).publish.setdefault(self.handle.logger_name, self.__publish_log)
         events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         overrides = arguments.parameters(self.handle.full_name)
         overrides |= {parameter.name: parameter for parameter in parameter_overrides or []}
@@ -249,7 +249,7 @@ class Node:
 
         In a notebook it replaces a node of the same name; elsewhere ROS's warning is logged.
         """
-        nodes, name = current_graph().part(OwnNodes).by_id, self.handle.full_name
+        nodes, name = current_graph().state(OwnNodes).by_id, self.handle.full_name
         namesakes = [other for other in nodes.values() if other.handle.full_name == name]
         nodes[self.handle.id] = self
         if namesakes and not self.handle.graph.notebook:
@@ -260,8 +260,8 @@ class Node:
                 other.destroy_node()
 
     def __leave_graph(self) -> None:
-        current_graph().part(OwnNodes).by_id.pop(self.handle.id, None)
-        rosout = current_graph().part(Rosout).publish
+        current_graph().state(OwnNodes).by_id.pop(self.handle.id, None)
+        rosout = current_graph().state(Rosout).publish
         if rosout.get(self.handle.logger_name) == self.__publish_log:
             del rosout[self.handle.logger_name]
         self.handle.leave()

@@ -29,7 +29,7 @@ _former: dict[int, Any] = {}
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
     """Install the handlers. Do nothing outside the main thread, where Python does not allow it."""
-    current_graph().part(Contexts).handles_interrupts = SignalHandlerOptions.SIGINT in options
+    current_graph().state(Contexts).handles_interrupts = SignalHandlerOptions.SIGINT in options
     if threading.current_thread() is not threading.main_thread():
         return
     for option in (SignalHandlerOptions.SIGINT, SignalHandlerOptions.SIGTERM):
@@ -40,7 +40,7 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
 
 def uninstall_signal_handlers() -> None:
     """Restore the previous handlers, except where the program has replaced rclpy's handler."""
-    current_graph().part(Contexts).handles_interrupts = False
+    current_graph().state(Contexts).handles_interrupts = False
     if threading.current_thread() is threading.main_thread():
         for number, former in _former.items():
             if real_getsignal(number) is _handle:
@@ -48,7 +48,7 @@ def uninstall_signal_handlers() -> None:
 
 
 def _handle(number: int, frame: FrameType | None) -> None:
-    for context in current_graph().part(Contexts).initialized:
+    for context in current_graph().state(Contexts).initialized:
         context.invalidate()
     time_lock.record_signal()
     former = _former.get(number)

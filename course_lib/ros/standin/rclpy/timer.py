@@ -250,7 +250,7 @@ class Rate:
         self.__sleepers += 1
         try:
             with time_lock.hold():
-                time_lock.wait(wakes, until_ns=None, what=awaited)
+                time_lock.wait(wakes, until_ns=None, awaited=awaited)
         except KeyboardInterrupt:
             self.__remind(sleeper)
             raise

@@ -179,7 +179,7 @@ class Buffer(BufferInterface):
                 until_ns = graph.now_ns + timeout.nanoseconds
                 with time_lock.hold():
                     awaited = "a transform, for which another thread has to spin the listener's node"
-                    time_lock.wait(lambda: ask() is None, until_ns=until_ns, what=awaited)
+                    time_lock.wait(lambda: ask() is None, until_ns=until_ns, awaited=awaited)
         return ask()
 
 

@@ -118,7 +118,7 @@ class NodeHandle:
         self.namespace = namespace
         self.arguments = arguments
         self.id = self.graph.add_node(name, namespace)
-        self.graph.part(NodesOfProgram).ids.add(self.id)
+        self.graph.state(NodesOfProgram).ids.add(self.id)
         self._executor: weakref.ref[NodeExecutor] | None = None
         self.is_destroyed = False
         # Whether the node has left the graph: it was destroyed or replaced, or its context was shut
@@ -135,9 +135,9 @@ class NodeHandle:
     @executor.setter
     def executor(self, executor: NodeExecutor | None) -> None:
         self._executor = None if executor is None else weakref.ref(executor)
-        self.graph.part(UnspunNodes).names.pop(self.id, None)
+        self.graph.state(UnspunNodes).names.pop(self.id, None)
         if executor is not None:
-            self.graph.part(FailedNodes).errors.pop(self.full_name, None)
+            self.graph.state(FailedNodes).errors.pop(self.full_name, None)
 
     @property
     def full_name(self) -> str:
@@ -166,14 +166,14 @@ class NodeHandle:
         """Remove the node from the graph and discard its ready entities."""
         self.has_left = True
         self.graph.remove_node(self.id)
-        self.graph.part(NodesOfProgram).ids.discard(self.id)
-        self.graph.part(UnspunNodes).names.pop(self.id, None)
+        self.graph.state(NodesOfProgram).ids.discard(self.id)
+        self.graph.state(UnspunNodes).names.pop(self.id, None)
         self._ready.clear()
 
     def note_work(self) -> None:
         """Record that a timer or message is ready although no executor spins the node, for a warning."""
         if self._executor is None and not self.has_left:
-            self.graph.part(UnspunNodes).names[self.id] = self.full_name
+            self.graph.state(UnspunNodes).names[self.id] = self.full_name
 
     def next_entity(self) -> int:
         """Return the number of the next entity of the node, which orders simultaneous events."""

@@ -82,18 +82,18 @@ class RcutilsLogger:
 
     def set_level(self, level: LoggingSeverity | int) -> None:
         """Set the lowest severity that is logged. UNSET restores the inherited level."""
-        current_graph().part(LogLevels).by_logger[self.name] = LoggingSeverity(level)
+        current_graph().state(LogLevels).by_logger[self.name] = LoggingSeverity(level)
 
     @property
     def level(self) -> LoggingSeverity:
         """The level that was set for this logger; UNSET if none was set."""
         return LoggingSeverity(
-            current_graph().part(LogLevels).by_logger.get(self.name, LoggingSeverity.UNSET)
+            current_graph().state(LogLevels).by_logger.get(self.name, LoggingSeverity.UNSET)
         )
 
     def get_effective_level(self) -> LoggingSeverity:
         """Return the level of this logger or of the nearest ancestor that has one; INFO by default."""
-        levels = current_graph().part(LogLevels).by_logger
+        levels = current_graph().state(LogLevels).by_logger
         ancestor_levels = (levels[name] for name in _with_ancestors(self.name) if levels.get(name))
         return LoggingSeverity(next(ancestor_levels, LoggingSeverity.INFO))
 
@@ -182,7 +182,7 @@ def _write(severity: LoggingSeverity, name: str, message: str, frame: FrameType)
         repeated_lines.write(f"{severity.name} {name} {message}", line)
     else:
         sys.stderr.write(f"{line}\n")
-    rosout = current_graph().part(Rosout).publish
+    rosout = current_graph().state(Rosout).publish
     publish = next((rosout[part] for part in _with_ancestors(name) if part in rosout), None)
     if publish is None:
         return
