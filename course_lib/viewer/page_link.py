@@ -41,8 +41,9 @@ Sight: TypeAlias = Literal["ready", "away", "hide"]
 INTERVAL, COLLECTING = 1 / 40, 1 / 100
 # The time after which an unresponsive page counts as disconnected [s].
 MAX_SILENCE = 10.0
-# An acknowledgement is requested after this many batches or bytes, whichever comes first.
-_ACK_BATCHES, _ACK_BYTES = 4, 1 << 18
+# An acknowledgement is requested after this many batches or bytes, whichever comes first. Each one
+# makes the kernel busy and idle again, for which JupyterLab draws its indicators and loads two icons.
+_ACK_BATCHES, _ACK_BYTES = 12, 1 << 18
 _MAX_PENDING_ACKS = 3
 
 

@@ -173,10 +173,12 @@ def test_dragging_rotates_the_view_and_the_wheel_zooms_after_a_click(host: Host)
     scene = from_above()
     scene.set_object("box", box(RED))
     shown(host, scene)
+    host.page.wait_for_selector(AT_REST)
     before = count(host.pixels(), RED)
     host.page.mouse.move(200, 150)
     host.page.mouse.wheel(0, -300)
     host.carry()
+    host.page.wait_for_selector(AT_REST)
     assert count(host.pixels(), RED) == before
     host.page.mouse.down()
     host.page.mouse.up()
@@ -215,6 +217,7 @@ def test_page_acknowledges_updates_so_that_later_changes_are_drawn(host: Host) -
     assert count(host.pixels()[:, :210], RED) == 0  # the box is at its last position, 0.78 m to the right
 
 
+AT_REST = "canvas[aria-busy=false]"
 KEPT = "() => Object.values(models).at(-1).get('snapshot') !== before"
 
 

@@ -14,6 +14,7 @@ from tests.viewer.page_wire import Wire
 
 RED_BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
 IN_FLIGHT = page_link._MAX_PENDING_ACKS * page_link._ACK_BATCHES  # that a page may leave unanswered
+MANY = 3 * IN_FLIGHT
 
 
 def until(condition: Callable[[], bool]) -> None:
@@ -103,15 +104,15 @@ def test_running_cell_is_not_blocked_by_missing_acknowledgements(monkeypatch: py
     async def cell() -> None:
         wire = Wire()
         wire.hear("ready")
-        wire.change(100)  # without giving the loop a chance
-        assert len(wire.sent) == 100
+        wire.change(MANY)  # without giving the loop a chance
+        assert len(wire.sent) == MANY
         await asyncio.sleep(0.01)
-        wire.change(100)
-        assert len(wire.sent) == 100
+        wire.change(MANY)
+        assert len(wire.sent) == MANY
         await asyncio.to_thread(wire.hear, "ack")  # as in JupyterLab
         await asyncio.sleep(0.01)
-        wire.change(100)
-        assert len(wire.sent) == 100 + IN_FLIGHT
+        wire.change(MANY)
+        assert len(wire.sent) == MANY + IN_FLIGHT
 
     asyncio.run(cell())
 

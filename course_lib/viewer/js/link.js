@@ -123,7 +123,9 @@ export class Link {
   save() {
     this.saving = 0;
     this.model.set("number", this.number);
-    this.model.set("snapshot", new DataView(encode(this.mirror.whole()).buffer));
+    // The widget manager compares it with the last one byte by byte; at the number it finds a difference.
+    const scene = { number: this.number, ...this.mirror.whole() };
+    this.model.set("snapshot", new DataView(encode(scene).buffer));
   }
 
   /** Request the whole scene, and repeat the request if no response arrives. */
