@@ -1,6 +1,6 @@
 """Controls that ipywidgets does not provide: a slider with a label for screen readers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +9,8 @@ import traitlets
 from ipywidgets import Label, VBox
 
 _FOLDER = Path(__file__).parent
+# The class of elements whose content JupyterLab's extension saves as HTML with the notebook.
+SAVED_AS_HTML = "course-html"
 
 
 class Slider(anywidget.AnyWidget):
@@ -47,18 +49,25 @@ class IntSlider(Slider):
     decimals = traitlets.Int(0).tag(sync=True)
 
 
-class LabelledSlider(VBox):  # type: ignore[misc]  # ipywidgets has no types
-    """A slider, and below it a line of text.
+class ControlBox(VBox):  # type: ignore[misc]  # ipywidgets has no types
+    """A column of controls that is still readable after its kernel has ended.
 
-    Pages without widgets, like GitHub, describe it in words.
+    When JupyterLab saves the notebook, its extension of this kit adds the values as HTML. Pages that
+    have neither widgets nor this HTML show a text.
+
+    Args:
+        children: The controls.
+        describe: Returns the text.
     """
+
+    def __init__(self, children: Sequence[Any], describe: Callable[[], str]) -> None:
+        super().__init__(children)
+        self._describe = describe
+        self.add_class(SAVED_AS_HTML)
 
     def _repr_mimebundle_(self, **kwargs: Any) -> dict[str, Any]:
         data: dict[str, Any] = super()._repr_mimebundle_(**kwargs)
-        chosen = self.children[0]
-        limits = f"from {chosen.min:g} to {chosen.max:g}"
-        text = f"A slider was here: {chosen.description}, {limits}. Run this cell to use it."
-        return data | {"text/plain": text}
+        return data | {"text/plain": self._describe()}
 
 
 def slider(
@@ -69,7 +78,7 @@ def slider(
     *,
     value: float | None = None,
     step: float | None = None,
-) -> LabelledSlider:
+) -> ControlBox:
     """Return a slider for the last line of a cell. The callback's return value is shown below it.
 
     The callback is called once with the initial value, and again whenever the slider is moved.
@@ -100,4 +109,6 @@ def slider(
 
     control.observe(lambda change: show(change["new"]), "value")
     show(control.value)
-    return LabelledSlider([control, label])
+    limits = f"from {low:g} to {high:g}"
+    text = f"A slider was here: {description}, {limits}. Run this cell to use it."
+    return ControlBox([control, label], lambda: text)

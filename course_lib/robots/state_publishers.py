@@ -242,8 +242,11 @@ def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
         return None
     import ipywidgets
 
+    # Not at the head, because importing anywidget is slow.
+    from course_lib.controls import ControlBox
+
     center = ipywidgets.Button(description="Center", tooltip="All joints to where they began")
-    box = ipywidgets.VBox()
+    box = ControlBox([center], lambda: _describe(publisher.joints))
 
     def build() -> None:
         box.children = [center, *(_row(name, joint) for name, joint in publisher.joints.items())]
@@ -258,10 +261,19 @@ def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
     return box
 
 
+def _describe(joints: Mapping[str, FreeJoint]) -> str:
+    """Return the values of the sliders as text, for pages without widgets."""
+    lines = ["Sliders of joints were here. Run this cell to use them."]
+    for name, joint in joints.items():
+        position = joint.zero if joint.position is None else joint.position
+        lower, upper = sorted((joint.lower, joint.upper))
+        lines.append(f"{name}: {position:.3f} ({lower:.3f} … {upper:.3f} {joint.unit})")
+    return "\n".join(lines)
+
+
 def _row(name: str, joint: FreeJoint) -> "HBox":
     import ipywidgets
 
-    # Not at the head, because importing anywidget is slow.
     from course_lib.controls import Slider
 
     lower, upper = sorted((joint.lower, joint.upper))

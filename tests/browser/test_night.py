@@ -1,6 +1,7 @@
 """A notebook whose kernel has ended: closed in the evening, opened again the next day."""
 
 import os
+from base64 import b64decode
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -36,6 +37,10 @@ cube.color.b = cube.color.a = 1.0""",
     "class Nothing(Node):\n    pass\ncheck('week01.red_cube', Nothing)",
     "live = run_live(Node('idler'))",
     "cube.color.r, cube.color.b = 1.0, 0.0\npublisher.publish(cube)\nspin_for(0.5)",
+    "%rqt graph",
+    "from course_lib import load_robot\n"
+    "from course_lib.robots import JointStatePublisher, joint_sliders\n"
+    "joint_sliders(JointStatePublisher(load_robot('ur10').urdf))",
     *["# JupyterLab draws no cell far out of sight." + "\n" * 30] * 70,
     "print('far below')\nquiz('week01_recall')",
 )
@@ -61,6 +66,9 @@ def reopened(lab: Lab) -> Iterator[Notebook]:
         notebook.cell("quiz(").get_by_text(RECALL.right.text, exact=True).click()
         expect(notebook.cell("quiz(").get_by_text("✔ Right.")).to_be_visible()
         notebook.cell("viewer.add")
+        number = notebook.cell("joint_sliders(").get_by_role("spinbutton", name="elbow_joint, as a number")
+        number.fill("-1.25")
+        number.press("Enter")
         notebook.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
         notebook.wait_idle()
         picture(notebook, "night_before")
@@ -114,6 +122,20 @@ def test_reopened_checks_show_their_last_result_and_all_widgets_are_drawn(reopen
         expect(reopened.page.get_by_text(phrase)).to_have_count(0)
 
 
+def test_reopened_rqt_view_and_sliders_show_their_last_state(reopened: Notebook) -> None:
+    cell = reopened.cell("%rqt graph")
+    saved(cell)
+    expect(cell.get_by_text("Node Graph")).to_be_visible()
+    # The sliders' node was started after the view was opened.
+    graph = cell.locator(".rqt-screen img").get_attribute("src") or ""
+    assert "/joint_state_publisher" in b64decode(graph.partition("base64,")[2]).decode()
+    cell = reopened.cell("joint_sliders(")
+    saved(cell)
+    expect(cell.get_by_text("-1.250", exact=True)).to_be_visible()
+    expect(cell.get_by_text("elbow_joint")).to_be_visible()
+    picture(reopened, "night_controls")
+
+
 def test_continue_button_runs_the_required_cells_and_the_view_is_live_again(reopened: Notebook) -> None:
     cell = reopened.cell("viewer.add")
     saved(cell)
@@ -146,6 +168,8 @@ def test_static_page_shows_image_and_answers(reopened: Notebook) -> None:
     page.set_content(html, wait_until="domcontentloaded")
     expect(page.get_by_text(f"◉ {RECALL.right.text}")).to_be_visible()
     expect(page.locator(".jp-RenderedImage img").first).to_be_visible()
+    expect(page.get_by_text("-1.250", exact=True)).to_be_visible()
+    expect(page.locator(".rqt img").first).to_be_visible()
     if PICTURES:
         page.screenshot(path=Path(PICTURES) / "night_static.png", full_page=True)
     page.close()

@@ -55,3 +55,12 @@ def test_changed_robot_gets_its_own_sliders(graph: Graph, page: None) -> None:
     box = joint_sliders(node)
     node.set_description(ALL_KINDS)
     assert [slider.description for slider, _ in rows(box)] == ["drive", "lift"]
+
+
+def test_page_without_widgets_lists_the_values_of_all_sliders(graph: Graph, page: None) -> None:
+    box: Any = joint_sliders(JointStatePublisher(ARM_2R))
+    rows(box)[1][0].value = 0.75
+    assert box._repr_mimebundle_()["text/plain"].splitlines()[::2] == [
+        "Sliders of joints were here. Run this cell to use them.",
+        f"elbow: 0.750 ({rows(box)[1][1].replace(' rad', '')} rad)",
+    ]

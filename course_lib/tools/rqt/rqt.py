@@ -74,8 +74,6 @@ def _show(view: RqtView) -> None:
 
     Without a page, the view receives messages for a fixed time and is displayed as a picture.
     """
-    from IPython.display import display
-
     opened = current_graph().state(OpenViews).by_words
     key = (view.name, *view.words)
     # A cell that is run again replaces its view.
@@ -83,7 +81,7 @@ def _show(view: RqtView) -> None:
         opened.pop(key).close()
     opened[key] = view
     if pace.mode() == "real":
-        display(view.widget())  # type: ignore[no-untyped-call]  # IPython does not annotate it
+        view.show()
         return
     view.listen()
     if running_nodes() and view.listens:

@@ -257,6 +257,9 @@ class RqtView:
         """Return the widget for a cell, and start to process messages."""
         from ipywidgets import HTML, HBox, VBox
 
+        # Not at the head, because importing anywidget is slow.
+        from course_lib.controls import SAVED_AS_HTML
+
         self._loop = asyncio.get_running_loop()
         self.listen()
         title = HTML(f"{STYLE}<b class='rqt-title'>{self.title}</b>", layout={"flex": "1"})
@@ -264,15 +267,30 @@ class RqtView:
         controls = HBox(list(self.controls.values()))
         self._frame = VBox([head, controls, self.notice, *self.body()])
         self._frame.add_class("rqt")
+        self._frame.add_class(SAVED_AS_HTML)
         self._act(self.refresh)
         return self._frame
 
+    def show(self) -> None:
+        """Display the view in the cell, with its first picture for pages without widgets.
+
+        When JupyterLab saves the notebook, the kit's extension replaces it by the current picture.
+        """
+        from IPython.display import display
+
+        data = self.widget()._repr_mimebundle_()
+        text = f"A view of rqt was here: {self.title}. Run this cell to open it again."
+        data |= {"text/html": self._page(self.screen.value), "text/plain": text}
+        display(data, raw=True)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+
     def static(self) -> str:
         """Return the view as HTML for pages without widgets."""
+        return self._page(self.picture())
+
+    def _page(self, picture: str) -> str:
         head = f"<b class='rqt-title'>{self.title}</b>{self.notice.value}"
         # Focusable, because the element scrolls.
-        screen = f"<div class='rqt-screen' tabindex='0'>{self.picture()}</div>"
-        return f"{STYLE}<div class='rqt'>{head}{screen}</div>"
+        return f"{STYLE}<div class='rqt'>{head}<div class='rqt-screen' tabindex='0'>{picture}</div></div>"
 
     def show_notice(self, text: str) -> None:
         """Show a line of text above the picture; "" removes it."""

@@ -136,6 +136,24 @@ def test_controls_have_descriptions_and_close_ends_the_subscription(
     assert len(graph._taps) == taps
 
 
+def test_page_without_widgets_shows_the_first_picture_of_a_view(
+    graph: Graph, arm: Node, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bundles: list[dict[str, str]] = []
+    monkeypatch.setattr("IPython.display.display", lambda data, raw: bundles.append(data))
+    view = VIEWS["graph"](graph, [])
+
+    async def show() -> None:
+        view.show()
+
+    asyncio.run(show())
+    view.close()
+    assert "application/vnd.jupyter.widget-view+json" in bundles[0]
+    assert "Node Graph" in bundles[0]["text/html"]
+    assert "/arm" in bundles[0]["text/html"]
+    assert bundles[0]["text/plain"].startswith("A view of rqt was here: Node Graph.")
+
+
 def test_view_spends_at_most_a_tenth_of_the_time_on_its_pictures(
     graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -145,16 +145,61 @@
     };
   }
 
-  /** Put the pictures that views show now into the notebook, which is about to be saved. */
+  /** Return the value of a control as text. */
+  function valueOf(control) {
+    if (control.type === "range") return ""; // a number is next to it
+    if (control.type === "checkbox") return control.checked ? "☑ " : "☐ ";
+    if (control.tagName === "SELECT") return control.selectedOptions[0]?.text ?? "";
+    return control.value;
+  }
+
+  /** Return a drawing as an image, because pages that do not trust a notebook remove SVG. */
+  function imageOf(svg) {
+    const colors = "--rqt-text: #222; --rqt-back: #fff; --rqt-line: #bbb; --rqt-dim: #666; background: #fff";
+    const style = document.createElementNS(svg.namespaceURI, "style");
+    style.textContent = `svg { ${colors}; font: 12px system-ui, sans-serif } text { fill: #222 }`;
+    svg.prepend(style);
+    const bytes = new TextEncoder().encode(new XMLSerializer().serializeToString(svg));
+    const image = document.createElement("img");
+    image.alt = svg.closest("[aria-label]")?.getAttribute("aria-label") ?? "";
+    image.style.maxWidth = "100%";
+    image.src = `data:image/svg+xml;base64,${btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""))}`;
+    return image;
+  }
+
+  /** Return what a panel of controls shows as HTML, with text in place of controls. */
+  function htmlOf(panel) {
+    const copy = panel.cloneNode(true);
+    copy.classList.remove("course-html");
+    const controlsOf = (one) => [...one.querySelectorAll("input, select, textarea")];
+    const live = controlsOf(panel); // a copy of a list has not the chosen option
+    controlsOf(copy).forEach((control, i) => {
+      const value = document.createElement("span");
+      value.style.whiteSpace = "pre-wrap";
+      value.textContent = valueOf(live[i]);
+      control.replaceWith(value);
+    });
+    for (const button of copy.querySelectorAll("button")) button.remove();
+    for (const svg of copy.querySelectorAll("svg:not(.rqt-icon)")) svg.replaceWith(imageOf(svg));
+    for (const row of copy.querySelectorAll(".widget-hbox, .widget-inline-hbox, .course-slider"))
+      row.style.cssText = "display: flex; flex-wrap: wrap; gap: 2px 12px; align-items: baseline";
+    for (const name of copy.querySelectorAll(".course-slider label span")) name.style.display = "inline-block";
+    return copy.outerHTML;
+  }
+
+  /** Put what views and controls show now into the notebook, which is about to be saved. */
   function savePictures(panel) {
     for (const cell of panel.content.widgets) {
       const outputs = cell.model.type === "code" ? cell.model.outputs : null;
       for (let i = 0; outputs && i < outputs.length; i++) {
         const { data } = outputs.get(i);
         if (!data[WIDGET]?.model_id) continue;
-        const source = cell.outputArea?.widgets[i]?.node.querySelector(".course-keeps");
-        const kept = source?.courseKeeps?.();
-        if (kept) outputs.set(i, { ...outputs.get(i).toJSON(), data: { ...data, ...kept } });
+        const node = cell.outputArea?.widgets[i]?.node;
+        const panel = node?.querySelector(".course-html");
+        const source = node?.querySelector(".course-keeps");
+        const kept = panel ? { "text/html": htmlOf(panel) } : source?.courseKeeps?.();
+        const isNew = kept && Object.entries(kept).some(([type, value]) => data[type] !== value);
+        if (isNew) outputs.set(i, { ...outputs.get(i).toJSON(), data: { ...data, ...kept } });
       }
     }
   }
