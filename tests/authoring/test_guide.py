@@ -97,7 +97,9 @@ def test_guide_example_can_be_created_verified_released_and_graded(tmp_path: Pat
 
 def test_guide_page_lists_every_expect_function() -> None:
     public = (ROOT / "course_lib" / "grading" / "__init__.pyi").read_text("utf-8")
-    assert sorted(word for word, _ in WORD.findall(PAGE)) == sorted(set(re.findall(r"\bexpect_\w+", public)))
+    names, rows = set(re.findall(r"\bexpect_\w+", public)), [word for word, _ in WORD.findall(PAGE)]
+    assert names - {*rows} == set(), "docs/author.md lists each check function below Vocabulary"
+    assert sorted(rows) == sorted(names)
 
 
 def test_guide_page_lists_every_mistake_reported_by_a_check() -> None:
@@ -105,8 +107,9 @@ def test_guide_page_lists_every_mistake_reported_by_a_check() -> None:
     named = {mistake for _, row in WORD.findall(PAGE) for mistake in row.split("; ")}
     named |= set(re.findall(r'"([^"]+)"', SAID_ONCE.replace("\n", " ")))
     known = set(tomllib.loads(text))
-    assert known - named == set()
-    assert {mistake for mistake in named - known if mistake != "as `expect_level`"} == set()
+    assert known - named == set(), "docs/author.md names each mistake in the row of its check function"
+    unknown = {mistake for mistake in named - known if mistake != "as `expect_level`"}
+    assert unknown == set(), "grading/vocabulary/hints.toml has no hint for these mistakes of docs/author.md"
 
 
 def test_guide_page_describes_every_column_of_the_verification_table() -> None:

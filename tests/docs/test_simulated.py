@@ -99,7 +99,7 @@ def test_page_lists_exactly_the_missing_verbs_and_options_of_jazzy() -> None:
         for verb, options in JAZZY.items()
         if verb not in there or set(options) - there[verb]
     }
-    assert missing_words() == missing
+    assert missing_words() == missing, "docs/simulated.md lists what is missing, below The command line"
     assert {verb for verb in there if verb not in JAZZY and not verb.startswith("run ")} == OURS
 
 

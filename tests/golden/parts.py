@@ -20,7 +20,7 @@ from course_lib.authoring.edits import Edit, group_edits, make_edits, operators,
 from course_lib.authoring.rehearsal import rehearse
 from course_lib.course.exercise import exercise_path
 from course_lib.course.state import solutions_dir
-from course_lib.displays.registry import REGISTRY
+from course_lib.displays.registry import PACKAGE, REGISTRY
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
 from course_lib.grading.records import TaskResult
@@ -145,6 +145,14 @@ def status_lines() -> Iterator[str]:
             yield from (f"  {row.display} | {row.name} | {row.level} | {row.text}" for row in rows)
 
 
+def property_lines() -> Iterator[str]:
+    """Yield the message type of each of RViz's displays, and its properties with their defaults, in order."""
+    # Displays that other tests have registered are left out.
+    for name, display in sorted(item for item in REGISTRY.items() if item[0].startswith(f"{PACKAGE}/")):
+        yield f"{name} [{getattr(display, 'type_name', '')}]"
+        yield from (f"  {prop.label} = {prop.default!r}" for prop in display.properties)
+
+
 def layout_lines() -> Iterator[str]:
     """Yield each layout of the course and of tests/data with the digest of the file that is saved."""
     own = sorted(path for room in ("exercises", "tests/data") for path in (ROOT / room).rglob("*.rviz"))
@@ -250,6 +258,7 @@ PARTS = {
     "answers": Part(answer_lines, is_slow=True),
     "layouts": Part(layout_lines),
     "messages": Part(message_lines),
+    "properties": Part(property_lines),
     "ros2": Part(ros2_lines),
     "seeds": Part(seed_lines, is_slow=True),
     "statuses": Part(status_lines),

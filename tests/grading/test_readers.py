@@ -15,7 +15,9 @@ from course_lib.grading.submissions.collect import collect
 from course_lib.grading.submissions.readers import (
     BY_LAYOUT,
     LAYOUTS,
+    READERS,
     Layout,
+    Reader,
     add_blackboard_title,
     choose_layout,
     gradescope_records,
@@ -24,6 +26,7 @@ from course_lib.grading.submissions.readers import (
 from course_lib.grading.submissions.submission import find_submissions
 from tests.grading.platforms import NAME, notebook, zipped
 
+ROOT = Path(__file__).parents[2]
 PARIS = ZoneInfo("Europe/Paris")
 EVENING = datetime(2026, 3, 8, 22, 59, tzinfo=UTC)
 # For each platform: names as it writes them, with the key of the owner, the default ID, and the time.
@@ -147,8 +150,23 @@ def test_each_file_name_matches_exactly_one_platform(platform: str) -> None:
 
 
 def test_every_layout_has_a_table_of_file_names() -> None:
-    assert {*BY_LAYOUT} == {*NAMES}
+    assert {*BY_LAYOUT} == {*NAMES}, "NAMES above has names of each reader in READERS"
     assert {*NAMES, "folders", "google"} - {"anonymous"} == {*LAYOUTS}
+
+
+def test_instructor_guide_describes_the_download_of_every_platform() -> None:
+    guide = (ROOT / "docs" / "instructor.md").read_text("utf-8")
+    rows = re.findall(r"^\| ([^|]+) \| [^|]+ \| [^|]+ \|$", guide.split("\n## Collect\n")[1], re.MULTILINE)
+    named = {name.strip() for row in rows for name in row.split(",")}
+    missing = {reader.title for reader in READERS} - named
+    assert missing == set(), "docs/instructor.md has a table of platforms below Collect"
+
+
+@pytest.mark.parametrize("reader", READERS, ids=lambda reader: str(reader.layout))
+def test_download_of_another_platform_is_rejected_with_a_matching_example(reader: Reader) -> None:
+    with pytest.raises(CourseError, match=re.escape(f"expected {reader.example}")):
+        choose_layout([("ada", NAME)], "in.zip", PARIS, reader.layout)
+    assert reader.match(tuple(reader.example.split(" and ")[0].split("/")))
 
 
 # File names that a student may choose, including the names of every platform.

@@ -1,11 +1,14 @@
 """No check raises an exception or exceeds its time limit, for any published or returned data."""
 
 import random
+from importlib import import_module
+from pkgutil import iter_modules
 from typing import Any
 
 import pytest
 
 from course_lib import grading
+from course_lib.grading import vocabulary
 from course_lib.grading.evidence import Check, Evidence
 from tests.hostile.judging import WORDS, course_over, judge, right_runs, words_over
 from tests.hostile.parsing import STAFFS, STUDENTS, Parsers, parse_any
@@ -26,7 +29,16 @@ def test_course_checks_do_not_raise_on_corrupted_answers() -> None:
 
 
 def test_every_expect_function_is_fuzzed() -> None:
-    assert {name for name, _ in WORDS} == {name for name in dir(grading) if name.startswith("expect_")}
+    public = {name for name in dir(grading) if name.startswith("expect_")}
+    assert {name for name, _ in WORDS} == public, "WORDS in tests/hostile/judging.py has a row of each"
+
+
+def test_every_check_function_is_public() -> None:
+    public = {getattr(grading, name) for name in dir(grading)}
+    modules = [import_module(f"{vocabulary.__name__}.{m.name}") for m in iter_modules(vocabulary.__path__)]
+    functions = {value for m in modules for name, value in vars(m).items() if name.startswith("expect_")}
+    hidden = sorted(function.__name__ for function in functions - public)
+    assert hidden == [], "course_lib/grading/__init__.pyi lists the names that check files import"
 
 
 def test_raising_or_looping_check_is_detected() -> None:

@@ -14,7 +14,7 @@ def tables() -> list[ParameterSet]:
 @pytest.mark.parametrize("week", tables())
 def test_table_of_typical_mistakes_matches_the_messages_shown_to_students(week: str) -> None:
     kept = path_of(week).read_text(encoding="utf-8")
-    assert table(week) == kept
+    assert table(week) == kept, f"if the new messages are right: python -m tests.mistakes {week}"
     assert int(kept.split()[0]) >= LEAST
 
 

@@ -15,7 +15,7 @@ ROWS = {program: text for program, text, _ in MISTAKES if program in PROGRAMS}
 
 def test_frozen_mistakes_agree_with_the_table() -> None:
     assert FROZEN["rclpy"] == "7.1.6"
-    assert set(FROZEN["outcomes"]) == set(PROGRAMS)
+    assert set(FROZEN["outcomes"]) == set(PROGRAMS), "renew them: python tests/real_ros/renew.py mistakes"
     assert set(differences.MISTAKES) <= set(PROGRAMS)
 
 

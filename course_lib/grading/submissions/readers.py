@@ -302,6 +302,7 @@ class Reader:
     Args:
         layout: Its name, for --layout.
         title: The platform's name for display.
+        example: The path of a file, for the error about a download with other names.
         patterns: Patterns of whole paths. The groups are `number`, `login`, `name`, `late`, `time`,
             `title` (of the assignment), `attachment`, `folder` (of an attempt, created by the
             platform) and `below`, the part that the student chose.
@@ -313,6 +314,7 @@ class Reader:
 
     layout: str
     title: str
+    example: str
     patterns: tuple[str, ...]
     extras: str = ""
     student: str = "{number}"
@@ -372,6 +374,7 @@ READERS: tuple[Reader, ...] = (
     Reader(
         "moodle",
         "Moodle",
+        "Ada Lovelace_4100001_assignsubmission_file_/week01_exercise.ipynb",
         # With "download in folders" the first part is a folder.
         (
             r"(?P<name>[^/]+?)_(?P<number>\d+)_assignsubmission_(?:file|onlinetext|comments)(?:_?/|_)(?P<below>.+)",
@@ -383,6 +386,7 @@ READERS: tuple[Reader, ...] = (
     Reader(
         "anonymous",
         "Canvas",
+        "anon_aB3xy_90001_week01_exercise.ipynb",
         (
             r"(?P<late>LATE_)?(?P<name>anon_(?P<number>[^\W_]+))_(?P<attachment>\d+)_(?P<below>.+)",
             r"(?P<late>LATE_)?(?P<name>anon_(?P<number>[^\W_]+))_(?P<below>[a-z]+\.html)",
@@ -394,6 +398,7 @@ READERS: tuple[Reader, ...] = (
     Reader(
         "canvas",
         "Canvas",
+        "lovelaceada_4100001_90001_week01_exercise.ipynb",
         (
             r"(?!LATE_anon_|anon_)(?P<name>(?:(?!_\d+_question_\d)[^/])+?)_(?P<late>LATE_)?(?P<number>\d+)_"
             r"(?P<attachment>\d+)_(?P<below>.+)",
@@ -409,18 +414,21 @@ READERS: tuple[Reader, ...] = (
     Reader(
         "blackboard",
         "Blackboard",
+        "Week 1_alovelace_attempt_2026-03-08-22-59-00_week01_exercise.ipynb",
         (rf"(?P<title>[^/]+?)_(?P<number>[^/_]+)_attempt_{_ATTEMPT}_(?P<below>.+)",),
         rf"[^/]+?_[^/_]+_attempt_{_ATTEMPT}\.txt",
     ),
     Reader(
         "brightspace",
         "Brightspace",
+        "39786-640693 - Ada Lovelace - Mar 8, 2026 1059 PM/week01_exercise.ipynb",
         (rf"(?P<number>\d+)-\d+ - (?P<name>[^/]+?) - {_D2L_TIME}(?:/| - )(?P<below>.+)",),
         r"index\.html",
     ),
     Reader(
         SAKAI,
         "Sakai",
+        "Week 1/Lovelace, Ada(alovelace)/Submission attachment(s)/week01_exercise.ipynb",
         (
             r"(?:[^/()]+/)?(?P<name>[^/]*)\((?P<number>[^/()]+)\)/Submission attachment\(s\)/(?P<below>.+)",
             r"(?:[^/()]+/)?(?P<name>[^/]+?)\((?P<number>[^/()]+)\)_Submission attachment\(s\)_(?P<below>.+)",
@@ -432,6 +440,7 @@ READERS: tuple[Reader, ...] = (
     Reader(
         GRADESCOPE,
         "Gradescope",
+        f"assignment_9100_export/submission_7001/week01_exercise.ipynb and {METADATA}",
         (r"(?:assignment_\d+_export/)?submission_(?P<number>\d+)/(?P<below>.+)",),
         rf"(?:assignment_\d+_export/)?{re.escape(METADATA)}",
         student="submission_{number}",
@@ -440,6 +449,7 @@ READERS: tuple[Reader, ...] = (
     Reader(
         "teams",
         "Teams",
+        "Submitted files/Ada Lovelace/Week 1/Version 1/week01_exercise.ipynb",
         (
             rf"(?:Student Work/)?(?:{_SUBMITTED})/"
             r"(?P<name>[^/]+)/(?P<title>[^/]+)/(?P<folder>[^\W\d]+ \d+)/(?P<below>.+)",
@@ -452,6 +462,7 @@ READERS: tuple[Reader, ...] = (
     Reader(
         "ilias",
         "ILIAS",
+        "Week 1/Abgaben/Lovelace_Ada_alovelace_7001/week01_exercise.ipynb",
         (
             r"(?:[^/]+/)?(?:Submissions|submissions|Abgaben|abgaben)/(?:Team[ _][^/]+/)?"
             r"(?P<name>[^/]+)_(?P<login>[^/_]+)_(?P<number>\d+)/(?P<below>.+)",
@@ -465,6 +476,7 @@ READERS: tuple[Reader, ...] = (
     Reader(
         "codegrade",
         "CodeGrade",
+        "Week 1/Ada Lovelace - 2026-03-08T22:59:00.123456/week01_exercise.ipynb",
         (
             r"(?:[^/]+/)?(?P<name>[^/]+?) - (?P<time>\d{4}-\d\d-\d\dT\d\d[:_.-]?\d\d[^/ ]{0,20})/"
             r"(?P<below>.+)",
@@ -475,6 +487,7 @@ READERS: tuple[Reader, ...] = (
     Reader(
         NBGRADER,
         "nbgrader",
+        "submitted/ada/week01/week01_exercise.ipynb",
         # The exchange's inbound/ has a folder per attempt: STUDENT+ASSIGNMENT+TIME+SECRET.
         (
             r"(?:inbound/)?(?P<number>[^/+]+)\+(?P<title>[^/+]+)\+"
@@ -609,7 +622,7 @@ def choose_layout(
         if not fits:
             raise CourseError(
                 f"the names of this download do not follow {BY_LAYOUT[name].title}'s scheme. The "
-                f"first is {'/'.join(paths[0])}; expected {EXAMPLES[name]}"
+                f"first is {'/'.join(paths[0])}; expected {BY_LAYOUT[name].example}"
             )
         return Layout(fits[0], zone, above, is_chosen=True)
     nearest = min((depth for depth, _ in candidates), default=0)
@@ -647,22 +660,6 @@ def _depth(reader: Reader, paths: Sequence[Components]) -> int | None:
     depths = [max(unit_depths) for unit_depths in units.values()]
     matched = sum(depth >= 0 for depth in depths)
     return max(depths) if depths and 2 * matched >= len(depths) else None
-
-
-EXAMPLES: Mapping[str, str] = {
-    "moodle": "Ada Lovelace_4100001_assignsubmission_file_/week01_exercise.ipynb",
-    "canvas": "lovelaceada_4100001_90001_week01_exercise.ipynb",
-    "blackboard": "Week 1_alovelace_attempt_2026-03-08-22-59-00_week01_exercise.ipynb",
-    "brightspace": "39786-640693 - Ada Lovelace - Mar 8, 2026 1059 PM/week01_exercise.ipynb",
-    SAKAI: "Week 1/Lovelace, Ada(alovelace)/Submission attachment(s)/week01_exercise.ipynb",
-    GRADESCOPE: f"assignment_9100_export/submission_7001/week01_exercise.ipynb and {METADATA}",
-    "teams": "Submitted files/Ada Lovelace/Week 1/Version 1/week01_exercise.ipynb",
-    "ilias": "Week 1/Abgaben/Lovelace_Ada_alovelace_7001/week01_exercise.ipynb",
-    "codegrade": "Week 1/Ada Lovelace - 2026-03-08T22:59:00.123456/week01_exercise.ipynb",
-    NBGRADER: "submitted/ada/week01/week01_exercise.ipynb",
-    FOLDERS: "4100001/week01_exercise.ipynb",
-    GOOGLE: "week01_exercise_4100001.zip, in which each file has its student's ID",
-}
 
 
 def add_blackboard_title(layout: Layout, paths: Collection[Components]) -> Layout:
