@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from course_lib.viewer.drawables import Solids, Text
+from course_lib.viewer.drawables import Camera, Lines, Solids, Text
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.fake_host import Host, Pixels, count
@@ -89,6 +89,32 @@ def test_custom_background_color_is_kept_in_studio_look(host: Host, scene: Scene
     scene.background = (0, 0, 120)
     scene.look = "Studio"
     assert count(at_rest(host), (0, 0, 120), 3) > 50_000
+
+
+def test_thin_lines_like_the_grid_fade_in_the_distance_only_in_studio_look(host: Host, scene: Scene) -> None:
+    scene.delete("box")
+    scene.camera = Camera(eye=(0, 0, 25), up=(0, 1, 0))  # sees 10 m to each side
+    scene.set_object("line", Lines([(-30, 0, 0), (30, 0, 0)], (0, 0, 0.5, 0.9)))
+
+    def line(pixels: Pixels) -> tuple[int, int]:
+        """Return the number of blue pixels near the left edge of the view and around its middle."""
+        blue = pixels[..., 2] - pixels[..., 0] > 40
+        return int(blue[:, :40].any(axis=0).sum()), int(blue[:, 180:220].any(axis=0).sum())
+
+    wait_until(lambda: line(at_rest(host)) == (40, 40), host.page)
+    scene.look = "Studio"
+    wait_until(lambda: line(at_rest(host)) == (0, 40), host.page)
+
+
+def test_sides_in_the_shade_differ_in_brightness_in_studio_look(host: Host, scene: Scene) -> None:
+    scene.camera = Camera(eye=(-3, -3, 2))
+    scene.set_object("box", Solids("box", [np.eye(4)], (1, 0, 0, 1)))
+    scene.look = "Studio"
+    wait_until(lambda: count(look(host), GROUND, 25) > 50_000, host.page)
+    pixels = at_rest(host)
+    # Below the center, the front edge of the box is in the middle of the view.
+    left, right = pixels[210, 170, 0], pixels[210, 230, 0]
+    assert right > left + 20 > 100
 
 
 INK = (31, 36, 46)

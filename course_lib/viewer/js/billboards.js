@@ -114,7 +114,9 @@ export function buildLines(lines) {
     starts.forEach((i, k) => out.set(from.subarray(size * of(i), size * of(i) + size), size * k));
     return perInstance(out, size);
   };
-  return instances(material("strip", seesThrough(colors), "", false), square(), { size: [lines.width, 0, 0] }, {
+  const isTransparent = seesThrough(colors);
+  const isThin = isTransparent && !lines.width; // like RViz's grid
+  return instances(material("strip", isTransparent, isThin ? "THIN" : "", false), square(), { size: [lines.width, 0, 0] }, {
     before: pick(points, 3, (i) => (lines.strip ? Math.max(i - 1, 0) : i)), // pairs have no neighbours
     start: pick(points, 3, (i) => i),
     end: pick(points, 3, (i) => i + 1),

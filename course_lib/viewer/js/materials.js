@@ -17,6 +17,8 @@ export const studio = {
   shade: { value: null },
   taps: { value: 0 },
   soft: { value: 0 },
+  middle: { value: new THREE.Vector2() }, // of the ground, around which thin lines are visible
+  reach: { value: 1 }, // [m] from the middle, at which they have faded
   letters: { value: new THREE.Vector2() }, // range of the height of a label's capital letters in displayed pixels
   toShade: { value: new THREE.Matrix4() },
 };
@@ -55,13 +57,21 @@ const FRAGMENT = `
       direct *= direct > 0.0 ? sunlight() : 0.0;
       vec3 around = mix(vec3(0.27, 0.26, 0.26), vec3(0.58, 0.60, 0.63), up);
       float gloss = pow(max(dot(n, normalize(sun + vec3(0.0, 0.0, 1.0))), 0.0), 48.0);
-      return color * (around + 0.55 * direct) + 0.12 * gloss * direct;
+      // A weak light at the right of the camera, so that the sides of things differ where the sun does not reach them.
+      float fill = max(dot(n, vec3(0.56, 0.25, 0.79)), 0.0);
+      vec3 lit = color * (around + 0.48 * direct + 0.27 * fill) + 0.12 * gloss * direct;
+      // Every surface mirrors a little of the sky, most at its edges, which gives dark parts of a robot their shape.
+      float mirror = 0.05 + 0.3 * pow(max(1.0 - n.z, 0.0), 3.0);
+      return mix(lit, mix(vec3(0.42, 0.42, 0.43), vec3(0.86, 0.89, 0.94), up), mirror);
     }
   #endif
   #if defined(SMOOTH)
     varying vec3 vNormal;
   #elif defined(FLAT)
     varying vec3 vPosition;
+  #endif
+  #ifdef THIN
+    varying vec2 vAway;
   #endif
   #ifdef TEXTURED
     uniform sampler2D mask;
@@ -71,6 +81,9 @@ const FRAGMENT = `
   #endif
   void main() {
     gl_FragColor = vColor;
+    #ifdef THIN
+      if (isStudio) gl_FragColor.a *= 1.0 - smoothstep(0.35, 1.0, length(vAway));
+    #endif
     #if defined(SMOOTH)
       vec3 normal = normalize(vNormal);
       gl_FragColor.rgb = isStudio ? inStudio(vColor.rgb, normal) : vColor.rgb * abs(normal.z);
@@ -145,8 +158,16 @@ const STRIP = `${PLACED}
   attribute vec3 end;
   attribute vec3 after;
   attribute vec4 endTint;
+  #ifdef THIN
+    uniform vec2 middle;
+    uniform float reach;
+    varying vec2 vAway;
+  #endif
   void main() {
     bool first = position.x < 0.0;
+    #ifdef THIN
+      vAway = ((modelMatrix * vec4(first ? start : end, 1.0)).xy - middle) / reach;
+    #endif
     vec4 here = modelViewMatrix * vec4(first ? start : end, 1.0);
     vec3 along = mat3(modelViewMatrix) * (first ? end - before : after - start);
     vec3 across = cross(along, isOrthographic ? vec3(0.0, 0.0, 1.0) : -here.xyz);
@@ -199,7 +220,7 @@ const made = new Map();
 
 /**
  * @param {"surface" | "strip" | "spot"} kind @param {boolean} transparent RViz blends without writing depth
- * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | "DOT" | ""} [define] how it is shaded or placed
+ * @param {"SMOOTH" | "FLAT" | "TEXTURED" | "FACING" | "BOX" | "DOT" | "THIN" | ""} [define] how it is shaded or placed
  * @param {boolean} [doubleSided] @returns {any} a THREE.ShaderMaterial that others use too
  */
 export function material(kind, transparent, define = "", doubleSided = true) {

@@ -2,8 +2,9 @@
 import { SHADOW, studio } from "./materials.js";
 
 // The look "Studio": a light ground, the sun with a soft shadow, and a sky that is brighter than the ground, so that
-// downward faces are darker. Labels have a plate and a limited size. RViz's look has none of this. A shadow map is reused while only the camera moves, and is
-// rendered again only for fine pictures: coarse pictures of a moving robot, as drawn by software, have no shadow.
+// downward faces are darker. A weak light beside the camera distinguishes the sides in the shade. The grid fades in the
+// distance. Labels have a plate and a limited size. RViz's look has none of this. A shadow map is reused while only the
+// camera moves, and is rendered again only for fine pictures: coarse pictures of a moving robot, as drawn by software, have no shadow.
 
 const GROUND = [233, 236, 241]; // RGB of the background, instead of RViz's default dark gray
 const RVIZ_GREY = [48, 48, 48].join();
@@ -14,6 +15,7 @@ const FAINT = 77; // alpha in 0..255 below which an object casts no shadow
 const SOFT = 0.012; // width of the edge of a shadow, as a fraction of the shadow map
 const FARTHEST = 40; // [m] from the middle of the scene
 const LETTERS = [8, 10]; // [px] range of the height of a label's capital letters, on a screen of usual density
+const FADED = 8; // [m] minimum distance from the middle at which thin lines, like those of the grid, have faded
 const CASTERS = 1; // the layer of the objects that cast a shadow
 
 /** @param {any} mesh that casts a shadow, unless it is nearly transparent */
@@ -97,6 +99,8 @@ export function onGround(mirror, camera, render) {
   const reach = map?.mirror === mirror && map.radius ? map.radius : 1;
   floor.scale.setScalar(12 * Math.max(reach, 0.5));
   if (map?.mirror === mirror && map.radius) floor.position.set(map.middle.x, map.middle.y, map.low);
+  studio.middle.value.set(floor.position.x, floor.position.y);
+  studio.reach.value = Math.max(FADED, 6 * reach);
   floor.raycast = () => {};
   mirror.scene.add(floor);
   render();
@@ -123,7 +127,7 @@ const floorMaterial = () =>
       uniform float pool;
       ${SHADOW}
       void main() {
-        float fade = smoothstep(1.0, 0.1, length(vUv)), dark = 0.42 * (1.0 - sunlight());
+        float fade = 1.0 - smoothstep(0.1, 1.0, length(vUv)), dark = 0.42 * (1.0 - sunlight());
         float light = pool * fade;
         // White below, the shadow above.
         float alpha = dark + light * (1.0 - dark);
