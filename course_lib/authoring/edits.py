@@ -437,7 +437,7 @@ class _Statement:
     provided: frozenset[str]
     names: frozenset[str]
     # Attributes that it reads, and attributes that it assigns or defines as methods or nested classes.
-    read: frozenset[str]
+    read_attributes: frozenset[str]
     assigned: frozenset[str]
 
 
@@ -482,7 +482,7 @@ class Code:
     def undefined_attributes(self, among: Iterable[Key], attributes: Iterable[str]) -> set[str]:
         """Return the members of `attributes` that these statements read and never assign."""
         statements = [self.statements.get(key, NOTHING) for key in among]
-        read_attributes = {name for one in statements for name in one.read}
+        read_attributes = {name for one in statements for name in one.read_attributes}
         return read_attributes.intersection(attributes).difference(*(one.assigned for one in statements))
 
 

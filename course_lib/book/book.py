@@ -249,7 +249,7 @@ def make_page(lesson: Path, book: Path, work: Path) -> None:
             cell["source"] = _link_lessons(cell["source"], other_lessons)
         if cell["cell_type"] == "code":
             cell["outputs"] = [
-                kept_output for output in cell["outputs"] for kept_output in _kept_outputs(output)
+                publishable for output in cell["outputs"] for publishable in _publishable_outputs(output)
             ]
         for name, kinds in cell.get("attachments", {}).items():
             data = base64.b64decode(next(iter(kinds.values())))
@@ -327,7 +327,7 @@ def _reason(error: Exception) -> str:
     return "its kernel died or did not start. Run the lesson in JupyterLab to see why"
 
 
-def _kept_outputs(output: Any) -> Iterator[Any]:
+def _publishable_outputs(output: Any) -> Iterator[Any]:
     """Yield an output without widgets, which need a kernel, answers, and folders of this machine."""
     if output["output_type"] == "stream":
         output["text"] = NO_PAGE.sub("", output["text"]).replace(sys.prefix, HERE)

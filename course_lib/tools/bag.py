@@ -256,8 +256,8 @@ def _selected_samples(
             tick_ns += round(1e9 / arguments.clock * arguments.rate)
         if arguments.clock_topics_all or sample.topic in arguments.clock_topics:
             stamps.append(sample.stamp_ns)
-        for one in (*map(tick, stamps), sample):
-            yield replace(one, topic=names.get(one.topic, one.topic), node=0)
+        for played_sample in (*map(tick, stamps), sample):
+            yield replace(played_sample, topic=names.get(played_sample.topic, played_sample.topic), node=0)
 
 
 def _is_played(arguments: Namespace, topic: str) -> bool:

@@ -67,7 +67,11 @@ def _link(source: Source) -> Rows:
     graph = source.graph
     if not graph.link_report() or not rclpy.ok():
         return graph.link_report()
-    names = {end.topic for end in graph.endpoints() if end.kind == "pub" and end.type_name in _SMALL}
+    names = {
+        endpoint.topic
+        for endpoint in graph.endpoints()
+        if endpoint.kind == "pub" and endpoint.type_name in _SMALL
+    }
     end_listening = graph.tap(lambda _: None, lambda: names)
     try:
         source.wait(lambda: False, LISTENING)

@@ -50,10 +50,10 @@ CALL_LIMIT = 10.0
 
 
 def _print_service_info(source: Source, arguments: Namespace, write: Write) -> None:
-    name, there = arguments.service_name, _services(source, True)
-    if name not in there:
-        raise CourseError(f"Unknown service '{name}'{did_you_mean(name, there)}")
-    types = there[name]
+    name, services = arguments.service_name, _services(source, True)
+    if name not in services:
+        raise CourseError(f"Unknown service '{name}'{did_you_mean(name, services)}")
+    types = services[name]
     write(f"Type: {types[0] if len(types) == 1 else types}\n")
     prefix, suffix = SERVICE_TOPICS[0]
     write(f"Clients count: {len(source.endpoints(f'{prefix}{name}{suffix}', 'pub'))}\n")
@@ -64,15 +64,15 @@ def _call_service(source: Source, arguments: Namespace, write: Write) -> None:
     kind = kind_of(service_class, arguments.service_type, "srv")
     request = kind.Request()
     fill(request, sys.stdin.read() if arguments.stdin else arguments.values)
-    name, limit, there = arguments.service_name, source.limit(CALL_LIMIT), _services(source, True)
-    check_type(name, type_name(kind.Request).removesuffix("_Request"), there)
+    name, limit, services = arguments.service_name, source.limit(CALL_LIMIT), _services(source, True)
+    check_type(name, type_name(kind.Request).removesuffix("_Request"), services)
     with until_interrupted(), own_node(source) as node:
         client = node.create_client(kind, name)
         if not client.service_is_ready():
             write("waiting for service to become available...\n")
             # A launch that ends invalidates the context while the call waits.
             if not source.wait(lambda: node.context.ok() and client._course_is_ready(), limit):
-                raise CourseError(f"No node serves the service '{name}'{did_you_mean(name, there) or '.'}")
+                raise CourseError(f"No node serves the service '{name}'{did_you_mean(name, services) or '.'}")
         while not source.graph.ended:
             write(f"requester: making request: {request!r}\n\n")
             begun_ns = source.graph.now_ns
@@ -125,11 +125,13 @@ def _print_action_info(source: Source, arguments: Namespace, write: Write) -> No
     nodes = {node.id: node.full_name for node in source.graph.nodes()}
     sides: tuple[tuple[str, Literal["pub", "sub"]], ...] = (("clients", "sub"), ("servers", "pub"))
     for title, kind in sides:
-        ends = source.endpoints(f"{name}/_action/feedback", kind)
-        write(f"Action {title}: {len(ends)}\n")
-        for end in () if arguments.count else ends:
-            type_text = f" [{end.type_name.removesuffix('_FeedbackMessage')}]" if arguments.show_types else ""
-            write(f"    {nodes[end.node]}{type_text}\n")
+        endpoints = source.endpoints(f"{name}/_action/feedback", kind)
+        write(f"Action {title}: {len(endpoints)}\n")
+        for endpoint in () if arguments.count else endpoints:
+            type_text = (
+                f" [{endpoint.type_name.removesuffix('_FeedbackMessage')}]" if arguments.show_types else ""
+            )
+            write(f"    {nodes[endpoint.node]}{type_text}\n")
 
 
 def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
@@ -139,14 +141,14 @@ def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
     kind, name = kind_of(action_class, arguments.action_type, "action"), arguments.action_name
     goal = kind.Goal()
     fill(goal, sys.stdin.read() if arguments.stdin else arguments.goal)
-    there = _actions(source)
-    check_type(name, type_name(kind.Goal).removesuffix("_Goal"), there)
+    actions = _actions(source)
+    check_type(name, type_name(kind.Goal).removesuffix("_Goal"), actions)
     with until_interrupted(), own_node(source) as node:
         client = ActionClient(node, kind, name)
         node.add_waitable(client)
         write("Waiting for an action server to become available...\n")
         if not source.wait(client._course_is_ready, source.limit()):
-            raise CourseError(f"No node serves the action '{name}'{did_you_mean(name, there) or '.'}")
+            raise CourseError(f"No node serves the action '{name}'{did_you_mean(name, actions) or '.'}")
         write(f"Sending goal:\n     {_text(goal)}\n")
 
         def show(message: Any) -> None:
@@ -256,9 +258,9 @@ def _sections(endpoints: Iterable[EndpointInfo]) -> dict[str, list[Named]]:
     titles = ("Subscribers", "Publishers", "Service Servers", "Service Clients")
     sections: dict[str, list[Named]] = {name: [] for name in (*titles, "Action Servers", "Action Clients")}
     for endpoint in endpoints:
-        one = "Subscribers" if endpoint.kind == "sub" else "Publishers"
+        section = "Subscribers" if endpoint.kind == "sub" else "Publishers"
         if endpoint.service is None:
-            sections[one].append((endpoint.topic, endpoint.type_name))
+            sections[section].append((endpoint.topic, endpoint.type_name))
         elif endpoint.topic.startswith(REQUESTS):
             sections["Service Servers" if endpoint.kind == "sub" else "Service Clients"].append(
                 endpoint.service
@@ -304,19 +306,19 @@ def _print_state(source: Source, arguments: Namespace, write: Write) -> None:
 
 def _list_transitions(source: Source, arguments: Namespace, write: Write) -> None:
     service = "get_transition_graph" if arguments.all else "get_available_transitions"
-    for one in _transitions(source, _find_lifecycle_node(source, arguments), service):
-        write(f"- {one.transition.label} [{one.transition.id}]\n")
-        write(f"\tStart: {one.start_state.label}\n\tGoal: {one.goal_state.label}\n")
+    for edge in _transitions(source, _find_lifecycle_node(source, arguments), service):
+        write(f"- {edge.transition.label} [{edge.transition.id}]\n")
+        write(f"\tStart: {edge.start_state.label}\n\tGoal: {edge.goal_state.label}\n")
 
 
 def _change_state(source: Source, arguments: Namespace, write: Write) -> None:
-    node, transition = _find_lifecycle_node(source, arguments), arguments.transition
-    there = [one.transition for one in _transitions(source, node, "get_available_transitions")]
-    matching = [one for one in there if one.label == transition] or [
-        one for one in there if str(one.id) == transition
+    node, label_or_id = _find_lifecycle_node(source, arguments), arguments.transition
+    available = [edge.transition for edge in _transitions(source, node, "get_available_transitions")]
+    matching = [transition for transition in available if transition.label == label_or_id] or [
+        transition for transition in available if str(transition.id) == label_or_id
     ]
     if not matching:
-        lines = "".join(f"\n- {one.label} [{one.id}]" for one in there)
+        lines = "".join(f"\n- {transition.label} [{transition.id}]" for transition in available)
         raise CourseError(f"Unknown transition requested, available ones are:{lines}")
     is_changed = _call_lifecycle_service(
         source, node, "ChangeState", "change_state", transition=matching[0]
@@ -350,9 +352,9 @@ def _find_lifecycle_node(source: Source, arguments: Namespace) -> str:
     """Return the full name of the lifecycle node in the arguments."""
     name = arguments.node_name
     full = name if name.startswith("/") else f"/{name}"
-    there = _lifecycle_nodes(source, hidden=arguments.hidden)
-    if full not in there:
-        raise CourseError(f"Node not found{did_you_mean(full, there)}")
+    nodes = _lifecycle_nodes(source, hidden=arguments.hidden)
+    if full not in nodes:
+        raise CourseError(f"Node not found{did_you_mean(full, nodes)}")
     return full
 
 
@@ -383,8 +385,10 @@ _TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
 
 def interfaces(kind: str) -> list[str]:
     """List the types of a kind (msg, srv or action) by name."""
-    part = _FIRST_PARTS[kind]
-    names = [name.removesuffix(part) for name in type_names() if f"/{kind}/" in name and name.endswith(part)]
+    suffix = _FIRST_PARTS[kind]
+    names = [
+        name.removesuffix(suffix) for name in type_names() if f"/{kind}/" in name and name.endswith(suffix)
+    ]
     return [name for name in names if "_" not in name.rsplit("/", 1)[1]]
 
 
@@ -435,9 +439,9 @@ def _packages(*kinds: str) -> set[str]:
 
 def _check_package(name: str) -> None:
     find_package(name)
-    there = _packages(*_TITLES)
-    if name not in there:
-        raise CourseError(f"Unknown package '{name}'{did_you_mean(name, there)}")
+    packages = _packages(*_TITLES)
+    if name not in packages:
+        raise CourseError(f"Unknown package '{name}'{did_you_mean(name, packages)}")
 
 
 def _check_type_name(name: str) -> str:
@@ -445,9 +449,9 @@ def _check_type_name(name: str) -> str:
         close = did_you_mean(name.replace("/", "/msg/", 1), type_names())
         raise CourseError(f"Invalid name '{name}'. Expected three parts separated by '/'{close}")
     _check_package(name.split("/")[0])
-    there = [interface for kind in _TITLES for interface in interfaces(kind)]
-    if name not in there:
-        raise CourseError(f"Could not find the interface '{name}'{did_you_mean(name, there)}")
+    known_interfaces = [interface for kind in _TITLES for interface in interfaces(kind)]
+    if name not in known_interfaces:
+        raise CourseError(f"Could not find the interface '{name}'{did_you_mean(name, known_interfaces)}")
     return name
 
 

@@ -155,8 +155,8 @@ def _rqt(view: str) -> None:
 
 def program_arguments() -> list[str]:
     """Return the running program's arguments before `--ros-args`."""
-    words = sys.argv[1:]
-    return words[: words.index("--ros-args")] if "--ros-args" in words else words
+    arguments = sys.argv[1:]
+    return arguments[: arguments.index("--ros-args")] if "--ros-args" in arguments else arguments
 
 
 def spin(*nodes: "Node", executor: "Executor | None" = None) -> None:

@@ -75,14 +75,19 @@ def launch_verbs(executables: Executables) -> tuple[Verb, Verb]:
 def _launch(executables: Executables, source: Source, arguments: Namespace, write: Write) -> None:
     from course_lib.ros.programs.launch_program import LaunchProgram, arguments_of
 
-    words = [arguments.package_name, *arguments.launch_file_name]
-    package = find_package(words[0])
-    if package is None and not Path(words[0]).is_file() and len(words) > 1 and ":=" not in words[1]:
-        raise CourseError(why_not_found(words[0]))
-    if package is not None and not Path(words[0]).is_file():
-        file, settings = _find_in_package(package.share, words), words[2:]
+    launch_arguments = [arguments.package_name, *arguments.launch_file_name]
+    package = find_package(launch_arguments[0])
+    if (
+        package is None
+        and not Path(launch_arguments[0]).is_file()
+        and len(launch_arguments) > 1
+        and ":=" not in launch_arguments[1]
+    ):
+        raise CourseError(why_not_found(launch_arguments[0]))
+    if package is not None and not Path(launch_arguments[0]).is_file():
+        file, settings = _find_in_package(package.share, launch_arguments), launch_arguments[2:]
     else:
-        file, settings = Path(words[0]), words[1:]
+        file, settings = Path(launch_arguments[0]), launch_arguments[1:]
     if not file.is_file():
         raise CourseError(
             f"No such launch file: {file}. Write ros2 launch PACKAGE FILE, or the path of a file."
@@ -93,19 +98,20 @@ def _launch(executables: Executables, source: Source, arguments: Namespace, writ
         _start(source, LaunchProgram(file, settings, executables, is_strict=arguments.strict))
 
 
-def _find_in_package(share: Path, words: list[str]) -> Path:
+def _find_in_package(share: Path, arguments: list[str]) -> Path:
     launch_files = (
         path for suffix in (".py", *LAUNCH_IN_WORDS) for path in sorted(share.rglob(f"*{suffix}"))
     )
     # As in ROS, a launch file may have any name. Only files in a `launch` folder or named so are
     # listed.
     files = {path.name: path for path in launch_files}
-    if len(words) > 1 and words[1] in files:
-        return files[words[1]]
+    if len(arguments) > 1 and arguments[1] in files:
+        return files[arguments[1]]
     names = [name for name, path in files.items() if "launch" in str(path.relative_to(share))]
+    file_name = arguments[1] if len(arguments) > 1 else ""
     raise CourseError(
-        f"file '{words[1] if len(words) > 1 else ''}' was not found in the share directory of package "
-        f"'{words[0]}' which is at '{share}'. There is: {', '.join(names) or 'no launch file'}."
+        f"file '{file_name}' was not found in the share directory of package "
+        f"'{arguments[0]}' which is at '{share}'. There is: {', '.join(names) or 'no launch file'}."
     )
 
 
@@ -118,8 +124,8 @@ def _run(executables: Executables, source: Source, arguments: Namespace, write: 
 
 def _warn_of_course_options(arguments: Namespace) -> None:
     """Print a hint about options of `course ros2` that the program receives because they follow its name."""
-    words = list(takewhile(lambda word: word != "--ros-args", arguments.argv))
-    for option, number in pairwise([*words, "…"]):
+    launch_arguments = list(takewhile(lambda argument: argument != "--ros-args", arguments.argv))
+    for option, number in pairwise([*launch_arguments, "…"]):
         if option in COURSE_OPTIONS:
             sys.stderr.write(
                 f"hint: {option} is passed on to {arguments.executable_name}. To pass it to course, "
@@ -145,9 +151,9 @@ def _start(source: Source, program: "LaunchProgram | RunProgram") -> None:
             # As in ROS, the command exits with the exit code of the program.
             sys.exit(program.exit_code)
         return
-    for former in live_runs(graph):
-        if isinstance(former, LaunchedRun) and former.file == program.file:
-            former.stop()
+    for earlier_run in live_runs(graph):
+        if isinstance(earlier_run, LaunchedRun) and earlier_run.file == program.file:
+            earlier_run.stop()
     if not rclpy.ok():
         rclpy.init(args=[])
     run = LaunchedRun(graph, program)

@@ -47,19 +47,19 @@ def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
         ValueError: A quotation mark is not closed.
     """
     line = _ERRORS.sub(lambda match: "" if match[1] else match[0], line)
-    pieces, signs, start = [], [], 0
+    segments, signs, segment_start = [], [], 0
     for match in _PARTS.finditer(line):
         if match[1]:
-            pieces.append(line[start : match.start()])
+            segments.append(line[segment_start : match.start()])
             signs.append(match[1])
-            start = match.end()
+            segment_start = match.end()
     for sign in signs:
         if sign[0] in "&;":
             raise CourseError(
                 f"A line holds one command, without {sign}. Write each command on a line of its own, and "
                 "start programs that keep running with run_live or %ros2 launch."
             )
-    commands = [shlex.split(piece) for piece in (*pieces, line[start:])]
+    commands = [shlex.split(segment) for segment in (*segments, line[segment_start:])]
     if signs and not all(commands):
         raise CourseError(
             f"A command or a file is missing next to {' or '.join(sorted(set(signs)))}: ros2 {line.strip()}"
@@ -80,12 +80,14 @@ def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Wr
         CourseError: A program of the pipeline does not exist, or the line is invalid.
         ValueError: A quotation mark is not closed.
     """
-    (words, *filters), target = split(line)
+    (arguments, *filters), target = split(line)
     # For example: ros2 topic type /chatter | ros2 interface show -
     if filters and filters[0][0] == "ros2":
         output: list[str] = []
-        ros2(words, output.append)
-        words = ["".join(output).strip() if word == "-" else word for word in filters.pop(0)[1:]]
+        ros2(arguments, output.append)
+        arguments = [
+            "".join(output).strip() if argument == "-" else argument for argument in filters.pop(0)[1:]
+        ]
     with ExitStack() as stack:
         if target is not None:
             write = stack.enter_context(target[1].open(target[0], encoding="utf-8")).write
@@ -95,11 +97,11 @@ def run_piped(line: str, ros2: Callable[[Sequence[str], Write], None], write: Wr
         except PermissionError:
             write(f"No program may be started here; this is what {filters[0][0]} would be given:\n")
         # A program prints to standard output itself.
-        if words[:1] == ["run"] and (filters or target):
+        if arguments[:1] == ["run"] and (filters or target):
             stack.enter_context(redirect_stdout(_CallbackStream(write)))
         # A program like `head` may close the pipe early.
         with suppress(BrokenPipeError):
-            ros2(words, write)
+            ros2(arguments, write)
 
 
 class _CallbackStream(TextIOBase):
@@ -128,41 +130,41 @@ def pipe_through(commands: Sequence[Sequence[str]], write: Write) -> Iterator[Wr
     running: list[subprocess.Popen[bytes]] = []
     with ExitStack() as stack:
         result = Path(stack.enter_context(TemporaryDirectory()), "result")
-        come, out = stack.enter_context(result.open("a+b")), stack.enter_context(result.open("ab"))
+        captured, output = stack.enter_context(result.open("a+b")), stack.enter_context(result.open("ab"))
         stack.callback(_end, running)
         for command in commands:
             # Line buffering, as in a terminal.
-            at_once = ["stdbuf", "-oL"] if shutil.which("stdbuf") else []
+            line_buffered = ["stdbuf", "-oL"] if shutil.which("stdbuf") else []
             source = running[-1].stdout if running else subprocess.PIPE
-            started = subprocess.Popen(
-                [*at_once, *command],
+            process = subprocess.Popen(
+                [*line_buffered, *command],
                 stdin=source,
-                stdout=out if command is commands[-1] else subprocess.PIPE,
-                stderr=out,
+                stdout=output if command is commands[-1] else subprocess.PIPE,
+                stderr=output,
                 # In its own session, so that ■ does not interrupt it.
                 start_new_session=True,
             )
-            running.append(started)
+            running.append(process)
             if source and not isinstance(source, int):
                 # From now on only the new process reads from the pipe.
                 source.close()
-        first = running[0].stdin
+        input_stream = running[0].stdin
         # Its standard input is a pipe.
-        assert first is not None
+        assert input_stream is not None
 
         def feed(text: str) -> None:
-            first.write(text.encode())
-            first.flush()
-            write(come.read().decode(errors="replace"))
+            input_stream.write(text.encode())
+            input_stream.flush()
+            write(captured.read().decode(errors="replace"))
 
         try:
             yield feed
         finally:
             with suppress(BrokenPipeError):
-                first.close()
+                input_stream.close()
             for process in running:
                 process.wait()
-            write(come.read().decode(errors="replace"))
+            write(captured.read().decode(errors="replace"))
 
 
 def _end(running: Sequence[subprocess.Popen[bytes]]) -> None:
@@ -196,8 +198,8 @@ def ros2_magic(line: str, *, interrupted: bool = False) -> None:
 
     source = GraphSource(current_graph(), interrupted=interrupted)
 
-    def run(words: Sequence[str], write: Write) -> None:
-        ros2(words, source, write)
+    def run(arguments: Sequence[str], write: Write) -> None:
+        ros2(arguments, source, write)
 
     try:
         run_piped(line, run, sys.stdout.write)
@@ -243,8 +245,8 @@ def rqt_magic(line: str) -> None:
 
 def rviz2_magic(line: str) -> None:
     """Print how to show RViz's view in a notebook. `line` contains the arguments of `rviz2`."""
-    words = line.split()
-    layout = words[words.index("-d") + 1] if "-d" in words[:-1] else None
+    arguments = line.split()
+    layout = arguments[arguments.index("-d") + 1] if "-d" in arguments[:-1] else None
     call = "Viewer()" if layout is None else f"Viewer.from_rviz({layout!r})"
     sys.stderr.write(
         f"There is no window here. A cell shows the view: from course_lib import Viewer; viewer = {call}; "

@@ -26,7 +26,7 @@ def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
             types = ask("describe_parameters", names).descriptors if arguments.param_type else []
         if names and not requested_node:
             write(f"{node_name}:\n")
-        kinds = {one.name: f" (type: {_kind(one.type)})" for one in types}
+        kinds = {parameter.name: f" (type: {_kind(parameter.type)})" for parameter in types}
         write("".join(f"  {name}{kinds.get(name, '')}\n" for name in names))
 
 
@@ -37,8 +37,8 @@ def _get(source: Source, arguments: Namespace, write: Write) -> None:
     with parameter_client(source, arguments.node_name) as ask:
         values = ask("get_parameters", [name]).values
         if not values:
-            there = ask("list_parameters").result.names
-            raise CourseError(f"Parameter not set: {name}{did_you_mean(name, there)}")
+            names = ask("list_parameters").result.names
+            raise CourseError(f"Parameter not set: {name}{did_you_mean(name, names)}")
     kind = Parameter.Type(values[0].type)
     many = kind.name.endswith("_ARRAY")
     word = kind.name.removesuffix("_ARRAY").replace("BOOL", "Boolean").capitalize()
@@ -70,14 +70,14 @@ def _set_one(source: Source, arguments: Namespace, write: Write) -> None:
 def _describe(source: Source, arguments: Namespace, write: Write) -> None:
     with parameter_client(source, arguments.node_name) as ask:
         descriptors = ask("describe_parameters", arguments.parameter_names).descriptors
-    for one in descriptors:
-        lines = [f"Parameter name: {one.name}", f"  Type: {_kind(one.type)}"]
-        lines += [f"  Description: {one.description}"] if one.description else []
-        lines += ["  Constraints:"] + (["    Read only: true"] if one.read_only else [])
-        for limits in [*one.floating_point_range, *one.integer_range][:1]:
+    for descriptor in descriptors:
+        lines = [f"Parameter name: {descriptor.name}", f"  Type: {_kind(descriptor.type)}"]
+        lines += [f"  Description: {descriptor.description}"] if descriptor.description else []
+        lines += ["  Constraints:"] + (["    Read only: true"] if descriptor.read_only else [])
+        for limits in [*descriptor.floating_point_range, *descriptor.integer_range][:1]:
             lines += [f"    Min value: {limits.from_value}", f"    Max value: {limits.to_value}"]
             lines += [f"    Step: {limits.step}"] if limits.step else []
-        more = one.additional_constraints
+        more = descriptor.additional_constraints
         lines += [f"    Additional constraints: {more}"] if more else []
         write("".join(f"{line}\n" for line in lines))
 
@@ -91,12 +91,12 @@ def _dump(source: Source, arguments: Namespace, write: Write) -> None:
     with parameter_client(source, node_name) as ask:
         names = sorted(ask("list_parameters").result.names)
         values = ask("get_parameters", names).values
-    for name, one in zip(names, values, strict=True):
-        *groups, last = name.split(".")
-        place = parameters
+    for name, parameter in zip(names, values, strict=True):
+        *groups, last_name = name.split(".")
+        group_values = parameters
         for group in groups:
-            place = place.setdefault(group, {})
-        place[last] = parameter_value_to_python(one)
+            group_values = group_values.setdefault(group, {})
+        group_values[last_name] = parameter_value_to_python(parameter)
     write(f"{yaml.dump({node_name: {'ros__parameters': parameters}}, default_flow_style=False)}\n")
 
 
@@ -147,8 +147,8 @@ def parameter_nodes(source: Source) -> Sequence[str]:
     if not source.live:
         raise CourseError("Parameters need a running node. Start one, like run_live(MyNode()).")
     services = {e.service[0] for e in source.graph.endpoints() if e.is_service and e.service}
-    end = "/list_parameters"
-    return sorted(name.removesuffix(end) for name in services if name.endswith(end))
+    suffix = "/list_parameters"
+    return sorted(name.removesuffix(suffix) for name in services if name.endswith(suffix))
 
 
 def find_node(source: Source, name: str) -> str:

@@ -127,11 +127,13 @@ def _cells_to_run(shell: "InteractiveShell", cells: list[_Cell]) -> list[_Cell]:
     A cell that was run before another one that was not run is run again, because it may depend on
     it.
     """
-    history = {str(one).strip() for one in getattr(shell.history_manager, "input_hist_raw", [])}
+    history = {str(cell_input).strip() for cell_input in getattr(shell.history_manager, "input_hist_raw", [])}
     run_sources = history | {source.strip() for source in _resumed}
     useful = [cell for cell in cells if cell.source.strip() and not _is_interactive(shell, cell.source)]
-    first = next((i for i, cell in enumerate(useful) if cell.source.strip() not in run_sources), len(useful))
-    return useful[first:]
+    first_index = next(
+        (i for i, cell in enumerate(useful) if cell.source.strip() not in run_sources), len(useful)
+    )
+    return useful[first_index:]
 
 
 def _is_interactive(shell: "InteractiveShell", source: str) -> bool:
@@ -144,8 +146,12 @@ def _is_interactive(shell: "InteractiveShell", source: str) -> bool:
     if any(isinstance(node, ast.Await) for statement in tree.body for node in ast.walk(statement)):
         return True
     # An import of `resume` alone may precede its call. It does not need to run.
-    body = [one for one in tree.body if not ast.unparse(one).endswith(" import resume")]
-    calls = [one.value for one in body if isinstance(one, ast.Expr) and isinstance(one.value, ast.Call)]
+    body = [statement for statement in tree.body if not ast.unparse(statement).endswith(" import resume")]
+    calls = [
+        statement.value
+        for statement in body
+        if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call)
+    ]
     names = [call.func.id for call in calls if isinstance(call.func, ast.Name)]
     return bool(tree.body) and len(names) == len(body) and set(names) <= _QUESTION_CALLS
 
@@ -164,15 +170,15 @@ def _resuming() -> Iterator[None]:
 @contextmanager
 def _full_speed() -> Iterator[None]:
     """Let robot time pass at full speed, although a page is open."""
-    before = os.environ.get(_PACE)
+    previous_pace = os.environ.get(_PACE)
     os.environ[_PACE] = "fast"
     try:
         yield
     finally:
-        if before is None:
+        if previous_pace is None:
             del os.environ[_PACE]
         else:
-            os.environ[_PACE] = before
+            os.environ[_PACE] = previous_pace
 
 
 def _run(shell: "InteractiveShell", source: str) -> str:

@@ -151,11 +151,11 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
     if verb is None:
         _explain(list(words), write)
         return
-    parser, rest = _parser(verb, write), words[len(verb.words) :]
-    if HELP & set(rest):
+    parser, verb_arguments = _parser(verb, write), words[len(verb.words) :]
+    if HELP & set(verb_arguments):
         write(parser.format_help())
         return
-    arguments = parser.parse_args(rest)
+    arguments = parser.parse_args(verb_arguments)
     if pause := getattr(arguments, "spin_time", 0.0) or (0.0 if verb.from_start else source.discovery):
         source.wait(lambda: False, pause)
     verb.run(source, arguments, write)
@@ -196,12 +196,14 @@ def _parser(verb: Verb, write: Write) -> ArgumentParser:
 
 def _explain(words: list[str], write: Write) -> None:
     """Print the possible continuations of a command. Raise a CourseError for an unknown command."""
-    known = 0
-    while any(verb.words[: known + 1] == words[: known + 1] for verb in VERBS) and known < len(words):
-        known += 1
-    path, rest = words[:known], words[known:]
-    names = {verb.words[known]: verb.help for verb in VERBS if verb.words[:known] == path}
-    if not known:
+    known_count = 0
+    while any(
+        verb.words[: known_count + 1] == words[: known_count + 1] for verb in VERBS
+    ) and known_count < len(words):
+        known_count += 1
+    path, remaining_words = words[:known_count], words[known_count:]
+    names = {verb.words[known_count]: verb.help for verb in VERBS if verb.words[:known_count] == path}
+    if not known_count:
         names = {name: COMMANDS[name] for name in names}
     prog = " ".join(["ros2", *path])
     about = COMMANDS[path[0]] if path else "ros2 is an extensible command-line tool for ROS 2."
@@ -215,13 +217,13 @@ def _explain(words: list[str], write: Write) -> None:
         description="".join(f"{name.ljust(width)}  {names[name]}\n" for name in sorted(names)),
         metavar=f"Call `{prog} <command> -h` for more detailed usage.",
     )
-    if not rest or HELP & set(rest):
+    if not remaining_words or HELP & set(remaining_words):
         write(parser.format_help())
-    elif rest[0].startswith("-"):
-        parser.error(f"unrecognized arguments: {rest[0]}")
+    elif remaining_words[0].startswith("-"):
+        parser.error(f"unrecognized arguments: {remaining_words[0]}")
     else:
         metavar = f"argument Call `{prog} <command> -h` for more detailed usage."
         choices = ", ".join(map(repr, sorted(names)))
-        reason = "" if path else _NOT_OFFERED.get(rest[0], "")
-        hint = f". {reason}" if reason else did_you_mean(rest[0], names)
-        parser.error(f"{metavar}: invalid choice: {rest[0]!r} (choose from {choices}){hint}")
+        reason = "" if path else _NOT_OFFERED.get(remaining_words[0], "")
+        hint = f". {reason}" if reason else did_you_mean(remaining_words[0], names)
+        parser.error(f"{metavar}: invalid choice: {remaining_words[0]!r} (choose from {choices}){hint}")

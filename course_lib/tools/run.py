@@ -62,12 +62,14 @@ def run(
         graph.pace = WallPace(graph)
     with nullcontext() if bag is None else _record_bag(graph, bag):
         with use_graph(graph), time_lock.report_busy_main_thread(graph):
-            code = run_files(files, seed=seed, args=args, own=_OwnExecutables(), is_strict=is_strict)
+            code = run_files(
+                files, seed=seed, args=args, kit_executables=_KitExecutables(), is_strict=is_strict
+            )
         graph.close()
     return code
 
 
-class _OwnExecutables(Mapping[tuple[str, str], Callable[[], object]]):
+class _KitExecutables(Mapping[tuple[str, str], Callable[[], object]]):
     """The kit's executables, which are imported when a launch file refers to one."""
 
     def __getitem__(self, name: tuple[str, str]) -> Callable[[], object]:
@@ -138,8 +140,8 @@ def ros2_over(
                 f"{words[0]} is not a command of ros2. A program is given with --run: "
                 f"course ros2 --run {' '.join(words) if len(words) > 1 else f'{words[0]} topic list'}"
             )
-        ways = (f"course ros2 {where} {words[0]} …" for where in _WHERE)
-        raise CourseError(f"Choose what to inspect: {', or '.join(ways)}")
+        examples = (f"course ros2 {where} {words[0]} …" for where in _WHERE)
+        raise CourseError(f"Choose what to inspect: {', or '.join(examples)}")
     if (files or starts or robot) and not needs_nothing:
         tool = partial(ros2, words, write=sys.stdout.write)
         graph = _graph(robot)
@@ -171,7 +173,7 @@ def run_with_tool(
         CourseError: A file cannot be run, or the tool raises it.
         BrokenPipeError: The reader of the tool's output has closed the pipe.
     """
-    graph, wrong = graph or Graph(), list[Exception]()
+    graph, errors = graph or Graph(), list[Exception]()
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
 
     def beside() -> None:
@@ -181,7 +183,7 @@ def run_with_tool(
         try:
             tool(graph)
         except (CourseError, BrokenPipeError) as error:
-            wrong.append(error)
+            errors.append(error)
         finally:
             rclpy.try_shutdown()
             graph.end_ns = graph.now_ns
@@ -189,8 +191,8 @@ def run_with_tool(
     with use_graph(graph):
         # At the limit the tool returns, so that a verb can report missing messages.
         tools = Function("ros2", beside, (), at_end=AtEnd.RETURN)
-        code = run_files(files, seed=0, extra_processes=[tools], own=_OwnExecutables())
+        code = run_files(files, seed=0, extra_processes=[tools], kit_executables=_KitExecutables())
     graph.close()
-    if wrong:
-        raise wrong[0]
+    if errors:
+        raise errors[0]
     return code

@@ -81,7 +81,7 @@ class Source(ABC):
 
     def endpoints(self, topic: str, kind: Literal["pub", "sub"]) -> list[EndpointInfo]:
         """List a topic's publishers or subscriptions."""
-        return [end for end in self.graph.endpoints_on(topic) if end.kind == kind]
+        return [endpoint for endpoint in self.graph.endpoints_on(topic) if endpoint.kind == kind]
 
     def offered_qos(self, topic: str) -> list[Qos]:
         """List the QoS of the topic's publishers."""
@@ -159,9 +159,9 @@ class GraphSource(Source):
         # A linked robot accepts all QoS, because Zenoh does not compare them.
         with self._arrivals({(topic, publishers[0].type_name): qos}):
             own_subscription = next(
-                one for one in self.endpoints(topic, "sub") if one not in other_subscriptions
+                info for info in self.endpoints(topic, "sub") if info not in other_subscriptions
             )
-            policies = [self.graph.incompatible_policy(one, own_subscription) for one in publishers]
+            policies = [self.graph.incompatible_policy(p, own_subscription) for p in publishers]
         if all(policies):
             return f" Its publishers offer incompatible QoS: {policies[0]}."
         if running_nodes() or not self.graph.notebook:
@@ -224,7 +224,7 @@ class RecordingSource(Source):
 
 def is_hidden(name: str) -> bool:
     """Return whether a component of a topic, service or node name begins with an underscore."""
-    return any(part.startswith("_") for part in name.split("/"))
+    return any(name_part.startswith("_") for name_part in name.split("/"))
 
 
 @contextmanager

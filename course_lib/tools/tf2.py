@@ -54,7 +54,7 @@ class TransformStream:
             if arrival is None:
                 yield now_ns
                 continue
-            transforms = [Transform.from_message(one) for one in arrival.message().transforms]
+            transforms = [Transform.from_message(transform) for transform in arrival.message().transforms]
             for transform in transforms:
                 self.buffer.set_transform(
                     transform, _DEFAULT_AUTHORITY, is_static=arrival.topic == "/tf_static"
@@ -80,15 +80,17 @@ def log_line(name: str, now_ns: int, text: str) -> str:
 
 def _echo(source: Source, arguments: Namespace, write: Write) -> None:
     # As in ROS's tf2_echo, the names are swapped.
-    target, other = arguments.source_frame, arguments.target_frame
+    target_frame, source_frame = arguments.source_frame, arguments.target_frame
     stream, waiting = TransformStream(source), True
     with until_interrupted():
         for now_ns in stream.ticks(1.0 / arguments.echo_rate, source.limit()):
-            waiting = waiting and not stream.can_transform(target, other, now_ns, write, "tf2_echo")
+            waiting = waiting and not stream.can_transform(
+                target_frame, source_frame, now_ns, write, "tf2_echo"
+            )
             if waiting:
                 continue
             try:
-                write(_pose_text(stream.buffer.lookup(target, other)))
+                write(_pose_text(stream.buffer.lookup(target_frame, source_frame)))
             except TransformException as error:
                 write(f"Failure at {now_ns / 1e9:.3f}\nException thrown:{error}\n")
                 write(f"The current list of frames is:\n{stream.buffer.describe_frames()}\n")
@@ -183,18 +185,18 @@ class TransformDelays:
 
 def _monitor(source: Source, arguments: Namespace, write: Write) -> None:
     """Print the delays of all transforms, or of the chain between two frames, every 10 s."""
-    start, end = arguments.framea, arguments.frameb
-    if start and not end:
+    frame_a, frame_b = arguments.framea, arguments.frameb
+    if frame_a and not frame_b:
         raise CourseError("tf2_monitor needs two frames or none: ros2 run tf2_ros tf2_monitor framea frameb")
     delays, chain, looks, is_shown = TransformDelays(), list[str](), 0, False
     stream = TransformStream(source, delays.record)
-    subject = f"{start} -> {end}" if start else "all frames"
+    subject = f"{frame_a} -> {frame_b}" if frame_a else "all frames"
     with until_interrupted():
         for now_ns in stream.ticks(EVERY, source.limit(EVERY * POLLS)):
-            if start and not chain:
-                if not stream.can_transform(start, end, now_ns, write, "tf2_monitor_main"):
+            if frame_a and not chain:
+                if not stream.can_transform(frame_a, frame_b, now_ns, write, "tf2_monitor_main"):
                     continue
-                chain = tf2.chain(stream.buffer, start, end)
+                chain = tf2.chain(stream.buffer, frame_a, frame_b)
             if looks == 0 and subject:
                 write(f"Gathering data on {subject} for 10 seconds...\n")
                 subject = ""
@@ -202,7 +204,7 @@ def _monitor(source: Source, arguments: Namespace, write: Write) -> None:
                 write(delays.text(chain))
                 looks, is_shown = 0, True
             if chain:
-                delays.record_chain((now_ns - stream.buffer.lookup(start, end).stamp_ns) * 1e-9)
+                delays.record_chain((now_ns - stream.buffer.lookup(frame_a, frame_b).stamp_ns) * 1e-9)
             looks += 1
         # The run has ended before the results were printed.
         if looks and not is_shown:
@@ -255,20 +257,20 @@ def _read_old_style(arguments: Namespace, now_ns: int, write: Write) -> None:
 
     The arguments are x y z yaw pitch roll frame child, or x y z qx qy qz qw frame child.
     """
-    values, wrong = arguments.old_style, "error parsing command line arguments: "
+    values, prefix = arguments.old_style, "error parsing command line arguments: "
     if not values:
         return
     if len(values) not in (8, 9):
-        raise CourseError(f"{wrong}Extra unparsed arguments on command-line")
+        raise CourseError(f"{prefix}Extra unparsed arguments on command-line")
     write(f"[WARN] [{now_ns // 10**9}.{now_ns % 10**9:09d}] []: {_OLD_STYLE}\n")
     turn = ("yaw", "pitch", "roll") if len(values) == 8 else ("qx", "qy", "qz", "qw")
     if any(getattr(arguments, name) is not None for name in (*_NUMBERS, "frame_id", "child_frame_id")):
-        raise CourseError(f"{wrong}Cannot specify both new-style (flags) and old-style (arguments)")
-    for name, word in zip((*"xyz", *turn), values, strict=False):
+        raise CourseError(f"{prefix}Cannot specify both new-style (flags) and old-style (arguments)")
+    for name, argument in zip((*"xyz", *turn), values, strict=False):
         try:
-            setattr(arguments, name, float(word))
+            setattr(arguments, name, float(argument))
         except ValueError:
-            raise CourseError(f"{wrong}Failed to parse {name} argument as float") from None
+            raise CourseError(f"{prefix}Failed to parse {name} argument as float") from None
     arguments.frame_id, arguments.child_frame_id = values[-2:]
 
 
@@ -276,17 +278,17 @@ def _rotation(arguments: Namespace) -> tuple[float, ...]:
     """Return the quaternion (x, y, z, w) that the flags describe."""
     quaternion = [getattr(arguments, name) for name in ("qx", "qy", "qz", "qw")]
     angles = [getattr(arguments, name) for name in ("roll", "pitch", "yaw")]
-    if any(part is not None for part in angles):
+    if any(component is not None for component in angles):
         from tf_transformations import quaternion_from_euler
 
-        if any(part is not None for part in quaternion):
+        if any(component is not None for component in quaternion):
             raise CourseError("Cannot specify both quaternion and Euler rotations")
         roll, pitch, yaw = (angle or 0.0 for angle in angles)
         x, y, z, w = quaternion_from_euler(roll, pitch, yaw)
         return float(x), float(y), float(z), float(w)
     return tuple(
-        part if part is not None else default
-        for part, default in zip(quaternion, (0.0, 0.0, 0.0, 1.0), strict=True)
+        component if component is not None else default
+        for component, default in zip(quaternion, (0.0, 0.0, 0.0, 1.0), strict=True)
     )
 
 
@@ -377,7 +379,7 @@ def dot(frames: Mapping[str, Any], now_ns: int) -> str:
     if not frames:
         return 'digraph G { "No tf data received" }'
     edges = "".join(
-        f'"{about["parent"]}" -> "{frame}"[label=" {_label(about, end=chr(92) + "n")}"];\n'
+        f'"{about["parent"]}" -> "{frame}"[label=" {_label(about, ending=chr(92) + "n")}"];\n'
         for frame, about in frames.items()
     )
     root = _roots(frames)[-1]
@@ -410,7 +412,7 @@ def picture(frames: Mapping[str, Any], now_ns: int, kind: str) -> bytes:
             corner = "angle,angleA=0,angleB=90"
             arrow = {"arrowstyle": "-|>", "fc": "black", "shrinkB": 12, "connectionstyle": corner}
             axes.annotate("", (x, depth + 1), (start, above + 1), arrowprops=arrow)
-            label, blank = _label(about, end="\n").rstrip(), {"fc": "white", "ec": "none", "pad": 1}
+            label, blank = _label(about, ending="\n").rstrip(), {"fc": "white", "ec": "none", "pad": 1}
             axes.text(x, depth + 0.55, label, fontsize=8, ha="center", va="center", bbox=blank)
         axes.text(
             x, depth + 1, frame, ha="center", va="center", bbox={"fc": "white", "boxstyle": "round"}, zorder=4
@@ -426,21 +428,21 @@ def _frame_positions(frames: Mapping[str, Any]) -> dict[str, tuple[float, int]]:
 
     Leaves get consecutive columns, parents are centered above.
     """
-    places: dict[str, tuple[float, int]] = {}
+    positions: dict[str, tuple[float, int]] = {}
     columns = iter(range(len(frames) + 1))
 
-    def place(frame: str, depth: int) -> float:
+    def place_frame(frame: str, depth: int) -> float:
         # Set before the descent, because in a loop a frame is its own descendant.
-        places[frame] = 0.0, depth
-        below = (name for name, about in frames.items() if about["parent"] == frame and name not in places)
-        children = [place(name, depth + 1) for name in below]
+        positions[frame] = 0.0, depth
+        below = (name for name, about in frames.items() if about["parent"] == frame and name not in positions)
+        children = [place_frame(name, depth + 1) for name in below]
         x = (children[0] + children[-1]) / 2 if children else float(next(columns))
-        places[frame] = x, depth
+        positions[frame] = x, depth
         return x
 
     for root in _roots(frames):
-        place(root, 0)
-    return places
+        place_frame(root, 0)
+    return positions
 
 
 def _roots(frames: Mapping[str, Any]) -> list[str]:
@@ -449,8 +451,8 @@ def _roots(frames: Mapping[str, Any]) -> list[str]:
     return list(dict.fromkeys(parent for parent in parents if parent not in frames)) or parents[:1]
 
 
-def _label(about: Mapping[str, Any], end: str) -> str:
-    return "".join(f"{title}: {about[name]}{end}" for name, title in _LABELS.items())
+def _label(about: Mapping[str, Any], ending: str) -> str:
+    return "".join(f"{title}: {about[name]}{ending}" for name, title in _LABELS.items())
 
 
 _OPTIONS = (

@@ -89,7 +89,7 @@ def match_qos(offered: list[Qos], preset: Qos, write: Write) -> Qos:
         ("reliability", "reliable", "best_effort"),
         ("durability", "transient_local", "volatile"),
     ):
-        count = sum(getattr(one, name) == strong for one in offered)
+        count = sum(getattr(profile, name) == strong for profile in offered)
         if 0 < count < len(offered):
             policy = f"QoS{name.capitalize()}Policy."
             write(
@@ -115,17 +115,17 @@ def type_of(source: Source, topic: str, write: Write, *, blocking: bool) -> str:
     Raises:
         CourseError: The topic does not exist, its type is unknown, or it has several types.
     """
-    there = source.topics()
-    if topic not in there and source.discovery:
+    known_topics = source.topics()
+    if topic not in known_topics and source.discovery:
         source.wait(lambda: topic in source.topics(), source.discovery)
-        there = source.topics()
-    if topic not in there:
+        known_topics = source.topics()
+    if topic not in known_topics:
         write(f"WARNING: topic [{topic}] does not appear to be published yet\n")
         if blocking:
             source.wait(lambda: topic in source.topics(), source.limit())
     types = source.topics().get(topic)
     if not types:
-        hint = f"{did_you_mean(topic, there) or '.'} {describe_topics(source)}"
+        hint = f"{did_you_mean(topic, known_topics) or '.'} {describe_topics(source)}"
         raise CourseError(f"Could not determine the type for the passed topic{hint}")
     if len(types) > 1:
         type_list = ", ".join(types)
@@ -226,28 +226,28 @@ def _list_all(source: Source, arguments: Namespace, write: Write) -> None:
     if arguments.count or not arguments.verbose:
         write_names(topics, arguments, write)
         return
-    for title, kind, one in _SIDES:
+    for title, kind, noun in _SIDES:
         write(f"{title} topics:\n")
         for name, types in topics.items():
             if number := len(source.endpoints(name, kind)):
-                write(f" * {name} [{', '.join(types)}] {format_count(number, one)}\n")
+                write(f" * {name} [{', '.join(types)}] {format_count(number, noun)}\n")
         write("\n")
 
 
 def _print_info(source: Source, arguments: Namespace, write: Write) -> None:
-    topic, end = arguments.topic_name, "\n\n" if arguments.verbose else "\n"
+    topic, separator = arguments.topic_name, "\n\n" if arguments.verbose else "\n"
     types = source.topics().get(topic)
     if not types:
         raise CourseError(f"Unknown topic '{topic}'{did_you_mean(topic, source.topics())}")
-    write(f"Type: {types[0] if len(types) == 1 else types}{end}")
+    write(f"Type: {types[0] if len(types) == 1 else types}{separator}")
     nodes = {node.id: node for node in source.graph.nodes()}
     for title, endpoints in (
         ("Publisher", source.endpoints(topic, "pub")),
         ("Subscription", source.endpoints(topic, "sub")),
     ):
-        write(f"{title} count: {len(endpoints)}{end}")
+        write(f"{title} count: {len(endpoints)}{separator}")
         for endpoint in endpoints if arguments.verbose else ():
-            write(f"{describe(endpoint, nodes[endpoint.node], title.upper())}{end}")
+            write(f"{describe(endpoint, nodes[endpoint.node], title.upper())}{separator}")
 
 
 def describe(endpoint: EndpointInfo, node: NodeInfo, kind: str) -> str:

@@ -166,7 +166,7 @@ def type_verb(kind: str, about: str, find: FindTypes, name: Option) -> Verb:
 
     def run(source: Source, arguments: Namespace, write: Write) -> None:
         types = find(source, True).get(getattr(arguments, f"{kind}_name"), ())
-        write("".join(f"{one}\n" for one in types))
+        write("".join(f"{type_name}\n" for type_name in types))
 
     return Verb(kind, "type", about, (*NODE_OPTIONS, name), run)
 
@@ -196,23 +196,24 @@ def kind_of(find: Any, type_name: str, folder: str) -> Any:
         # The error already has ROS's text.
         if folder == "msg":
             raise
-        word, end = {"srv": ("service", "_Request"), "action": ("action", "_Goal")}[folder]
-        there = [
-            name.removesuffix(end) for name in type_names() if f"/{folder}/" in name and name.endswith(end)
+        noun, suffix = {"srv": ("service", "_Request"), "action": ("action", "_Goal")}[folder]
+        candidates = [
+            name.removesuffix(suffix)
+            for name in type_names()
+            if f"/{folder}/" in name and name.endswith(suffix)
         ]
-        if full_name in there:
+        if full_name in candidates:
             raise
-        same_name = [name for name in there if name.rpartition("/")[2] == type_name.rpartition("/")[2]]
-        message = (
-            f"The passed {word} type is invalid: {full_name}{did_you_mean(full_name, same_name or there)}"
-        )
+        same_name = [name for name in candidates if name.rpartition("/")[2] == type_name.rpartition("/")[2]]
+        suggestion = did_you_mean(full_name, same_name or candidates)
+        message = f"The passed {noun} type is invalid: {full_name}{suggestion}"
         raise CourseError(message) from error
 
 
-def check_type(name: str, type_name: str, there: Mapping[str, Sequence[str]]) -> None:
+def check_type(name: str, type_name: str, types_by_name: Mapping[str, Sequence[str]]) -> None:
     """Raise a CourseError if a name exists with a different type, because waiting for it would never end."""
-    if name in there and type_name not in there[name]:
-        raise CourseError(f"{name} has the type {', '.join(there[name])}, not {type_name}.")
+    if name in types_by_name and type_name not in types_by_name[name]:
+        raise CourseError(f"{name} has the type {', '.join(types_by_name[name])}, not {type_name}.")
 
 
 def fill(message: RosMessage, text: str) -> list[SetTime]:

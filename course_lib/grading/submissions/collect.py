@@ -68,7 +68,7 @@ class DownloadedFile:
 
     Args:
         parts: Its path in the download.
-        handed: Its owner and the data in its name.
+        download_name: Its owner and the data in its name.
         kind: A notebook (also in a zip of `course submit`), or a file that a notebook may refer to.
         exercise: The exercise of a notebook, or "".
         claimed: The ID in the file.
@@ -77,7 +77,7 @@ class DownloadedFile:
     """
 
     parts: tuple[str, ...]
-    handed: DownloadName
+    download_name: DownloadName
     kind: Kind = "working"
     exercise: str = ""
     claimed: str | None = None
@@ -92,7 +92,7 @@ class DownloadedFile:
     @property
     def owner(self) -> str:
         """The key by which the platform identifies the student."""
-        return self.handed.key
+        return self.download_name.key
 
 
 @dataclass
@@ -110,45 +110,45 @@ class Choice:
     lines: list[str] = field(default_factory=list)
 
 
-def inspect_file(arrival: Arrival, handed: DownloadName) -> DownloadedFile:
+def inspect_file(arrival: Arrival, download_name: DownloadName) -> DownloadedFile:
     """Determine the kind, exercise and ID of a file of a download.
 
     Raises:
         CourseError: It is neither a notebook nor a file that a notebook may refer to.
     """
-    name = handed.below[-1]
+    name = download_name.below[-1]
     # In the student's part of a name, ".." can become a path component.
-    if problem := path_problem(handed.below):
+    if problem := path_problem(download_name.below):
         raise CourseError(problem)
     if is_zip(name):
         try:
             data, receipt = read_packed_zip(arrival.data, name)
         except CourseError as error:
             return DownloadedFile(
-                arrival.parts, handed, "notebook", find_exercise_name(name) or "", problem=str(error)
+                arrival.parts, download_name, "notebook", find_exercise_name(name) or "", problem=str(error)
             )
-        item = _notebook(arrival, handed, data, str(receipt.get("exercise", "")))
+        item = _notebook(arrival, download_name, data, str(receipt.get("exercise", "")))
         claimed = item.claimed or claimed_id(receipt)
         return DownloadedFile(
-            item.parts, handed, "notebook", item.exercise, claimed, item.is_touched, item.problem
+            item.parts, download_name, "notebook", item.exercise, claimed, item.is_touched, item.problem
         )
     if is_notebook_name(name):
         plain = re.sub(r"^\d{8}_?\d{6}_", "", name)
-        item = _notebook(arrival, handed, arrival.data, plain)
+        item = _notebook(arrival, download_name, arrival.data, plain)
         if item.problem and not name.lower().endswith(".ipynb") and not item.exercise:
             raise CourseError(f"unsupported file type; expected one of {', '.join(ACCEPTED_SUFFIXES)}")
         return item
     if not name.lower().endswith(WORKING):
         raise CourseError(f"unsupported file type; expected one of {', '.join(ACCEPTED_SUFFIXES)}")
-    return DownloadedFile(arrival.parts, handed)
+    return DownloadedFile(arrival.parts, download_name)
 
 
-def _notebook(arrival: Arrival, handed: DownloadName, data: bytes, name: str) -> DownloadedFile:
+def _notebook(arrival: Arrival, download_name: DownloadName, data: bytes, name: str) -> DownloadedFile:
     try:
         notebook = parse_notebook(data, name)
     except CourseError as error:
         return DownloadedFile(
-            arrival.parts, handed, "notebook", find_exercise_name(name) or "", problem=str(error)
+            arrival.parts, download_name, "notebook", find_exercise_name(name) or "", problem=str(error)
         )
     exercise, problem = notebook.exercise or "", ""
     if lesson := lesson_of(notebook) if exercise else "":
@@ -156,7 +156,9 @@ def _notebook(arrival: Arrival, handed: DownloadName, data: bytes, name: str) ->
     elif not exercise:
         problem = "it is not an exercise of this course"
     is_touched = not exercise or notebook.digest != released_digest(exercise)
-    return DownloadedFile(arrival.parts, handed, "notebook", exercise, notebook.student, is_touched, problem)
+    return DownloadedFile(
+        arrival.parts, download_name, "notebook", exercise, notebook.student, is_touched, problem
+    )
 
 
 def choose(
@@ -185,8 +187,8 @@ def choose(
     for item in items:
         by_owner[item.owner].append(item)
     problems = defaultdict[str, list[tuple[DownloadName, str, str]]](list)
-    for handed, name, why in refused:
-        problems[handed.key].append((handed, name, why))
+    for download_name, name, why in refused:
+        problems[download_name.key].append((download_name, name, why))
     for owner in sorted({*by_owner, *problems}):
         _choose_for_owner(by_owner[owner], problems[owner], exercise, choice)
     return choice
@@ -201,7 +203,7 @@ def _choose_for_owner(
     """Add one owner's files to the choice."""
     expected_exercises, set_aside, kept_items = set[str](), list[DownloadedFile](), list[DownloadedFile]()
     for item in items:
-        expected = _expected_exercise(item.handed, exercise)
+        expected = _expected_exercise(item.download_name, exercise)
         expected_exercises.add(expected)
         if item.kind == "working":
             continue
@@ -216,28 +218,34 @@ def _choose_for_owner(
     kept_items = [item for item in kept_items if item not in untouched]
     choice.kept += [*kept_items, *(item for item in items if item.kind == "working")]
     choice.lines += _lines([*set_aside, *untouched], exercise)
-    expected_exercises |= {_expected_exercise(handed, exercise) for handed, _, _ in refused}
+    expected_exercises |= {_expected_exercise(download_name, exercise) for download_name, _, _ in refused}
     missing = sorted(expected_exercises - {item.exercise for item in kept_items} - {ANY, ""})
     for one in missing if not kept_items else ():
         reasons = [f"{name}: {why}" for _, name, why in refused]
-        reasons += [f"{item.handed.below[-1]}: {_exclusion_reason(item, one)}" for item in set_aside]
+        reasons += [f"{item.download_name.below[-1]}: {_exclusion_reason(item, one)}" for item in set_aside]
         reasons += [
-            f"{item.handed.below[-1]}: a file without a notebook" for item in items if item.kind == "working"
+            f"{item.download_name.below[-1]}: a file without a notebook"
+            for item in items
+            if item.kind == "working"
         ]
-        handed = items[0].handed if items else refused[0][0]
+        download_name = items[0].download_name if items else refused[0][0]
         more = (
             f"; and {format_count(len(reasons) - MOST_NAMED, 'other')}" if len(reasons) > MOST_NAMED else ""
         )
         why = f"{'; '.join(reasons[:MOST_NAMED])}{more}. {ADVICE.format(one)}"
-        choice.rejected[f"{handed.key}/{one}"] = (handed, one, why)
+        choice.rejected[f"{download_name.key}/{one}"] = (download_name, one, why)
 
 
-def _expected_exercise(handed: DownloadName, exercise: str) -> str:
+def _expected_exercise(download_name: DownloadName, exercise: str) -> str:
     """Return the effective exercise of a file.
 
     The title of its assignment may override the given one.
     """
-    return handed.assignment if handed.assignment and exercise in ("", handed.assignment) else exercise
+    return (
+        download_name.assignment
+        if download_name.assignment and exercise in ("", download_name.assignment)
+        else exercise
+    )
 
 
 def _exclusion_reason(item: DownloadedFile, expected: str) -> str:
@@ -256,14 +264,14 @@ def _lines(items: Iterable[DownloadedFile], exercise: str) -> list[str]:
         elif item.problem:
             lines.append(f"set aside: {item.path}: {item.problem}")
         else:
-            expected = _expected_exercise(item.handed, exercise)
+            expected = _expected_exercise(item.download_name, exercise)
             lines.append(
                 f"set aside: {item.path}: it is {item.exercise}, but this download counts for {expected}"
             )
     if untouched:
         names = ", ".join(sorted({item.exercise for item in untouched}))
         released_count = format_count(len(untouched), "exercise")
-        lines.append(f"ignored: {untouched[0].handed.name}: {released_count} as released: {names}")
+        lines.append(f"ignored: {untouched[0].download_name.name}: {released_count} as released: {names}")
     return lines
 
 
@@ -277,7 +285,7 @@ def _exercise_of(notebooks: Sequence[DownloadedFile], layout: Layout) -> str:
         CourseError: Several exercises are possible.
     """
     without_assignment = [
-        item for item in notebooks if item.exercise and not item.handed.assignment and not item.problem
+        item for item in notebooks if item.exercise and not item.download_name.assignment and not item.problem
     ]
     edited_exercises = {item.exercise for item in without_assignment if item.is_touched}
     exercises = edited_exercises or {item.exercise for item in without_assignment}
@@ -307,7 +315,9 @@ def _exercise_of(notebooks: Sequence[DownloadedFile], layout: Layout) -> str:
         )
     if exercises:
         return min(exercises)
-    stated_exercises = {item.exercise for item in notebooks if item.exercise and not item.handed.assignment}
+    stated_exercises = {
+        item.exercise for item in notebooks if item.exercise and not item.download_name.assignment
+    }
     return min(stated_exercises) if len(stated_exercises) == 1 else ""
 
 
@@ -334,8 +344,12 @@ def _may_have_several_owners(group: Sequence[DownloadedFile]) -> bool:
     ids = {item.claimed for item in group}
     if len(ids) == 1 and None not in ids:
         return False
-    folders = {item.handed.below[:-1] for item in group}
-    names = {item.handed.below[-1] for item in group if find_exercise_name(item.handed.below[-1]) is None}
+    folders = {item.download_name.below[:-1] for item in group}
+    names = {
+        item.download_name.below[-1]
+        for item in group
+        if find_exercise_name(item.download_name.below[-1]) is None
+    }
     return len(folders) > 1 or len(names) > 1
 
 
@@ -349,7 +363,7 @@ def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: Layout) -
         return
     groups = defaultdict[tuple[str, str], list[DownloadedFile]](list)
     for item in notebooks:
-        if item.handed.student and item.exercise and item.is_touched:
+        if item.download_name.student and item.exercise and item.is_touched:
             groups[item.owner, item.exercise].append(item)
     # A single student may have copies in several folders, but hardly every student of a class.
     is_each = bool(groups) and all(map(_may_have_several_owners, groups.values()))
@@ -428,16 +442,17 @@ class Exports:
     ids: Mapping[str, str] = field(default_factory=dict)
     times: Sequence[Times] = ()
 
-    def id_of(self, handed: DownloadName) -> str:
+    def id_of(self, download_name: DownloadName) -> str:
         """Return the student's ID in the roster, or ""."""
-        return next((self.ids[key] for key in handed.keys if key in self.ids), "")
+        return next((self.ids[key] for key in download_name.keys if key in self.ids), "")
 
-    def time(self, handed: DownloadName) -> tuple[datetime | None, str]:
+    def time(self, download_name: DownloadName) -> tuple[datetime | None, str]:
         """Return the time of submission and its source: the export or platform."""
-        keys = (handed.key, *handed.keys)
-        known_times = ((t.of(key, handed.attachment), t.source) for t in self.times for key in keys)
+        keys = (download_name.key, *download_name.keys)
+        known_times = ((t.of(key, download_name.attachment), t.source) for t in self.times for key in keys)
         return next(
-            (pair for pair in known_times if pair[0]), (handed.time, handed.layout if handed.time else "")
+            (pair for pair in known_times if pair[0]),
+            (download_name.time, download_name.layout if download_name.time else ""),
         )
 
 
@@ -502,7 +517,10 @@ def collect(
     items, refused = _inspect_all(download, collection)
     if not items and not collection.refused:
         raise CourseError(f"{source} contains no files. Pass the platform's download.")
-    _reject_collisions((*(item.handed for item in items), *(handed for handed, _, _ in refused)), exports)
+    _reject_collisions(
+        (*(item.download_name for item in items), *(download_name for download_name, _, _ in refused)),
+        exports,
+    )
     choice = choose(items, refused, download.layout, exercise)
     collection.aside = [printable(line) for line in choice.lines]
     _store_all(download, choice, out, zone, collection, exports)
@@ -566,21 +584,21 @@ def _inspect_all(
         if _is_stamp(arrival, download.layout):
             continue
         try:
-            handed = download.layout.read(arrival.parts)
+            download_name = download.layout.read(arrival.parts)
         except CourseError as error:
             collection.refuse("/".join(arrival.parts), str(error))
             continue
         try:
-            items.append(inspect_file(arrival, handed))
+            items.append(inspect_file(arrival, download_name))
         except CourseError as error:
             collection.refuse("/".join(arrival.parts), str(error))
-            refused.append((handed, handed.below[-1], str(error)))
+            refused.append((download_name, download_name.below[-1], str(error)))
     for name, why in unsafe:
         try:
-            handed = download.layout.read(tuple(name.split("/")))
+            download_name = download.layout.read(tuple(name.split("/")))
         except CourseError:
             continue
-        refused.append((handed, handed.below[-1], why))
+        refused.append((download_name, download_name.below[-1], why))
     return items, refused
 
 
@@ -662,11 +680,11 @@ def _reject_collisions(files: Iterable[DownloadName], exports: Exports) -> None:
         CourseError: The message has both students and options to pass.
     """
     owners, derived_ids = defaultdict[str, dict[str, str]](dict), set[str]()
-    for handed in files:
-        if handed.student:
-            student = exports.id_of(handed) or handed.student
-            owners[student][handed.key] = handed.name
-            derived_ids |= set() if handed.is_named else {student}
+    for download_name in files:
+        if download_name.student:
+            student = exports.id_of(download_name) or download_name.student
+            owners[student][download_name.key] = download_name.name
+            derived_ids |= set() if download_name.is_named else {student}
     for student, names in owners.items():
         if len(names) > 1 and student in derived_ids:
             first, second = list(names.values())[:2]
@@ -676,8 +694,8 @@ def _reject_collisions(files: Iterable[DownloadName], exports: Exports) -> None:
             )
 
 
-def _student(handed: DownloadName, exports: Exports) -> str:
-    return exports.id_of(handed) or handed.student
+def _student(download_name: DownloadName, exports: Exports) -> str:
+    return exports.id_of(download_name) or download_name.student
 
 
 def _store_all(
@@ -687,8 +705,8 @@ def _store_all(
     items_by_parts = {item.parts: item for item in choice.kept}
     for arrival in download.arrivals():
         if _is_stamp(arrival, download.layout):
-            handed = download.layout.read(arrival.parts)
-            write_atomically(out.joinpath(handed.student, *handed.place), arrival.data)
+            download_name = download.layout.read(arrival.parts)
+            write_atomically(out.joinpath(download_name.student, *download_name.place), arrival.data)
         elif item := items_by_parts.get(arrival.parts):
             try:
                 _store(arrival, item, out, zone, collection, exports)
@@ -697,7 +715,7 @@ def _store_all(
                     raise
                 collection.refuse("/".join(arrival.parts), f"can't be kept: {error.strerror}")
             else:
-                collection.notes |= set(_platform_notes(item.handed, exports, download.layout))
+                collection.notes |= set(_platform_notes(item.download_name, exports, download.layout))
 
 
 def _store(
@@ -708,9 +726,9 @@ def _store(
     collection: Collection,
     exports: Exports,
 ) -> None:
-    handed = item.handed
-    student = _student(handed, exports)
-    *folders, name = handed.place
+    download_name = item.download_name
+    student = _student(download_name, exports)
+    *folders, name = download_name.place
     if item.kind == "notebook":
         name = re.sub(r"(\.ipynb)?\.(txt|json)$", ".ipynb", name, flags=re.IGNORECASE)
     # A file never replaces one with other content.
@@ -725,8 +743,8 @@ def _store(
     file = path.relative_to(out).as_posix()
     if collection.rows.get(file, {}).get("refused"):
         del collection.rows[file]
-    if student and (not handed.is_named or (handed.keys and handed.layout != NBGRADER)):
-        row = _row(handed, zone, exports)
+    if student and (not download_name.is_named or (download_name.keys and download_name.layout != NBGRADER)):
+        row = _row(download_name, zone, exports)
         collection.rows[file] = {
             "file": file,
             **_keep_corrected_time(row, collection.rows.get(file, {}), collection),
@@ -758,13 +776,13 @@ def _reject(
     exports: Exports,
 ) -> None:
     """Write a row with the reason for each student without a kept file, for `course grade` to show."""
-    for handed, exercise, why in choice.rejected.values():
+    for download_name, exercise, why in choice.rejected.values():
         try:
-            student = _student(handed, exports) or id_of(handed.key.rsplit(".", 1)[0])
+            student = _student(download_name, exports) or id_of(download_name.key.rsplit(".", 1)[0])
         except CourseError:
             # No ID can be derived from the name, so only the line in the terminal reports it.
             continue
-        name = re.sub(r"[^\w .()+-]", "_", handed.below[-1])[:MAX_NAME].strip(" .") or exercise
+        name = re.sub(r"[^\w .()+-]", "_", download_name.below[-1])[:MAX_NAME].strip(" .") or exercise
         # A file of this name may be refused, or kept, for another exercise too: each has a row of
         # its own.
         file = f"{student}/{name}"
@@ -773,40 +791,42 @@ def _reject(
             file = f"{student}/refused {exercise} {name}"
         if (out / file).exists():
             file = f"{student}/refused {name}"
-        row = {"file": file, **_row(handed, zone, exports)}
+        row = {"file": file, **_row(download_name, zone, exports)}
         collection.rows[file] = {**row, "exercise": exercise, "refused": escape_formula(printable(why))}
         collection.rejected.add(student)
 
 
-def _platform_notes(handed: DownloadName, exports: Exports, layout: Layout) -> Iterator[str]:
+def _platform_notes(download_name: DownloadName, exports: Exports, layout: Layout) -> Iterator[str]:
     """Yield notes for the instructor about a file's name and time."""
     reader = layout.reader
-    is_by_platform = reader is not None and handed.layout == reader.layout != NBGRADER
-    if (is_by_platform or layout.name == FOLDERS) and exports.ids and not exports.id_of(handed):
-        yield printable(f"note: {handed.name} is not in the roster, and gets the ID {handed.student}")
+    is_by_platform = reader is not None and download_name.layout == reader.layout != NBGRADER
+    if (is_by_platform or layout.name == FOLDERS) and exports.ids and not exports.id_of(download_name):
+        yield printable(
+            f"note: {download_name.name} is not in the roster, and gets the ID {download_name.student}"
+        )
     if reader is None or not is_by_platform:
         return
-    if handed.layout == "anonymous" and not exports.id_of(handed):
+    if download_name.layout == "anonymous" and not exports.id_of(download_name):
         yield f"note: {reader.no_times}"
-    elif exports.time(handed)[0] is not None:
+    elif exports.time(download_name)[0] is not None:
         return
     elif exports.times:
-        yield printable(f"note: {handed.name} has no time of submission in {exports.times[0].source}")
+        yield printable(f"note: {download_name.name} has no time of submission in {exports.times[0].source}")
     else:
         why = reader.no_times or "a name of the download has no time of submission"
         yield f"note: {why}; or write them into {LIST}. Without a time no submission is late"
 
 
-def _row(handed: DownloadName, zone: ZoneInfo, exports: Exports) -> dict[str, str]:
+def _row(download_name: DownloadName, zone: ZoneInfo, exports: Exports) -> dict[str, str]:
     """Return the row of received.csv for a file with a platform's name."""
-    time, source = exports.time(handed)
+    time, source = exports.time(download_name)
     return {
         "received": time.astimezone(zone).isoformat() if time else "",
-        "late": LATE_TEXTS[handed.late],
+        "late": LATE_TEXTS[download_name.late],
         "source": escape_formula(source),
-        "name": escape_formula(handed.name),
-        "handed_in_as": escape_formula(handed.handed_in_as),
-        ID_FROM: ROSTER if handed.is_named or exports.id_of(handed) else PLATFORM,
+        "name": escape_formula(download_name.name),
+        "handed_in_as": escape_formula(download_name.handed_in_as),
+        ID_FROM: ROSTER if download_name.is_named or exports.id_of(download_name) else PLATFORM,
     }
 
 

@@ -541,9 +541,9 @@ class Layout:
             CourseError: The path does not belong to this layout, or has no owner.
         """
         reader = self.reader
-        handed = reader.read((*self.above, *path), self.zone) if reader else None
-        if handed is not None:
-            return self._complete(handed, path[0].split(ATTEMPT)[0])
+        download_name = reader.read((*self.above, *path), self.zone) if reader else None
+        if download_name is not None:
+            return self._complete(download_name, path[0].split(ATTEMPT)[0])
         if reader is not None and (len(path) == 1 or self.name not in _MIXABLE):
             raise CourseError(f"its name does not follow {reader.title}'s scheme, so its owner is unknown")
         top = path[1:] if self.name == GOOGLE and len(path) > 1 and not is_zip(path[0]) else path
@@ -562,32 +562,36 @@ class Layout:
         # A person's name, like "Bob O'Neil": characters that are invalid in IDs are removed.
         return DownloadName(self.name, name, name, id_of(name), top[1:], _keys(name))
 
-    def _complete(self, handed: DownloadName, head: str) -> DownloadName:
+    def _complete(self, download_name: DownloadName, head: str) -> DownloadName:
         """Complete the owner's data from the other names and the platform's own files.
 
         Args:
-            handed: The file's data from its own name.
+            download_name: The file's data from its own name.
             head: The part before the time in Blackboard's names.
         """
         if self.title and head.startswith(self.title) and head != self.title:
             user = head.removeprefix(self.title)
-            return replace(handed, key=user, name=user, student=id_of(user), keys=_keys(user))
-        record = self.records.get(handed.key)
+            return replace(download_name, key=user, name=user, student=id_of(user), keys=_keys(user))
+        record = self.records.get(download_name.key)
         if record is None:
             if self.name == GRADESCOPE:
-                raise CourseError(f"{METADATA} has no submitter for submission_{handed.key}")
-            return handed
-        return replace(handed, **record)
+                raise CourseError(f"{METADATA} has no submitter for submission_{download_name.key}")
+            return download_name
+        return replace(download_name, **record)
 
     def owner(self, path: Components) -> str:
         """Return a name of the owner, whose archives share a limit."""
         try:
-            handed = self.read(path)
+            download_name = self.read(path)
         except CourseError:
             return path[0]
-        if handed.is_named or not handed.student:
-            return handed.key
-        return f"{handed.name} ({handed.key})" if handed.name != handed.key else handed.key
+        if download_name.is_named or not download_name.student:
+            return download_name.key
+        return (
+            f"{download_name.name} ({download_name.key})"
+            if download_name.name != download_name.key
+            else download_name.key
+        )
 
 
 def choose_layout(

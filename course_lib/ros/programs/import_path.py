@@ -91,7 +91,7 @@ class HomeModuleFinder(Loader):
         home = HOME_MODULES.get(name)
         # For a module per class, like launch.actions.execute_process, the home is its folder.
         if home is None and folder in FOLDERS:
-            names = {_WORD.sub("_", word).lower() for word in vars(import_module(folder))}
+            names = {_WORD.sub("_", class_name).lower() for class_name in vars(import_module(folder))}
             home = folder if last_name in names else None
         return None if home is None else spec_from_loader(name, cls(), origin=home)
 
@@ -271,7 +271,13 @@ class _InterfaceTypesFinder(Loader):
         """Find a package whose types the kit has, or a folder with interface files."""
         package, _, kind = name.rpartition(".")
         if not package:
-            return _package_of_types(name, cls())
+            # A package for which the build has written only stubs.
+            stub_folder = STANDIN / name
+            if not stub_folder.is_dir() or (stub_folder / "__init__.py").is_file():
+                return None
+            spec = ModuleSpec(name, cls(), origin=str(stub_folder), is_package=True)
+            spec.submodule_search_locations = [str(stub_folder)]
+            return spec
         if kind not in KINDS or "." in package:
             return None
         for folder in _interface_folders(package, path or ()):
@@ -316,19 +322,6 @@ def _types_of_loaded(package: str, name: str) -> ModuleType:
     if name not in KINDS or package not in loaded or not _has_types(package, name):
         raise AttributeError(f"module '{package}' has no attribute '{name}'")
     return import_module(f"{package}.{name}")
-
-
-def _package_of_types(name: str, loader: Loader) -> ModuleSpec | None:
-    """Find a package for which the build has written only stubs.
-
-    It takes precedence over others.
-    """
-    folder = STANDIN / name
-    if not folder.is_dir() or (folder / "__init__.py").is_file():
-        return None
-    spec = ModuleSpec(name, loader, origin=str(folder), is_package=True)
-    spec.submodule_search_locations = [str(folder)]
-    return spec
 
 
 def _has_types(package: str, kind: str) -> bool:

@@ -69,10 +69,10 @@ class OutputPrefixes:
     @contextmanager
     def prefix_output(self) -> Iterator[None]:
         """Prefix the output of the processes within a `with` block."""
-        former = sys.stdout, sys.stderr
+        original_streams = sys.stdout, sys.stderr
         self._streams = [
             _PrefixedStream(stream, number, self.by_program, self._on_output)
-            for number, stream in enumerate(former, 1)
+            for number, stream in enumerate(original_streams, 1)
         ]
         sys.stdout, sys.stderr = self._streams
         try:
@@ -80,7 +80,7 @@ class OutputPrefixes:
         finally:
             # If another launch has replaced the streams, leave its own in place.
             if [sys.stdout, sys.stderr] == self._streams:
-                sys.stdout, sys.stderr = former
+                sys.stdout, sys.stderr = original_streams
 
     @contextmanager
     def of_process(self, process: str) -> Iterator[None]:
@@ -144,7 +144,7 @@ _SET_BY_SETUP = (
 )
 # The representation of a substitution or an action, and the length of it that a warning shows.
 _OBJECT = re.compile(r"<launch(?:_ros)?\.[\w.]*?(\w+) object at 0x\w+>")
-_MAX_WORD = 80
+_MAX_SHOWN = 80
 _ENDS = ("SIGINT", "SIGTERM", "SIGKILL", "SIGQUIT")
 
 
@@ -156,7 +156,7 @@ class LaunchProgram(Process):
     Args:
         file: The launch file.
         args: `name:=value` for its arguments, and arguments for all nodes.
-        own: The kit's executables.
+        kit_executables: The kit's executables.
         is_strict: Whether the launch ends, as in ROS, if something cannot run here.
     """
 
@@ -164,26 +164,26 @@ class LaunchProgram(Process):
         self,
         file: Path,
         args: Sequence[str],
-        own: Executables,
+        kit_executables: Executables,
         *,
         is_strict: bool = False,
     ) -> None:
         super().__init__(file, args)
-        self._own, self._is_strict = own, is_strict
+        self._kit_executables, self._is_strict = kit_executables, is_strict
         # Missing packages, with the reasons.
         self._absent: dict[str, str] = {}
         # Skipped actions, with the reasons.
         self._skipped: dict[Action | None, str] = {}
         self._settings: dict[str, str] = {}
         self._node_arguments: list[str] = []
-        for_ros = False
-        for word in args:
-            for_ros = word == "--ros-args" or (for_ros and word != "--")
-            if ":=" in word and not for_ros:
-                name, _, value = word.partition(":=")
+        is_for_nodes = False
+        for argument in args:
+            is_for_nodes = argument == "--ros-args" or (is_for_nodes and argument != "--")
+            if ":=" in argument and not is_for_nodes:
+                name, _, value = argument.partition(":=")
                 self._settings[name] = value
             else:
-                self._node_arguments.append(word)
+                self._node_arguments.append(argument)
         self._context = LaunchContext(self, file=str(file.absolute()))
         self._processes = Processes()
         self._prefixes = OutputPrefixes(self._on_output)
@@ -220,7 +220,7 @@ class LaunchProgram(Process):
         reasons = " ".join(self._skipped.values())
         for package, reason in self._absent.items():
             # A launch file may look up the folder of a simulator that it then does not start.
-            is_of_kit = any(package == owner for owner, _ in self._own)
+            is_of_kit = any(package == owner for owner, _ in self._kit_executables)
             if reason not in reasons and not is_of_kit and not why_not_offered(package):
                 self.log("WARNING", "launch", f"{reason} Nothing of '{package}' is used.")
                 self._skipped[None] = reason
@@ -236,54 +236,56 @@ class LaunchProgram(Process):
                 lines.append(f"        (default: {default!r})")
         return "\n".join(lines if len(lines) > 1 else [*lines, "", "    No arguments."])
 
-    def start(self, action: Action, package: str, executable: str, words: Iterable[str]) -> None:
+    def start(self, action: Action, package: str, executable: str, arguments: Iterable[str]) -> None:
         """Start an executable. Raise a CourseError if there is none."""
-        words = list(words)
-        if reason := reason_in(" ".join(words)):
+        arguments = list(arguments)
+        if reason := reason_in(" ".join(arguments)):
             raise NotHereError(reason)
-        for word in words:
-            if match := _OBJECT.search(word):
+        for argument in arguments:
+            if match := _OBJECT.search(argument):
                 # An f-string with a substitution; ROS passes this string without a warning.
                 text = (
-                    f"'{word[:_MAX_WORD]}' contains a {match[1]} that has no value yet where the string is "
-                    f"made. Pass a list of its parts instead of an f-string: ['robot_', {match[1]}(…)]"
+                    f"'{argument[:_MAX_SHOWN]}' contains a {match[1]} that has no value yet where the "
+                    f"string is made. Pass a list of its parts instead of an f-string: "
+                    f"['robot_', {match[1]}(…)]"
                 )
                 self.log("WARNING", "launch", text)
-        self.start_function(action, executable, find_executable(package, executable, self._own), words)
+        function = find_executable(package, executable, self._kit_executables)
+        self.start_function(action, executable, function, arguments)
 
     def has_executable(self, package: str, executable: str) -> bool:
         """Return whether the kit itself provides the executable."""
-        return (package, executable) in self._own
+        return (package, executable) in self._kit_executables
 
-    def start_file(self, action: Action, file: Path, words: Iterable[str]) -> None:
+    def start_file(self, action: Action, file: Path, arguments: Iterable[str]) -> None:
         """Start a Python program by its path. Raise a CourseError if it cannot be run."""
-        self.start_function(action, file.name, Program(file, ()).work, words)
+        self.start_function(action, file.name, Program(file, ()).work, arguments)
 
     def start_component(
         self,
         action: Action,
         package: str,
         plugin: str,
-        words: Iterable[str],
+        arguments: Iterable[str],
     ) -> None:
         """Start a component, or log why it is skipped."""
         try:
-            function = find_component(package, plugin, self._own)
+            function = find_component(package, plugin, self._kit_executables)
         except CourseError as error:
             self.log("ERROR", "launch_ros.actions.load_composable_nodes", str(error))
         else:
-            self.start_function(action, plugin, function, words)
+            self.start_function(action, plugin, function, arguments)
 
     def start_function(
-        self, action: Action, name: str, function: Callable[[], object], words: Iterable[str]
+        self, action: Action, name: str, function: Callable[[], object], arguments: Iterable[str]
     ) -> None:
-        """Start a function as a process. `words` is its command line."""
+        """Start a function as a process with command-line arguments."""
         if self._stopping:
             return
         pid = len(self._started) + 1
         name = f"{name}-{pid}"
-        for_all = ["--", *self._node_arguments] if self._node_arguments else []
-        process = _LaunchedProcess(name, function, [*words, *for_all], self._prefixes)
+        node_arguments = ["--", *self._node_arguments] if self._node_arguments else []
+        process = _LaunchedProcess(name, function, [*arguments, *node_arguments], self._prefixes)
         self._started.append((action, process))
         action.process_details = {"name": name, "pid": pid, "cmd": process.argv}
         self._processes.start(process)
@@ -312,7 +314,7 @@ class LaunchProgram(Process):
         self._due_actions.append(partial(self._handle, event))
 
     def _handle(self, event: Event) -> None:
-        for handler in [one for one in self._context.handlers if one.matches(event)]:
+        for handler in [handler for handler in self._context.handlers if handler.matches(event)]:
             if handler.handle_once:
                 self._context.unregister_event_handler(handler)
             self._context.locals.event = event
@@ -358,9 +360,9 @@ class LaunchProgram(Process):
                 reason = "" if self._is_strict else _skip_reason(entity, error)
                 if not reason:
                     # The location at which the innermost failing action was created.
-                    place = getattr(entity, "place", None) or getattr(parent, "place", None)
-                    if place is not None and not hasattr(error, "launch_place"):
-                        error.launch_place = place  # type: ignore[attr-defined]
+                    location = getattr(entity, "place", None) or getattr(parent, "place", None)
+                    if location is not None and not hasattr(error, "launch_place"):
+                        error.launch_place = location  # type: ignore[attr-defined]
                     raise
                 self._skip(cast("Action", entity), reason)
             else:
@@ -388,6 +390,11 @@ class LaunchProgram(Process):
             self._due_actions.append(partial(self._context.complete, action))
 
     def _run_until_done(self) -> None:
+        """Handle events until all processes and timers have ended. An error of the launch file ends them."""
+
+        def has_events() -> bool:
+            return bool(self._due_actions) or len(self._processes.ended) > self._reported_ends
+
         while True:
             try:
                 while (
@@ -395,7 +402,7 @@ class LaunchProgram(Process):
                     or self._due_actions
                     or (self._pending_timers and not current_graph().ended)
                 ):
-                    time_lock.wait(self._has_events, until_ns=None, awaited="the processes of the launch")
+                    time_lock.wait(has_events, until_ns=None, awaited="the processes of the launch")
                     while self._due_actions:
                         self._due_actions.pop(0)()
                 return
@@ -418,10 +425,13 @@ class LaunchProgram(Process):
                 # The launch file itself reads a file of a missing package.
                 if isinstance(error, OSError) and (reason := reason_in(text)):
                     text = f"{text}: {reason}"
-                place = getattr(error, "launch_place", None)
-                # An action that rejects its arguments has no place yet: its line is in the
+                location = getattr(error, "launch_place", None)
+                # An action that rejects its arguments has no location yet: its line is in the
                 # traceback.
-                line = line_of_traceback(error.__traceback__) if place is None else format_location(*place)
+                if location is None:
+                    line = line_of_traceback(error.__traceback__)
+                else:
+                    line = format_location(*location)
                 if line and line.partition(":")[0] not in text:
                     text = f"{text} ({line})"
                 self.log("ERROR", "launch", f"Caught exception in launch (see debug for traceback): {text}")
@@ -431,9 +441,6 @@ class LaunchProgram(Process):
     def _shut_down(self) -> None:
         self._stopping, self._pending_timers = True, 0
         self._processes.interrupt()
-
-    def _has_events(self) -> bool:
-        return bool(self._due_actions) or len(self._processes.ended) > self._reported_ends
 
     def _report_ends(self) -> bool:
         """Report processes that have exited. Return whether others are still running."""

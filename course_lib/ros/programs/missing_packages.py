@@ -66,7 +66,7 @@ _PROJECTS = tomllib.loads(_TABLE.read_text(encoding="utf-8"))["project"]
 
 def why_not_offered(package: str) -> str:
     """Return why a package is not available and what to do instead; "" for all other packages."""
-    for one in _PROJECTS:
-        if re.fullmatch(one["names"], package):
-            return f"{one['reason']}, which pip can't install. Here {one['instead']}; {_ELSEWHERE}."
+    for project in _PROJECTS:
+        if re.fullmatch(project["names"], package):
+            return f"{project['reason']}, which pip can't install. Here {project['instead']}; {_ELSEWHERE}."
     return ""

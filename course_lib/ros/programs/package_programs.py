@@ -41,10 +41,10 @@ class RunProgram(Function):
         self,
         package: str,
         executable: str,
-        words: Sequence[str],
-        own: Executables,
+        args: Sequence[str],
+        kit_executables: Executables,
     ) -> None:
-        super().__init__(executable, find_executable(package, executable, own), words)
+        super().__init__(executable, find_executable(package, executable, kit_executables), args)
 
     def run(self) -> None:
         """Run the executable to its end. Report a failure with ros2cli's line."""
@@ -54,7 +54,7 @@ class RunProgram(Function):
             sys.stdout.write(f"[ros2run]: Process exited with failure {self.exit_code}\n")
 
 
-def find_executable(package: str, executable: str, own: Executables) -> Callable[[], object]:
+def find_executable(package: str, executable: str, kit_executables: Executables) -> Callable[[], object]:
     """Find an executable of a package or of the kit.
 
     Raise a CourseError that lists the executables.
@@ -62,15 +62,15 @@ def find_executable(package: str, executable: str, own: Executables) -> Callable
     package_found = find_package(package)
     if package_found is not None and executable in package_found.executables:
         return partial(_call, package_found, executable)
-    if (package, executable) in own:
-        return own[package, executable]
+    if (package, executable) in kit_executables:
+        return kit_executables[package, executable]
     if package_found is not None and executable in package_found.compiled:
         raise NotHereError(
             f"'{executable}' of package '{package}' is a compiled program, and this kit runs Python only. "
             "Build it with colcon on a computer with ROS 2, or write the node in Python."
         )
     if package_found is None and (why := why_not_offered(package)):
-        is_partly_here = any(place == package for place, _ in own)
+        is_partly_here = any(owner == package for owner, _ in kit_executables)
         subject = f"executable '{executable}' of package" if is_partly_here else "package"
         raise NotHereError(f"{subject} '{package}' not found: {why}")
     if package_found is not None and _is_built_by_other_macros(package_found):
@@ -82,19 +82,19 @@ def find_executable(package: str, executable: str, own: Executables) -> Callable
         )
     names = [
         *(package_found.executables if package_found else ()),
-        *(name for place, name in own if place == package),
+        *(name for owner, name in kit_executables if owner == package),
     ]
     if not names and package_found is None:
         raise NotHereError(why_not_found(package))
-    where = ""
+    advice = ""
     if package_found is not None:
-        where = malformed_script(package_found.share / "setup.py") or (
+        advice = malformed_script(package_found.share / "setup.py") or (
             " Executables are named in console_scripts in setup.py, or by install(PROGRAMS …) in "
             "CMakeLists.txt."
         )
     raise CourseError(
         f"executable '{executable}' not found in package '{package}', which has: "
-        f"{', '.join(names) or 'none'}{did_you_mean(executable, names) or '.'}{where}"
+        f"{', '.join(names) or 'none'}{did_you_mean(executable, names) or '.'}{advice}"
     )
 
 
@@ -105,13 +105,13 @@ def _is_built_by_other_macros(package: Package) -> bool:
     return any(file.suffix in (".cpp", ".cc", ".cxx") for file in package.share.rglob("*.c*"))
 
 
-def find_component(package: str, plugin: str, own: Executables) -> Callable[[], object]:
+def find_component(package: str, plugin: str, kit_executables: Executables) -> Callable[[], object]:
     """Find a component as a program. Raise a CourseError if it is a C++ component."""
     package_found = find_package(package)
     if package_found is not None and plugin in package_found.components:
         return partial(_spin_component, package_found, *package_found.components[plugin])
     if plugin in _AS_EXECUTABLE:
-        return find_executable(package, _AS_EXECUTABLE[plugin], own)
+        return find_executable(package, _AS_EXECUTABLE[plugin], kit_executables)
     if why := why_not_offered(package):
         raise CourseError(f"component '{plugin}' is left out: {why}")
     raise CourseError(
@@ -161,23 +161,22 @@ def _spin_component(package: Package, module: str, name: str) -> None:
 def _add_to_path(package: Package) -> None:
     """Let the calling program import a package and the other packages of its workspace."""
     prepend_to_path([str(folder) for folder in package.python])
-    sys.path += [place for place in python_path(package.share / "package.xml") if place not in sys.path]
+    sys.path += [path for path in python_path(package.share / "package.xml") if path not in sys.path]
 
 
 def _imported_name(package: Package, module: str, name: str) -> Any:
     _imported.add(module.partition(".")[0])
-    place = location_of(package.share / "setup.py", f"{module}:{name}")
+    location = location_of(package.share / "setup.py", f"{module}:{name}")
     try:
-        imported = import_module(module)
+        target: Any = import_module(module)
     except ModuleNotFoundError as error:
         # Any other missing module is a mistake in a file of the package, which the traceback shows.
         if error.name is None or not f"{module}.".startswith(f"{error.name}."):
             raise
-        raise CourseError(f"{place}: there is no module {module} in {package.share}.") from None
-    target: Any = imported
-    for part in name.split("."):
-        if not hasattr(target, part):
-            suggestion = did_you_mean(part, vars(target)) or "."
-            raise CourseError(f"{place}: the module {module} has no function {name!r}{suggestion}")
-        target = getattr(target, part)
+        raise CourseError(f"{location}: there is no module {module} in {package.share}.") from None
+    for attribute in name.split("."):
+        if not hasattr(target, attribute):
+            suggestion = did_you_mean(attribute, vars(target)) or "."
+            raise CourseError(f"{location}: the module {module} has no function {name!r}{suggestion}")
+        target = getattr(target, attribute)
     return target

@@ -147,11 +147,11 @@ def workspace_of(path: Path) -> Path | None:
     package = package_folder_of(path)
     if package is not None and package.parent.name == "share":
         return None
-    start = package.parent if package is not None else path.resolve()
-    above = (start, *start.parents)
+    base = package.parent if package is not None else path.resolve()
+    above = (base, *base.parents)
     if package is not None:
         source = next((folder for folder in above if folder.name == "src"), None)
-        return source or _checkout(above[: SRC_WITHIN - 1]) or start
+        return source or _checkout(above[: SRC_WITHIN - 1]) or base
     above = above[:SRC_WITHIN]
     checkout = _checkout(above)
     if checkout is not None and any(checkout.glob(f"*/{MANIFEST}")):
@@ -168,7 +168,7 @@ def _checkout(folders: tuple[Path, ...]) -> Path | None:
 
 
 def _paths_in_variable(variable: str) -> list[Path]:
-    return [Path(word) for word in os.environ.get(variable, "").split(os.pathsep) if word]
+    return [Path(entry) for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
 
 
 def _crawl(root: Path) -> _Crawl:
@@ -227,10 +227,10 @@ def _report_duplicates(below: Mapping[str, list[Path]]) -> None:
     new = {name: folders for name, folders in duplicates.items() if folders not in _reported}
     _reported.update(new.values())
     for name, folders in list(new.items())[:_MOST_REPORTED]:
-        places = " and ".join(map(str, folders[:_MOST_REPORTED]))
+        locations = " and ".join(map(str, folders[:_MOST_REPORTED]))
         more = f" and {len(folders) - _MOST_REPORTED} more" if len(folders) > _MOST_REPORTED else ""
         sys.stderr.write(
-            f"warning: there are {len(folders)} packages named '{name}': {places}{more}. The first one is "
+            f"warning: there are {len(folders)} packages named '{name}': {locations}{more}. The first one is "
             "used, and colcon refuses to build them. Change the <name> in one package.xml, or put an empty "
             "file COLCON_IGNORE into the folder that is not meant.\n"
         )
@@ -314,10 +314,10 @@ def is_python(file: Path) -> bool:
         return True
     try:
         with file.open("rb") as stream:
-            first = stream.readline(200)
+            first_line = stream.readline(200)
     except OSError:
         return False
-    return not file.suffix and first.startswith(b"#!") and b"python" in first
+    return not file.suffix and first_line.startswith(b"#!") and b"python" in first_line
 
 
 def _tree_of(setup: Path) -> ast.Module | None:
@@ -351,7 +351,7 @@ def _read_setup_py(name: str, setup: Path, build_files: BuildFiles) -> None:
     in_lib = [
         pair for pair in build_files.installed if PurePosixPath(pair[0]).parent == PurePosixPath("lib", name)
     ]
-    _add_scripts(build_files, ((PurePosixPath(place).name, file) for place, file in in_lib))
+    _add_scripts(build_files, ((PurePosixPath(path).name, file) for path, file in in_lib))
 
 
 def _installed_files(
@@ -364,12 +364,12 @@ def _installed_files(
     for entry in file_list.elts if isinstance(file_list, ast.List | ast.Tuple) else ():
         if not isinstance(entry, ast.Tuple) or len(entry.elts) != 2:
             continue
-        destinations, files = (values.texts(part) for part in entry.elts)
+        destinations, files = (values.texts(element) for element in entry.elts)
         for file in files[:_MAX_FILES] if len(destinations) == 1 else ():
-            place = os.path.normpath(os.path.join(destinations[0], os.path.basename(file)))
+            installed_path = os.path.normpath(os.path.join(destinations[0], os.path.basename(file)))
             inside = (folder / file).resolve().is_relative_to(folder.resolve())
             if inside and (folder / file).exists():
-                yield place, folder / file
+                yield installed_path, folder / file
 
 
 def _console_scripts(tree: ast.Module, values: "_Values") -> dict[str, tuple[str, str]]:
@@ -452,8 +452,8 @@ class _Values:
                 return [text]
             case ast.Name(id=name):
                 return self._evaluate(self.names.get(name))
-            case ast.List(elts=parts):
-                return [one for part in parts for one in self._evaluate(part)]
+            case ast.List(elts=elements):
+                return [text for element in elements for text in self._evaluate(element)]
             case ast.BinOp(left=left, op=ast.Add(), right=right):
                 first, second = self._evaluate(left), self._evaluate(right)
                 lists = isinstance(left, ast.List | ast.Call) and isinstance(right, ast.List | ast.Call)
@@ -462,7 +462,7 @@ class _Values:
                 texts = [part.value if isinstance(part, ast.FormattedValue) else part for part in parts]
                 return ["".join(text for part in texts for text in self._evaluate(part))]
             case ast.Call(func=ast.Attribute(attr=name) | ast.Name(id=name), args=arguments):
-                argument_texts = [word for part in arguments for word in self._evaluate(part)]
+                argument_texts = [text for argument in arguments for text in self._evaluate(argument)]
                 if argument_texts and name == "join":
                     return [os.path.join(*argument_texts)]
                 is_glob = bool(argument_texts) and name in ("glob", "iglob")
@@ -565,11 +565,11 @@ class _CMake:
     def _run_with(
         self, values: dict[str, list[str]], body: Iterable[tuple[str, str]]
     ) -> Iterator[tuple[str, list[str]]]:
-        before = {name: self.variables[name] for name in values if name in self.variables}
+        outer_values = {name: self.variables[name] for name in values if name in self.variables}
         self.variables.update(values)
         if self._budget > 0:
             yield from self.run(body)
-        self.variables.update(before)
+        self.variables.update(outer_values)
 
     def _items(self, values: list[str]) -> list[str]:
         """Return the items of `foreach(variable values…)`."""
@@ -684,11 +684,11 @@ def why_not_found(name: str) -> str:
     if reason := _why_skipped(name):
         return f"package '{name}' not found: {reason}"
     names = list(packages())
-    meant = did_you_mean(name, names) or "."
+    suggestion = did_you_mean(name, names) or "."
     more = f" and {len(names) - _MOST_NAMES} more (ros2 pkg list)" if len(names) > _MOST_NAMES else ""
     searched = list(dict.fromkeys(map(str, [*_paths_in_variable("AMENT_PREFIX_PATH"), *source_roots()])))
     return (
-        f"package '{name}' not found, searching: {searched}{meant} There is: "
+        f"package '{name}' not found, searching: {searched}{suggestion} There is: "
         f"{', '.join(names[:_MOST_NAMES]) or 'none'}{more}. Put its folder, with its package.xml, "
         f"into the workspace's src, or make it: course export FILE --package {name} --out DIR"
     )
@@ -698,12 +698,12 @@ def _why_skipped(name: str) -> str:
     """Explain why a folder of the workspace that has a package's manifest is not searched; "" if none has."""
     roots = [root.resolve() for root in source_roots()]
     walks = (os.walk(root) for root in roots)
-    for where, folders, files in islice(chain.from_iterable(walks), _MOST_FOLDERS):
-        folders[:] = [one for one in folders if not one.startswith(".") and one not in _NOT_SEARCHED]
+    for path, folders, files in islice(chain.from_iterable(walks), _MOST_FOLDERS):
+        folders[:] = [f for f in folders if not f.startswith(".") and f not in _NOT_SEARCHED]
         if "pyvenv.cfg" in files:
             folders.clear()
-        manifest_name = name_of(Path(where, MANIFEST)) if MANIFEST in files else ""
-        folder = Path(where)
+        manifest_name = name_of(Path(path, MANIFEST)) if MANIFEST in files else ""
+        folder = Path(path)
         if manifest_name is None and folder.name == name:
             return _error_of_manifest(folder / MANIFEST)
         if manifest_name != name:
@@ -759,9 +759,9 @@ def python_path(file: Path) -> list[str]:
     own_folder = [] if package is None else [package]
     ordered = dict.fromkeys([*own_folder, *folders.values()])
     names = {folder: name for name, folder in folders.items()}
-    roots = [place for folder in ordered for place in python_folders(names.get(folder, folder.name), folder)]
+    roots = [path for folder in ordered for path in python_folders(names.get(folder, folder.name), folder)]
     holders = ([package.parent] if package else []) + [root, *(folder.parent for folder in folders.values())]
-    return [str(place) for place in dict.fromkeys([*roots, *holders])]
+    return [str(path) for path in dict.fromkeys([*roots, *holders])]
 
 
 def python_folders(name: str, sources: Path) -> list[Path]:
@@ -794,7 +794,7 @@ def _prepend_paths(variable: str, paths: list[Path]) -> None:
 def _package(name: str, share: Path) -> Package:
     if share.parent.name != "share":
         build = read_build_files(name, share)
-        modules = {one: folder for one, folder in build.package_folders.items() if one}
+        modules = {module: folder for module, folder in build.package_folders.items() if module}
         return Package(
             name,
             share,
@@ -803,12 +803,13 @@ def _package(name: str, share: Path) -> Package:
             modules,
             frozenset(build.compiled),
         )
-    found = sorted((share.parents[1] / "lib" / name).glob("*"))
-    scripts = {file.name: file for file in found if file.is_file() and is_python(file)}
+    files = sorted((share.parents[1] / "lib" / name).glob("*"))
+    scripts = {file.name: file for file in files if file.is_file() and is_python(file)}
     python = tuple(share.parents[1].glob("lib/python*/site-packages"))
-    built = distributions(name=name, path=[str(path) for path in python])
-    points = [point for one in built for point in one.entry_points if point.group == "console_scripts"]
-    return Package(name, share, python, {**scripts, **{p.name: (p.module, p.attr) for p in points}})
+    installed = distributions(name=name, path=[str(path) for path in python])
+    entry_points = [point for distribution in installed for point in distribution.entry_points]
+    console_scripts = {p.name: (p.module, p.attr) for p in entry_points if p.group == "console_scripts"}
+    return Package(name, share, python, {**scripts, **console_scripts})
 
 
 def share_folder(name: str, sources: Path) -> Path:

@@ -124,7 +124,7 @@ class Program(Process):
         # The stand-in's packages stay first.
         sys.path.insert(1, str(self.file.resolve().parent))
         source(self.file)
-        sys.path += [place for place in python_path(self.file) if place not in sys.path]
+        sys.path += [path for path in python_path(self.file) if path not in sys.path]
         module.__package__ = python_package(self.file)
         exec(self._code, module.__dict__)
         if self._only_defines_main:
@@ -198,7 +198,7 @@ class Processes:
 
     def start(self, process: Process) -> int:
         """Start a process, which runs when the calling thread waits. Return its index."""
-        number, before = len(self._threads), program.name
+        number, previous_name = len(self._threads), program.name
         graph = current_graph()
 
         def run() -> None:
@@ -225,7 +225,7 @@ class Processes:
         try:
             self._threads[-1].start()
         finally:
-            program.name = before
+            program.name = previous_name
         return number
 
     def interrupt(self, numbers: Collection[int] | None = None) -> None:

@@ -36,7 +36,7 @@ _real_seed = random.Random.seed
 def seeded(seed: int) -> Iterator[None]:
     """Seed all random number generators that a program may use, and restore them after the block."""
     source = random.Random(seed)
-    before = random.getstate(), np.random.get_state()
+    python_state, numpy_state = random.getstate(), np.random.get_state()
     random.seed(source.getrandbits(64))
     np.random.seed(source.getrandbits(32))
 
@@ -44,8 +44,8 @@ def seeded(seed: int) -> Iterator[None]:
         return source.randbytes(size) if time_lock.is_program_thread() else _real_urandom(size)
 
     def seed_generator(generator: random.Random, a: Any = None, version: int = 2) -> None:
-        fresh = source.getrandbits(64) if a is None and time_lock.is_program_thread() else a
-        _real_seed(generator, fresh, version)
+        seed = source.getrandbits(64) if a is None and time_lock.is_program_thread() else a
+        _real_seed(generator, seed, version)
 
     replacements: tuple[tuple[Any, str, Callable[..., Any]], ...] = (
         (os, "urandom", urandom),
@@ -61,8 +61,8 @@ def seeded(seed: int) -> Iterator[None]:
     try:
         yield
     finally:
-        random.setstate(before[0])
-        np.random.set_state(before[1])
+        random.setstate(python_state)
+        np.random.set_state(numpy_state)
         for (owner, name, _), original in zip(replacements, originals, strict=True):
             setattr(owner, name, original)
 
@@ -73,7 +73,7 @@ def run_files(
     seed: int,
     args: Sequence[str] = (),
     extra_processes: Sequence[Process] = (),
-    own: "Executables | None" = None,
+    kit_executables: "Executables | None" = None,
     is_strict: bool = False,
 ) -> int:
     """Run Python files, launch files and notebooks as if each were started alone, in the current graph.
@@ -86,7 +86,7 @@ def run_files(
         seed: Seeds the random number generators.
         args: Arguments that follow each program's name in `sys.argv`.
         extra_processes: Further processes, which are started last.
-        own: Executables of the kit that launch files may start in addition to those of packages.
+        kit_executables: Executables that launch files may start in addition to those of packages.
         is_strict: Whether a launch ends if something in it cannot run here; otherwise that is
             skipped.
 
@@ -98,20 +98,21 @@ def run_files(
     """
     import_path.install()
     virtual_time.install()
-    programs: list[Process] = [_program(file, args, {} if own is None else own, is_strict) for file in files]
+    executables = {} if kit_executables is None else kit_executables
+    programs: list[Process] = [_program(file, args, executables, is_strict) for file in files]
     programs += extra_processes
     # With a robot, runs do not repeat, and each run needs different goal ids.
-    chance = nullcontext() if current_graph().keeps_wall_time else seeded(seed)
+    seeded_or_not = nullcontext() if current_graph().keeps_wall_time else seeded(seed)
     folders = {p.file.resolve().parent if isinstance(p, NotebookProgram) else None for p in programs}
     folder = folders.pop() if len(folders) == 1 else None
     in_folder = nullcontext() if folder is None else chdir(folder)
-    with _keep_interpreter_state(), in_folder, chance, time_lock.hold():
+    with _keep_interpreter_state(), in_folder, seeded_or_not, time_lock.hold():
         if len(programs) == 1:
             programs[0].run()
         else:
             processes = Processes()
-            for one in programs:
-                processes.start(one)
+            for process in programs:
+                processes.start(process)
             processes.wait()
         # Wait for all non-daemon threads, as Python does at exit, then stop the others.
         graph = current_graph()
@@ -125,23 +126,24 @@ def run_files(
     return next((p.exit_code for p in programs if p.exit_code), 0)
 
 
-def _program(file: Path, args: Sequence[str], own: Executables, is_strict: bool) -> Process:
+def _program(file: Path, args: Sequence[str], kit_executables: Executables, is_strict: bool) -> Process:
     if file.suffix == ".ipynb":
         return NotebookProgram(file)
     folder, _, executable = str(file).rpartition(":")
     if folder and (Path(folder) / "package.xml").is_file():
-        return RunProgram(os.path.join(folder, ""), executable, args, own)
+        return RunProgram(os.path.join(folder, ""), executable, args, kit_executables)
     if file.suffix not in LAUNCH_IN_WORDS and not (program := Program(file, args)).is_launch_file:
         return program
     # Imported late, because it imports the stand-in's launch.
     from course_lib.ros.programs.launch_program import LaunchProgram
 
-    return LaunchProgram(file, args, own, is_strict=is_strict)
+    return LaunchProgram(file, args, kit_executables, is_strict=is_strict)
 
 
 @contextmanager
 def _keep_interpreter_state() -> Iterator[None]:
-    before = sys.argv, sys.path[:], sys.modules["__main__"]
+    """Restore `sys`, the environment and signal handlers after the block, and report errors of threads."""
+    interpreter_state = sys.argv, sys.path[:], sys.modules["__main__"]
     environment = dict(os.environ)
     threading.excepthook = print_error_of_thread
     with keep_signal_handlers():
@@ -150,7 +152,7 @@ def _keep_interpreter_state() -> Iterator[None]:
         try:
             yield
         finally:
-            sys.argv, sys.path[:], sys.modules["__main__"] = before
+            sys.argv, sys.path[:], sys.modules["__main__"] = interpreter_state
             os.environ.clear()
             # A launch file may have changed the environment.
             os.environ.update(environment)

@@ -71,21 +71,21 @@ def expand_xacro(path: Path, arguments: Mapping[str, object] | None = None) -> s
         f"{name}:={str(value).lower() if isinstance(value, bool) else value}"
         for name, value in (arguments or {}).items()
     ]
-    before = dict(os.environ)
+    environment = dict(os.environ)
     try:
         source(path)
         result = run_xacro([str(path), *xacro_arguments])
     finally:
         os.environ.clear()
-        os.environ.update(before)
+        os.environ.update(environment)
     if result.code:
         # A macro that calls itself has the same line hundreds of times.
         errors = re.sub(r"(?m)^(.*\n)\1+", r"\1", f"{result.errors.strip()}\n").strip()
         text = f"xacro cannot expand {path}{_place_of_error(path, errors)}: {errors}"
-        if missing := _UNDEFINED.search(result.errors):
+        if undefined := _UNDEFINED.search(result.errors):
             text += (
-                f"\nThe file needs a value for its argument '{missing[1]}': load_robot({str(path)!r}, "
-                f"{missing[1]}=…), or on the command line {missing[1]}:=VALUE."
+                f"\nThe file needs a value for its argument '{undefined[1]}': load_robot({str(path)!r}, "
+                f"{undefined[1]}=…), or on the command line {undefined[1]}:=VALUE."
             )
         raise CourseError(text)
     return result.output

@@ -81,8 +81,8 @@ class BagView(RqtView):
         return line + tag("path", d=marks, stroke="#0072b2") + ends
 
     def _message(self) -> str:
-        before = self._samples[: self._index(self._at)]
-        sample = next((s for s in reversed(before) if s.topic == self["Message of"]), None)
+        earlier = self._samples[: self._index(self._at)]
+        sample = next((s for s in reversed(earlier) if s.topic == self["Message of"]), None)
         if sample is None:
             return "<p class='rqt-dim'>Choose a topic to see its last message before the cursor.</p>"
         stamp = (sample.stamp_ns - self._recording.start_ns) * 1e-9

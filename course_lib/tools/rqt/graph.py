@@ -30,7 +30,7 @@ _SWEEPS = 4
 class Layers:
     """Positions of nodes (centers), edges (points) and groups (x, y, width, height), [px]."""
 
-    places: Mapping[str, Point]
+    positions: Mapping[str, Point]
     routes: Mapping[Edge, Sequence[Point]]
     boxes: Mapping[str, tuple[float, float, float, float]]
     size: Point
@@ -56,7 +56,7 @@ def lay_out(
     cells: dict[tuple[str, int], list[str]] = {}
     for name in sorted(depth_of):
         cells.setdefault((lane_of[name], depth_of[name]), []).append(name)
-    _untangle(cells, [(one[0], other[0]) for one, other in links])
+    _untangle(cells, [(start[0], end[0]) for start, end in links])
     return _place_cells(cells, widths, chains, groups, gap)
 
 
@@ -76,8 +76,8 @@ def _depths(names: Sequence[str], edges: Sequence[Edge]) -> dict[str, int]:
     for name in sorted(names, key=lambda name: name in ends):
         height(name)
     for name in sorted(names, key=lambda name: -heights[name]):
-        before = (start for start, end in edges if end == name and heights[start] > heights[name])
-        depths[name] = 1 + max((depths[start] for start in before), default=-1)
+        sources = (start for start, end in edges if end == name and heights[start] > heights[name])
+        depths[name] = 1 + max((depths[start] for start in sources), default=-1)
     return depths
 
 
@@ -92,9 +92,9 @@ def _chain(edge: Edge, depths: Mapping[str, int]) -> list[tuple[str, int]]:
 def _untangle(cells: Mapping[tuple[str, int], list[str]], links: Sequence[Edge]) -> None:
     """Sort each cell by the mean position of its neighbors."""
     neighbors: dict[str, list[str]] = {}
-    for one, other in links:
-        neighbors.setdefault(one, []).append(other)
-        neighbors.setdefault(other, []).append(one)
+    for start, end in links:
+        neighbors.setdefault(start, []).append(end)
+        neighbors.setdefault(end, []).append(start)
     for sweep in range(_SWEEPS):
         rank = {name: index - len(cell) / 2 for cell in cells.values() for index, name in enumerate(cell)}
         for key in sorted(cells, key=lambda key: key[1], reverse=bool(sweep % 2)):
@@ -115,7 +115,7 @@ def _place_cells(
         max(widths.get(n, 0.0) for (_, at), c in cells.items() if at == depth for n in c) for depth in columns
     ]
     left_edges = [_PAD + sum(wide[:depth]) + gap * depth for depth in columns]
-    places: dict[str, Point] = {}
+    positions: dict[str, Point] = {}
     boxes: dict[str, tuple[float, float, float, float]] = {}
     y = 0.0
     for lane in sorted({lane for lane, _ in cells}):
@@ -124,26 +124,26 @@ def _place_cells(
         for (of, depth), cell in cells.items():
             top = y + ROW * (rows - len(cell)) / 2
             if of == lane:
-                places |= {
+                positions |= {
                     n: (left_edges[depth] + wide[depth] / 2, top + ROW * (i + 0.5))
                     for i, n in enumerate(cell)
                 }
-        members = [(places[n][0], widths[n] / 2) for n, group in groups.items() if lane and group == lane]
+        members = [(positions[n][0], widths[n] / 2) for n, group in groups.items() if lane and group == lane]
         if members:
             start = min(x - half for x, half in members) - 12
             boxes[lane] = start, y - 10, max(x + half for x, half in members) + 12 - start, ROW * rows + 14
         y += ROW * rows
-    routes = {edge: _route(edge, chain, places, widths) for edge, chain in chains.items()}
+    routes = {edge: _route(edge, chain, positions, widths) for edge, chain in chains.items()}
     size = (max((x + w for x, w in zip(left_edges, wide, strict=True)), default=0.0) + _PAD, y + _PAD)
-    return Layers({name: places[name] for name in widths}, routes, boxes, size)
+    return Layers({name: positions[name] for name in widths}, routes, boxes, size)
 
 
 def _route(
-    edge: Edge, chain: Sequence[tuple[str, int]], places: Mapping[str, Point], widths: Mapping[str, float]
+    edge: Edge, chain: Sequence[tuple[str, int]], positions: Mapping[str, Point], widths: Mapping[str, float]
 ) -> list[Point]:
     """Return the points of an edge from border to border. An edge to the left is drawn lower."""
     is_reversed = chain[0][0] != edge[0]
-    points = [places[name] for name, _ in chain]
+    points = [positions[name] for name, _ in chain]
     (x0, y0), (x1, y1) = points[0], points[-1]
     points[0] = x0 + widths[chain[0][0]] / 2, y0 + 7 * is_reversed
     points[-1] = x1 - widths[chain[-1][0]] / 2, y1 + 7 * is_reversed
@@ -185,9 +185,9 @@ class GraphView(RqtView):
         """Draw the graph as SVG."""
         nodes, edges = set(self._names().values()), self._edges()
         topics = {name for edge in edges for name in edge} - nodes
-        ends = self._ends().items()
+        endpoints = self._endpoints().items()
         # The topics on which some publisher does not match some subscription.
-        bad_topics = {t for t, e in ends for a in e for b in e if a.kind < b.kind and _mismatch(a, b)}
+        bad_topics = {t for t, e in endpoints for a in e for b in e if a.kind < b.kind and _mismatch(a, b)}
         names = {name: name.strip() + _BAD_QOS * (name[1:] in bad_topics) for name in sorted(nodes | topics)}
         if not names:
             return "<p>There is no node. Create one, like node = MyNode().</p>"
@@ -199,7 +199,7 @@ class GraphView(RqtView):
         shapes = [_ARROW, *map(_group, layers.boxes, layers.boxes.values())]
         shapes += [_edge(layers, edge, lines) for edge, lines in edges.items()]
         shapes += [
-            _node(layers.places[n], widths[n], names[n], n in topics, n[1:] in bad_topics) for n in names
+            _node(layers.positions[n], widths[n], names[n], n in topics, n[1:] in bad_topics) for n in names
         ]
         links = (f"{names[a]} to {names[b]} {' '.join(lines)}".strip() for (a, b), lines in edges.items())
         return drawing(
@@ -215,39 +215,39 @@ class GraphView(RqtView):
         full = {node.id: node.full_name for node in self.graph.nodes()}
         return {number: name for number, name in full.items() if self._is_shown(name, "Node")}
 
-    def _ends(self) -> dict[str, list[EndpointInfo]]:
+    def _endpoints(self) -> dict[str, list[EndpointInfo]]:
         """Return the endpoints of shown topics at shown nodes.
 
         As in rqt, the topics of an action count as one.
         """
-        names, ends_by_topic = self._names(), dict[str, list[EndpointInfo]]()
-        for end in self.graph.endpoints():
-            topic = re.sub("/_action/.*", "/action_topics", end.topic)
-            if end.service is None and end.node in names and self._is_shown(topic, "Topic"):
-                ends_by_topic.setdefault(topic, []).append(end)
-        shown_ends = {}
-        for topic, ends in sorted(ends_by_topic.items()):
-            kinds = [end.kind for end in ends]
+        names, endpoints_by_topic = self._names(), dict[str, list[EndpointInfo]]()
+        for info in self.graph.endpoints():
+            topic = re.sub("/_action/.*", "/action_topics", info.topic)
+            if info.service is None and info.node in names and self._is_shown(topic, "Topic"):
+                endpoints_by_topic.setdefault(topic, []).append(info)
+        shown_endpoints = {}
+        for topic, endpoints in sorted(endpoints_by_topic.items()):
+            kinds = [info.kind for info in endpoints]
             is_dead = self["Hide Dead sinks"] and "sub" not in kinds
             is_leaf = self["Hide Leaf topics"] and len(kinds) < 2
             if not (is_dead or is_leaf or (self["Show"] != ALL and len(set(kinds)) < 2)):
-                shown_ends[topic] = ends
-        return shown_ends
+                shown_endpoints[topic] = endpoints
+        return shown_endpoints
 
     def _edges(self) -> dict[Edge, list[str]]:
         """Return the labels of each arrow. As in rqt, names of topics begin with a space."""
         names, edges = self._names(), dict[Edge, list[str]]()
-        for topic, ends in self._ends().items():
+        for topic, endpoints in self._endpoints().items():
             if self["Show"] == NODES:
-                pairs = ((a, b) for a in ends for b in ends if (a.kind, b.kind) == ("pub", "sub"))
+                pairs = ((a, b) for a in endpoints for b in endpoints if (a.kind, b.kind) == ("pub", "sub"))
                 for a, b in pairs:
                     lines = edges.setdefault((names[a.node], names[b.node]), [])
                     line = topic + _BAD_QOS * _mismatch(a, b)
                     lines += [line] if line not in lines else []
             else:
-                for end in ends:
-                    ways = (names[end.node], f" {topic}")
-                    edges[ways if end.kind == "pub" else ways[::-1]] = []
+                for info in endpoints:
+                    edge = (names[info.node], f" {topic}")
+                    edges[edge if info.kind == "pub" else edge[::-1]] = []
         return edges
 
 
@@ -298,7 +298,7 @@ def _node(at: Point, width: float, label: str, is_topic: bool, is_bad: bool) -> 
 
 def _edge(layers: Layers, edge: Edge, lines: list[str]) -> str:
     if edge[0] == edge[1]:
-        x, y = layers.places[edge[0]]
+        x, y = layers.positions[edge[0]]
         path = f"M{x - 14} {y - 13}C{x - 26} {y - 34} {x + 26} {y - 34} {x + 14} {y - 13}"
         x, y = x, y - 30
     else:

@@ -77,8 +77,8 @@ class ConsoleView(RqtView):
         if self["Highlight"] and self._has("Highlight", log.msg):
             message = f"<mark>► {message}</mark>"
         stamp = f"{log.stamp.sec}.{log.stamp.nanosec:09d}"
-        place = escape(f"{log.file}:{log.function}:{log.line}")
-        return [str(number), message, icon(sign) + severity, escape(log.name), stamp, place]
+        location = escape(f"{log.file}:{log.function}:{log.line}")
+        return [str(number), message, icon(sign) + severity, escape(log.name), stamp, location]
 
 
 # In robot time.

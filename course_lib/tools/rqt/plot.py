@@ -59,19 +59,20 @@ def parse(text: str, topics: Mapping[str, Sequence[str]]) -> FieldPath:
     type_name = topics[topic][0]
     field_path = path[len(topic) :].strip("/")
     current_type, steps, field = type_name, list[tuple[str, int | None]](), None
-    for word in filter(None, field_path.split("/")):
+    for step_text in filter(None, field_path.split("/")):
         fields = {field.name: field for field in definition(current_type).fields} if current_type else {}
-        step = _STEP.fullmatch(word)
+        step = _STEP.fullmatch(step_text)
         if step is None or step[1] not in fields:
             raise CourseError(
-                f"{path}: {current_type or 'a number'} has no field {word!r}{did_you_mean(word, fields)}"
+                f"{path}: {current_type or 'a number'} has no field {step_text!r}"
+                f"{did_you_mean(step_text, fields)}"
             )
         field, index = fields[step[1]], None if step[2] is None else int(step[2])
         if index is None and field.container != "scalar":
             raise CourseError(f"{path}: {field.name} is a list. Add an index, like {field.name}[0].")
         if index is not None and (field.container == "scalar" or 0 < field.size <= index):
             size = f"a list of {field.size}" if field.container == "array" else "not a list"
-            raise CourseError(f"{path}: {word} does not exist, {field.name} is {size}.")
+            raise CourseError(f"{path}: {step_text} does not exist, {field.name} is {size}.")
         steps.append((field.name, index))
         current_type = field.base if field.is_message else ""
     if field is None or field.is_message or PRIMITIVES[field.base].python not in (bool, int, float):

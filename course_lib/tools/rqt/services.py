@@ -131,7 +131,7 @@ class ReconfigureView(RqtView):
             event: Any = sample.message()
             if event.node == self["Node"]:
                 changes = (*event.new_parameters, *event.changed_parameters)
-                self._show({one.name: parameter_value_to_python(one.value) for one in changes})
+                self._show({change.name: parameter_value_to_python(change.value) for change in changes})
 
     def refresh(self) -> None:
         """Update the list of nodes, and show the rows that match the filter."""

@@ -15,5 +15,5 @@ def recorded(
     graph = Graph()
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     with use_graph(graph), record(graph) as recorder:
-        code = run_files([file], seed=0, args=args, own=EXECUTABLES, is_strict=is_strict)
+        code = run_files([file], seed=0, args=args, kit_executables=EXECUTABLES, is_strict=is_strict)
     return recorder.recording(), code

@@ -24,9 +24,9 @@ def test_nodes_never_overlap_and_stay_inside_the_image(
     groups = {name: f"g{i % 3}" if grouped else "" for i, name in enumerate(names)}
     layers = lay_out(widths, edges, groups, 50.0)
     for one, other in combinations(names, 2):
-        (x0, y0), (x1, y1) = layers.places[one], layers.places[other]
+        (x0, y0), (x1, y1) = layers.positions[one], layers.positions[other]
         assert abs(y0 - y1) >= ROW / 2 - 1e-6 or abs(x0 - x1) >= (widths[one] + widths[other]) / 2
-    for name, (x, y) in layers.places.items():
+    for name, (x, y) in layers.positions.items():
         assert 0 <= x - widths[name] / 2 <= x + widths[name] / 2 <= layers.size[0]
         assert 0 <= y <= layers.size[1]
     assert set(layers.routes) == {edge for edge in edges if edge[0] != edge[1]}
@@ -44,5 +44,5 @@ def test_group_box_encloses_only_its_nodes() -> None:
     groups = {"a": "", "b": "/g", "c": "/g"}
     layers = lay_out(dict.fromkeys(groups, 40.0), [("a", "b"), ("b", "c")], groups, 50.0)
     ((x, y, width, height),) = layers.boxes.values()
-    inside = {n for n, (nx, ny) in layers.places.items() if x <= nx <= x + width and y <= ny <= y + height}
+    inside = {n for n, (nx, ny) in layers.positions.items() if x <= nx <= x + width and y <= ny <= y + height}
     assert inside == {"b", "c"}

@@ -36,14 +36,14 @@ class ExecutionComplete(Event):
 class Runner(Protocol):
     """The interface that actions use to the program that runs the launch."""
 
-    def start(self, action: "Action", package: str, executable: str, words: Iterable[str]) -> None:
+    def start(self, action: "Action", package: str, executable: str, arguments: Iterable[str]) -> None:
         """Start an executable."""
 
     def has_executable(self, package: str, executable: str) -> bool:
         """Return whether the executable is provided by the kit itself."""
         ...
 
-    def start_file(self, action: "Action", file: Path, words: Iterable[str]) -> None:
+    def start_file(self, action: "Action", file: Path, arguments: Iterable[str]) -> None:
         """Start a Python program by its path."""
 
     def start_component(
@@ -51,14 +51,14 @@ class Runner(Protocol):
         action: "Action",
         package: str,
         plugin: str,
-        words: Iterable[str],
+        arguments: Iterable[str],
     ) -> None:
         """Start a component that is written in Python."""
 
     def start_function(
-        self, action: "Action", name: str, function: Callable[[], object], words: Iterable[str]
+        self, action: "Action", name: str, function: Callable[[], object], arguments: Iterable[str]
     ) -> None:
-        """Start a function as a process. `words` is its command line."""
+        """Start a function as a process with command-line arguments."""
 
     def later(self, seconds: float, entities: Entities) -> None:
         """Visit entities after `seconds` of robot time [s]."""

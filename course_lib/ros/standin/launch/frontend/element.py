@@ -79,9 +79,9 @@ def description_of(file: Path) -> LaunchDescription:
     return description
 
 
-def inner_actions(entity: Entity, but: str = "") -> list[Action]:
-    """Return the actions of an entity's child elements, except those with the tag `but`."""
-    return [_action(child) for child in entity.children if child.type_name != but]
+def inner_actions(entity: Entity, excluded_tag: str = "") -> list[Action]:
+    """Return the actions of an entity's child elements, except those with the excluded tag."""
+    return [_action(child) for child in entity.children if child.type_name != excluded_tag]
 
 
 def _leave_out(reason: str, context: LaunchContext) -> NoReturn:
