@@ -14,11 +14,11 @@ Break = Callable[[str, str, str], None]
 
 def empty_course(top: Path) -> Course:
     """A course without weeks."""
-    made = Course(top / "exercises", top / "solutions")
-    for folder in (made.exercises, made.solutions, made.lessons):
+    course = Course(top / "exercises", top / "solutions")
+    for folder in (course.exercises, course.solutions, course.lessons):
         folder.mkdir()
-    (made.exercises / "course.toml").write_text('title = "Maps"\ntime_zone = "UTC"\n\n[weeks]\n')
-    return made
+    (course.exercises / "course.toml").write_text('title = "Maps"\ntime_zone = "UTC"\n\n[weeks]\n')
+    return course
 
 
 def write(course: Course, name: str, old: str, new: str) -> None:
@@ -32,9 +32,9 @@ def write(course: Course, name: str, old: str, new: str) -> None:
 @pytest.fixture
 def course(tmp_path: Path) -> Course:
     """A course with a week 9 on occupancy maps."""
-    made = empty_course(tmp_path)
-    new_week("week09", "Occupancy maps", made)
-    return made
+    course = empty_course(tmp_path)
+    new_week("week09", "Occupancy maps", course)
+    return course
 
 
 @pytest.fixture

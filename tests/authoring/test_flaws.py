@@ -208,10 +208,10 @@ def test_answer_with_unintended_change_is_reported(
     try:
         answers = read_answers(course.solutions, "week09")
         found = make_edits(catalog_of(course).of_week("week09"), answers, cells, GENERAL)
-        said = [str(flaw) for flaw in found if isinstance(flaw, Flaw)]
+        messages = [str(flaw) for flaw in found if isinstance(flaw, Flaw)]
     except CourseError as error:
-        said = [str(error)]
-    assert [line for line in said if text in line and "week09.toml" in line], said
+        messages = [str(error)]
+    assert [line for line in messages if text in line and "week09.toml" in line], messages
 
 
 MUTANT = "[[mutant]]\nname = 'no alpha'\npattern = 'color.a = (1).0'\nreplacement = '{}'\nnames = 'color'\n"
@@ -239,16 +239,16 @@ def test_mutant_replacement_with_unknown_group_is_rejected(course: Course) -> No
 def test_template_placeholders_are_reported_until_replaced(course: Course, change: Break) -> None:
     picture = f"{LESSON}, its picture, which is the template's: 1 REPLACE"
     hints = "exercises/mistakes/week09.toml, which is the template's: 1 REPLACE"
-    said = lines(list(verify(course, jobs=1)), course)
-    assert {picture, hints} <= set(said)
+    messages = lines(list(verify(course, jobs=1)), course)
+    assert {picture, hints} <= set(messages)
     change(LESSON, template_picture(), "iVBORw0KGgo=")
     change("exercises/mistakes/week09.toml", "The foot is", "The lower end is")
-    said = lines(list(verify(course, jobs=1)), course)
-    assert not [line for line in said if "its picture" in line or "exercises/mistakes" in line]
+    messages = lines(list(verify(course, jobs=1)), course)
+    assert not [line for line in messages if "its picture" in line or "exercises/mistakes" in line]
 
 
 @pytest.mark.parametrize(
-    ("topic", "said"),
+    ("topic", "message"),
     [
         ("/posst", "the solution does not use the input topic '/posst'. Did you mean post?"),
         ("/post", ""),
@@ -256,14 +256,14 @@ def test_template_placeholders_are_reported_until_replaced(course: Course, chang
     ],
 )
 @pytest.mark.usefixtures("_nothing_runs")
-def test_misspelled_input_topic_is_reported(course: Course, change: Break, topic: str, said: str) -> None:
-    made = f'inputs=(Message("{topic}", "std_msgs/msg/Bool", {{"data": True}}),),\n'
-    change(PUBLIC, "            seed=1,\n", f"            seed=1,\n            {made}")
+def test_misspelled_input_topic_is_reported(course: Course, change: Break, topic: str, message: str) -> None:
+    inputs = f'inputs=(Message("{topic}", "std_msgs/msg/Bool", {{"data": True}}),),\n'
+    change(PUBLIC, "            seed=1,\n", f"            seed=1,\n            {inputs}")
     change(PUBLIC, "    Check,\n", "    Check,\n    Message,\n")
     (report,) = verify(course, jobs=1)
     found = [str(flaw) for flaw in report.flaws if flaw.aspect == "fields"]
-    assert len(found) == bool(said)
-    assert all(said in line and "checks/week09.py line 46" in line for line in found)
+    assert len(found) == bool(message)
+    assert all(message in line and "checks/week09.py line 46" in line for line in found)
 
 
 @pytest.mark.slow
@@ -285,7 +285,7 @@ def test_endless_loop_in_a_solution_ends_the_verification_of_its_week(course: Co
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("body", "said"),
+    ("body", "message"),
     [
         ("return True", "TypeError: the check returned True, expected passed(...) or failed(...)"),
         ("return evidence.nothing", "AttributeError: 'Evidence' object has no attribute 'nothing'"),
@@ -293,7 +293,7 @@ def test_endless_loop_in_a_solution_ends_the_verification_of_its_week(course: Co
     ],
 )
 def test_broken_check_of_an_author_is_reported_once_and_ends_its_week(
-    course: Course, change: Break, body: str, said: str
+    course: Course, change: Break, body: str, message: str
 ) -> None:
     change(PUBLIC, "POST = Task(", f"def own(evidence):\n    {body}\n\n\nPOST = Task(")
     change(PUBLIC, "checks=steady(", 'checks=steady(Check("my own", own),')
@@ -304,7 +304,7 @@ def test_broken_check_of_an_author_is_reported_once_and_ends_its_week(
         patch.setattr("course_lib.authoring.rehearsal._hollow_results", lambda *_: pytest.fail("hollow"))
         (report,) = verify(course, ("week09",), jobs=1)
     (flaw,) = [flaw for flaw in report.flaws if flaw.aspect == "solution"]
-    assert said in flaw.text
+    assert message in flaw.text
     assert re.search(r"checks/week09\.py line \d+: ", flaw.text)
 
 
@@ -362,15 +362,15 @@ def test_broken_course_is_not_released_and_verified_weeks_are_not_rerun(
 
     flaws: tuple[Flaw, ...] = (Flaw("quiz", "no right answer", "week09.toml line 3"),)
     monkeypatch.setattr("course_lib.authoring.verify.verify", look)
-    said = list[str]()
+    messages = list[str]()
     with pytest.raises(CourseError, match=r"nothing was released\. week09, quiz: week09\.toml line 3"):
-        refuse_broken(course, said.append)
-    assert said[1] == "week09: 1 to correct. quiz: week09.toml line 3: no right answer"
-    flaws, said = (), []
-    refuse_broken(course, said.append)
-    assert said == ["verifying week09 (1 of 1), which can take minutes …"]
-    refuse_broken(course, said.append)
-    assert len(said) == 1
+        refuse_broken(course, messages.append)
+    assert messages[1] == "week09: 1 to correct. quiz: week09.toml line 3: no right answer"
+    flaws, messages = (), []
+    refuse_broken(course, messages.append)
+    assert messages == ["verifying week09 (1 of 1), which can take minutes …"]
+    refuse_broken(course, messages.append)
+    assert len(messages) == 1
     assert verified == ["week09", "week09"]
     change(QUIZ, "0.8 m stands", "0.9 m stands")
     refuse_broken(course)

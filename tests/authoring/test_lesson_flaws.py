@@ -32,8 +32,8 @@ def test_undefined_question_is_reported(
     course: Course, change: Break, file: str, old: str, new: str, text: str
 ) -> None:
     change(file, old, new)
-    found = [flaw for flaw in page_flaws("week09", course) if flaw.aspect == "quiz"]
-    assert [flaw for flaw in found if text in flaw.text and file in flaw.place], list(map(str, found))
+    flaws = [flaw for flaw in page_flaws("week09", course) if flaw.aspect == "quiz"]
+    assert [flaw for flaw in flaws if text in flaw.text and file in flaw.place], list(map(str, flaws))
 
 
 # original text of the lesson, faulty text, and the reported message
@@ -78,5 +78,5 @@ def test_lesson_that_violates_a_rule_is_reported(
     course: Course, change: Break, old: str, new: str, text: str
 ) -> None:
     change(LESSON, old, new)
-    found = [str(flaw) for flaw in page_flaws("week09", course)]
-    assert [line for line in found if text in line], found
+    flaws = [str(flaw) for flaw in page_flaws("week09", course)]
+    assert [line for line in flaws if text in line], flaws

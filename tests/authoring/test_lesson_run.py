@@ -22,7 +22,7 @@ def test_lesson_without_errors_passes(tmp_path: Path) -> None:
 
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(
-    ("cells", "said"),
+    ("cells", "message"),
     [
         (["x = 1\ny = nme"], "cell 2, line 2 (y = nme) ends with NameError: name 'nme' is not defined"),
         (["def f():\n    return 1 / 0", "f()"], "cell 2, line 2 (return 1 / 0) ends with ZeroDivisionError"),
@@ -30,12 +30,12 @@ def test_lesson_without_errors_passes(tmp_path: Path) -> None:
         (["raise SystemExit(3)"], "ends with "),
     ],
 )
-def test_raising_cell_is_reported(tmp_path: Path, cells: list[str], said: str) -> None:
+def test_raising_cell_is_reported(tmp_path: Path, cells: list[str], message: str) -> None:
     path = tmp_path / "week09_maps.ipynb"
     write_notebook(path, [FIRST, *cells])
     (flaw,) = run_lesson(path)
     assert (flaw.aspect, flaw.place) == ("lesson", str(path))
-    assert said in flaw.text
+    assert message in flaw.text
 
 
 @pytest.mark.slow

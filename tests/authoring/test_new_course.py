@@ -54,10 +54,10 @@ def python(project: Path) -> Path:
 
 @pytest.mark.slow
 def test_new_course_can_be_verified_released_installed_and_graded(project: Path, python: Path) -> None:
-    said = run(python, "-m", "course_lib", "verify", cwd=project)
-    assert "Everything is correct." in said
-    assert "week00: nothing to correct" in said
-    assert "week01: nothing to correct" in said
+    output = run(python, "-m", "course_lib", "verify", cwd=project)
+    assert "Everything is correct." in output
+    assert "week00: nothing to correct" in output
+    assert "week01: nothing to correct" in output
     students = project.parent / "students"
     # `course release` would verify the same files again; tests/authoring/test_guide.py runs it.
     code = "from pathlib import Path; from course_lib.course.student_folder import release; "
@@ -112,8 +112,10 @@ def test_new_week_in_an_uninstalled_course_does_not_change_another_course(
     project: Path, python: Path
 ) -> None:
     other = new_course("Not Installed", project.parent)
-    said = run(python, "-m", "course_lib", "new", "week02", "Maps", cwd=other / "exercises", code=2)
-    assert f"{other} is a course that is not installed; the installed one is {project}. Run here: pip" in said
+    output = run(python, "-m", "course_lib", "new", "week02", "Maps", cwd=other / "exercises", code=2)
+    assert (
+        f"{other} is a course that is not installed; the installed one is {project}. Run here: pip" in output
+    )
     assert not list(project.rglob("*week02*"))
 
 
@@ -128,8 +130,8 @@ def test_gradescope_autograder_contains_course_and_kit_and_grades(
     project: Path, python: Path, tmp_path: Path
 ) -> None:
     archive = tmp_path / "autograder.zip"
-    said = run(python, "-m", "course_lib", "gradescope", "week01", "--out", archive, cwd=project)
-    assert "the course, the kit's" in said
+    output = run(python, "-m", "course_lib", "gradescope", "week01", "--out", archive, cwd=project)
+    assert "the course, the kit's" in output
     solution = project / "solutions" / "week01_solution.ipynb"
     results = graded_upload(archive, solution, tmp_path / "autograder")
     assert results["score"] == 100.0, results

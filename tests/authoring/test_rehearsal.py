@@ -15,19 +15,19 @@ def task(**personal: tuple[float, ...]) -> Task:
     return Task("week09.post", "A post", "node", "Post", ("a", "b", "c"), personal=personal)
 
 
-def tried(one: Task) -> list[tuple[float, ...]]:
+def option_values(one: Task) -> list[tuple[float, ...]]:
     rows = [with_option(one, row).personal for row in range(count_options([one]))]
     return [tuple(choice for (choice,) in row.values()) for row in rows]
 
 
 def test_every_combination_of_two_values_is_tried_once() -> None:
     low, critical = (0.5, 0.75, 0.9), (0.1, 0.2)
-    assert sorted(tried(task(low=low, critical=critical))) == sorted(product(low, critical))
+    assert sorted(option_values(task(low=low, critical=critical))) == sorted(product(low, critical))
     assert count_options([task(), task(low=low), task(low=low, critical=critical)]) == 6
 
 
 def test_too_many_combinations_are_sampled_evenly() -> None:
-    many = tried(task(a=tuple(range(30)), b=tuple(range(30))))
+    many = option_values(task(a=tuple(range(30)), b=tuple(range(30))))
     assert len(set(many)) == len(many) == MOST
     assert {b for _, b in many} == set(range(30))
 

@@ -22,7 +22,7 @@ def from_above() -> Scene:
     return scene
 
 
-def shown(host: Host, scene: Scene) -> SceneWidget:
+def show_scene(host: Host, scene: Scene) -> SceneWidget:
     widget = SceneWidget(scene, height=300)
     host.open(widget)
     host.show(widget)

@@ -10,7 +10,7 @@ from course_lib.viewer import renderer
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshcatObject, Points, Sheet, Solids, Text
 from course_lib.viewer.page_link import Click
 from tests.browser.fake_host import Host, count
-from tests.browser.scenes import BLUE, GREEN, RED, box, from_above, shown
+from tests.browser.scenes import BLUE, GREEN, RED, box, from_above, show_scene
 
 pytestmark = pytest.mark.browser
 
@@ -33,7 +33,7 @@ pytestmark = pytest.mark.browser
 def test_every_drawable_is_visible_and_clickable(host: Host, drawable: Drawable) -> None:
     scene = from_above()
     scene.set_object("thing", drawable)
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     clicks: list[Click] = []
     widget.link.on_click.append(clicks.append)
     assert count(host.pixels(), RED, within=120) > 50  # a pixel line may lie between two rows
@@ -51,7 +51,7 @@ def test_transparent_sheet_is_blended_and_occludes_objects_below_unless_drawn_be
     scene.set_object("sheet", Sheet(np.zeros((2, 2)), [(1, 0, 0, 0.5)] * 256, 1.0, behind))
     scene.set_object("box", box((0, 0, 255)))
     scene.set_transform("box", [[1.0, 0, 0, 1.5], [0, 1.0, 0, 1.5], [0, 0, 1.0, -2], [0, 0, 0, 1.0]])
-    shown(host, scene)
+    show_scene(host, scene)
     pixels = host.pixels()
     assert count(pixels, (128, 0, 0), within=2) > 1000
     assert (count(pixels, (0, 0, 255), within=2) > 1000) == behind
@@ -61,7 +61,7 @@ def test_transparent_sheet_is_blended_and_occludes_objects_below_unless_drawn_be
 @pytest.mark.slow
 def test_invalid_scene_change_is_reported_and_other_changes_are_drawn(host: Host) -> None:
     scene = from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     scene.set_object("bad", MeshcatObject({}))
     scene.set_object("good", box(GREEN))
     widget.flush()
@@ -80,7 +80,7 @@ def test_large_cloud_is_drawn_as_by_numpy_and_its_points_are_clickable(host: Hos
     grid = np.stack(np.meshgrid(np.linspace(-1, 1, 200), np.linspace(-1, 1, 200), [0.0]), axis=-1)
     colors = np.repeat(np.eye(4)[[0, 2]] + [0, 0, 0, 1], 20_000, axis=0).clip(0, 1)  # half red, half blue
     scene.set_object("cloud", Points(grid.reshape(-1, 3), colors, (0.03, 0.03)))
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     clicks: list[Click] = []
     widget.link.on_click.append(clicks.append)
     png = renderer.draw(scene, (400, 300))
@@ -103,7 +103,7 @@ def test_labels_overlap_as_in_rviz_until_a_button_hides_occluded_labels(host: Ho
         scene.set_transform(name, [[1.0, 0, 0, 0], [0, 1.0, 0, 0.2], [0, 0, 1.0, height], [0, 0, 0, 1.0]])
     scene.set_object("aside", Text("MW", 0.5, (0, 0, 1, 1)))
     scene.set_transform("aside", [[1.0, 0, 0, 0], [0, 1.0, 0, -1.8], [0, 0, 1.0, 0], [0, 0, 0, 1.0]])
-    shown(host, scene)
+    show_scene(host, scene)
     apart = host.page.get_by_role("button", name="Labels do not overlap")
     assert count(host.pixels(), GREEN, within=120) > 50
     apart.click()

@@ -87,7 +87,7 @@ def are_all(notebook: Notebook, color: int) -> bool:
     return len(counts) == MANY and min(counts) > ENOUGH
 
 
-def heard(notebook: Notebook) -> int:
+def count_heard(notebook: Notebook) -> int:
     return int(notebook.kernel("print(len(node.heard))"))
 
 
@@ -105,7 +105,7 @@ def test_click_and_slider_reach_python_while_a_node_runs_live(notebook: Notebook
     handle = cell.locator(".noUi-handle")
     # One by one: ipywidgets merges the changes that a busy kernel has not yet taken.
     for count in range(1, 5):
-        wait_until(lambda count=count: heard(notebook) == count, notebook.page)  # type: ignore[misc]  # mypy knows no default there
+        wait_until(lambda count=count: count_heard(notebook) == count, notebook.page)  # type: ignore[misc]  # mypy knows no default there
         if count < 4:
             handle.press("ArrowRight")
     kinds = notebook.kernel("print([what for what, _ in node.heard])")

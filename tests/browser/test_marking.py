@@ -58,14 +58,14 @@ def enter(page: Page, server: Served, name: str) -> None:
 
 def choose(page: Page, student: str, task: str = "Why TF?") -> None:
     """Open a task of a student, and leave the list."""
-    rest(page)
+    wait_until_idle(page)
     page.get_by_label("State").select_option("any")
     page.locator("#list button").filter(has_text=student).filter(has_text=task).click()
     expect(page.locator("#title")).to_contain_text(f"{student}: {task}")
     press(page, "Escape")
 
 
-def rest(page: Page) -> None:
+def wait_until_idle(page: Page) -> None:
     """Wait until the page does nothing: the keys of a page that loads or saves are for no task."""
     expect(page.locator("#form:not([inert])")).to_be_attached()
 
@@ -73,13 +73,13 @@ def rest(page: Page) -> None:
 def press(page: Page, *keys: str) -> None:
     """Press one key after the other, each while the page does nothing."""
     for key in keys:
-        rest(page)
+        wait_until_idle(page)
         page.keyboard.press(key)
 
 
 def mark_all(page: Page) -> None:
     """Press the keys for full points of all rows without points, and open the next task."""
-    rest(page)
+    wait_until_idle(page)
     before = page.locator("#title").text_content()
     points = page.locator("#fields input").evaluate_all(POINTS)
     press(page, *(str(number) for number, given in enumerate(points, 1) if not given), "s")
@@ -121,7 +121,7 @@ def test_two_graders_lose_none_of_100_marks_when_the_server_is_killed(
         enter(ann, second, "Ann")
         enter(ben, second, "Ben")
         assert all_marks(out) == acknowledged
-        rest(ann)
+        wait_until_idle(ann)
         ann.locator("#list button").filter(has_text="not saved yet").click()
         expect(ann.locator("#unsaved")).to_have_text("Not saved yet")
         expect(ann.get_by_label("1 names the parts")).to_have_value("5")
@@ -153,8 +153,8 @@ def test_conflicting_marks_of_two_graders_are_reported_and_kept(
         expect(conflict.get_by_role("row", name="an example, points")).to_have_text("an example, points7.57")
         conflict.get_by_role("button", name="Save mine over theirs").click()
         expect(ben.locator("#history summary")).to_contain_text("Marks: 3; now 24 of 40")
-    said = [(mark.by, mark.points, mark.comment) for _, mark in all_marks(out)]
-    assert said == [("Ann", 5, "clear"), ("Ann", 7.5, ""), ("Ben", 7, "")]
+    marks = [(mark.by, mark.points, mark.comment) for _, mark in all_marks(out)]
+    assert marks == [("Ann", 5, "clear"), ("Ann", 7.5, ""), ("Ben", 7, "")]
 
 
 @pytest.mark.slow

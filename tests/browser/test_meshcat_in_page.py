@@ -15,7 +15,7 @@ pytestmark = pytest.mark.browser
 CYAN = (0, 255, 255)
 
 
-def shown(host: Host, scene: Scene) -> SceneWidget:
+def show_scene(host: Host, scene: Scene) -> SceneWidget:
     scene.camera = Camera(eye=(0, 0, 6), target=(0, 0, 0), up=(0, 1, 0))
     widget = SceneWidget(scene, height=300)
     host.open(widget)
@@ -29,7 +29,7 @@ def test_meshcat_object_without_an_equivalent_drawable_is_drawn_by_three_js(host
     vis = meshcat.Visualizer(window=Window(scene))
     wires = g.MeshBasicMaterial(color=0x00FFFF, wireframe=True)
     vis["wires"].set_object(g.Sphere(1.0), wires)
-    shown(host, scene)
+    show_scene(host, scene)
     assert 200 < count(host.pixels(), CYAN, within=130) < 12_000
 
 
@@ -42,7 +42,7 @@ def test_meshcat_animation_plays(host: Host) -> None:
         with animation.at_frame(vis["box"], frame_number) as frame:
             frame.set_transform(meshcat.transformations.translation_matrix([x, 0, 0]))
     vis.set_animation(animation)
-    shown(host, scene)
+    show_scene(host, scene)
     host.wait_until(lambda: count(host.pixels()[:, :200], CYAN) == 0)
     assert count(host.pixels()[:, 200:400], CYAN) > 1000
 
@@ -60,7 +60,7 @@ def test_replaced_objects_are_freed_from_graphics_memory(host: Host) -> None:
         gl.deleteTexture = function (it) { if (it) alive--; return deleteTexture.call(this, it); };
     }""")
     scene = Scene()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     alive = []
     for number in range(6):
         scene.set_object("balls", Solids("sphere", [np.eye(4)] * 3, (1, 0, 0, 1)))

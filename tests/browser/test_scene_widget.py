@@ -11,14 +11,14 @@ from course_lib.viewer.encoding import snapshot
 from course_lib.viewer.page_link import Click
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.fake_host import Host, count
-from tests.browser.scenes import BLUE, GREEN, RED, box, from_above, shown
+from tests.browser.scenes import BLUE, GREEN, RED, box, from_above, show_scene
 
 pytestmark = pytest.mark.browser
 
 
 def test_scene_changes_are_drawn_on_an_open_page(host: Host) -> None:
     scene = from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     assert widget.link.ready
     scene.set_object("a/box", box(RED))
     widget.flush()
@@ -46,7 +46,7 @@ def test_scene_changes_are_drawn_on_an_open_page(host: Host) -> None:
 @pytest.mark.slow
 def test_reloaded_page_shows_changes_made_during_the_reload(host: Host) -> None:
     scene = from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     scene.set_object("box", box(RED))
     widget.flush()
     host.reload()
@@ -74,7 +74,7 @@ def test_hidden_page_receives_no_updates_until_it_is_visible_again(host: Host) -
         Object.defineProperty(document, "hidden", { value: hidden, configurable: true });
         document.dispatchEvent(new Event("visibilitychange")); }"""
     scene = from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     scene.set_object("box", box(RED))
     widget.flush()
     host.carry()
@@ -95,7 +95,7 @@ def test_hidden_page_receives_no_updates_until_it_is_visible_again(host: Host) -
 @pytest.mark.slow
 def test_view_scrolled_out_of_sight_receives_no_updates_until_visible_again(host: Host) -> None:
     scene = from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     scene.set_object("box", box(RED))
     widget.flush()
     host.carry()
@@ -116,7 +116,7 @@ def test_view_scrolled_out_of_sight_receives_no_updates_until_visible_again(host
 
 def test_scene_is_sent_again_after_a_lost_update(host: Host) -> None:
     scene = from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     scene.set_object("lost", box(RED, x=-1))
     widget.flush()
     host.sent.clear()
@@ -141,9 +141,9 @@ def test_page_reports_its_number_of_views(host: Host) -> None:
 
 def test_views_of_one_scene_share_the_camera_and_scenes_are_independent(host: Host) -> None:
     scene, other = from_above(), from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     host.show(widget, width=200)
-    shown(host, other)
+    show_scene(host, other)
     host.page.set_viewport_size({"width": 800, "height": 900})
     scene.set_object("box", box(RED))
     widget.flush()
@@ -156,7 +156,7 @@ def test_views_of_one_scene_share_the_camera_and_scenes_are_independent(host: Ho
 def test_click_reports_the_hit_object_and_position(host: Host) -> None:
     scene = from_above()
     scene.set_object("marker/7", box(RED))
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     clicks: list[Click] = []
     widget.link.on_click.append(clicks.append)
     host.page.mouse.click(200, 150)
@@ -172,7 +172,7 @@ def test_click_reports_the_hit_object_and_position(host: Host) -> None:
 def test_dragging_rotates_the_view_and_the_wheel_zooms_after_a_click(host: Host) -> None:
     scene = from_above()
     scene.set_object("box", box(RED))
-    shown(host, scene)
+    show_scene(host, scene)
     host.page.wait_for_selector(AT_REST)
     before = count(host.pixels(), RED)
     host.page.mouse.move(200, 150)
@@ -197,7 +197,7 @@ def test_lost_graphics_context_is_restored(host: Host) -> None:
     host.reload()
     scene = from_above()
     scene.set_object("box", box(RED))
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     host.page.evaluate("() => contexts.at(-1).getExtension('WEBGL_lose_context').loseContext()")
     scene.set_object("box", box(GREEN))
     widget.flush()
@@ -207,7 +207,7 @@ def test_lost_graphics_context_is_restored(host: Host) -> None:
 
 def test_page_acknowledges_updates_so_that_later_changes_are_drawn(host: Host) -> None:
     scene = from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     scene.set_object("box", box(RED))
     for number in range(40):
         scene.set_transform("box", np.diag([1, 1, 1, 1]) + 0.02 * number * np.eye(4, k=3))
@@ -224,7 +224,7 @@ KEPT = "() => Object.values(models).at(-1).get('snapshot') !== before"
 @pytest.mark.slow
 def test_page_keeps_a_snapshot_of_a_constantly_changing_scene(host: Host) -> None:
     scene = from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     host.page.evaluate("() => { globalThis.before = Object.values(models).at(-1).get('snapshot') }")
     for step in range(1000):
         scene.set_transform("a", np.eye(4) + step * np.eye(4, k=3))
@@ -238,7 +238,7 @@ def test_page_keeps_a_snapshot_of_a_constantly_changing_scene(host: Host) -> Non
 @pytest.mark.slow
 def test_page_stores_a_scene_snapshot_for_the_saved_notebook(host: Host) -> None:
     scene = from_above()
-    widget = shown(host, scene)
+    widget = show_scene(host, scene)
     host.page.evaluate("() => { globalThis.before = Object.values(models).at(-1).get('snapshot') }")
     scene.set_object("a/box", box(RED))
     scene.set_object("mesh", Mesh(np.eye(3), None, (0, 1, 0, 1)))
@@ -285,7 +285,7 @@ def test_many_scenes_share_one_graphics_context_and_are_all_drawn(host: Host) ->
 def test_full_screen_view_is_toggled_by_key_or_button_and_resized(host: Host) -> None:
     scene = from_above()
     scene.set_object("box", box(RED))
-    shown(host, scene)
+    show_scene(host, scene)
     before = count(host.pixels(), RED)
     host.page.mouse.click(10, 10)
     host.page.keyboard.press("f")

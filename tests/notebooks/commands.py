@@ -27,14 +27,14 @@ def commands_of(path: Path) -> list[Shown]:
     """Return the commands of a notebook or a Markdown file, in their order."""
     if path.suffix == ".md":
         return [Shown(path.name, text) for text in _of_markdown(path.read_text(encoding="utf-8"))]
-    found = []
+    shown = []
     for cell in read_notebook(path)["cells"]:
         if cell["cell_type"] == "markdown":
-            found += [Shown(path.name, text) for text in _of_markdown(source(cell))]
+            shown += [Shown(path.name, text) for text in _of_markdown(source(cell))]
         else:
             lines = re.sub(r"\\\n", "", source(cell)).splitlines()
-            found += [Shown(path.name, line.strip(), in_cell=True) for line in lines if _is_magic(line)]
-    return found
+            shown += [Shown(path.name, line.strip(), in_cell=True) for line in lines if _is_magic(line)]
+    return shown
 
 
 def _is_magic(line: str) -> bool:

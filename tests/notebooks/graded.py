@@ -27,9 +27,11 @@ DEFINITION = r"(class|def|import|from|[A-Z_]+ =|\"\"\"|#)"
 @cache
 def catalog() -> Catalog:
     """The course's, with limits for a machine that has much else to do."""
-    made = load_catalog(exercises_dir(), solutions_dir())
-    limits = replace(made.course.limits, cell_seconds=A_WHILE, scenario_seconds=A_WHILE, total_seconds=600.0)
-    return replace(made, course=replace(made.course, limits=limits))
+    loaded = load_catalog(exercises_dir(), solutions_dir())
+    limits = replace(
+        loaded.course.limits, cell_seconds=A_WHILE, scenario_seconds=A_WHILE, total_seconds=600.0
+    )
+    return replace(loaded, course=replace(loaded.course, limits=limits))
 
 
 def cells_of(path: Path) -> list[str]:
@@ -51,8 +53,8 @@ class Marked(NamedTuple):
 
 def marked(cells: Sequence[str], tasks: Sequence[Task], *, hidden: bool = True) -> Marked:
     steps = plan_scenarios(tasks, catalog(), hidden=hidden)
-    made = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
-    return Marked(made.runs, judge(made, tasks, catalog()))
+    evidence = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
+    return Marked(evidence.runs, judge(evidence, tasks, catalog()))
 
 
 @cache

@@ -34,8 +34,8 @@ def report(once: Once) -> Iterator[Callable[[str], WeekReport]]:
     @cache
     def verified(week: str) -> WeekReport:
         # In this process: a pool would start its processes for each week.
-        (made,) = verify(this_course(), [week], jobs=1)
-        return made
+        (report,) = verify(this_course(), [week], jobs=1)
+        return report
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("course_lib.authoring.verify.rehearse", once.rehearse)

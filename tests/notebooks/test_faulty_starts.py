@@ -30,8 +30,8 @@ def faulty_starts() -> Iterator[Any]:
     for week in WEEKS:
         tasks, faulty = {task.name: task for task in judged(week)}, ""
         for cell in cells_of(solution(week)):
-            found = re.search(FAULTY, cell, re.MULTILINE)
-            faulty = found[1] if found else faulty
+            match = re.search(FAULTY, cell, re.MULTILINE)
+            faulty = match[1] if match else faulty
             for name in re.findall(r"^class (\w+)\b", cell, re.MULTILINE):
                 if faulty and name in tasks and tasks[name].kind in IN_PROCESS:
                     yield pytest.param(tasks[name], faulty, id=tasks[name].id)

@@ -16,7 +16,7 @@ MOST = 0.1  # of a task's points
 WEEKS = ("week05", "week06", "week07", "week08")
 
 
-def asked(scenario: Scenario, personal: Mapping[str, Any]) -> list[str]:
+def questions(scenario: Scenario, personal: Mapping[str, Any]) -> list[str]:
     return [repr(resolve((call.args, call.kwargs), personal)) for call in scenario.calls]
 
 
@@ -28,21 +28,23 @@ def has_inputs(task: Task) -> bool:
 def replays(runs: list[Run]) -> Iterator[list[Run]]:
     """Return the hidden runs as they were, if the code had repeated a public run's answers or messages."""
     public, hidden = [run for run in runs if not run.hidden], [run for run in runs if run.hidden]
-    known = {
+    public_answers = {
         question: answer
         for run in public
         for question, answer in zip(
-            asked(run.scenario, run.evidence.personal), run.evidence.returns, strict=False
+            questions(run.scenario, run.evidence.personal), run.evidence.returns, strict=False
         )
     }
-    for shown in public:
-        made = []
+    for public_run in public:
+        replayed_runs = []
         for run in hidden:
             end_ns = START_NS + round(run.scenario.seconds * 1e9)
-            samples = tuple(s for s in shown.evidence.samples if s.stamp_ns <= end_ns)
-            returns = tuple(known.get(q) for q in asked(run.scenario, run.evidence.personal))
-            made.append(replace(run, evidence=replace(run.evidence, samples=samples, returns=returns)))
-        yield [*public, *made]
+            samples = tuple(s for s in public_run.evidence.samples if s.stamp_ns <= end_ns)
+            returns = tuple(public_answers.get(q) for q in questions(run.scenario, run.evidence.personal))
+            replayed_runs.append(
+                replace(run, evidence=replace(run.evidence, samples=samples, returns=returns))
+            )
+        yield [*public, *replayed_runs]
 
 
 @pytest.mark.sample(1)
@@ -51,8 +53,8 @@ def test_hard_coded_public_output_earns_at_most_a_tenth(week: str) -> None:
     runs, earned = run_of(solution(week)).runs, {}
     for task in judged(week):
         if has_inputs(task):
-            for one in replays([run for run in runs if run.evidence.task == task.id]):
-                result = judge_task(task, *catalog().points(task), one)
+            for replayed_runs in replays([run for run in runs if run.evidence.task == task.id]):
+                result = judge_task(task, *catalog().points(task), replayed_runs)
                 if result.fraction > MOST:
                     earned[task.id] = [(c.title, c.hidden, c.weight) for c in result.checks if c.passed]
     assert earned == {}
@@ -65,12 +67,12 @@ def test_constant_return_value_earns_at_most_a_tenth(week: str, answer: Any) -> 
     runs, earned = run_of(solution(week)).runs, {}
     for task in judged(week):
         if task.kind == "function":
-            made = [
+            constant_runs = [
                 replace(run, evidence=replace(run.evidence, returns=(answer,) * len(run.evidence.returns)))
                 for run in runs
                 if run.evidence.task == task.id
             ]
-            result = judge_task(task, *catalog().points(task), made)
+            result = judge_task(task, *catalog().points(task), constant_runs)
             if result.fraction > MOST:
                 earned[task.id] = [(c.title, c.hidden, c.weight) for c in result.checks if c.passed]
     assert earned == {}

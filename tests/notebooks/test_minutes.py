@@ -62,7 +62,7 @@ def words_of(cells: list[str]) -> int:
     return sum(len(re.findall(r"\w+", text)) for text in cells)
 
 
-def parts(path: Path) -> tuple[Content, Content]:
+def contents(path: Path) -> tuple[Content, Content]:
     """Return the content of a lesson, and of its optional section."""
     cells = read_notebook(path)["cells"]
     begins = [i for i, cell in enumerate(cells) if OPTIONAL.search(source(cell))]
@@ -79,10 +79,10 @@ def is_skimmed(cell: dict[str, Any]) -> bool:
 def content(cells: list[dict[str, Any]]) -> Content:
     prose = [source(cell) for cell in cells if cell["cell_type"] == "markdown"]
     code = [source(cell) for cell in cells if cell["cell_type"] == "code"]
-    read = [source(cell) for cell in cells if cell["cell_type"] == "code" and not is_skimmed(cell)]
+    read_code = [source(cell) for cell in cells if cell["cell_type"] == "code" and not is_skimmed(cell)]
     tries = sum(text.count("**Try it") for text in prose)
     predictions = sum("predict(" in cell for cell in code)
-    return Content(words_of(prose), lines_of(read), len(code), tries, predictions)
+    return Content(words_of(prose), lines_of(read_code), len(code), tries, predictions)
 
 
 def lines_of_answers(solution: Path) -> int:
@@ -96,15 +96,15 @@ def lines_of_answers(solution: Path) -> int:
 def minutes_of_exercise(path: Path) -> float:
     solution = solutions_dir() / path.name.replace("exercise", "solution")
     tasks = sum(text.count("check(") for text in sources(path, "code"))
-    given = lines_of(sources(path, "code")) * PER_KNOWN_LINE
-    reading = words_of(sources(path, "markdown")) / WORDS_A_MINUTE + given
+    code_reading = lines_of(sources(path, "code")) * PER_KNOWN_LINE
+    reading = words_of(sources(path, "markdown")) / WORDS_A_MINUTE + code_reading
     return reading + lines_of_answers(solution) * PER_LINE_WRITTEN + tasks * PER_TASK
 
 
 def stated(path: Path) -> int:
-    found = re.search(r"\*\*Time: (\d+) minutes in total", "\n".join(sources(path, "markdown")))
-    assert found is not None
-    return int(found[1])
+    match = re.search(r"\*\*Time: (\d+) minutes in total", "\n".join(sources(path, "markdown")))
+    assert match is not None
+    return int(match[1])
 
 
 @pytest.mark.parametrize(("read", "took"), STRANGERS.values(), ids=STRANGERS)
@@ -114,7 +114,7 @@ def test_estimated_minutes_agree_with_measured_reading_times(read: Content, took
 
 @pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
 def test_stated_minutes_of_a_lesson_match_the_estimate(path: Path) -> None:
-    needed, optional = parts(path)
+    needed, optional = contents(path)
     assert stated(path) == pytest.approx(needed.minutes() + PER_QUIZ, rel=SPREAD)
     more = OPTIONAL.search("\n".join(sources(path, "markdown")))
     assert int(more[1] if more else 0) == pytest.approx(optional.minutes(), rel=SPREAD)

@@ -28,8 +28,8 @@ def test_expected_wrist_positions_match_pinocchio(
     pan: float, lift: float, elbow: float, wrist: list[float]
 ) -> None:
     positions = {"shoulder_pan_joint": pan, "shoulder_lift_joint": lift, "elbow_joint": elbow}
-    found = link_poses(load_robot("ur10"), positions)["wrist_1_link"][:3, 3]
-    assert np.allclose(found, wrist, atol=1e-6)
+    position = link_poses(load_robot("ur10"), positions)["wrist_1_link"][:3, 3]
+    assert np.allclose(position, wrist, atol=1e-6)
 
 
 def test_joint_checks_list_the_joints_of_the_ur10() -> None:

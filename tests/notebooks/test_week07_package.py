@@ -33,8 +33,8 @@ def exported_cells(notebook: Path) -> list[str]:
 def test_launched_package_publishes_the_same_messages_as_the_notebook_nodes(
     notebook: Path, nodes: Sequence[str], tmp_path: Path
 ) -> None:
-    made = ", ".join(f"{node}()" for node in nodes)
-    run = f"from course_lib import spin_for\nrclpy.init()\nspin_for({SECONDS}, {made})"
+    node_calls = ", ".join(f"{node}()" for node in nodes)
+    run = f"from course_lib import spin_for\nrclpy.init()\nspin_for({SECONDS}, {node_calls})"
     for module in notebook.parent.glob("week07*.py"):
         shutil.copy(module, tmp_path)
     file = write_notebook(tmp_path / "nodes.ipynb", ["%load_ext course_lib", *exported_cells(notebook), run])
