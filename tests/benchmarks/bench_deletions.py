@@ -44,8 +44,8 @@ def right_answers(week: str, tasks: list[Task]) -> Iterator[tuple[str, Code, lis
     for variant in answers.variants:
         if variant.way and variant.task in by_id:
             task, code = by_id[variant.task], solution
-            for place, text in apply_changes(variant, task.name, solution.cells).items():
-                code = code.with_cell(place, text)
+            for position, text in apply_changes(variant, task.name, solution.cells).items():
+                code = code.with_cell(position, text)
             yield variant.way, code, [task]
 
 
@@ -57,24 +57,31 @@ def main(weeks: list[str]) -> int:
             tasks = [task for task in catalog_of(COURSE).of_week(week) if not task.rubric]
             for name, code, of in right_answers(week, tasks) if tasks else ():
                 begin = time.monotonic()
-                found = list(deletions(code, of))
-                groups = group_deletions(found, code, of)
+                tried_deletions = list(deletions(code, of))
+                groups = group_deletions(tried_deletions, code, of)
                 rehearsals = [rehearsal_without(group, code, week) for group in groups]
                 pairs = crashes = false = 0
-                for group, made in zip(
+                for group, rehearsal in zip(
                     groups, pool.map(rehearse, rehearsals, [COURSE] * len(groups)), strict=True
                 ):
-                    results = {result.task: result for result in made.results}
-                    both = [(one, results[task]) for one in group for task in one.tasks]
-                    pairs += len(both)
-                    crashes += sum(bool(crash_message(one, result, made.tracebacks)) for one, result in both)
-                    for what, task, why in false_passes(group, made):
+                    results = {result.task: result for result in rehearsal.results}
+                    pairs_of_group = [
+                        (deletion, results[task]) for deletion in group for task in deletion.tasks
+                    ]
+                    pairs += len(pairs_of_group)
+                    crashes += sum(
+                        bool(crash_message(deletion, result, rehearsal.tracebacks))
+                        for deletion, result in pairs_of_group
+                    )
+                    for deletion_name, task, why in false_passes(group, rehearsal):
                         false += 1
-                        print(f"FALSE PASS: {task}, {name}, {what}: {why}")
+                        print(f"FALSE PASS: {task}, {name}, {deletion_name}: {why}")
                 took = time.monotonic() - begin
-                print(f"{week}, {name}: {len(found)} deletions, {pairs} pairs, {crashes} crashes, "
+                print(f"{week}, {name}: {len(tried_deletions)} deletions, {pairs} pairs, {crashes} crashes, "
                       f"{false} false passes, {took:.0f} s", flush=True)  # fmt: skip
-                sums = [a + b for a, b in zip(sums, (len(found), pairs, crashes, false), strict=True)]
+                sums = [
+                    a + b for a, b in zip(sums, (len(tried_deletions), pairs, crashes, false), strict=True)
+                ]
     print("all: {} deletions, {} pairs, {} crashes, {} false passes".format(*sums))
     return sums[3]
 

@@ -95,8 +95,8 @@ def flood(seconds: float, width: int, height: int, hz: float) -> bool:
             shown = ", ".join(f"{name} {size:6.1f} MB" for name, size in rows[-1].items())
             print(f"{number * EVERY:5.0f} s  {shown}; {rate:6.1f} MB/s shown", flush=True)
             time.sleep(BUSY)
-        said = [f"{name}: {value}" for name, value in kit.graph.link_report() if name == TOPIC]
-        print("doctor:", *said)
+        link_rows = [f"{name}: {value}" for name, value in kit.graph.link_report() if name == TOPIC]
+        print("doctor:", *link_rows)
         camera.kill()
     kit.graph.close()
     routers.kill()

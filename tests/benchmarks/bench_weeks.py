@@ -71,59 +71,61 @@ class Commands:
         lines = self._log.read_text().splitlines() if self._log.is_file() else []
         self._done = {made.step: made for made in (Cost(**json.loads(line)) for line in lines)}
 
-    def run(self, step: str, count: int, *words: str, codes: Sequence[int] = (0,)) -> Cost:
+    def run(self, step: str, count: int, *arguments: str, codes: Sequence[int] = (0,)) -> Cost:
         """Run `course WORDS` and print its cost."""
         if step not in self._done:
-            made = self._measure(step, count, words, codes)
+            cost = self._measure(step, count, arguments, codes)
             with self._log.open("a") as file:
-                file.write(json.dumps(asdict(made)) + "\n")
-            self._done[step] = made
-            sys.stdout.write(f"{made}\n")
+                file.write(json.dumps(asdict(cost)) + "\n")
+            self._done[step] = cost
+            sys.stdout.write(f"{cost}\n")
             sys.stdout.flush()
         return self._done[step]
 
-    def _measure(self, step: str, count: int, words: Sequence[str], codes: Sequence[int]) -> Cost:
+    def _measure(self, step: str, count: int, arguments: Sequence[str], codes: Sequence[int]) -> Cost:
         environment = {**os.environ, **self._term.environment}
-        begin, most = time.perf_counter(), [0.0]
-        with tempfile.TemporaryFile("w+") as said:
-            command = [sys.executable, "-m", "course_lib", *words]
-            process = subprocess.Popen(command, cwd=self._term.top, env=environment, stdout=said, stderr=said)
-            ended = threading.Event()
-            watch = threading.Thread(target=_watch, args=(process.pid, ended, most))
+        begin, peak_memory = time.perf_counter(), [0.0]
+        with tempfile.TemporaryFile("w+") as output:
+            command = [sys.executable, "-m", "course_lib", *arguments]
+            process = subprocess.Popen(
+                command, cwd=self._term.top, env=environment, stdout=output, stderr=output
+            )
+            process_ended = threading.Event()
+            watch = threading.Thread(target=_watch, args=(process.pid, process_ended, peak_memory))
             watch.start()
             _, status, used = os.wait4(process.pid, 0)
             process.returncode = os.waitstatus_to_exitcode(status)
-            ended.set()
+            process_ended.set()
             watch.join()
-            said.seek(0)
-            text = said.read()
+            output.seek(0)
+            text = output.read()
         if process.returncode not in codes:
-            raise SystemExit(f"course {' '.join(words)}: code {process.returncode}\n{text[-3000:]}")
+            raise SystemExit(f"course {' '.join(arguments)}: code {process.returncode}\n{text[-3000:]}")
         cpu = used.ru_utime + used.ru_stime
-        return Cost(step, count, time.perf_counter() - begin, cpu, most[0], text)
+        return Cost(step, count, time.perf_counter() - begin, cpu, peak_memory[0], text)
 
 
-def _watch(pid: int, ended: threading.Event, most: list[float]) -> None:
+def _watch(pid: int, process_ended: threading.Event, peak_memory: list[float]) -> None:
     root = psutil.Process(pid)
-    while not ended.wait(SAMPLE):
+    while not process_ended.wait(SAMPLE):
         try:
-            most[0] = max(most[0], memory_of(root))
+            peak_memory[0] = max(peak_memory[0], memory_of(root))
         except psutil.NoSuchProcess:
             return
 
 
 def week_of(simulated: SimulatedClass, week: str, commands: Commands, jobs: int) -> list[HandIn]:
     """Collect, grade and mark a week."""
-    made = simulated.hand_in(week)
-    exercise, count = f"{week}_exercise", len(made)
+    submissions = simulated.hand_in(week)
+    exercise, count = f"{week}_exercise", len(submissions)
     lists = ("--roster", f"{week}.csv", "--id-column", "ID number")
     commands.run(f"{week} collect", count, "collect", f"{week}.zip", "--out", "in", *lists, codes=(0, 1))
     only = ("--only", f"*/{exercise}", "--jobs", str(jobs), "--resume")
     commands.run(f"{week} grade", count, "grade", "in", "--out", "graded", *only, codes=(0, 1))
-    for number, (student, task, points) in enumerate(simulated.by_hand(made, week, MARKS)):
-        words = ("mark", "graded", student, exercise, task, points, "--comment", "Read.")
-        commands.run(f"{week} mark {number}", 1, *words)
-    return made
+    for number, (student, task, points) in enumerate(simulated.by_hand(submissions, week, MARKS)):
+        arguments = ("mark", "graded", student, exercise, task, points, "--comment", "Read.")
+        commands.run(f"{week} mark {number}", 1, *arguments)
+    return submissions
 
 
 def compared(simulated: SimulatedClass) -> list[str]:
@@ -133,9 +135,9 @@ def compared(simulated: SimulatedClass) -> list[str]:
     return recompute.disagreements(simulated.top / "graded", declared, 10)
 
 
-def summary(simulated: SimulatedClass, handed: dict[str, list[HandIn]]) -> str:
+def summary(simulated: SimulatedClass, submissions: dict[str, list[HandIn]]) -> str:
     """Return the numbers of hand-ins, runs and states."""
-    kinds = Counter(one.kind for made in handed.values() for one in made)
+    kinds = Counter(submission.kind for of_week in submissions.values() for submission in of_week)
     with (simulated.top / "graded" / "gradebook.csv").open(newline="") as file:
         states = Counter(row["status"] for row in csv.DictReader(file))
     runs = len(list((simulated.top / "graded" / "evidence").glob("*.gz")))
@@ -146,13 +148,13 @@ def graded_weeks(simulated: SimulatedClass, jobs: int) -> list[str]:
     """Run all commands of all weeks; returns where the marks differ from the declared ones."""
     simulated.write()
     commands = Commands(simulated)
-    handed = {week: week_of(simulated, week, commands, jobs) for week in simulated.weeks}
-    count = sum(map(len, handed.values()))
+    submissions = {week: week_of(simulated, week, commands, jobs) for week in simulated.weeks}
+    count = sum(map(len, submissions.values()))
     commands.run("feedback", count, "feedback", "graded", "--lms", "moodle")
     last = simulated.weeks[-1]
     names = ("--exercise", f"{last}_exercise", "--column", "Grade", "--id-column", "ID number")
     commands.run("marks", count, "mark", "graded", "--lms", f"{last}.csv", *names, "--to", "filled.csv")
-    sys.stdout.write(summary(simulated, handed))
+    sys.stdout.write(summary(simulated, submissions))
     return compared(simulated)
 
 
@@ -183,8 +185,10 @@ def main() -> None:
         if options.records:
             records_alone(simulated)
             return
-        wrong = graded_weeks(simulated, options.jobs)
-        sys.stdout.write("\n".join([*wrong, f"{len(wrong)} differ from what was declared"]) + "\n")
+        differences = graded_weeks(simulated, options.jobs)
+        sys.stdout.write(
+            "\n".join([*differences, f"{len(differences)} differ from what was declared"]) + "\n"
+        )
 
 
 if __name__ == "__main__":

@@ -18,27 +18,27 @@ from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from tests.notebooks.graded import STUDENT, WEEKS, catalog, cells_of, solution
 
 
-def submissions(week: str, most: int) -> list[list[str]]:
+def submissions(week: str, max_count: int) -> list[list[str]]:
     """Return the cells of the solution and of so many of its mutants at most, spread over all of them."""
     cells, names = cells_of(solution(week)), "|".join(task.name for task in catalog().of_week(week))
-    places = [
+    positions = [
         n for n, cell in enumerate(cells) if re.search(rf"^(class|def) ({names})\b", cell, re.MULTILINE)
     ]
     mutated = [
-        [*cells[:place], mutant, *cells[place + 1 :]]
-        for place in places
-        for _, mutant in mutants(cells[place], operators(solutions_dir()))
+        [*cells[:position], mutant, *cells[position + 1 :]]
+        for position in positions
+        for _, mutant in mutants(cells[position], operators(solutions_dir()))
     ]
-    step = max(len(mutated) // max(most, 1), 1)
-    return [cells, *mutated[::step][:most]]
+    step = max(len(mutated) // max(max_count, 1), 1)
+    return [cells, *mutated[::step][:max_count]]
 
 
 def cost(cells: list[str], week: str) -> tuple[float, float]:
     """Return the CPU time [s] of all processes in the jail, and of the grader."""
     steps = plan_scenarios(catalog().of_week(week), catalog(), hidden=True)
     begun = time.process_time()
-    made = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
-    return made.usage.cpu_seconds, time.process_time() - begun
+    evidence = run_scenarios(Job(tuple(cells), STUDENT, steps, catalog().course.limits))
+    return evidence.usage.cpu_seconds, time.process_time() - begun
 
 
 def kernel(top: Path) -> Path:
@@ -61,14 +61,14 @@ def nbgrader_cost(top: Path, python: str, week: str, text: str) -> float:
     script = [python, "-m", "nbgrader"]
     quiet: dict[str, Any] = {"cwd": top, "check": True, "capture_output": True, "env": environment}
     subprocess.run([*script, "generate_assignment", week, "--create"], **quiet)
-    one, both = (
+    for_one, for_two = (
         _children_cost([*script, "autograde", week, "--create", "--force", f"--student={students}"], quiet)
         for students in ("s0", "s*")
     )
     texts = [path.read_text() for path in top.glob(f"autograded/*/{week}/{week}.ipynb")]
     assert len(texts) == 2
     assert not [text for text in texts if '"output_type": "error"' in text], week
-    return both - one
+    return for_two - for_one
 
 
 def _children_cost(command: list[str], options: dict[str, Any]) -> float:
@@ -78,12 +78,12 @@ def _children_cost(command: list[str], options: dict[str, Any]) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def rows(most: int) -> Iterator[tuple[str, float, str]]:
+def rows(max_count: int) -> Iterator[tuple[str, float, str]]:
     """Yield (week, median of the jail's CPU [s], the row) for each week."""
     cost(cells_of(solution(WEEKS[0])), WEEKS[0])  # start of the template process
     for week in WEEKS:
         cost(cells_of(solution(week)), week)  # imports of the template for a week's first submission
-        jail, grader = zip(*(cost(cells, week) for cells in submissions(week, most)), strict=True)
+        jail, grader = zip(*(cost(cells, week) for cells in submissions(week, max_count)), strict=True)
         middle = median(jail)
         yield (
             week,

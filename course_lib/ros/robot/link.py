@@ -197,10 +197,10 @@ class Link(Protocol):
         topic: str,
         type_name: str,
         qos: Qos,
-        kept: int,
+        latched_count: int,
         on_packet: OnPacket,
     ) -> Declaration:
-        """Subscribe to a topic, and request the last `kept` messages of latched publishers.
+        """Subscribe to a topic, and request the last `latched_count` messages of latched publishers.
 
         `on_packet` is called with each message in the link's threads.
         """

@@ -610,7 +610,7 @@ class RobotGraph(Graph):
 
         Latched topics are ignored, because their messages are old when they arrive.
         """
-        lags = [s.traffic.lag_ns for s in self._subscriptions if not s.latched_depth]
+        lags = [s.traffic.lag_ns for s in self._subscriptions if not s.latched_count]
         measured_lags = [lag for lag in lags if lag is not None]
         return -min(measured_lags) * 1e-9 if measured_lags else None
 

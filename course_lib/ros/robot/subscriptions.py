@@ -115,13 +115,13 @@ class TopicSubscription:
     """A subscription on the network, which serves endpoints of the kit.
 
     Args:
-        latched_depth: The number of messages that it requests from latched publishers.
+        latched_count: The number of messages that it requests from latched publishers.
         users: The endpoints of the kit that it serves.
     """
 
     topic: str
     type_name: str
-    latched_depth: int
+    latched_count: int
     users: set[int] = field(default_factory=set)
     inbox: Inbox = field(init=False)
     declaration: Declaration = field(init=False)
@@ -133,7 +133,7 @@ class TopicSubscription:
 
     def status_row(self) -> tuple[str, object]:
         """Return the topic and its rate as a row of `ros2 doctor`."""
-        if self.latched_depth:
+        if self.latched_count:
             return self.topic, f"latched, {format_count(self.traffic.received, 'message')} received"
         per_second, size = self.traffic.rates()
         lost, dropped = self.traffic.lost, self.inbox.dropped
@@ -174,21 +174,21 @@ class TopicSubscriptions:
 
     def add(self, endpoint: int, topic: str, type_name: str, qos: Qos) -> None:
         """Subscribe an endpoint of the kit to a topic."""
-        kept = latched_depth(qos)
+        latched_count = latched_depth(qos)
         key = topic, type_name, endpoint if self._link.is_qos_enforced else 0
         subscription = self._by_key.get(key)
-        if subscription is not None and kept <= subscription.latched_depth:
+        if subscription is not None and latched_count <= subscription.latched_count:
             subscription.users.add(endpoint)
             return
         if subscription is None:
-            subscription = self._by_key[key] = TopicSubscription(topic, type_name, kept)
+            subscription = self._by_key[key] = TopicSubscription(topic, type_name, latched_count)
             subscription.inbox = Inbox(self._link.actions, partial(self._on_message, subscription))
         else:
             # The shared subscription is replaced by one that requests more latched messages.
             subscription.declaration.withdraw()
-            subscription.latched_depth = kept
+            subscription.latched_count = latched_count
         on_packet = subscription.inbox.put
-        subscription.declaration = self._link.subscriber(topic, type_name, qos, kept, on_packet)
+        subscription.declaration = self._link.subscriber(topic, type_name, qos, latched_count, on_packet)
         subscription.users.add(endpoint)
 
     def remove(self, endpoint: int) -> None:

@@ -287,14 +287,14 @@ class ZenohLink:
         return ZenohPublisher(self, entity, publisher, probe, self._declare_token(entity))
 
     def subscriber(
-        self, topic: str, type_name: str, qos: Qos, kept: int, on_packet: OnPacket
+        self, topic: str, type_name: str, qos: Qos, latched_count: int, on_packet: OnPacket
     ) -> ZenohDeclaration:
-        """Subscribe to a topic, and request the last `kept` messages of latched publishers."""
+        """Subscribe to a topic, and request the last `latched_count` messages of latched publishers."""
         settings: Mapping[str, Any] = {}
-        if kept:
+        if latched_count:
             settings = {
                 "subscriber_detection": True,
-                "history": ext.HistoryConfig(detect_late_publishers=True, max_samples=kept),
+                "history": ext.HistoryConfig(detect_late_publishers=True, max_samples=latched_count),
                 "recovery": ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
             }
         subscriber = ext.declare_advanced_subscriber(
