@@ -32,8 +32,8 @@ def _rviz2() -> None:
 
     Outside of notebooks, print how to view a recording.
     """
-    words = program_arguments()
-    layout = Path(words[words.index("-d") + 1]) if "-d" in words[:-1] else None
+    arguments = program_arguments()
+    layout = Path(arguments[arguments.index("-d") + 1]) if "-d" in arguments[:-1] else None
     if layout is not None and not layout.is_file():
         # RViz also starts without its layout, and the nodes of a launch go on.
         sys.stdout.write(f"[ERROR] [rviz2]: There is no layout {layout}. RViz starts with an empty one.\n")

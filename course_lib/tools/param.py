@@ -41,14 +41,14 @@ def _get(source: Source, arguments: Namespace, write: Write) -> None:
             raise CourseError(f"Parameter not set: {name}{did_you_mean(name, names)}")
     kind = Parameter.Type(values[0].type)
     many = kind.name.endswith("_ARRAY")
-    word = kind.name.removesuffix("_ARRAY").replace("BOOL", "Boolean").capitalize()
+    type_word = kind.name.removesuffix("_ARRAY").replace("BOOL", "Boolean").capitalize()
     value = parameter_value_to_python(values[0])
     if kind is Parameter.Type.NOT_SET:
         write("None\n" if arguments.hide_type else "Parameter not set.\n")
     elif arguments.hide_type:
         write(f"{value}\n")
     else:
-        write(f"{word} {'values are' if many else 'value is'}: {value}\n")
+        write(f"{type_word} {'values are' if many else 'value is'}: {value}\n")
 
 
 def _set_one(source: Source, arguments: Namespace, write: Write) -> None:

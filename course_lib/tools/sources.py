@@ -134,20 +134,20 @@ class GraphSource(Source):
     def stream(self, topics: Topics, limits: Listening) -> Iterator[TimedSample]:
         """Yield the messages received by the subscriptions of a separate node, and ticks."""
         graph, every = self.graph, limits.every
-        start_ns = heard_ns = tick_ns = graph.now_ns
+        start_ns = last_received_ns = tick_ns = graph.now_ns
         with self._arrivals(topics) as arrived:
             while True:
-                spans = [(start_ns, limits.seconds), (heard_ns, limits.patience)]
-                ends = [since + round(time * 1e9) for since, time in spans if time is not None]
-                due = [*ends, tick_ns] if every else ends
-                remaining = max(0, min(due) - graph.now_ns) * 1e-9 if due else None
+                spans = [(start_ns, limits.seconds), (last_received_ns, limits.patience)]
+                deadlines_ns = [since_ns + round(time * 1e9) for since_ns, time in spans if time is not None]
+                due_ns = [*deadlines_ns, tick_ns] if every else deadlines_ns
+                remaining = max(0, min(due_ns) - graph.now_ns) * 1e-9 if due_ns else None
                 if self.wait(lambda: bool(arrived), remaining):
-                    heard_ns, sample = arrived.popleft()
-                    yield heard_ns, sample
+                    last_received_ns, sample = arrived.popleft()
+                    yield last_received_ns, sample
                 elif every and graph.now_ns >= tick_ns:
                     yield graph.now_ns, None
                     tick_ns += round(every * 1e9)
-                elif graph.ended or (ends and graph.now_ns >= min(ends)):
+                elif graph.ended or (deadlines_ns and graph.now_ns >= min(deadlines_ns)):
                     return
 
     def why_silent(self, topic: str, qos: Qos) -> str:

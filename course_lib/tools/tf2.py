@@ -396,22 +396,22 @@ def picture(frames: Mapping[str, Any], now_ns: int, kind: str) -> bytes:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    places = _frame_positions(frames)
-    wide = 1 + max((x for x, _ in places.values()), default=0)
-    deep = 2 + max((depth for _, depth in places.values()), default=0)
+    positions = _frame_positions(frames)
+    wide = 1 + max((x for x, _ in positions.values()), default=0)
+    deep = 2 + max((depth for _, depth in positions.values()), default=0)
     figure = Figure(figsize=(wide * _WIDTH, (deep - 0.8) * _HEIGHT))
     axes = figure.add_axes((0, 0, 1, 1), xlim=(-0.5, wide - 0.5), ylim=(deep - 0.6, 0.2))
     axes.axis("off")
     legend = f"view_frames Result\nRecorded at time: {now_ns / 1e9}"
     axes.text(-0.45, 0.3, legend if frames else "No tf data received", va="top", bbox={"fc": "white"})
-    for frame, (x, depth) in places.items():
+    for frame, (x, depth) in positions.items():
         about = frames.get(frame)
         if about:
-            start, above = places[about["parent"]]
+            parent_x, above = positions[about["parent"]]
             # First horizontal, then vertical through the label.
             corner = "angle,angleA=0,angleB=90"
             arrow = {"arrowstyle": "-|>", "fc": "black", "shrinkB": 12, "connectionstyle": corner}
-            axes.annotate("", (x, depth + 1), (start, above + 1), arrowprops=arrow)
+            axes.annotate("", (x, depth + 1), (parent_x, above + 1), arrowprops=arrow)
             label, blank = _label(about, ending="\n").rstrip(), {"fc": "white", "ec": "none", "pad": 1}
             axes.text(x, depth + 0.55, label, fontsize=8, ha="center", va="center", bbox=blank)
         axes.text(

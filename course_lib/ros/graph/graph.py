@@ -3,9 +3,9 @@
 Robot time is virtual: it is the time of the last event, and it jumps to the next one when all
 threads of the program wait (`course_lib.ros.time.time_lock`). So a run does not depend on the speed
 of the computer and repeats exactly. Events of the same time are ordered by node, entity and the
-order in which they were scheduled. A published message is one event per matching subscription,
-`DELAY_NS` later; a subscription that joins late receives the samples that transient-local
-publishers keep in the same way.
+order in which they were scheduled. A published message becomes an event for each matching
+subscription, `DELAY_NS` later. A late-joining subscription receives the latched samples of
+transient-local publishers likewise.
 """
 
 import heapq

@@ -109,21 +109,21 @@ class BagView(RqtView):
 
     async def _keep_playing(self) -> None:
         """Move the cursor in real time. If it is at the end, start again."""
-        slider, last = self.controls["Time [s]"], wall.monotonic()
+        slider, last_update = self.controls["Time [s]"], wall.monotonic()
         if self._at >= slider.max:
             self._at = 0.0
         while self["Play"] and self._at < slider.max:
             await asyncio.sleep(_STEP)
             now = wall.monotonic()
-            self.play_to(min(self._at + now - last, slider.max))
-            last, slider.value = now, self._at
+            self.play_to(min(self._at + now - last_update, slider.max))
+            last_update, slider.value = now, self._at
         self.controls["Play"].value = False
 
     def play_to(self, seconds: float) -> None:
         """Advance the cursor to a time [s], and publish the messages up to it if Publish is checked."""
-        first = self._index(self._at) if self._at > 0 else 0
+        first_index = self._index(self._at) if self._at > 0 else 0
         if self["Publish"]:
-            indices = range(first, self._index(seconds))
+            indices = range(first_index, self._index(seconds))
             if self._node is None:
                 self._node = self.graph.add_node(PLAYER, "/")
                 for topic in self._topics.values():

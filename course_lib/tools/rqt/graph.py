@@ -265,11 +265,11 @@ def matches_filter(name: str, rule: str) -> bool:
     Raises:
         CourseError: A pattern is not a regular expression.
     """
-    parts = [part.strip() for part in rule.split(",") if part.strip() not in ("", "/")]
+    patterns = [pattern.strip() for pattern in rule.split(",") if pattern.strip() not in ("", "/")]
     try:
-        is_excluded = any(re.fullmatch(part[1:], name) for part in parts if part.startswith("-"))
-        included = [part for part in parts if not part.startswith("-")]
-        return not is_excluded and (not included or any(re.fullmatch(part, name) for part in included))
+        is_excluded = any(re.fullmatch(pattern[1:], name) for pattern in patterns if pattern.startswith("-"))
+        included = [pattern for pattern in patterns if not pattern.startswith("-")]
+        return not is_excluded and (not included or any(re.fullmatch(pattern, name) for pattern in included))
     except re.error as error:
         raise CourseError(
             f"{rule!r} is not a filter: {error}. Write names or patterns, like /arm/.*, -/tf"

@@ -66,7 +66,9 @@ class ConsoleView(RqtView):
         ]
         more = f", the newest {_LOGS_SHOWN} of them here" if len(matching) > _LOGS_SHOWN else ""
         count = f"<p class='rqt-dim'>Displaying {len(matching)} of {len(self._logs)} messages{more}</p>"
-        return count + table(_LOG_HEADS, [self._row(*one) for one in matching[:_LOGS_SHOWN]], "Log messages")
+        return count + table(
+            _LOG_HEADS, [self._row(*entry) for entry in matching[:_LOGS_SHOWN]], "Log messages"
+        )
 
     def _has(self, control: str, text: str) -> bool:
         return self[control].lower() in text.lower()
@@ -243,8 +245,8 @@ class RobotMonitorView(RqtView):
 
     def paths(self) -> list[str]:
         """List the paths of all statuses and of their branches, sorted as a tree."""
-        parts = [path.split("/") for path in self._statuses]
-        return sorted({"/".join(names[:deep]) for names in parts for deep in range(2, len(names) + 1)})
+        split_paths = [path.split("/") for path in self._statuses]
+        return sorted({"/".join(names[:deep]) for names in split_paths for deep in range(2, len(names) + 1)})
 
     def _row(self, path: str) -> list[str]:
         level = self.worst(path)

@@ -159,13 +159,18 @@ class PlotView(RqtView):
         # Height of the legend [inch]. matplotlib's automatic layouts take twice as long.
         below = 0.5 + 0.24 * len(self.curves)
         figure = Figure(figsize=(7.2, 2.7 + below))
-        place = {"left": 0.1, "right": 0.98, "top": 0.97, "bottom": below / (2.7 + below)}
-        axes = figure.subplots(gridspec_kw=place)
+        margins = {"left": 0.1, "right": 0.98, "top": 0.97, "bottom": below / (2.7 + below)}
+        axes = figure.subplots(gridspec_kw=margins)
         for (name, (_, points)), (colour, dash) in zip(self.curves.items(), cycle(_LOOKS)):
-            shown = [*takewhile(lambda point: point[0] >= since, reversed(points))]
+            shown_points = [*takewhile(lambda point: point[0] >= since, reversed(points))]
             label = f"{name} = {points[-1][1]:.4g}" if points else f"{name}: no message yet"
-            look = {"label": label, "color": colour, "linestyle": dash, "rasterized": len(shown) > _LONG}
-            axes.plot(*np.reshape(shown, (-1, 2)).T, **look)
+            look = {
+                "label": label,
+                "color": colour,
+                "linestyle": dash,
+                "rasterized": len(shown_points) > _LONG,
+            }
+            axes.plot(*np.reshape(shown_points, (-1, 2)).T, **look)
         axes.set(xlim=(since, max(now, since + 1.0)), xlabel="time [s]")
         axes.grid(alpha=0.4)
         names = axes.get_legend_handles_labels()
