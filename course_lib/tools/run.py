@@ -60,7 +60,12 @@ def run(
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
     if real_time:
         graph.pace = WallPace(graph)
-    with nullcontext() if bag is None else _record_bag(graph, bag):
+    recording: AbstractContextManager[object] = nullcontext()
+    if bag is not None:
+        from course_lib.recording import recorded
+
+        recording = recorded(graph, bag)
+    with recording:
         with use_graph(graph), time_lock.report_busy_main_thread(graph):
             code = run_files(
                 files, seed=seed, args=args, kit_executables=_KitExecutables(), is_strict=is_strict
@@ -94,12 +99,6 @@ def _graph(robot: "RobotAddress | None") -> Graph:
     from course_lib.ros.robot.connect import link_to
 
     return link_to(robot)
-
-
-def _record_bag(graph: Graph, bag: Path) -> AbstractContextManager[object]:
-    from course_lib.recording import recorded
-
-    return recorded(graph, bag)
 
 
 def show_arguments(files: Sequence[Path]) -> str:
@@ -176,7 +175,7 @@ def run_with_tool(
     graph, errors = graph or Graph(), list[Exception]()
     graph.end_ns = None if seconds is None else graph.now_ns + round(seconds * 1e9)
 
-    def beside() -> None:
+    def run_tool() -> None:
         import rclpy
 
         rclpy.init(args=[], signal_handler_options=rclpy.SignalHandlerOptions.NO)
@@ -190,8 +189,8 @@ def run_with_tool(
 
     with use_graph(graph):
         # At the limit the tool returns, so that a verb can report missing messages.
-        tools = Function("ros2", beside, (), at_end=AtEnd.RETURN)
-        code = run_files(files, seed=0, extra_processes=[tools], kit_executables=_KitExecutables())
+        tool_process = Function("ros2", run_tool, (), at_end=AtEnd.RETURN)
+        code = run_files(files, seed=0, extra_processes=[tool_process], kit_executables=_KitExecutables())
     graph.close()
     if errors:
         raise errors[0]

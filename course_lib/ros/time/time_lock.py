@@ -390,7 +390,8 @@ class TimeLock:
         Args:
             describe_unmet: Describes what is not there yet, for the hint if the run ends during
                 the loop.
-            reads_clock: Whether the loop may do this besides waiting for the last poll's condition.
+            reads_clock: Whether the call only reads the clock, which a loop may do while it waits
+                for the last poll's condition.
         """
         me = self._threads.get(_thread.get_ident())
         if me is None:
