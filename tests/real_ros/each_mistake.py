@@ -66,8 +66,8 @@ def main() -> None:
     # Imported once: types without a wheel take seconds.
     imported: dict[str, object] = {"__name__": "__main__"}
     exec(compile(prelude.read_text(encoding="utf-8"), "program", "exec"), imported)
-    found = {program: outcome(imported, program) for program in programs}
-    outcomes.write_text(json.dumps(found), encoding="utf-8")
+    outcomes_by_program = {program: outcome(imported, program) for program in programs}
+    outcomes.write_text(json.dumps(outcomes_by_program), encoding="utf-8")
 
 
 if __name__ == "__main__":

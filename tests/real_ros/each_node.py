@@ -67,8 +67,8 @@ def fill(message: Any, number: int = 1) -> Any:
         elif name == "frame_id":
             message.frame_id = "map"
         elif kind.startswith("sequence") and "/" in element:
-            made = _type_of(element)
-            setattr(message, name, [fill(made(), one) for one in range(1, 3)])
+            element_type = _type_of(element)
+            setattr(message, name, [fill(element_type(), one) for one in range(1, 3)])
         elif kind.startswith("sequence"):
             setattr(message, name, _numbers(element, 4))
         elif isinstance(value, bool):
@@ -226,9 +226,9 @@ def spin(
         executor.spin_once(timeout_sec=0.05)
 
 
-def is_complete(found: dict[str, list[str]], wanted: dict[str, list[str]]) -> bool:
+def is_complete(outputs: dict[str, list[str]], expected_outputs: dict[str, list[str]]) -> bool:
     """Return whether as many messages were published on each topic as the kit's node publishes."""
-    return all(len(found.get(topic, ())) >= len(messages) for topic, messages in wanted.items())
+    return all(len(outputs.get(topic, ())) >= len(messages) for topic, messages in expected_outputs.items())
 
 
 def plain_lines(text: str) -> list[str]:

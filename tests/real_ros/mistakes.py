@@ -29,8 +29,8 @@ def outcomes_of_mistakes() -> dict[str, str]:
         while real.are_running():
             wall.sleep(STEP)
         assert real.end(lambda: None) == 0, lines
-        found: dict[str, str] = json.loads(outcomes.read_text(encoding="utf-8"))
-    return {program: _plain(text) for program, text in found.items()}
+        texts: dict[str, str] = json.loads(outcomes.read_text(encoding="utf-8"))
+    return {program: _plain(text) for program, text in texts.items()}
 
 
 def without_modules(text: str) -> str:

@@ -56,11 +56,13 @@ def _programs_of(notebook: Path) -> Iterator[tuple[str, str]]:
     except CourseError:
         # The notebook has no node.
         return
-    for one in classes:
-        parts = [part.text for part in collect_needed(one, code, []) if part.text != MY_VALUES]
+    for class_statement in classes:
+        needed_texts = [
+            needed.text for needed in collect_needed(class_statement, code, []) if needed.text != MY_VALUES
+        ]
         # As in a program for a robot, the student's own numbers are written out.
-        text = CALL.sub(lambda task: repr(_own_values(task[1])), "\n\n".join(parts))
-        for call in _calls(one, code):
+        text = CALL.sub(lambda task: repr(_own_values(task[1])), "\n\n".join(needed_texts))
+        for call in _calls(class_statement, code):
             yield call, f"{text}\n\n\ndef create_node():\n    return {call}\n"
 
 
@@ -68,10 +70,10 @@ def _own_values(task: str) -> dict[str, Any]:
     return dict(personal_values(shipped_catalog().task(task), None))
 
 
-def _calls(one: Statement, code: Sequence[Statement]) -> list[str]:
+def _calls(class_statement: Statement, code: Sequence[Statement]) -> list[str]:
     """Return the calls that create a node of a class."""
-    assert isinstance(one.node, ast.ClassDef)
-    name = one.node.name
+    assert isinstance(class_statement.node, ast.ClassDef)
+    name = class_statement.node.name
     if name in ARGUMENTS:
         return [f"{name}({arguments})" for arguments in ARGUMENTS[name]]
     calls = [

@@ -73,7 +73,7 @@ def outcomes_after_interrupt(python: str, files: Iterable[Path]) -> dict[str, di
     files = sorted(files)
     with ThreadPoolExecutor(AT_ONCE) as threads:
         outcomes = threads.map(lambda file: outcome_after_interrupt(python, file), files)
-        return {file.stem: found for file, found in zip(files, outcomes, strict=True)}
+        return {file.stem: outcome for file, outcome in zip(files, outcomes, strict=True)}
 
 
 def main() -> None:

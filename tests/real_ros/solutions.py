@@ -48,9 +48,9 @@ def main() -> None:
         found.append(one)
     if "--write" in sys.argv[1:]:
         text = PAGE.read_text(encoding="utf-8")
-        before, _, rest = text.partition(BEGIN)
-        _, _, after = rest.partition(END)
-        PAGE.write_text(f"{before}{BEGIN}{HEAD}{''.join(found)}{END}{after}", encoding="utf-8")
+        text_before, _, rest = text.partition(BEGIN)
+        _, _, text_after = rest.partition(END)
+        PAGE.write_text(f"{text_before}{BEGIN}{HEAD}{''.join(found)}{END}{text_after}", encoding="utf-8")
 
 
 if __name__ == "__main__":

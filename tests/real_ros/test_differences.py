@@ -30,11 +30,12 @@ def test_each_accepted_difference_has_a_row_that_lists_its_probes(file: str, nam
 
 
 def test_each_row_of_the_probes_has_a_difference_or_an_agreement() -> None:
-    listed = {row for row in SHOWN_BY if BY_PROBES in _tests_of(row)}
+    listed_rows = {row for row in SHOWN_BY if BY_PROBES in _tests_of(row)}
     different = {
-        one.row for one in chain.from_iterable(probes.values() for probes in differences.PROBES.values())
+        difference.row
+        for difference in chain.from_iterable(probes.values() for probes in differences.PROBES.values())
     }
-    assert listed == different | set(differences.AGREEMENTS)
+    assert listed_rows == different | set(differences.AGREEMENTS)
 
 
 @pytest.mark.parametrize("row", differences.AGREEMENTS)

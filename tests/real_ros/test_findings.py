@@ -20,11 +20,11 @@ NAMES = {
 }
 
 
-def _exists(kind: str, what: str) -> bool:
+def _exists(kind: str, name_of_evidence: str) -> bool:
     if kind == "probe":
-        file, name = what.split(" ")
+        file, name = name_of_evidence.split(" ")
         return file in FILES and name in frozen_outcomes(file)
-    return what in {"program": FROZEN, "test": NAMES, "row": ROWS}[kind]
+    return name_of_evidence in {"program": FROZEN, "test": NAMES, "row": ROWS}[kind]
 
 
 @pytest.mark.parametrize("subject", FINDINGS)

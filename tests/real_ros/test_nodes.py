@@ -35,11 +35,11 @@ def test_outcomes_have_messages_inputs_and_errors() -> None:
 
 @pytest.mark.parametrize("name", FROZEN["outcomes"])
 def test_node_of_the_course_has_the_outcome_of_the_real_rclpy(name: str) -> None:
-    expected, found = FROZEN["outcomes"][name], _in_kit()[name]
+    expected, actual = FROZEN["outcomes"][name], _in_kit()[name]
     if name not in differences.NODES:
         # After a change of the node itself: run tests/real_ros/renew.py nodes.
-        assert found == expected
+        assert actual == expected
         return
-    assert found != expected, f"it agrees by now: take it out of the row {differences.NODES[name]!r}"
+    assert actual != expected, f"it agrees by now: take it out of the row {differences.NODES[name]!r}"
     if expected["topics"]:
-        assert differences.without_values(found) == differences.without_values(expected)
+        assert differences.without_values(actual) == differences.without_values(expected)

@@ -55,17 +55,17 @@ def test_no_frozen_outcome_is_an_error_of_the_probe_itself(file: str) -> None:
         re.findall(r"^def (\w+)", (HERE / "probes" / f"{file}.py").read_text("utf-8"), re.MULTILINE)
     )
     faulty = re.compile(rf"\b({'|'.join((*functions, 'outcome', 'probe', 'lines'))})\(\)")
-    assert [name for name, found in frozen_outcomes(file).items() if faulty.search(found)] == []
+    assert [name for name, outcome in frozen_outcomes(file).items() if faulty.search(outcome)] == []
 
 
 @pytest.mark.parametrize(("file", "name"), PROBES)
 def test_probe_has_the_outcome_of_the_real_rclpy(file: str, name: str) -> None:
     expected = frozen_outcomes(file)[name]
-    found = _kits(file)[name]
+    actual = _kits(file)[name]
     difference = differences.PROBES.get(file, {}).get(name)
     if difference is not None:
         agrees = f"it agrees by now: take it out of differences.py, and out of the row {difference.row!r}"
-        assert found != expected, agrees
-        assert difference.kits in found
+        assert actual != expected, agrees
+        assert difference.kits in actual
     else:
-        assert found == expected
+        assert actual == expected

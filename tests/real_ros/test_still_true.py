@@ -27,6 +27,6 @@ def test_real_rclpy_ends_programs_as_in_the_frozen_outcomes() -> None:
     different: dict[str, object] = dict.fromkeys(PROGRAMS)
     # How far a program is when the interrupt arrives varies, so the real rclpy gets three runs.
     for _ in range(3):
-        found = outcomes_after_interrupt(PYTHON, (HERE / "programs" / f"{name}.py" for name in different))
-        different = {name: found[name] for name in different if found[name] != frozen[name]}
+        outcomes = outcomes_after_interrupt(PYTHON, (HERE / "programs" / f"{name}.py" for name in different))
+        different = {name: outcomes[name] for name in different if outcomes[name] != frozen[name]}
     assert different == {}

@@ -25,16 +25,16 @@ pytestmark = [
 
 
 def test_real_rclpy_gives_the_frozen_errors_of_mistakes() -> None:
-    found, frozen = outcomes_of_mistakes(), frozen_outcomes("mistakes")
-    assert {key: found[key] for key in found if found[key] != frozen[key]} == {}
+    actual, frozen = outcomes_of_mistakes(), frozen_outcomes("mistakes")
+    assert {key: actual[key] for key in actual if actual[key] != frozen[key]} == {}
 
 
 def test_real_rclpy_gives_the_frozen_outcomes_of_nodes_of_the_course() -> None:
     frozen = frozen_outcomes("nodes")
-    found = outcomes_on_ros(frozen)
-    for outcomes in (found, frozen):
+    actual = outcomes_on_ros(frozen)
+    for outcomes in (actual, frozen):
         outcomes.update({name: differences.without_values(outcomes[name]) for name in differences.NODES})
-    assert {name: found[name] for name in found if found[name] != frozen[name]} == {}
+    assert {name: actual[name] for name in actual if actual[name] != frozen[name]} == {}
 
 
 @pytest.mark.skipif(not seeds.DOCUMENTS, reason="COURSE_SEEDS names no folder with the documents")
@@ -45,8 +45,10 @@ def test_program_of_the_documents_publishes_the_same_on_the_real_rclpy(tmp_path:
     in_kit = seeds.run(tmp_path / "kit", program)
     run_on_ros([program], seconds=seeds.SECONDS, bag=tmp_path / "ros", arguments=[], shows=False)
     in_ros = read_bag(tmp_path / "ros")
-    (found,) = [one for one in compare(in_kit.samples, in_ros.samples) if one.topic == topic]
+    (agreement,) = [
+        comparison for comparison in compare(in_kit.samples, in_ros.samples) if comparison.topic == topic
+    ]
     _, rate, at_once = seeds.PROGRAMS[name]
-    assert found.in_ros >= (seeds.SECONDS - LOST_SECONDS) * rate * at_once * 0.9
+    assert agreement.in_ros >= (seeds.SECONDS - LOST_SECONDS) * rate * at_once * 0.9
     if name not in differences.OTHER_VALUES:
-        assert (found.equal, found.different_field) == (found.pairs, ""), found
+        assert (agreement.equal, agreement.different_field) == (agreement.pairs, ""), agreement
