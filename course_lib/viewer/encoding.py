@@ -16,7 +16,7 @@ from course_lib.arrays import Float32s
 from course_lib.errors import CourseError
 from course_lib.viewer.drawables import Drawable, Inset, MeshcatObject, Sheet, Solids, Text
 from course_lib.viewer.renderer import rasterize
-from course_lib.viewer.scene import Node, Scene, What
+from course_lib.viewer.scene import ChangeKind, Node, Scene
 
 # meshcat's msgpack extension types.
 _UINT8, _UINT32, _FLOAT32 = 0x12, 0x16, 0x17
@@ -68,21 +68,21 @@ def placements(nodes: list[Node]) -> dict[str, Any]:
     return {"paths": [node.path for node in nodes], "matrices": columns(matrices)}
 
 
-def commands(scene: Scene, what: What, path: str) -> list[dict[str, Any]]:
+def commands(scene: Scene, kind: ChangeKind, path: str) -> list[dict[str, Any]]:
     """Return the commands that set the present value of one item of the scene."""
     node = scene.find(path)
-    if what == "delete":
+    if kind == "delete":
         return [{"type": "delete", "path": path}]
-    if what in ("background", "look"):
+    if kind in ("background", "look"):
         look = {} if scene.look == "RViz" else {"look": scene.look}
         return [{"type": "background", "color": scene.background, **look}]
-    if what == "camera":
+    if kind == "camera":
         return [{"type": "camera", **vars(scene.camera)}]
-    if what == "animation" and scene.animation is not None:
+    if kind == "animation" and scene.animation is not None:
         return [{"type": "animation", **scene.animation}]
-    if what == "object" and node is not None and node.object is not None:
+    if kind == "object" and node is not None and node.object is not None:
         return [{"type": "object", "path": path, "object": _fields_of(node.object)}]
-    if what == "visible" and node is not None:
+    if kind == "visible" and node is not None:
         return [{"type": "visible", "path": path, "value": node.visible}]
     return []
 

@@ -29,7 +29,7 @@ import numpy as np
 from course_lib.arrays import Vector
 from course_lib.viewer import encoding
 from course_lib.viewer.encoding import Message, MessageError, from_json
-from course_lib.viewer.scene import Scene, What
+from course_lib.viewer.scene import ChangeKind, Scene
 
 Content: TypeAlias = dict[str, Any]
 Send: TypeAlias = Callable[[Content, list[bytes]], None]
@@ -198,7 +198,7 @@ class PageLink:
         self._lock = threading.RLock()
         # Whether the scene has changed since the last batch or snapshot.
         self._stale = False
-        self._changes: dict[tuple[What, str], None] = {}
+        self._changes: dict[tuple[ChangeKind, str], None] = {}
         self._moved_paths: dict[str, None] = {}
         # The paths of the transforms in the last batch.
         self._paths: list[str] = []
@@ -394,11 +394,11 @@ class PageLink:
         else:
             self._loop.call_soon_threadsafe(function, argument)
 
-    def _on_scene_change(self, what: What, path: str) -> None:
+    def _on_scene_change(self, kind: ChangeKind, path: str) -> None:
         if not self.connected:
             self._stale = True
             return
-        if what == "transform":
+        if kind == "transform":
             # Setting the event is slow, and transforms are many: the first one of a batch is
             # enough.
             if not self._moved_paths:
@@ -406,8 +406,8 @@ class PageLink:
             self._moved_paths[path] = None
         else:
             # Commands are sent in the order of the last changes.
-            self._changes.pop((what, path), None)
-            self._changes[what, path] = None
+            self._changes.pop((kind, path), None)
+            self._changes[kind, path] = None
             self._changed.set()
 
     def _send_batches(self) -> None:
@@ -450,7 +450,7 @@ class PageLink:
             batch: dict[str, Any] = {}
             if changes:
                 batch["commands"] = [
-                    c for what, path in changes for c in encoding.commands(self.scene, what, path)
+                    c for kind, path in changes for c in encoding.commands(self.scene, kind, path)
                 ]
                 self._paths = []
             nodes = [node for path in moved_paths if (node := self.scene.find(path)) is not None]

@@ -24,11 +24,11 @@ from course_lib.viewer.drawables import (
     checked_array,
 )
 
-What: TypeAlias = Literal[
+ChangeKind: TypeAlias = Literal[
     "object", "transform", "visible", "delete", "background", "look", "camera", "animation"
 ]
 Look: TypeAlias = Literal["RViz", "Studio"]
-Listener: TypeAlias = Callable[[What, str], None]
+Listener: TypeAlias = Callable[[ChangeKind, str], None]
 
 _IDENTITY = np.eye(4)
 _IDENTITY.setflags(write=False)
@@ -219,9 +219,9 @@ class Scene:
 
         return stop
 
-    def _notify(self, what: What, path: str) -> None:
+    def _notify(self, kind: ChangeKind, path: str) -> None:
         for listener in self._listeners:
-            listener(what, path)
+            listener(kind, path)
 
     def _ensure_node(self, path: str) -> Node:
         node = self.find(path)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.viewer import encoding
-from course_lib.viewer.scene import Scene, What
+from course_lib.viewer.scene import ChangeKind, Scene
 
 if sys.version_info >= (3, 14):
     from compression import zstd
@@ -42,13 +42,13 @@ class Frame:
     def __init__(self, time: float) -> None:
         self.time = time
         self.size = 0.0
-        self.changes: dict[tuple[What, str], Any] = {}
+        self.changes: dict[tuple[ChangeKind, str], Any] = {}
 
-    def add(self, what: What, path: str, value: Any) -> int:
+    def add(self, kind: ChangeKind, path: str, value: Any) -> int:
         """Add a change, and return an estimate of the additional bytes."""
         # Changes are replayed in the order of the last ones.
-        before = self.changes.pop((what, path), None)
-        self.changes[what, path] = value
+        before = self.changes.pop((kind, path), None)
+        self.changes[kind, path] = value
         size = _size(value) - (0 if before is None else _size(before))
         self.size += size
         return size
@@ -127,10 +127,10 @@ class FrameStore:
         self._chunks[-1].frames.append(self.newest)
         self._count += 1
 
-    def add(self, what: What, path: str, value: Any) -> None:
+    def add(self, kind: ChangeKind, path: str, value: Any) -> None:
         """Add a change to the newest frame."""
         if self.newest is not None:
-            size = self.newest.add(what, path, value)
+            size = self.newest.add(kind, path, value)
             self._chunks[-1].size += size
             self.size += size
 
@@ -257,7 +257,7 @@ class SceneRecording:
             return ""
         return f"Only the last {self.duration:.0f} s are included, to keep the file small."
 
-    def _note(self, what: What, path: str) -> None:
+    def _note(self, kind: ChangeKind, path: str) -> None:
         """Record a change. The caller holds the scene's lock."""
         now = self._now()
         newest = self._frames.newest
@@ -266,7 +266,7 @@ class SceneRecording:
             self._start, newest = now, None
         if newest is None or now - newest.time >= self._interval:
             self._frames.begin(now)
-        self._frames.add(what, path, _value(self.scene, what, path))
+        self._frames.add(kind, path, _value(self.scene, kind, path))
         seconds, size = self._limits
         while len(self._frames) > 1 and (now - self._start > seconds or self._frames.size > size):
             self._fold(1)
@@ -280,13 +280,13 @@ class SceneRecording:
 
 def _apply(scene: Scene, frame: Frame) -> None:
     """Apply the changes of a frame to a scene."""
-    for (what, path), value in frame.changes.items():
-        if what == "delete":
+    for (kind, path), value in frame.changes.items():
+        if kind == "delete":
             scene.delete(path)
-        elif what in _OF_ALL:
-            setattr(scene, what, value)
+        elif kind in _OF_ALL:
+            setattr(scene, kind, value)
         else:
-            getattr(scene, f"set_{what}")(path, value)
+            getattr(scene, f"set_{kind}")(path, value)
 
 
 def _seek(scene: Scene, frames: Iterator[Frame], start: float) -> Frame | None:
@@ -306,8 +306,8 @@ def _thin(frames: Iterator[Frame], interval: float) -> Iterator[Frame]:
             if thinned is not None:
                 yield thinned
             thinned = Frame(frame.time)
-        for (what, path), value in frame.changes.items():
-            thinned.add(what, path, value)
+        for (kind, path), value in frame.changes.items():
+            thinned.add(kind, path, value)
     if thinned is not None:
         yield thinned
 
@@ -317,8 +317,8 @@ def _batch(scene: Scene, frame: Frame) -> dict[str, Any]:
     changes = [change for change in frame.changes if change[0] != "transform"]
     batch: dict[str, Any] = {}
     if changes:
-        batch["commands"] = [c for what, path in changes for c in encoding.commands(scene, what, path)]
-    moved_paths = [path for what, path in frame.changes if what == "transform"]
+        batch["commands"] = [c for kind, path in changes for c in encoding.commands(scene, kind, path)]
+    moved_paths = [path for kind, path in frame.changes if kind == "transform"]
     nodes = [node for path in moved_paths if (node := scene.find(path)) is not None]
     return batch | (encoding.placements(nodes) if nodes else {})
 
@@ -332,13 +332,13 @@ def copy_of(scene: Scene) -> Scene:
             copy.set_visible(node.path, node.visible)
             if node.object is not None:
                 copy.set_object(node.path, node.object)
-        for what in _OF_ALL:
-            setattr(copy, what, getattr(scene, what))
+        for kind in _OF_ALL:
+            setattr(copy, kind, getattr(scene, kind))
     return copy
 
 
-def _value(scene: Scene, what: What, path: str) -> Any:
-    if what in _OF_ALL:
-        return getattr(scene, what)
+def _value(scene: Scene, kind: ChangeKind, path: str) -> Any:
+    if kind in _OF_ALL:
+        return getattr(scene, kind)
     node = scene.find(path)
-    return node and getattr(node, {"transform": "matrix"}.get(what, what), None)
+    return node and getattr(node, {"transform": "matrix"}.get(kind, kind), None)
