@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     import pinocchio as pin
 
 _schemes = ["package", "file"]
+# Limit on the names in a message.
+_MOST_MACROS = 5
 
 
 @contextmanager
@@ -62,7 +64,7 @@ def resolve(uri: str, near: Path | None = None) -> Path:
         candidates = [folder / inside for folder in _package_folders(parts.netloc, near)]
     existing = next((path for path in candidates if path.is_file()), None)
     if existing is None:
-        where = f": {_package_location(parts.netloc)}" if parts.scheme == "package" else "."
+        where = f": {_package_location(parts.netloc, near)}" if parts.scheme == "package" else "."
         raise CourseError(f"The file {uri} does not exist. Correct the address{where}")
     return existing
 
@@ -72,10 +74,7 @@ def _package_folders(name: str, near: Path | None) -> Iterator[Path]:
 
     Folders are searched on ROS_PACKAGE_PATH, in the robot data of the kit, and above `near`.
     """
-    # An untrusted address must not reach files in the working folder.
-    index = packages(in_working_folder="file" in _schemes)
-    workspace = workspace_of(near) if near is not None else None
-    for folders_by_name in (index, packages_below(workspace) if workspace else {}):
+    for folders_by_name in _package_indexes(near):
         if name in folders_by_name:
             yield folders_by_name[name]
             if folders_by_name[name].parent.name != "share":
@@ -87,9 +86,17 @@ def _package_folders(name: str, near: Path | None) -> Iterator[Path]:
     )
 
 
-def _package_location(package: str) -> str:
+def _package_indexes(near: Path | None) -> Iterator[Mapping[str, Path]]:
+    """Yield the folders of packages by name: all in use, and those of the workspace of the file `near`."""
+    # An untrusted address must not reach files in the working folder.
+    yield packages(in_working_folder="file" in _schemes)
+    if near is not None and (workspace := workspace_of(near)):
+        yield packages_below(workspace)
+
+
+def _package_location(package: str, near: Path | None) -> str:
     """Return the folder of a package, or how to add it to the workspace."""
-    folder = packages(in_working_folder="file" in _schemes).get(package)
+    folder = next((index[package] for index in _package_indexes(near) if package in index), None)
     if folder is not None:
         return f"'{package}' is the package in {folder}."
     return f"there is no package '{package}': put its folder, with its package.xml, into the workspace's src."
@@ -441,9 +448,22 @@ def load_robot(name: str | Path, **arguments: object) -> Robot:
         try:
             return _check_meshes(from_text(description, path))
         except CourseError as error:
-            raise CourseError(f"{path}{_line_of_error(text, str(error))}: {error}") from error
+            advice = "" if "<link" in description else _advice_for_macros(text)
+            raise CourseError(f"{path}{_line_of_error(text, str(error))}: {error}{advice}") from error
     _reject_arguments(f"the model {name!r}", arguments)
     return _from_example_robot_data(name)
+
+
+def _advice_for_macros(text: str) -> str:
+    """Return what to do with a xacro file that only defines macros, or "" for any other file."""
+    macros = re.findall(r"<xacro:macro\s[^>]*?name\s*=\s*[\"']([\w.:-]+)", text)
+    if not macros:
+        return ""
+    return (
+        f" The file only defines {'the macro' if len(macros) == 1 else 'macros'}, "
+        f"{', '.join(macros[:_MOST_MACROS])}{', …' if len(macros) > _MOST_MACROS else ''}: load a file that "
+        f"includes it, and calls the macro as <xacro:{macros[0]} …/>."
+    )
 
 
 def _line_of_error(text: str, message: str) -> str:

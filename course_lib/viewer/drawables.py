@@ -3,6 +3,7 @@
 Meshes from files are converted once to the arrays that are drawn.
 """
 
+import logging
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -350,6 +351,8 @@ class MeshcatObject:
 Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | Sheet | Inset | MeshcatObject
 
 
+# trimesh logs a traceback for each missing texture, which logging prints if there is no handler.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
 # A mesh of trimesh, and the transform from it to the file's frame.
 Part: TypeAlias = tuple[Any, Matrix]
 

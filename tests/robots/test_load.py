@@ -125,6 +125,26 @@ def test_xacro_arguments_are_passed_as_keywords(file: str, tmp_path: Path) -> No
         load_robot(str(path))
 
 
+@pytest.mark.parametrize(
+    ("names", "advice"),
+    [
+        (["wheel"], r"only defines the macro, wheel: load a file that .* <xacro:wheel …/>\."),
+        (["wheel", "arm"], r"only defines macros, wheel, arm: load a file"),
+        (list("abcdef"), r"only defines macros, a, b, c, d, e, …: load"),
+    ],
+)
+def test_xacro_file_with_nothing_but_macros_is_reported_with_what_to_load(
+    names: list[str], advice: str, tmp_path: Path
+) -> None:
+    macros = "".join(
+        f'<xacro:macro name="{name}" params="x"><link name="a"/></xacro:macro>' for name in names
+    )
+    path = tmp_path / "parts.xacro"
+    path.write_text(f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro">{macros}</robot>')
+    with pytest.raises(CourseError, match=rf"No name given for the robot\. The file {advice}"):
+        load_robot(path)
+
+
 @pytest.mark.parametrize("name", ["ur10", '<robot name="r"><link name="a"/></robot>'])
 def test_arguments_for_a_robot_without_xacro_are_rejected(name: str) -> None:
     with pytest.raises(CourseError, match=r"but prefix was given\. Only xacro files take arguments\."):

@@ -14,6 +14,7 @@ from course_lib import load_robot
 from course_lib.errors import CourseError
 from course_lib.robots.robot import packages_only, resolve
 from course_lib.ros.programs.packages import find_package, packages, why_not_found, workspace_of
+from course_lib.ros.programs.xacro_program import run_xacro
 from course_lib.tools.run import ros2_over
 from tests.patience import PATIENCE
 
@@ -121,6 +122,9 @@ def test_workspace_is_found_from_each_of_its_subfolders(
     assert workspace_of(folder) == tmp_path / "ws" / "src"
 
 
+NAMESPACE = 'xmlns:xacro="http://wiki.ros.org/xacro"'
+
+
 def test_package_mesh_is_found_next_to_its_install_location(make: Make) -> None:
     setup = 'setup(data_files=[("share/arm/meshes", ["data/a.stl"])])'
     package = make("arm", **{"setup.py": setup, "data/.keep": ""})
@@ -141,16 +145,15 @@ def test_untrusted_address_cannot_reach_packages_in_the_working_folder(make: Mak
 def test_xacro_robot_finds_packages_and_meshes_in_its_workspace(
     make: Make, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    namespace = 'xmlns:xacro="http://wiki.ros.org/xacro"'
     mesh = '<visual><geometry><mesh filename="package://parts/a.stl"/></geometry></visual>'
     parts = make(
-        "deep/folder", "parts", **{"p.xacro": f"<robot {namespace}><link name='p'>{mesh}</link></robot>"}
+        "deep/folder", "parts", **{"p.xacro": f"<robot {NAMESPACE}><link name='p'>{mesh}</link></robot>"}
     )
     (parts / "a.stl").write_bytes(STL)
     robot = make(
         "arm",
         **{
-            "r.xacro": f'<robot name="r" {namespace}>'
+            "r.xacro": f'<robot name="r" {NAMESPACE}>'
             '<xacro:include filename="$(find parts)/p.xacro"/></robot>'
         },
     )
@@ -160,6 +163,26 @@ def test_xacro_robot_finds_packages_and_meshes_in_its_workspace(
         assert loaded.resolve("package://parts/a.stl") == parts / "a.stl"
         assert len(loaded.visual_model.geometryObjects) == 1
     assert os.environ["ROS_PACKAGE_PATH"] == ""
+
+
+def test_missing_mesh_of_a_robot_in_its_own_package_is_reported_with_the_package(
+    make: Make, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    mesh = '<visual><geometry><mesh filename="package://arm/a.stl"/></geometry></visual>'
+    package = make("arm", **{"r.urdf": f'<robot name="r"><link name="p">{mesh}</link></robot>'})
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(CourseError, match=rf"Correct the address: 'arm' is the package in {package}\."):
+        load_robot(package / "r.urdf")
+
+
+def test_warning_about_packages_is_not_among_the_errors_of_xacro(
+    make: Make, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot = make("arm", **{"r.xacro": f'<robot name="r" {NAMESPACE}><link name="$(find arm)"/></robot>'})
+    make("again", "arm")
+    result = run_xacro([str(robot / "r.xacro")])
+    assert (result.code, result.errors) == (0, "")
+    assert "there are 2 packages named 'arm'" in capsys.readouterr().err
 
 
 CMAKE = """

@@ -55,6 +55,18 @@ def in_cmake(line: str) -> dict[str, str]:
         (in_setup("(f'share/{package_name}/meshes', glob(os.path.join('more', '*'))),"),
          {"meshes/b.stl": "more/b.stl", "meshes/a.stl": "meshes/a.stl"}),
         (in_setup("('share/arm/new/deep', ['urdf/arm.urdf']),"), {"new/deep/arm.urdf": "urdf/arm.urdf"}),
+        (in_cmake("install(DIRECTORY urdf/ DESTINATION share/${PROJECT_NAME}/data)"),
+         {"data/arm.urdf": "urdf/arm.urdf", "data/deep/tool.urdf": "urdf/deep/tool.urdf"}),
+        (in_cmake("install(DIRECTORY urdf/deep more DESTINATION ${CMAKE_INSTALL_DATADIR}/${PROJECT_NAME})"),
+         {"deep/tool.urdf": "urdf/deep/tool.urdf"}),
+        (in_cmake("install(DIRECTORY more/ launch/ DESTINATION share/arm)"),
+         {"b.stl": "more/b.stl", "a.launch.py": "launch/a.launch.py"}),
+        (in_cmake("install(DIRECTORY more/ DESTINATION share/arm/meshes)"),
+         {"meshes/b.stl": "more/b.stl", "meshes/a.stl": "meshes/a.stl"}),
+        (in_cmake("install(FILES urdf/arm.urdf DESTINATION share/arm RENAME robot.urdf)"),
+         {"robot.urdf": "urdf/arm.urdf"}),
+        (in_cmake("ament_auto_package(INSTALL_TO_SHARE launch urdf/deep)"),
+         {"deep/tool.urdf": "urdf/deep/tool.urdf"}),
     ],
 )  # fmt: skip
 def test_share_file_is_found_by_its_install_path_and_its_source_path(
@@ -79,7 +91,10 @@ def test_share_file_is_found_by_its_install_path_and_its_source_path(
         {"setup.py": "package_name = package_name\nsetup(data_files=[(package_name, [])])"},
         in_setup("('share/arm', glob() + [os.path.join()] + glob('')),"),
         in_cmake("install(DIRECTORY launch urdf DESTINATION share/${PROJECT_NAME})"),
-        in_cmake("install(DIRECTORY urdf/ DESTINATION share/${PROJECT_NAME}/data)"),
+        in_cmake("install(DIRECTORY urdf/ DESTINATION ${CMAKE_INSTALL_PREFIX}/share/arm/urdf)"),
+        in_cmake(
+            "install(DIRECTORY more DESTINATION include) install(FILES ../x /etc/hosts DESTINATION share/arm)"
+        ),
     ],
 )
 def test_sources_installed_in_place_are_the_share_folder(

@@ -1,3 +1,4 @@
+import logging
 from pathlib import Path
 from typing import Any
 
@@ -103,6 +104,20 @@ def test_texture_is_sampled_at_the_vertices(tmp_path: Path) -> None:
     mesh = load_mesh(tmp_path / "quad.obj")
     by_x = dict(zip(mesh.vertices[:, 0].tolist(), mesh.colors.tolist(), strict=True))
     assert by_x == {0.0: [1, 0, 0, 1], 1.0: [0, 0, 1, 1]}
+
+
+def test_missing_texture_prints_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "m.mtl").write_text("newmtl m\nmap_Kd gone.png\n")
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.1 0.5\nvt 0.9 0.5\nvt 0.2 0.9"
+    (tmp_path / "quad.obj").write_text(f"mtllib m.mtl\nusemtl m\n{corners}\nf 1/1 2/2 3/3\n")
+    # pytest's own handlers would receive what logging prints without any handler.
+    root = logging.getLogger()
+    handlers, root.handlers = root.handlers, []
+    try:
+        assert len(load_mesh(tmp_path / "quad.obj").faces) == 1
+    finally:
+        root.handlers = handlers
+    assert capsys.readouterr() == ("", "")
 
 
 def test_requested_color_replaces_the_color_in_the_file() -> None:

@@ -474,7 +474,7 @@ class _Values:
 
 
 def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
-    """Read the executables and Python packages of a CMakeLists.txt.
+    """Read the executables, Python packages and installed files of a CMakeLists.txt.
 
     Only variables that are lists are known.
     """
@@ -485,6 +485,7 @@ def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
     variables = {
         "PROJECT_NAME": [name],
         "CMAKE_PROJECT_NAME": [name],
+        "CMAKE_INSTALL_DATADIR": ["share"],
         **{variable: [str(source_folder)] for variable in _SOURCE_FOLDERS},
     }
     for command, arguments in _CMake(variables).run(_COMMAND.findall(text)):
@@ -511,8 +512,16 @@ def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
                 for folder in _argument_after("PACKAGE_DIR", rest):
                     build_files.package_folders[package] = source_folder / folder
             case "install", ["PROGRAMS" | "FILES" | "DIRECTORY" as kind, *rest]:
-                if PurePosixPath(*_argument_after("DESTINATION", rest) or [""]) == PurePosixPath("lib", name):
+                destination = "".join(_argument_after("DESTINATION", rest)).lstrip("/")
+                if PurePosixPath(destination) == PurePosixPath("lib", name):
                     _add_scripts(build_files, _installed_by_cmake(source_folder, kind, rest))
+                else:
+                    build_files.installed += _placed_by_cmake(source_folder, kind, rest, destination)
+            case "ament_auto_package", words if "INSTALL_TO_SHARE" in words:
+                folders = words[words.index("INSTALL_TO_SHARE") + 1 :]
+                build_files.installed += _placed_by_cmake(
+                    source_folder, "DIRECTORY", folders, f"share/{name}"
+                )
 
 
 @dataclass(frozen=True)
@@ -598,14 +607,38 @@ def _installed_by_cmake(
     arguments: list[str],
 ) -> Iterator[tuple[str, Path]]:
     """Yield the names and files of one `install(…)`."""
-    end = next((at for at, word in enumerate(arguments) if word in _KINDS_OF_INSTALL), len(arguments))
     renamed = _argument_after("RENAME", arguments)
-    for word in arguments[:end]:
+    for word in _sources_of_install(arguments):
         file = source_folder / word
         if kind != "DIRECTORY":
             yield (renamed[0] if renamed else file.name), file
         elif file.is_dir():
             yield from ((one.name, one) for one in sorted(file.iterdir())[:_MAX_FILES])
+
+
+def _placed_by_cmake(
+    source_folder: Path,
+    kind: str,
+    arguments: list[str],
+    destination: str,
+) -> Iterator[tuple[str, Path]]:
+    """Yield each installed path of one `install(…)` with its file or folder, if both are inside the package.
+
+    `DIRECTORY urdf` installs a folder urdf, and `DIRECTORY urdf/` the content of the folder.
+    """
+    renamed = _argument_after("RENAME", arguments)
+    for word in _sources_of_install(arguments):
+        file = source_folder / word
+        is_content = kind == "DIRECTORY" and word.endswith("/")
+        name = "" if is_content else renamed[0] if renamed else file.name
+        if file.exists() and file.resolve().is_relative_to(source_folder.resolve()):
+            yield os.path.normpath(os.path.join(destination, name)), file
+
+
+def _sources_of_install(arguments: list[str]) -> list[str]:
+    """Return the files and folders of one `install(…)`, which stand before its other arguments."""
+    end = next((at for at, word in enumerate(arguments) if word in _KINDS_OF_INSTALL), len(arguments))
+    return arguments[:end]
 
 
 def _words(inner: str, variables: Mapping[str, list[str]]) -> list[str]:
@@ -815,17 +848,24 @@ def _package(name: str, share: Path) -> Package:
 def share_folder(name: str, sources: Path) -> Path:
     """Return a folder in which the files of a package have the paths of their installation."""
     share = PurePosixPath("share", name)
-    installed_files = [
-        (PurePosixPath(place), file) for place, file in read_build_files(name, sources).installed
-    ]
-    places = {str(at.relative_to(share)): file for at, file in installed_files if at.is_relative_to(share)}
-    relocated = {place: file for place, file in places.items() if not (sources / place).exists()}
-    return _create_links(sources, tuple(sorted(relocated.items()))) if relocated else sources
+    installed = [(PurePosixPath(place), file) for place, file in read_build_files(name, sources).installed]
+    places = dict.fromkeys(
+        (str(at.relative_to(share)), file) for at, file in installed if at.is_relative_to(share)
+    )
+    relocated = tuple((place, file) for place, file in places if not _is_in_place(file, sources / place))
+    return _create_links(sources, relocated) if relocated else sources
+
+
+def _is_in_place(file: Path, place: Path) -> bool:
+    """Return whether the sources have an installed file at its place, or a folder's files in theirs."""
+    if place.exists() and (place.samefile(file) or not place.is_dir() or not file.is_dir()):
+        return True
+    return file.is_dir() and place.is_dir() and all((place / one.name).exists() for one in file.iterdir())
 
 
 @cache
 def _create_links(sources: Path, relocated: tuple[tuple[str, Path], ...]) -> Path:
-    """Create a folder of links to the sources, and to files at their installed paths."""
+    """Create a folder of links to the sources, and to files and folders at their installed paths."""
     folder = Path(tempfile.mkdtemp(prefix="share_"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     _link_all(sources, folder)
@@ -833,17 +873,29 @@ def _create_links(sources: Path, relocated: tuple[tuple[str, Path], ...]) -> Pat
         at = folder
         for part in PurePosixPath(place).parts[:-1]:
             at /= part
-            # A folder of the sources is copied as links, so that its files stay unchanged.
-            if at.is_symlink():
-                inner = at.resolve()
-                at.unlink()
-                at.mkdir()
-                _link_all(inner, at)
-            at.mkdir(exist_ok=True)
-        link = folder / place
-        if not link.exists():
-            link.symlink_to(file.resolve())
+            _open_folder(at)
+        _link(folder / place, file)
     return folder
+
+
+def _link(place: Path, file: Path) -> None:
+    """Create a link to a file or folder. A folder that is there already gets links to the new files."""
+    if not place.exists():
+        place.symlink_to(file.resolve())
+    elif place.is_dir() and file.is_dir() and not place.samefile(file):
+        _open_folder(place)
+        for one in file.iterdir():
+            _link(place / one.name, one)
+
+
+def _open_folder(place: Path) -> None:
+    """Make a folder. A link to a folder of the sources becomes one of links, so that these stay unchanged."""
+    if place.is_symlink():
+        inner = place.resolve()
+        place.unlink()
+        place.mkdir()
+        _link_all(inner, place)
+    place.mkdir(exist_ok=True)
 
 
 def _link_all(source: Path, target: Path) -> None:

@@ -10,7 +10,7 @@ from io import StringIO
 from pathlib import Path
 
 from course_lib.errors import CourseError
-from course_lib.ros.programs.packages import source
+from course_lib.ros.programs.packages import packages, source
 
 # The message is from xacro's substitution_args.py.
 _UNDEFINED = re.compile(r"Undefined substitution argument (\w+)")
@@ -42,6 +42,8 @@ def run_xacro(arguments: Sequence[str]) -> ProgramResult:
 
     import xacro
 
+    # Warnings about the workspace are written here, not among the errors of xacro.
+    packages()
     output, errors, code, saved_arguments = StringIO(), StringIO(), 0, sys.argv
     sys.argv = ["xacro", *arguments]
     try:
