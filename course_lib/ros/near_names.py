@@ -10,6 +10,7 @@ import importlib
 import inspect
 import keyword
 import linecache
+import os
 import re
 import sys
 import sysconfig
@@ -149,11 +150,18 @@ _FROM_PIP = {
     "cv2": "opencv-python-headless",
     "cvxpy": "cvxpy",
     "dotenv": "python-dotenv",
+    "fastapi": "fastapi",
     "flask": "flask",
     "gymnasium": "gymnasium",
+    "junit_xml": "junit-xml",
+    "keras": "keras",
+    "langchain": "langchain",
     "mediapipe": "mediapipe",
     "networkx": "networkx",
+    "ntplib": "ntplib",
+    "numba": "numba",
     "open3d": "open3d",
+    "openai": "openai",
     "osrf_pycommon": "osrf-pycommon",
     "paho": "paho-mqtt",
     "pandas": "pandas",
@@ -171,9 +179,11 @@ _FROM_PIP = {
     "skimage": "scikit-image",
     "sklearn": "scikit-learn",
     "smbus2": "smbus2",
+    "tensorflow": "tensorflow",
     "torch": "torch",
     "transforms3d": "transforms3d",
     "ultralytics": "ultralytics",
+    "websockets": "websockets",
 }
 # Modules of ROS 1, with their replacements in ROS 2.
 _ROS_1 = {
@@ -343,7 +353,7 @@ def parameter_hint(error: BaseException) -> str:
 
 
 def key_hint(error: BaseException) -> str:
-    """Return a question with the key closest to a missing one, or "".
+    """Return a question with the key closest to a missing one, how to set an environment variable, or "".
 
     The exception does not contain its dictionary, so those within reach of the line are searched.
     """
@@ -351,6 +361,11 @@ def key_hint(error: BaseException) -> str:
     missing_key = error.args[0] if isinstance(error, KeyError) and error.args else None
     if frame is None or not isinstance(missing_key, str):
         return ""
+    if frame.f_locals.get("self") is os.environ:
+        return (
+            f"the environment variable {missing_key} is not set. Set it before: export {missing_key}=VALUE "
+            f"in a terminal, or %env {missing_key}=VALUE in a notebook."
+        )
     attributes = getattr(frame.f_locals.get("self"), "__dict__", {})
     reached = [*frame.f_locals.values(), *attributes.values(), *frame.f_globals.values()]
     keys = [key for one in reached if type(one) is dict for key in one if isinstance(key, str)]

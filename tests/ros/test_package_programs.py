@@ -1,5 +1,6 @@
 """Programs of a package in its sources, started by the package's folder, and files that lie in one."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -160,6 +161,7 @@ def test_compiled_executable_is_rejected_with_the_reason(
         ("pointcloud_to_laserscan", "sensor data is filtered"),
         ("plotjuggler", "this window is"),
         ("clearpath_config", "this configures"),
+        ("launch_testing", "this tests processes"),
     ],
 )
 def test_unavailable_ros_package_error_has_the_reason_and_the_next_step(package: str, reason: str) -> None:
@@ -232,7 +234,20 @@ def test_executable_of_a_package_with_cmake_macros_of_its_own_cannot_run_here(
         run_program(workspace / "driver:driver_node", capsys)
 
 
-@pytest.mark.parametrize(("module", "name"), [("cv2", "opencv-python-headless"), ("serial", "pyserial")])
+def test_missing_environment_variable_gets_the_commands_that_set_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("TURTLEBOT3_MODEL", raising=False)
+    models = {"TURTLEBOT3_MODELS": "burger"}
+    with pytest.raises(KeyError) as caught:
+        models[os.environ["TURTLEBOT3_MODEL"]]
+    assert "is not set. Set it before: export TURTLEBOT3_MODEL=VALUE in" in hint(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("module", "name"),
+    [("cv2", "opencv-python-headless"), ("serial", "pyserial"), ("ntplib", "ntplib")],
+)
 def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, name: str) -> None:
     error = ModuleNotFoundError(f"No module named '{module}'", name=module)
     assert hint(error).endswith(f": pip install {name}")
