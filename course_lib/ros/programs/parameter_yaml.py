@@ -87,8 +87,36 @@ def _flat(mapping: Any, prefix: str) -> Iterator[tuple[str, Any]]:
         name = f"{prefix}{key.value}"
         if isinstance(value, yaml.MappingNode):
             yield from _flat(value, f"{name}.")
+        elif isinstance(value, yaml.SequenceNode) and isinstance(
+            inner := _only_item(value), yaml.MappingNode
+        ):
+            yield from _flat_in_list(inner, f"{name}.")
         else:
             yield name, _value(value)
+
+
+def _only_item(value: Any) -> Any:
+    """Return the item of a list of one, or of such lists in each other, or None."""
+    while isinstance(value, yaml.SequenceNode):
+        value = value.value[0] if len(value.value) == 1 else None
+    return value
+
+
+def _flat_in_list(mapping: yaml.MappingNode, prefix: str) -> Iterator[tuple[str, Any]]:
+    """Yield the parameters of a map in a list.
+
+    rcl ignores the list, so that `joints: [{names: [a]}]` is `joints.names`, and takes a value that is not
+    a list as one. The files of ros2_control's GPIO controllers have such maps.
+    """
+    for key, value in mapping.value:
+        name = f"{prefix}{key.value}"
+        if isinstance(value, yaml.MappingNode):
+            yield from _flat_in_list(value, f"{name}.")
+        elif isinstance(value, yaml.ScalarNode) and len(mapping.value) > 1:
+            raise ValueError(f"Sequences cannot hold lists or maps, at line {key.start_mark.line + 1}")
+        else:
+            values = _value(value)
+            yield name, values if isinstance(values, list) else [values]
 
 
 def _value(node: Any) -> Any:

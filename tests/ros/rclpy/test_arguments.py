@@ -94,6 +94,25 @@ def test_later_value_of_a_parameter_wins(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("[{a: [x]}]", {"deep.ci.a": ["x"]}),
+        ("[{a: [x], b: [z]}]", {"deep.ci.a": ["x"], "deep.ci.b": ["z"]}),
+        ("[{a: 1}]", {"deep.ci.a": [1]}),
+        ("[{a: {b: [x]}}]", {"deep.ci.a.b": ["x"]}),
+        ("[{a: {b: 1}}]", {"deep.ci.a.b": [1]}),
+        ("[[{a: [x]}]]", {"deep.ci.a": ["x"]}),
+    ],
+)
+def test_list_around_a_map_is_ignored_as_in_rcl(tmp_path: Path, text: str, found: dict[str, Any]) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(f"/**:\n  ros__parameters:\n    deep:\n      ci: {text}\n      near: 7\n    last: 4\n")
+    parameters = parse(["--ros-args", "--params-file", str(file)]).parameters("/talker")
+    values = {name: parameter.value for name, parameter in parameters.items()}
+    assert values == {**found, "deep.near": 7, "last": 4}
+
+
+@pytest.mark.parametrize(
     ("text", "complaint"),
     [
         ("speed: 5\n", "Cannot have a value before ros__parameters at line 1"),
@@ -101,6 +120,14 @@ def test_later_value_of_a_parameter_wins(tmp_path: Path) -> None:
         (
             "/**:\n  ros__parameters:\n    x: [1, a]\n",
             "Sequence should be of same type. Value type 'string' do not belong at line_num 3",
+        ),
+        (
+            "/**:\n  ros__parameters:\n    x: [{a: [1]}, {b: [2]}]\n",
+            "Sequences cannot hold lists or maps, at line 3",
+        ),
+        (
+            "/**:\n  ros__parameters:\n    x: [{a: 1, b: 2}]\n",
+            "Sequences cannot hold lists or maps, at line 3",
         ),
         ("/**:\n  ros__parameters:\n    x:\n", "No value at line 3"),
         ("a: [\n", "Error parsing a event near line 2"),
