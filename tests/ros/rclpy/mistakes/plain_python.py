@@ -3,6 +3,79 @@
 # (program, last line of the error, hint below it)
 PLAIN_PYTHON = [
     (
+        "import numpy as np\nnp.array([1.0]).append(2.0)",
+        "AttributeError: 'numpy.ndarray' object has no attribute 'append'",
+        "an array keeps its length: collect items in a list, `items.append(item)`, and make the array at "
+        "the end.",
+    ),
+    (
+        "speed = 2.0\nspeed.x",
+        "AttributeError: 'float' object has no attribute 'x'",
+        "this is a plain number, without x: print it, and look where it was set.",
+    ),
+    (
+        "limits = {'speed': 2.0}\nlimits.speed",
+        "AttributeError: 'dict' object has no attribute 'speed'",
+        'a value of a dictionary is in [ ], in quotes: ["speed"].',
+    ),
+    (
+        "position = None\nposition.x",
+        "AttributeError: 'NoneType' object has no attribute 'x'",
+        "this is None: does the function that created it return something?",
+    ),
+    (
+        "import numpy as np\nx = np.array([1.0])\nx > 0.0 & x < 1.0",
+        "TypeError: ufunc 'bitwise_and' not supported for the input types",
+        "put each comparison into ( ): `(items[0] > 0) & (items[0] < 1)`. An array of zeros for yes and no "
+        "is `np.zeros(3, bool)`.",
+    ),
+    (
+        "corner = (1.0, 2.0)\ncorner['x']",
+        "TypeError: tuple indices must be integers or slices, not str",
+        "a tuple has numbers as indices: [0] is its first item.",
+    ),
+    (
+        "for joint in {'arm': 1.0}:\n    joint['arm']",
+        "TypeError: string indices must be integers, not 'str'",
+        "this is a string: print it. Did a loop over a dictionary give its keys?",
+    ),
+    (
+        "Marker()['ns'] = 'arm'",
+        "TypeError: 'Marker' object does not support item assignment",
+        "a Marker has no [ ]: set one of its attributes, as in `marker.color.r = 1.0`.",
+    ),
+    (
+        "2.0 * node.get_name",
+        "TypeError: unsupported operand type(s) for *: 'float' and 'method'",
+        "one side is a function that is not called: are its ( ) missing?",
+    ),
+    (
+        "import numpy as np\nfloat(np.array([1.0, 2.0]))",
+        "TypeError: only ",
+        "one number is needed here, and this is an array: take one of its items, like [0].",
+    ),
+    (
+        "with 1.0:\n    pass",
+        "TypeError: 'float' object does not support the context manager protocol",
+        "with needs a file or a lock, and this is of type float.",
+    ),
+    (
+        "int(float('nan'))",
+        "ValueError: cannot convert float NaN to integer",
+        "the number is nan: leave it out before, with math.isfinite(…).",
+    ),
+    (
+        "float('fast')",
+        "ValueError: could not convert string to float: 'fast'",
+        "the string is not a number: print it.",
+    ),
+    (
+        "(1.0, 2.0)[2]",
+        "IndexError: tuple index out of range",
+        "the tuple is shorter than that: print len(…) of it first.",
+    ),
+    ("[].pop()", "IndexError: pop from empty list", "the list is empty: check this first, with if values:."),
+    (
         "speed = 2.0\nspeed ^ 2.0",
         "TypeError: unsupported operand type(s) for ^: 'float' and 'float'",
         "a power has two stars, like `u**2`: ^ compares bits.",
