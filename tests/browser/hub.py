@@ -4,12 +4,11 @@ import json
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import urllib.request
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,6 +19,7 @@ from playwright.sync_api import Browser, Page
 from tests.browser.jupyterlab import VIEWPORT, slow_down
 from tests.browser.waiting import wait_until
 from tests.patience import PATIENCE
+from tests.ports import free_ports
 from tests.processes import LIMIT_OF_A_SERVER, Program
 
 PROXY = "configurable-http-proxy"
@@ -97,7 +97,7 @@ class Hub:
 @contextmanager
 def running_hub(browser: Browser, folder: Path) -> Iterator[Hub]:
     """Run a hub in a folder, with nothing of it elsewhere, until the end of the block."""
-    homes, ports = folder / "homes", _free_ports(3)
+    homes, ports = folder / "homes", free_ports(3)
     homes.mkdir()
     settings = folder / "jupyterhub_config.py"
     given = {"ports": ports, "proxy": shutil.which(PROXY), "homes": str(homes), "token": TOKEN}
@@ -119,14 +119,6 @@ def running_hub(browser: Browser, folder: Path) -> Iterator[Hub]:
             process.wait(PATIENCE)
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-
-
-def _free_ports(count: int) -> list[int]:
-    with ExitStack() as stack:
-        sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
-        for one in sockets:
-            one.bind(("127.0.0.1", 0))
-        return [one.getsockname()[1] for one in sockets]
 
 
 def _answers(url: str) -> bool:

@@ -1,5 +1,4 @@
 import json
-import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -13,15 +12,10 @@ from zenoh.handlers import Callback
 from course_lib.gateway.access import PASSWORDS, Access, load_users
 from course_lib.gateway.gateway import TURN, Gateway, Settings
 from tests.patience import PATIENCE, join
+from tests.ports import free_port
 
 Opened = Callable[..., zenoh.Session]
 ROSTER = "Full name,ID number\nAnn Lee,1234\nBob Ray,b.1\n"
-
-
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
 
 
 def wait_for(state: Callable[[], object], what: str, patience: float = PATIENCE) -> None:

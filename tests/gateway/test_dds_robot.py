@@ -21,9 +21,10 @@ from course_lib.ros.robot.link import Packet
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import Permissions
 from course_lib.ros.zenoh.link import ZenohLink
-from tests.gateway.conftest import ROSTER, free_port
+from tests.gateway.conftest import ROSTER
 from tests.gateway.test_driving import AHEAD, STAND, TWIST
 from tests.patience import PATIENCE, join
+from tests.ports import free_port
 
 STRING, SET_BOOL, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/SetBool", "std_srvs/srv/Trigger"
 LATCHED = Qos(depth=1, durability="transient_local")

@@ -16,9 +16,10 @@ from course_lib.ros.graph.graph import use_graph
 from course_lib.ros.robot.connect import RobotAddress, link_to
 from course_lib.ros.robot.robot_graph import RobotGraph
 from tests.gateway import nav2_robot
-from tests.gateway.conftest import ROSTER, Opened, free_port
+from tests.gateway.conftest import ROSTER, Opened
 from tests.gateway.test_router import Started, course, says, started, users_in
 from tests.gateway.test_two_kits import advance_until
+from tests.ports import free_port
 
 __all__ = ["started"]
 SOLUTION = Path(__file__).parents[2] / "solutions" / "week07_solution.ipynb"

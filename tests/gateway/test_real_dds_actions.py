@@ -11,8 +11,9 @@ import pytest
 from course_lib.gateway.access import load_users
 from course_lib.real.environment import find_environment
 from course_lib.real.process import RealProcesses
-from tests.gateway.conftest import ROSTER, free_port, wait_for
+from tests.gateway.conftest import ROSTER, wait_for
 from tests.patience import PATIENCE
+from tests.ports import free_port
 from tests.processes import Program
 from tests.ros.dds.actions import CLIENT, EXPECTED, SERVER
 

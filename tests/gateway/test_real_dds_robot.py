@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from course_lib.gateway.access import Access, load_users
-from tests.gateway.conftest import ROSTER, free_port, wait_for
+from tests.gateway.conftest import ROSTER, wait_for
 from tests.patience import PATIENCE
+from tests.ports import free_port
 from tests.processes import LIMIT_OF_A_SERVER, Program
 from tests.ros.dds.test_real_rclpy import PYTHON, ROBOT, RealRobot
 

@@ -17,8 +17,9 @@ from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import Permissions
 from course_lib.ros.time import wall
 from course_lib.ros.zenoh.link import ZenohLink
-from tests.gateway.conftest import ROSTER, free_port
+from tests.gateway.conftest import ROSTER
 from tests.patience import PATIENCE
+from tests.ports import free_port
 from tests.processes import LIMIT_OF_A_SERVER, Program
 from tests.ros.zenoh.conftest import Routers
 from tests.ros.zenoh.test_two_kits import LATCHED, listener, say, talker, texts

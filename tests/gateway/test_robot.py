@@ -12,8 +12,9 @@ import pytest
 
 from course_lib import CourseError, start_robot
 from course_lib.gateway.robot import RobotPlace, RobotProcess
-from tests.gateway.conftest import ROSTER, free_port, wait_for
+from tests.gateway.conftest import ROSTER, wait_for
 from tests.gateway.test_router import Started, course, says, started, users_in
+from tests.ports import free_port
 from tests.processes import Program
 
 __all__ = ["started"]

@@ -19,9 +19,10 @@ import zenoh
 from course_lib.errors import CourseError
 from course_lib.gateway.access import Access, load_users
 from course_lib.gateway.gateway import Settings, router
-from tests.gateway.conftest import ROSTER, Opened, free_port, hears, wait_for
+from tests.gateway.conftest import ROSTER, Opened, hears, wait_for
 from tests.gateway.test_driving import AHEAD, KEY, STAND
 from tests.patience import PATIENCE
+from tests.ports import free_port
 from tests.processes import Program
 
 Started = Callable[..., Path]

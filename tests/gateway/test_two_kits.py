@@ -14,9 +14,10 @@ from course_lib.ros.messages import serialize, type_name
 from course_lib.ros.robot.connect import RobotAddress, link_to
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.time import wall
-from tests.gateway.conftest import ROSTER, Opened, free_port
+from tests.gateway.conftest import ROSTER, Opened
 from tests.gateway.test_router import Started, says, started, users_in
 from tests.patience import PATIENCE
+from tests.ports import free_port
 
 __all__ = ["started"]
 PAINTING = """

@@ -1,7 +1,6 @@
 """A router on a free port, and graphs that are linked to it."""
 
 import json
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -16,6 +15,7 @@ from course_lib.ros.robot.sending import Permissions
 from course_lib.ros.time import wall
 from course_lib.ros.zenoh.link import ZenohLink
 from tests.patience import PATIENCE
+from tests.ports import free_port
 from tests.processes import LIMIT_OF_A_SERVER, Program
 
 ROOT = Path(__file__).parents[3]
@@ -27,13 +27,6 @@ session = open_router(int(sys.argv[1]))
 print("up", flush=True)
 sys.stdin.read()
 """
-
-
-def free_port() -> int:
-    """Return a port that nothing listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def open_router(port: int) -> zenoh.Session:

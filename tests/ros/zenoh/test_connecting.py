@@ -18,8 +18,9 @@ from course_lib.tools.ros2 import ros2
 from course_lib.tools.run import run
 from course_lib.tools.sources import GraphSource
 from tests.patience import PATIENCE
+from tests.ports import free_port
 from tests.processes import Program
-from tests.ros.zenoh.conftest import Kits, free_port
+from tests.ros.zenoh.conftest import Kits
 from tests.ros.zenoh.test_two_kits import listener, talker
 
 TALKER = """

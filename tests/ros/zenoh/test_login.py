@@ -9,7 +9,7 @@ from course_lib.ros.zenoh.session import (
     read_gateway_key,
     split_login,
 )
-from tests.ros.zenoh.conftest import free_port
+from tests.ports import free_port
 
 
 @pytest.mark.parametrize(
