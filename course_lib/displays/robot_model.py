@@ -171,6 +171,11 @@ class DrawnLink:
         self._trail: deque[Matrix] = deque(maxlen=_TRAIL_STEPS)
         self._shapes = {"visual": link.visuals, "collision": link.collisions}
 
+    @property
+    def is_shown_as_lost(self) -> bool | None:
+        """Whether it is drawn without a transform; None before it is drawn."""
+        return None if self._settings is None else self._settings.lost
+
     def show(self, settings: LinkSettings) -> None:
         """Show the requested parts, and hide the others."""
         if settings == self._settings:
@@ -284,6 +289,8 @@ class RobotModelDisplay(TopicDisplay):
         self._links: list[DrawnLink] = []  # by name
         # The time of the last update; None requests an immediate one.
         self._updated_ns: int | None = None
+        # Whether anybody sees the robot, and the properties with which the links are shown.
+        self._shown_state: tuple[bool, dict[str, Any]] | None = None
 
     def qos(self) -> Qos:
         """Return the requested quality of service: transient local, until a policy is changed."""
@@ -342,6 +349,9 @@ class RobotModelDisplay(TopicDisplay):
             return
         self._updated_ns = now_ns
         before = self._problems()
+        # The properties of all links are read only if one of them has changed, because frames are many.
+        state = self.context.is_seen, dict(self._values)
+        is_changed, self._shown_state = state != self._shown_state, state
         for link in self._links:
             prefix, frames = self["TF Prefix"], self.context.frames
             frame = f"{prefix}/{link.name}" if prefix else link.name
@@ -351,6 +361,8 @@ class RobotModelDisplay(TopicDisplay):
             else:
                 self.statuses.set("ok", frame, "Transform OK")
                 link.place(transform)
+            if not is_changed and link.is_shown_as_lost == (transform is None):
+                continue
             row = f"Links/{link.name}"
             ticked = self[row] if link.has_geometry else True
             visibility = {kind: ticked and self[label] for kind, label in _SWITCHES.items()}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from std_msgs.msg import String
 
+from course_lib.displays.robot_model import DrawnLink, LinkSettings
 from course_lib.displays.viewer import Viewer
 from course_lib.ros.graph.topics import Qos
 from tests.displays.bench import START_NS, Bench
@@ -166,3 +167,20 @@ def test_nan_transform_keeps_the_link_pose_and_is_reported() -> None:
 def test_viewer_adds_a_robot_model_by_topic() -> None:
     display = Viewer("map").add("RobotModel", "/robot_description")
     assert display["Description Topic"] == "/robot_description"
+
+
+def test_properties_of_links_are_read_only_after_a_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = Bench()
+    display = standing(bench)
+    settings: list[LinkSettings] = []
+    monkeypatch.setattr(DrawnLink, "show", lambda link, new: settings.append(new))
+    for seconds in (1.0, 2.0):
+        bench.transform("map", "base", at=seconds)
+        bench.update(seconds)
+    assert settings == []
+    display["Alpha"] = 0.5
+    bench.update(3.0)
+    assert [one.alpha for one in settings] == [0.5] * 3
+    display["Links/arm/Show Axes"] = True
+    bench.update(4.0)
+    assert [one.shown["axes"] for one in settings[3:]] == [True, False, False]
