@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from course_lib.viewer.drawables import Lines, Mesh, Points, Solids
+from course_lib.viewer.drawables import Camera, Inset, Lines, Mesh, Points, Solids
 from course_lib.viewer.scene import Scene
 from course_lib.viewer.widget import SceneWidget
 from tests.browser.fake_host import Host, count
@@ -120,3 +120,31 @@ def test_click_on_one_of_many_boxes_gives_its_index(host: Host) -> None:
     host.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     host.wait_until(lambda: clicks)
     assert (clicks[0].path, clicks[0].index) == ("boxes", 1)
+
+
+COUNT_COPIES = """() => {
+    globalThis.copies = { view: 0, corner: 0 };
+    const copy = CanvasRenderingContext2D.prototype.drawImage;
+    CanvasRenderingContext2D.prototype.drawImage = function (...all) {
+        // Only pictures of the scene are copied in part; those of a corner go to a canvas of their own.
+        if (all.length === 9) copies[this.canvas.isConnected ? "view" : "corner"]++;
+        return copy.apply(this, all); }; }"""
+TURN = """async turns => {
+    Object.assign(copies, { view: 0, corner: 0 });
+    for (let i = 0; i < turns; i++) {
+        const key = new KeyboardEvent("keydown", { key: "ArrowLeft" });
+        document.querySelector("canvas").dispatchEvent(key);
+        await new Promise(requestAnimationFrame);
+        await new Promise(requestAnimationFrame);
+    }
+    return copies; }"""
+
+
+def test_scene_in_a_corner_is_not_drawn_again_while_only_the_view_turns(host: Host) -> None:
+    host.page.evaluate(COUNT_COPIES)
+    inset = Inset(np.zeros((3, 4, 3), np.uint8), camera=Camera(eye=(4, 0, 0)))
+    shown(host, box=Solids("box", [np.eye(4)], (1, 0, 0, 1)), inset=inset)
+    wait_until(lambda: host.page.evaluate("copies.corner") > 0, host.page)
+    copies = host.page.evaluate(TURN, 40)
+    assert copies["view"] >= 40
+    assert copies["corner"] <= copies["view"] / 2

@@ -3,6 +3,8 @@ import { Orbit } from "./orbit.js";
 
 const [SHARE, GAP] = [0.3, 0.01]; // width of a picture and gap between pictures, as fractions of the view's width
 
+const EVERY = 100; // [ms] between two pictures of the scene in a corner, in coarse pictures of a motion
+
 /** @param {any} object @returns {boolean} whether the object and all its ancestors are visible */
 export const isShown = (object) => !object || (object.visible && isShown(object.parent));
 
@@ -41,10 +43,11 @@ function boxes(insets, width, height) {
 /**
  * Draw all pictures over a view.
  * @param {CanvasRenderingContext2D} context @param {import("./mirror.js").Mirror} mirror
- * @param {(camera: any, left: number, top: number, width: number, height: number) => void} render draws the scene
- *   over a transparent background in a part of the view
+ * @param {import("./quality.js").Quality} quality
+ * @param {(camera: any, target: CanvasRenderingContext2D, width: number, height: number) => void} render draws the scene
+ *   over a transparent background into another canvas
  */
-export function drawInsets(context, mirror, render) {
+export function drawInsets(context, mirror, quality, render) {
   const groups = [...mirror.insets].filter(isShown);
   groups.sort((a, b) => (a.parent.userData.path < b.parent.userData.path ? -1 : 1));
   const insets = groups.map((group) => group.userData.inset);
@@ -52,17 +55,41 @@ export function drawInsets(context, mirror, render) {
   insets.forEach((inset, i) => {
     const [left, top, width, height] = places[i];
     if (!inset.camera) return context.drawImage(inset.picture, left, top, width, height);
-    context.fillStyle = `rgb(${mirror.background.join()})`;
-    context.fillRect(left, top, width, height);
-    if (inset.behind) context.drawImage(inset.picture, left, top, width, height);
-    const hidden = /** @type {string[]} */ (inset.hidden).map((path) => mirror.nodes.get(path)).filter((node) => node?.visible);
-    for (const node of hidden) node.visible = false;
-    const orbit = new Orbit();
-    orbit.look(inset.camera);
-    render(orbit.camera(width, height), left, top, width, height);
-    for (const node of hidden) node.visible = true;
-    context.globalAlpha = inset.over;
-    context.drawImage(inset.picture, left, top, width, height);
-    context.globalAlpha = 1;
+    // It does not depend on the view's own camera, which turns more often than the scene changes.
+    const size = `${width} ${height}`;
+    const state = `${mirror.version} ${quality.scale} ${quality.cell}`;
+    const { kept } = inset;
+    const isRecent = quality.cell > 0 && performance.now() - kept?.at < EVERY;
+    if (kept?.size !== size || (kept.state !== state && !isRecent)) {
+      const canvas = drawInset(inset, mirror, width, height, render);
+      inset.kept = { canvas, size, state, at: performance.now() };
+    }
+    context.drawImage(inset.kept.canvas, left, top);
   });
+}
+
+/**
+ * Draw one picture with the scene as its camera sees it.
+ * @param {any} inset @param {import("./mirror.js").Mirror} mirror @param {number} width in pixels @param {number} height
+ * @param {(camera: any, target: CanvasRenderingContext2D, width: number, height: number) => void} render
+ * @returns {HTMLCanvasElement}
+ */
+function drawInset(inset, mirror, width, height, render) {
+  const canvas = inset.kept?.canvas ?? document.createElement("canvas");
+  Object.assign(canvas, { width, height }); // this clears it
+  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  context.imageSmoothingQuality = "medium";
+  context.fillStyle = `rgb(${mirror.background.join()})`;
+  context.fillRect(0, 0, width, height);
+  if (inset.behind) context.drawImage(inset.picture, 0, 0, width, height);
+  const hidden = /** @type {string[]} */ (inset.hidden).map((path) => mirror.nodes.get(path)).filter((node) => node?.visible);
+  for (const node of hidden) node.visible = false;
+  const orbit = new Orbit();
+  orbit.look(inset.camera);
+  render(orbit.camera(width, height), context, width, height);
+  for (const node of hidden) node.visible = true;
+  context.globalAlpha = inset.over;
+  context.drawImage(inset.picture, 0, 0, width, height);
+  context.globalAlpha = 1;
+  return canvas;
 }

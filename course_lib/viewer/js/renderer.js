@@ -47,10 +47,10 @@ export function draw(canvas, mirror, camera, quality = atRest()) {
   setUp(engine, mirror, quality);
   context.imageSmoothingQuality = "medium";
   /**
-   * @param {any} from @param {number} left @param {number} top @param {number} w @param {number} h area of the
-   *   picture in pixels
+   * @param {any} from @param {CanvasRenderingContext2D} target @param {number} w of the picture in pixels
+   * @param {number} h
    */
-  const render = (from, left, top, w, h, alpha = 0) => {
+  const render = (from, target, w, h, alpha = 0) => {
     const [drawnWide, drawnHigh] = [Math.round(w * scale), Math.round(h * scale)];
     engine.setViewport(0, 0, drawnWide, drawnHigh);
     engine.setClearColor(new THREE.Color(...backgroundOf(mirror).map((part) => part / 255)), alpha);
@@ -63,10 +63,10 @@ export function draw(canvas, mirror, camera, quality = atRest()) {
     else all();
     restore();
     // three.js counts from the lower left corner.
-    context.drawImage(engine.domElement, 0, high - drawnHigh, drawnWide, drawnHigh, left, top, w, h);
+    target.drawImage(engine.domElement, 0, high - drawnHigh, drawnWide, drawnHigh, 0, 0, w, h);
   };
-  render(camera, 0, 0, width, height, 1);
-  drawInsets(context, mirror, render);
+  render(camera, context, width, height, 1);
+  drawInsets(context, mirror, quality, render);
 }
 
 /** @param {any} camera @param {number} height in pixels @returns {number} see `pixel` */
