@@ -111,6 +111,12 @@ def resolve(host: str) -> str:
         ) from error
 
 
+def common_bits(address: str, other: str) -> int:
+    """Return the number of leading bits that two IPv4 addresses have in common."""
+    first, second = (int.from_bytes(socket.inet_aton(text), "big") for text in (address, other))
+    return 32 - (first ^ second).bit_length()
+
+
 def socket_towards(host: str, port: int) -> socket.socket:
     """Return a socket that is connected to a port, which notices if nothing listens there.
 
@@ -350,10 +356,16 @@ class Participant:
             self._remove_endpoint(guid)
 
     def _choose_locator(self, locators: tuple[Locator, ...]) -> tuple[Locator, ...]:
-        """Choose one address of a remote participant, in this participant's network if possible."""
-        network = self._address.split(".")[0]
-        near = [one for one in locators if one[0].split(".")[0] == network]
-        return tuple((near or list(locators))[:1])
+        """Choose one address of a remote participant.
+
+        A robot often has several networks, of which only one is this participant's: a TurtleBot 4
+        also announces the address of its internal network.
+        """
+
+        def rank(candidate: Locator) -> tuple[bool, int]:
+            return candidate[0] == self._peers[0][0], common_bits(candidate[0], self._address)
+
+        return (max(locators, key=rank),) if locators else ()
 
     # Discovery of endpoints.
 

@@ -94,6 +94,11 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RemoteRobot]:
         assert ip("netns", "add", name)
         assert ip("-n", name, "link", "set", "lo", "up")
     try:
+        # The first network of the robot, which the kit's computer does not reach.
+        assert ip("-n", robots, "link", "add", "usb0", "type", "veth", "peer", "name", "base0")
+        assert ip("-n", robots, "address", "add", "10.55.0.1/24", "dev", "usb0")
+        for device in ("usb0", "base0"):
+            assert ip("-n", robots, "link", "set", device, "up")
         assert ip(
             "-n", robots, "link", "add", "robot0", "type", "veth", "peer", "name", "kit0", "netns", kits
         )

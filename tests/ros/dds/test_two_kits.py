@@ -15,7 +15,7 @@ from std_msgs.msg import String
 
 from course_lib.displays.viewer import Viewer
 from course_lib.errors import CourseError
-from course_lib.ros.dds import participant
+from course_lib.ros.dds import participant, wire
 from course_lib.ros.dds.endpoints import FRAGMENT_SIZE, Writer
 from course_lib.ros.dds.names import CDR_LE
 from course_lib.ros.dds.wire import Buffer, Locator
@@ -244,6 +244,22 @@ def test_nodes_in_another_domain_are_not_discovered(kits: DdsKits) -> None:
 
 def ends_with(received: list[bytes], text: str) -> bool:
     return texts(received)[-1:] == [text]
+
+
+def test_robot_with_several_networks_is_discovered_in_the_network_of_its_given_address(
+    kits: DdsKits, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def parameter_with_two_networks(pid: int, value: bytes) -> bytes:
+        encoded = wire.parameter(pid, value)
+        if pid in (wire.Pid.METATRAFFIC, wire.Pid.DEFAULT_UNICAST):
+            # Nothing listens at this address of the robot's first network.
+            return wire.parameter(pid, wire.locator(("127.7.7.7", 7400))) + encoded
+        return encoded
+
+    monkeypatch.setattr(participant, "parameter", parameter_with_two_networks)
+    robot, student = kits.join(send="/chatter"), kits.join()
+    talker(robot, "/chatter")
+    kits.until(lambda: "/chatter" in topics(student, "pub"), "the robot")
 
 
 def test_restarted_robot_is_discovered_again(kits: DdsKits) -> None:
