@@ -93,6 +93,9 @@ class Graph:
         # Called after each callback with the entity, the times at which it became ready and began
         # [ns], and its processor time [s].
         self.callback_listeners: list[Callable[[Any, int, int, float], None]] = []
+        # Called with the graph and each remote endpoint that has joined (True) or is about to leave
+        # (False).
+        self.remote_listeners: list[Callable[[Graph, EndpointInfo, bool], None]] = []
         # Number of programs started concurrently.
         self.programs = 0
         # State objects by program name and class.

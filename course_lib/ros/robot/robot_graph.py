@@ -160,6 +160,7 @@ class RemoteEntities:
             listed = self._topics.publishers.get(endpoint) or self._topics.subscriptions[endpoint]
             listed.info = replace(listed.info, remote_gid=entity.gid, remote_type_hash=entity.type_hash)
             self._on_added(entity)
+            self._notify(listed.info, has_joined=True)
 
     def publisher(self, gid: bytes) -> Publisher | None:
         """Return the publisher with a GID, or None if it is unknown."""
@@ -198,13 +199,23 @@ class RemoteEntities:
             for gid in tuple(self._publishers):
                 self._keep_latched(gid, node)
             if node is not None:
+                for info in self._topics.endpoints():
+                    if info.node == node:
+                        self._notify(info, has_joined=False)
                 Graph.remove_node(self._graph, node)
         elif (endpoint := self._endpoints.pop(entity.key, None)) is not None:
             self.servers[entity.topic] -= entity.kind == "server"
             if entity.kind == "publisher":
                 self._keep_latched(entity.gid, None)
                 self._publishers.pop(entity.gid, None)
+            known = self._topics.publishers.get(endpoint) or self._topics.subscriptions.get(endpoint)
+            if known is not None:
+                self._notify(known.info, has_joined=False)
             Graph.remove_endpoint(self._graph, endpoint)
+
+    def _notify(self, info: EndpointInfo, *, has_joined: bool) -> None:
+        for listener in self._graph.remote_listeners:
+            listener(self._graph, info, has_joined)
 
     def _keep_latched(self, gid: bytes, node: int | None) -> None:
         """Keep the latched messages of a publisher that leaves, because the link may only be interrupted."""

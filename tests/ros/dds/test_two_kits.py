@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 import pytest
+import rclpy
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.impl.graph_queries import describe
 from sensor_msgs.msg import Image
 from std_msgs.msg import String
@@ -232,6 +234,34 @@ def test_incompatible_qos_is_reported_and_nothing_is_delivered(kits: DdsKits) ->
     line = "/scan: publisher and subscription have incompatible QoS (RELIABILITY). DDS does not connect them"
     kits.until(lambda: any(each.startswith(line) for each in kits.lines), line)
     assert received == []
+
+
+def test_events_of_a_subscription_include_remote_publishers_that_join_and_leave(
+    kits: DdsKits, capfd: pytest.CaptureFixture[str]
+) -> None:
+    student, events = kits.join(), list[tuple[int, int]]()
+    with use_graph(student):
+        rclpy.init()
+        node = rclpy.create_node("student")
+        callbacks = SubscriptionEventCallbacks(
+            matched=lambda info: events.append((info.current_count, info.current_count_change))
+        )
+        node.create_subscription(String, "/chatter", print, 10, event_callbacks=callbacks)
+        robot = kits.join(send="/chatter")
+        reliable = talker(robot, "/chatter")
+
+        def received(expected: list[tuple[int, int]]) -> bool:
+            rclpy.spin_once(node, timeout_sec=0.0)
+            return events == expected
+
+        kits.until(lambda: received([(1, 1)]), "the publisher")
+        talker(robot, "/chatter", qos=BEST_EFFORT)
+        kits.until(lambda: topics(student, "pub").count("/chatter") == 2, "the second publisher")
+        robot.remove_endpoint(reliable)
+        kits.until(lambda: received([(1, 1), (0, -1)]), "its end")
+        rclpy.shutdown()
+    warning = "New publisher discovered on topic '/chatter', offering incompatible QoS. No messages will"
+    assert capfd.readouterr().err.count(warning) == 1
 
 
 def test_nodes_in_another_domain_are_not_discovered(kits: DdsKits) -> None:

@@ -68,16 +68,12 @@ class Endpoint:
 
     def watch(self, events: Events) -> None:
         """Report the matching endpoints to `events`, and this endpoint to their events."""
-        _events.setdefault(self.node.graph, {})[self.id] = events
+        graph = self.node.graph
+        if graph not in _events:
+            graph.remote_listeners.append(_on_remote_endpoint)
+        _events.setdefault(graph, {})[self.id] = events
         for publisher, subscription in self._pairs():
-            policy = self.node.graph.incompatible_policy(publisher, subscription)
-            for side in _sides(self.node.graph, publisher, subscription):
-                if publisher.type_name != subscription.type_name:
-                    side.count("incompatible_type")
-                elif policy is not None:
-                    side.count("incompatible_qos", last_policy_kind=RmwPolicyKind[policy])
-                else:
-                    side.matched(1)
+            _report_pair(graph, publisher, subscription, change=1)
 
     def _pairs(self) -> list[tuple[EndpointInfo, EndpointInfo]]:
         """List (publisher, subscription) for each endpoint on the other side of the topic, matched or not."""
@@ -87,6 +83,28 @@ class Endpoint:
             return []
         partners = [info for info in on_topic if info.kind != me.kind]
         return [(me, other) if me.kind == "pub" else (other, me) for other in partners]
+
+
+def _on_remote_endpoint(graph: Graph, remote: EndpointInfo, has_joined: bool) -> None:
+    """Report a remote endpoint that has joined or is about to leave to the events of its partners."""
+    change = 1 if has_joined else -1
+    for info in graph.endpoints_on(remote.topic):
+        if info.kind == "sub" and remote.kind == "pub":
+            _report_pair(graph, remote, info, change)
+        elif info.kind == "pub" and remote.kind == "sub":
+            _report_pair(graph, info, remote, change)
+
+
+def _report_pair(graph: Graph, publisher: EndpointInfo, subscription: EndpointInfo, change: int) -> None:
+    """Report a pair that has formed (1) or ends (-1) to the events of both sides."""
+    policy = graph.incompatible_policy(publisher, subscription)
+    for side in _sides(graph, publisher, subscription):
+        if policy is None and publisher.type_name == subscription.type_name:
+            side.matched(change)
+        elif change > 0 and publisher.type_name != subscription.type_name:
+            side.count("incompatible_type")
+        elif change > 0 and policy is not None:
+            side.count("incompatible_qos", last_policy_kind=RmwPolicyKind[policy])
 
 
 def _sides(graph: Graph, *infos: EndpointInfo) -> list[Events]:
