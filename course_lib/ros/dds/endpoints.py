@@ -130,10 +130,10 @@ class Writer:
                 del self._history[next(iter(self._history))]
         reached = set[Locator]()
         for reader in self.readers.values():
-            new = [one for one in reader.endpoint.locators if one not in reached]
-            reached.update(new)
-            if new:
-                self._send(self.last, change, new, with_heartbeat=self.endpoint.is_reliable)
+            unreached = [address for address in reader.endpoint.locators if address not in reached]
+            reached.update(unreached)
+            if unreached:
+                self._send(self.last, change, unreached, with_heartbeat=self.endpoint.is_reliable)
         return self.last
 
     def match(self, endpoint: Endpoint) -> None:
@@ -408,7 +408,9 @@ class Reader:
             del writer.partial[min(writer.partial)]
             self.incomplete += 1
         for other in (writer, *self.writers.values()):
-            used = sum(one.memory for each in self.writers.values() for one in each.partial.values())
+            used = sum(
+                message.memory for matched in self.writers.values() for message in matched.partial.values()
+            )
             if used + size <= MAX_PARTIAL_BYTES:
                 return
             self.incomplete += len(other.partial)
@@ -440,8 +442,10 @@ class Reader:
             # The writer no longer keeps the messages before `first`. It skips those from before the
             # match by a GAP.
             writer.due = first
-            writer.pending = {number: one for number, one in writer.pending.items() if number >= first}
-            writer.partial = {number: one for number, one in writer.partial.items() if number >= first}
+            writer.pending = {number: sample for number, sample in writer.pending.items() if number >= first}
+            writer.partial = {
+                number: partial for number, partial in writer.partial.items() if number >= first
+            }
         self._deliver(writer)
         end = min(last, writer.due + MAX_SET - 1) + 1
         missing = [number for number in range(writer.due, end) if number not in writer.pending]
@@ -461,7 +465,7 @@ class Reader:
             return
         if first <= writer.due < base:
             writer.due = base
-            writer.pending = {number: one for number, one in writer.pending.items() if number >= base}
+            writer.pending = {number: sample for number, sample in writer.pending.items() if number >= base}
         for number in others:
             if number >= writer.due and len(writer.pending) < MAX_PENDING:
                 writer.pending.setdefault(number, None)

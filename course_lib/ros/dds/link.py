@@ -431,10 +431,10 @@ class DdsLink:
     def _list(self, guid: bytes) -> None:
         """Add a remote endpoint to the graph as soon as its description and its node are known."""
         endpoint, node = self._endpoints.get(guid), self._owners.get(guid)
-        found = names.read_names(endpoint) if endpoint is not None else None
-        if endpoint is None or node is None or found is None or guid in self._listed:
+        ros_names = names.read_names(endpoint) if endpoint is not None else None
+        if endpoint is None or node is None or ros_names is None or guid in self._listed:
             return
-        kind, topic, type_name = found
+        kind, topic, type_name = ros_names
         remote_hash = names.read_type_hash(endpoint.user_data)
         if kind in ("server", "client") and is_known(type_name):
             # DDS transmits the hash of the request, from which the service's own hash cannot be

@@ -86,8 +86,8 @@ def user_data(type_hash: str) -> bytes:
 
 def read_type_hash(data: bytes) -> str:
     """Return the type hash in an endpoint's user data, or an empty string."""
-    found = TYPE_HASH.search(data)
-    return found[1].decode() if found else ""
+    match = TYPE_HASH.search(data)
+    return match[1].decode() if match else ""
 
 
 def read_names(endpoint: Endpoint) -> tuple[EntityKind, str, str] | None:

@@ -57,7 +57,7 @@ from course_lib.ros.dds.wire import (
     duration,
     locator,
     octets,
-    parameter,
+    parameter_list,
     read_bitmap,
     read_datagram,
     read_parameters,
@@ -284,29 +284,27 @@ class Participant:
         """Send submessages to addresses, for one participant or for all participants there."""
         info = submessage(INFO_DST, 0, destination) if destination else b""
         datagram = b"".join((PROTOCOL, VENDOR_ID, self.prefix, info, *submessages))
-        for one in locators:
+        for address in locators:
             # If the buffer is full or an address unreachable, the datagram is lost, and the
             # protocol resends it.
             with contextlib.suppress(OSError):
-                self._socket.sendto(datagram, one)
+                self._socket.sendto(datagram, address)
 
     # Discovery of participants.
 
     def _announce(self, locators: Iterable[Locator]) -> None:
         here = locator(self._own_locator)
-        data = (
-            PL_CDR_LE
-            + parameter(Pid.VERSION, PROTOCOL[4:])
-            + parameter(Pid.VENDOR, VENDOR_ID)
-            + parameter(Pid.DOMAIN, struct.pack("<I", self.domain))
-            + parameter(Pid.PARTICIPANT, self.guid)
-            + parameter(Pid.METATRAFFIC, here)
-            + parameter(Pid.DEFAULT_UNICAST, here)
-            + parameter(Pid.LEASE, duration(round(LEASE_SECONDS * 1e9)))
-            + parameter(Pid.BUILTIN, struct.pack("<I", BUILTIN_ENDPOINTS))
-            + parameter(Pid.NAME, string("/"))
-            + parameter(Pid.USER_DATA, octets(b"enclave=/;"))
-            + parameter(Pid.SENTINEL, b"")
+        data = PL_CDR_LE + parameter_list(
+            (Pid.VERSION, PROTOCOL[4:]),
+            (Pid.VENDOR, VENDOR_ID),
+            (Pid.DOMAIN, struct.pack("<I", self.domain)),
+            (Pid.PARTICIPANT, self.guid),
+            (Pid.METATRAFFIC, here),
+            (Pid.DEFAULT_UNICAST, here),
+            (Pid.LEASE, duration(round(LEASE_SECONDS * 1e9))),
+            (Pid.BUILTIN, struct.pack("<I", BUILTIN_ENDPOINTS)),
+            (Pid.NAME, string("/")),
+            (Pid.USER_DATA, octets(b"enclave=/;")),
         )
         self._send_spdp(locators, data)
 
@@ -322,11 +320,11 @@ class Participant:
                 key[:PREFIX_SIZE] or ParameterList(payload).first(Pid.PARTICIPANT)[:PREFIX_SIZE]
             )
             return
-        listed = ParameterList(payload)
-        prefix = listed.first(Pid.PARTICIPANT)[:PREFIX_SIZE] or source
-        if prefix == self.prefix or listed.number(Pid.DOMAIN, self.domain) != self.domain:
+        parameters = ParameterList(payload)
+        prefix = parameters.first(Pid.PARTICIPANT)[:PREFIX_SIZE] or source
+        if prefix == self.prefix or parameters.number(Pid.DOMAIN, self.domain) != self.domain:
             return
-        lease_ns = listed.duration(Pid.LEASE, default=round(LEASE_SECONDS * 1e9))
+        lease_ns = parameters.duration(Pid.LEASE, default=round(LEASE_SECONDS * 1e9))
         is_new = prefix not in self._leases
         if is_new and len(self._leases) >= MAX_PARTICIPANTS:
             self.dropped["too many participants"] += 1
@@ -334,9 +332,9 @@ class Participant:
         self._leases[prefix] = wall.monotonic() + (1e9 if lease_ns is None else lease_ns * 1e-9)
         if not is_new:
             return
-        locators = self._choose_locator(listed.locators(Pid.METATRAFFIC))
+        locators = self._choose_locator(parameters.locators(Pid.METATRAFFIC))
         self._default_locators[prefix] = (
-            self._choose_locator(listed.locators(Pid.DEFAULT_UNICAST)) or locators
+            self._choose_locator(parameters.locators(Pid.DEFAULT_UNICAST)) or locators
         )
         self._announce(locators)
         self._eager = EAGER_ANNOUNCEMENTS
@@ -386,8 +384,8 @@ class Participant:
         self._writers[announcer].write(data, b"", wall.time_ns())
 
     def _on_sedp(self, sample: ReceivedSample) -> None:
-        listed = ParameterList(sample.data)
-        guid = listed.first(Pid.ENDPOINT) or listed.first(Pid.KEY_HASH)
+        parameters = ParameterList(sample.data)
+        guid = parameters.first(Pid.ENDPOINT) or parameters.first(Pid.KEY_HASH)
         if len(guid) != 16:
             raise ValueError("an endpoint without a GUID")
         if sample.is_disposed:
@@ -396,16 +394,16 @@ class Participant:
         if guid not in self._endpoints and len(self._endpoints) >= MAX_ENDPOINTS:
             self.dropped["too many endpoints"] += 1
             return
-        own_locators = self._choose_locator(listed.locators(Pid.UNICAST))
+        own_locators = self._choose_locator(parameters.locators(Pid.UNICAST))
         endpoint = Endpoint(
             guid,
-            listed.string(Pid.TOPIC),
-            listed.string(Pid.TYPE),
-            listed.qos("writer" if guid[15] & 0x0F in (2, 3) else "reader"),
-            listed.octets(Pid.USER_DATA),
+            parameters.string(Pid.TOPIC),
+            parameters.string(Pid.TYPE),
+            parameters.qos("writer" if guid[15] & 0x0F in (2, 3) else "reader"),
+            parameters.octets(Pid.USER_DATA),
             own_locators or self._default_locators.get(guid[:PREFIX_SIZE], ()),
             # An empty sequence of partitions has the length 0.
-            has_partition=listed.number(Pid.PARTITION, 0) > 0,
+            has_partition=parameters.number(Pid.PARTITION, 0) > 0,
         )
         if guid not in self._endpoints:
             self._endpoints[guid] = endpoint
@@ -433,15 +431,15 @@ class Participant:
     def _bind(self, base: int) -> socket.socket:
         """Return a socket on the first free unicast port of the domain."""
         for i in range(PORT_ATTEMPTS):
-            found = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-            found.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, SOCKET_BUFFER)
-            found.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SOCKET_BUFFER)
-            found.setblocking(False)
+            udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, SOCKET_BUFFER)
+            udp.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SOCKET_BUFFER)
+            udp.setblocking(False)
             try:
-                found.bind((self._address, base + 2 * i))
-                return found
+                udp.bind((self._address, base + 2 * i))
+                return udp
             except OSError:
-                found.close()
+                udp.close()
         raise CourseError(
             f"No UDP port from {base} to {base + 2 * PORT_ATTEMPTS - 2} is free on {self._address}: end "
             "other ROS programs on this computer, or choose another domain."
@@ -501,23 +499,23 @@ class Participant:
             self.dropped[type(error).__name__] += 1
 
     def _process(self, data: bytes) -> None:
-        for one in read_datagram(data, self.prefix):
-            if not one.is_for or one.source == self.prefix:
+        for received in read_datagram(data, self.prefix):
+            if not received.is_for or received.source == self.prefix:
                 continue
-            if one.kind in (DATA, DATA_FRAG):
-                self._on_data(one)
-            elif one.kind in (ACKNACK, NACK_FRAG):
-                self._on_nack(one)
-            elif one.kind in (HEARTBEAT, GAP):
-                self._on_writer_state(one)
+            if received.kind in (DATA, DATA_FRAG):
+                self._on_data(received)
+            elif received.kind in (ACKNACK, NACK_FRAG):
+                self._on_nack(received)
+            elif received.kind in (HEARTBEAT, GAP):
+                self._on_writer_state(received)
 
-    def _on_data(self, one: Submessage) -> None:
-        body, order = one.body, one.order
+    def _on_data(self, received: Submessage) -> None:
+        body, order = received.body, received.order
         reader_entity, writer_entity = bytes(body[4:8]), bytes(body[8:12])
         number = read_sequence_number(body, 12, order)
         begin = 4 + struct.unpack_from(f"{order}H", body, 2)[0]
         related, status, key = None, 0, b""
-        if one.flags & 0x02:
+        if received.flags & 0x02:
             inline, begin = read_parameters(body, order, begin)
             for pid, value in inline:
                 if pid in (Pid.RELATED, Pid.RELATED_OLD):
@@ -528,44 +526,48 @@ class Participant:
                     key = value
         is_disposed = bool(status & DISPOSED[3])
         if writer_entity == SPDP_WRITER:
-            self._on_spdp(bytes(body[begin:]), one.source, key, is_disposed=is_disposed)
+            self._on_spdp(bytes(body[begin:]), received.source, key, is_disposed=is_disposed)
             return
         payload = b""
-        if one.kind == DATA:
-            payload = bytes(body[begin:]) if one.flags & 0x0C else PL_CDR_LE + disposal_of(key)
+        if received.kind == DATA:
+            payload = (
+                bytes(body[begin:])
+                if received.flags & 0x0C
+                else PL_CDR_LE + parameter_list((Pid.KEY_HASH, key))
+            )
         sample = ReceivedSample(
-            payload, one.source + writer_entity, number, one.stamp_ns, related, is_disposed
+            payload, received.source + writer_entity, number, received.stamp_ns, related, is_disposed
         )
         for reader in self._readers_of(reader_entity, sample.writer):
-            if one.kind == DATA:
+            if received.kind == DATA:
                 reader.on_data(sample)
             else:
                 first, count, fragment_size, size = struct.unpack_from(f"{order}IHHI", body, 20)
                 reader.on_fragment(sample, first, count, fragment_size, size, body[begin:])
 
-    def _on_nack(self, one: Submessage) -> None:
+    def _on_nack(self, received: Submessage) -> None:
         """Process a remote reader's report of missing messages."""
-        body, order = one.body, one.order
-        reader, writer = one.source + body[:4], self._writers.get(bytes(body[4:8]))
+        body, order = received.body, received.order
+        reader, writer = received.source + body[:4], self._writers.get(bytes(body[4:8]))
         if writer is None:
             return
         number = read_sequence_number(body, 8, order)
-        if one.kind == ACKNACK:
+        if received.kind == ACKNACK:
             missing = read_bitmap(body, 16, number, order)
-            writer.on_acknack(reader, number, missing, is_final=bool(one.flags & 0x02))
+            writer.on_acknack(reader, number, missing, is_final=bool(received.flags & 0x02))
         else:
             (base,) = struct.unpack_from(f"{order}I", body, 16)
             writer.on_nack_frag(reader, number, read_bitmap(body, 20, base, order))
 
-    def _on_writer_state(self, one: Submessage) -> None:
+    def _on_writer_state(self, received: Submessage) -> None:
         """Process a remote writer's report of the messages that it has or no longer has."""
-        body, order = one.body, one.order
-        writer = one.source + body[4:8]
+        body, order = received.body, received.order
+        writer = received.source + body[4:8]
         first, second = (read_sequence_number(body, at, order) for at in (8, 16))
         for reader in self._readers_of(bytes(body[:4]), writer):
-            if one.kind == HEARTBEAT:
+            if received.kind == HEARTBEAT:
                 (count,) = struct.unpack_from(f"{order}i", body, 24)
-                reader.on_heartbeat(writer, first, second, count, is_final=bool(one.flags & 0x02))
+                reader.on_heartbeat(writer, first, second, count, is_final=bool(received.flags & 0x02))
             else:
                 reader.on_gap(writer, first, second, read_bitmap(body, 24, second, order))
 
@@ -575,11 +577,6 @@ class Participant:
             return [reader for reader in self._readers.values() if writer in reader.writers]
         reader = self._readers.get(entity)
         return [] if reader is None or writer not in reader.writers else [reader]
-
-
-def disposal_of(key: bytes) -> bytes:
-    """Return a parameter list that contains only the key of a disposed instance."""
-    return parameter(Pid.KEY_HASH, key) + parameter(Pid.SENTINEL, b"")
 
 
 def _is_match(writer: Endpoint, reader: Endpoint) -> bool:

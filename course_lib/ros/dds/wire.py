@@ -227,6 +227,11 @@ def parameter(pid: int, value: bytes) -> bytes:
     return struct.pack("<HH", pid, len(value)) + value
 
 
+def parameter_list(*parameters: tuple[int, bytes]) -> bytes:
+    """Encode a list of parameters (pid, value), with its end."""
+    return b"".join(parameter(pid, value) for pid, value in (*parameters, (Pid.SENTINEL, b"")))
+
+
 def string(value: str) -> bytes:
     """Encode a string."""
     data = value.encode() + b"\0"
@@ -253,13 +258,13 @@ def locator(address: Locator) -> bytes:
 
 def read_parameters(data: Buffer, order: str, at: int) -> tuple[list[tuple[int, bytes]], int]:
     """Return the parameters (pid, value) of the list at a position, and the position after the list."""
-    found: list[tuple[int, bytes]] = []
+    parameters: list[tuple[int, bytes]] = []
     while at + 4 <= len(data):
         pid, size = struct.unpack_from(f"{order}HH", data, at)
         at += 4
         if pid == Pid.SENTINEL:
-            return found, at
-        found.append((int(pid), bytes(data[at : at + size])))
+            return parameters, at
+        parameters.append((int(pid), bytes(data[at : at + size])))
         at += size
     raise ValueError("a parameter list without an end")
 
@@ -306,12 +311,12 @@ class ParameterList:
 
     def locators(self, pid: int) -> tuple[Locator, ...]:
         """Return the UDPv4 locators. Shared memory, TCP and IPv6 are ignored."""
-        found = []
+        locators = []
         for value in self._values.get(pid, ()):
             kind, port = struct.unpack_from(f"{self.order}iI", value)
             if kind == 1 and len(value) >= 24 and 0 < port < 2**16:
-                found.append((socket.inet_ntoa(value[20:24]), int(port)))
-        return tuple(found)
+                locators.append((socket.inet_ntoa(value[20:24]), int(port)))
+        return tuple(locators)
 
     def qos(self, kind: Kind) -> Qos:
         """Return the QoS of an endpoint. Absent policies have the defaults of DDS, not ROS.
@@ -334,34 +339,32 @@ def describe(endpoint: Endpoint, participant: bytes, here: Locator) -> bytes:
     """Encode an endpoint of this participant for discovery."""
     qos = endpoint.qos
     liveliness = 2 if qos.liveliness == "manual_by_topic" else 0
-    return (
-        PL_CDR_LE
-        + parameter(Pid.ENDPOINT, endpoint.guid)
-        + parameter(Pid.KEY_HASH, endpoint.guid)
-        + parameter(Pid.PARTICIPANT, participant)
-        + parameter(Pid.TOPIC, string(endpoint.topic))
-        + parameter(Pid.TYPE, string(endpoint.type_name))
-        + parameter(Pid.UNICAST, locator(here))
-        + parameter(Pid.RELIABILITY, struct.pack("<I", 1 + endpoint.is_reliable) + duration(10**8))
-        + parameter(Pid.DURABILITY, struct.pack("<I", endpoint.is_latched))
-        + parameter(Pid.DEADLINE, duration(qos.deadline_ns))
-        + parameter(Pid.LIFESPAN, duration(qos.lifespan_ns))
-        + parameter(Pid.LIVELINESS, struct.pack("<I", liveliness) + duration(qos.lease_ns))
-        + parameter(Pid.REPRESENTATION, struct.pack("<Ihh", 1, 0, 0))
-        + (parameter(Pid.USER_DATA, octets(endpoint.user_data)) if endpoint.user_data else b"")
-        + parameter(Pid.SENTINEL, b"")
-    )
+    parameters = [
+        (Pid.ENDPOINT, endpoint.guid),
+        (Pid.KEY_HASH, endpoint.guid),
+        (Pid.PARTICIPANT, participant),
+        (Pid.TOPIC, string(endpoint.topic)),
+        (Pid.TYPE, string(endpoint.type_name)),
+        (Pid.UNICAST, locator(here)),
+        (Pid.RELIABILITY, struct.pack("<I", 1 + endpoint.is_reliable) + duration(10**8)),
+        (Pid.DURABILITY, struct.pack("<I", endpoint.is_latched)),
+        (Pid.DEADLINE, duration(qos.deadline_ns)),
+        (Pid.LIFESPAN, duration(qos.lifespan_ns)),
+        (Pid.LIVELINESS, struct.pack("<I", liveliness) + duration(qos.lease_ns)),
+        (Pid.REPRESENTATION, struct.pack("<Ihh", 1, 0, 0)),
+    ]
+    if endpoint.user_data:
+        parameters.append((Pid.USER_DATA, octets(endpoint.user_data)))
+    return PL_CDR_LE + parameter_list(*parameters)
 
 
 def disposal(pid: int, guid: bytes) -> tuple[bytes, bytes]:
     """Return the payload and inline QoS of the message that removes an endpoint or a participant."""
-    inline = parameter(Pid.KEY_HASH, guid) + parameter(Pid.STATUS, DISPOSED) + parameter(Pid.SENTINEL, b"")
-    return PL_CDR_LE + parameter(pid, guid) + parameter(Pid.SENTINEL, b""), inline
+    inline_qos = parameter_list((Pid.KEY_HASH, guid), (Pid.STATUS, DISPOSED))
+    return PL_CDR_LE + parameter_list((pid, guid)), inline_qos
 
 
 def related_request(request: RequestId) -> bytes:
     """Encode the inline QoS by which Fast DDS relates a reply to its request."""
     identity = request.guid + sequence_number(request.sequence)
-    return (
-        parameter(Pid.RELATED, identity) + parameter(Pid.RELATED_OLD, identity) + parameter(Pid.SENTINEL, b"")
-    )
+    return parameter_list((Pid.RELATED, identity), (Pid.RELATED_OLD, identity))

@@ -22,12 +22,14 @@ class DdsKits(Kits):
 
     def __init__(self) -> None:
         super().__init__("dds/127.0.0.1")
+        self.links: list[DdsLink] = []
         self.domain = FIRST_DOMAIN + DOMAINS_PER_WORKER * WORKER + next(domains)
 
     def join(self, *, domain: int = 0, send: str = "", call: str = "", host: str = "127.0.0.1") -> RobotGraph:
         """Link one more graph."""
         allowed = Permissions.from_names(send.split(), call.split())
         link = DdsLink(host, self.domain + domain)
+        self.links.append(link)
         self.graphs.append(RobotGraph(link, allowed, self.lines.append))
         return self.graphs[-1]
 
@@ -38,6 +40,9 @@ def kits() -> Iterator[DdsKits]:
     yield joined
     for graph in tuple(joined.graphs):
         joined.leave(graph)
+    for link in joined.links:
+        # A link whose robot has not received its stop stays open, and a later test uses its domain.
+        link.close()
 
 
 def dds_link(graph: RobotGraph) -> DdsLink:

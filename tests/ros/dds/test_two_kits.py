@@ -12,6 +12,7 @@ import pytest
 import rclpy
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.impl.graph_queries import describe
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
@@ -27,6 +28,7 @@ from course_lib.ros.messages import deserialize, serialize
 from course_lib.ros.robot import robot_graph
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.time import wall
+from course_lib.ros.time.time_lock import time_lock
 from tests.patience import PATIENCE
 from tests.ros.dds.conftest import DdsKits, dds_link
 from tests.ros.zenoh.test_two_kits import (  # noqa: F401  # pytest collects the tests here with this folder's fixtures
@@ -240,8 +242,8 @@ def test_events_of_a_subscription_include_remote_publishers_that_join_and_leave(
     kits: DdsKits, capfd: pytest.CaptureFixture[str]
 ) -> None:
     student, events = kits.join(), list[tuple[int, int]]()
-    with use_graph(student):
-        rclpy.init()
+    with use_graph(student), time_lock.hold():
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         node = rclpy.create_node("student")
         callbacks = SubscriptionEventCallbacks(
             matched=lambda info: events.append((info.current_count, info.current_count_change))
@@ -279,14 +281,13 @@ def ends_with(received: list[bytes], text: str) -> bool:
 def test_robot_with_several_networks_is_discovered_in_the_network_of_its_given_address(
     kits: DdsKits, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def parameter_with_two_networks(pid: int, value: bytes) -> bytes:
-        encoded = wire.parameter(pid, value)
-        if pid in (wire.Pid.METATRAFFIC, wire.Pid.DEFAULT_UNICAST):
-            # Nothing listens at this address of the robot's first network.
-            return wire.parameter(pid, wire.locator(("127.7.7.7", 7400))) + encoded
-        return encoded
+    def list_with_two_networks(*parameters: tuple[int, bytes]) -> bytes:
+        # Nothing listens at this address of the robot's first network.
+        other = wire.locator(("127.7.7.7", 7400))
+        addresses = (wire.Pid.METATRAFFIC, wire.Pid.DEFAULT_UNICAST)
+        return wire.parameter_list(*[(pid, other) for pid, _ in parameters if pid in addresses], *parameters)
 
-    monkeypatch.setattr(participant, "parameter", parameter_with_two_networks)
+    monkeypatch.setattr(participant, "parameter_list", list_with_two_networks)
     robot, student = kits.join(send="/chatter"), kits.join()
     talker(robot, "/chatter")
     kits.until(lambda: "/chatter" in topics(student, "pub"), "the robot")
