@@ -12,6 +12,7 @@ from course_lib.errors import CourseError
 from course_lib.recording import Recording, bag_info, read_bag, recorded, write_bag
 from course_lib.ros.graph.graph import Graph, Sample
 from course_lib.ros.graph.topics import CLOCK, tick
+from course_lib.ros.messages.hashes import is_known
 from course_lib.ros.time import pace
 from course_lib.ros.time.interrupts import until_interrupted
 from course_lib.tools.sources import PLAYER, RecordingSource, Source, is_hidden
@@ -44,6 +45,10 @@ READER = (
 
 # Polling period [s] for new topics.
 POLLING = 0.1
+_UNKNOWN_TYPE = (
+    "Topic '{}' has unknown type '{}' associated. Only topics with known type are supported. If the package "
+    "is yours, copy its interface files from the robot."
+)
 _SELECTIONS = "--all, --all-topics, --all-services, --services, --topics, --topic-types or --regex"
 
 
@@ -68,10 +73,12 @@ def _record_bag(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _record_live(source: Source, arguments: Namespace, write: Write, folder: Path) -> None:
-    def say(text: str) -> None:
-        write(log_line("rosbag2_recorder", source.graph.now_ns, text))
+    def say(text: str, severity: str = "INFO") -> None:
+        write(log_line("rosbag2_recorder", source.graph.now_ns, text, severity))
 
     limit, start_ns, known_topics = source.limit(), source.graph.now_ns, set[str]()
+    # A robot may have types that the kit cannot subscribe to.
+    unknown_types = set[str]()
     # Raises a CourseError if rclpy is not initialized.
     source.wait(lambda: True, 0.0)
     say("Listening for topics...")
@@ -83,9 +90,14 @@ def _record_live(source: Source, arguments: Namespace, write: Write, folder: Pat
         with until_interrupted():
             while not source.graph.ended and (limit is None or source.graph.now_ns - start_ns < limit * 1e9):
                 for topic, types in source.topics().items():
-                    if topic not in known_topics and _is_recorded(arguments, topic, types[0]):
+                    if topic in known_topics or not _is_recorded(arguments, topic, types[0]):
+                        continue
+                    if is_known(types[0]):
                         say(f"Subscribed to topic '{topic}'")
                         known_topics.add(topic)
+                    elif types[0] not in unknown_types:
+                        say(_UNKNOWN_TYPE.format(topic, types[0]), "WARN")
+                        unknown_types.add(types[0])
                 if source.graph.now_ns == start_ns:
                     say("Recording...")
                     if arguments.use_sim_time:

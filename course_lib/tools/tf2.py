@@ -73,9 +73,9 @@ class TransformStream:
         return problem is None
 
 
-def log_line(name: str, now_ns: int, text: str) -> str:
-    """Return a line of a node's log with severity INFO."""
-    return f"[INFO] [{now_ns // 10**9}.{now_ns % 10**9:09d}] [{name}]: {text}\n"
+def log_line(name: str, now_ns: int, text: str, severity: str = "INFO") -> str:
+    """Return a line of a node's log."""
+    return f"[{severity}] [{now_ns // 10**9}.{now_ns % 10**9:09d}] [{name}]: {text}\n"
 
 
 def _echo(source: Source, arguments: Namespace, write: Write) -> None:

@@ -9,6 +9,7 @@ from std_msgs.msg import String
 from course_lib.errors import CourseError
 from course_lib.recording import read_bag
 from course_lib.ros.graph.graph import START_NS, Graph
+from course_lib.ros.graph.topics import Qos
 from course_lib.ros.time.driving import spin_for
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource, RecordingSource
@@ -49,6 +50,16 @@ def test_topics_are_selected_by_the_rules_of_rosbag2(
 ) -> None:
     run(f"record {options} -o chosen")
     assert set(counts("chosen")) - {"/parameter_events", "/rosout"} == topics
+
+
+def test_topic_of_an_unknown_type_is_reported_once_and_left_out(graph: Graph, talker: Node, run: Run) -> None:
+    for topic in ("/odd", "/odder"):
+        graph.add_publisher(graph.add_node("robot", "/"), topic, "absent_msgs/msg/Odd", Qos())
+    text = run("record /chatter /odd /odder -o chosen")
+    assert text.count("' has unknown type 'absent_msgs/msg/Odd' associated. Only topics with known") == 1
+    assert "[WARN]" in text
+    assert "Subscribed to topic '/odd" not in text
+    assert counts("chosen") == {"/chatter": 10}
 
 
 def test_default_bag_name_is_the_current_time(talker: Node, run: Run) -> None:
