@@ -38,7 +38,11 @@ from launch.substitutions import (
     PythonExpression,
     TextSubstitution,
 )
-from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
+from launch.utilities import (
+    ensure_argument_type,
+    normalize_to_list_of_substitutions,
+    perform_substitutions,
+)
 from launch_ros.actions import SetParameter
 from launch_ros.substitutions import Parameter
 from nav2_common.launch import HasNodeParams, ReplaceString, RewrittenYaml
@@ -278,3 +282,16 @@ def test_yaml_is_rewritten_as_in_nav2(context: LaunchContext, tmp_path: Path) ->
         "True",
         "False",
     ]
+
+
+def test_argument_of_another_type_is_rejected_with_the_text_of_ros() -> None:
+    ensure_argument_type("a", str, "name")
+    ensure_argument_type(True, (str, int), "name")
+    with pytest.raises(TypeError) as caught:
+        ensure_argument_type(1.5, [str, int], "name", "Box")
+    assert str(caught.value) == (
+        "'Box' expected 'name' to be one of [<class 'str'>, <class 'int'>], but got '1.5' of type "
+        "'<class 'float'>'"
+    )
+    with pytest.raises(TypeError, match=r"^Expected 'name' to be one of \[<class 'str'>\], but got '1'"):
+        ensure_argument_type(1, str, "name")

@@ -44,3 +44,16 @@ def is_a_subclass(obj: Any, entity_type: type) -> bool:
 def perform_substitutions(context: LaunchContext, subs: Iterable[Any]) -> str:
     """Perform substitutions and join the results."""
     return text_of(context, subs)
+
+
+def ensure_argument_type(
+    argument: object, types: type | Iterable[type], argument_name: str, caller: str | None = None
+) -> None:
+    """Raise a TypeError with ROS's text if an argument is not an instance of one of the types."""
+    allowed = [types] if isinstance(types, type) else list(types)
+    if not isinstance(argument, tuple(allowed)):
+        start = "E" if caller is None else f"'{caller}' e"
+        raise TypeError(
+            f"{start}xpected '{argument_name}' to be one of [{', '.join(map(str, allowed))}], but got "
+            f"'{argument}' of type '{type(argument)}'"
+        )
