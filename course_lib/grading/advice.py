@@ -20,6 +20,11 @@ from typing import Any
 
 import numpy as np
 
+from course_lib.course.exercise import code_cells, read_notebook
+from course_lib.course.exercise import source as text_of
+from course_lib.course.state import exercises_dir
+from course_lib.errors import CourseError
+from course_lib.export.module import without_magics
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import TaskResult
@@ -31,6 +36,7 @@ IN_PLACE = {"append", "extend", "insert", "remove", "reverse", "sort", "clear", 
 # Functions and methods that only return a value.
 _PURE = {"sorted", "reversed", "round", "abs", "replace", "strip", "lower", "upper", "format", "split"}
 _SENDING = ("publish", "sendTransform")
+_SIGNS = {ast.UAdd: "+", ast.USub: "-"}
 _LONGEST = 60  # characters of a quoted line
 _FIELD = re.compile(r"\{[a-z_]\w*(\.\w+|\[\w+\])*(:[^{}]*)?\}")
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -95,6 +101,12 @@ def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
         match statement:
             case ast.Expr(value=ast.Compare(ops=[ast.Eq()])):
                 yield f"{_quote(statement)} compares and changes nothing: a single = sets a value."
+            case ast.Expr(
+                value=ast.UnaryOp(
+                    op=ast.UAdd() | ast.USub() as sign, operand=ast.UnaryOp(operand=ast.Name(id=name))
+                )
+            ):
+                yield f"{_quote(statement)} changes nothing: write {name} {_SIGNS[type(sign)]}= 1."
             case ast.Expr(value=ast.Attribute() as named):
                 yield f"{_quote(statement)} names {named.attr} and does not call it: write ( ) after it."
             case ast.Expr(
@@ -538,6 +550,45 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
             ]
         return [f"{task.name} returned None: is there a return?"]
     return []
+
+
+def parameter_order_hint(task: Task, source: str) -> list[str]:
+    """Return a sentence about parameters that are in another order than in the exercise, or []."""
+    given = _released_parameters(task.week, task.name)
+    for name, own in _parameters(parse(source)):
+        expected = given.get(name, [])
+        in_place = [one not in own or own.index(one) == place for place, one in enumerate(expected)]
+        # Errors about a missing or surplus parameter have hints of their own.
+        if len(own) == len(expected) and not all(in_place):
+            return [
+                f"Hint: The parameters of {name} are in another order than in the exercise: write "
+                f"def {name}({', '.join(expected)})."
+            ]
+    return []
+
+
+def _parameters(tree: ast.AST) -> Iterator[tuple[str, list[str]]]:
+    """Yield the name and the positional parameters of each function, and of each method of a class."""
+    for node in getattr(tree, "body", ()):
+        if isinstance(node, _Function):
+            yield node.name, [one.arg for one in (*node.args.posonlyargs, *node.args.args)]
+        elif isinstance(node, ast.ClassDef):
+            yield from _parameters(node)
+
+
+@cache
+def _released_parameters(week: str, name: str) -> Mapping[str, list[str]]:
+    """Return the parameters of a task's function, or of its class's methods, in the unchanged exercise."""
+    try:
+        notebook = read_notebook(exercises_dir() / f"{week}_exercise.ipynb")
+    except CourseError:
+        return {}
+    for _, cell in code_cells(notebook):
+        tree = parse(without_magics(text_of(cell)))
+        body = [one for one in getattr(tree, "body", ()) if getattr(one, "name", "") == name]
+        if body:
+            return dict(_parameters(ast.Module(body, [])))
+    return {}
 
 
 def nan_hint(evidence: Iterable[Evidence]) -> list[str]:

@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from course_lib.course.exercise import current_identity
@@ -17,6 +18,7 @@ from course_lib.grading.advice import (
     large_message_hint,
     missing_return_hint,
     nan_hint,
+    parameter_order_hint,
     wrong_type_hint,
 )
 from course_lib.grading.evidence import Evidence
@@ -27,6 +29,7 @@ from course_lib.grading.reports.table import Table
 from course_lib.grading.run.outcome import printed_lines
 from course_lib.grading.run.run import Run
 from course_lib.grading.run.student_side import run_in_this_process
+from course_lib.grading.submissions.notebook import NOT_SUBMITTED
 from course_lib.grading.task import Catalog, Task, shipped_catalog
 from course_lib.host import in_notebook
 
@@ -86,7 +89,8 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     history = getattr(shell, "history_manager", None)
     remember(task, result, [] if history is None else list(history.input_hist_raw))
     table = table_of(task, result, evidence, student, _ADVICE, source_of(subject))
-    table = replace(table, next_step=next_step(catalog, task))
+    own_files = map(NOT_SUBMITTED.format, _own_modules())
+    table = replace(table, next_step=next_step(catalog, task), notes=(*table.notes, *own_files))
     show(lambda: table, str(table))
     if in_notebook() and task.ghost and not result.passed:
         from course_lib.grading.reports.scenes import (
@@ -124,6 +128,15 @@ def next_step(catalog: Catalog, task: Task) -> str:
     return f"Next is task {place + 1}{' for a bonus' if is_bonus else ''}: {title}{end}"
 
 
+def _own_modules() -> list[str]:
+    """Return the imported Python files of the current folder, which is the notebook's in a kernel."""
+    here = Path.cwd()
+    paths = [
+        getattr(module, "__file__", None) for name, module in sys.modules.copy().items() if name != "__main__"
+    ]
+    return sorted({Path(path).name for path in paths if path and Path(path).parent == here})
+
+
 def source_of(subject: Any) -> str:
     """Return the source of a student's class or function, or "" if it has none."""
     try:
@@ -156,7 +169,8 @@ def table_of(
     elif task.scenarios and not result.passed:
         hints = advice.hint(task, result, source)
         notes += (
-            missing_return_hint(task, evidence, source)
+            parameter_order_hint(task, source)
+            or missing_return_hint(task, evidence, source)
             or wrong_type_hint(evidence)
             or [*nan_hint(evidence), *hints]
         )

@@ -1,11 +1,13 @@
 """`course check FILE`: run the public checks of a whole notebook in a separate process, as in grading."""
 
+import ast
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from course_lib.course.exercise import current_identity, find_notebook
 from course_lib.errors import CourseError, format_count
+from course_lib.export.module import without_magics
 from course_lib.grading.advice import Advice
 from course_lib.grading.check import remember, table_of
 from course_lib.grading.judge import judge
@@ -13,9 +15,14 @@ from course_lib.grading.records import TaskResult
 from course_lib.grading.run.outcome import NOT_DEFINED
 from course_lib.grading.run.run import Job, plan_scenarios, run_scenarios
 from course_lib.grading.submissions.archives import working_files
-from course_lib.grading.submissions.notebook import CodeCell, parse_notebook
+from course_lib.grading.submissions.notebook import (
+    NOT_SUBMITTED,
+    CodeCell,
+    own_modules,
+    parse_notebook,
+)
 from course_lib.grading.submissions.submission import NO_EXERCISE, unpack
-from course_lib.grading.task import shipped_catalog
+from course_lib.grading.task import Task, shipped_catalog
 
 WEEK = re.compile(r"week\d\d")
 NOT_CHECKED = "{0.id} ({0.title}): not checked, because {0.name} cannot run; the reason is above."
@@ -45,12 +52,13 @@ def check_file(path: Path) -> bool:
     judgement = judge(exercise_run, tasks, catalog)
     causes = Causes(judgement.cell_errors, notebook.cells)
     parts: list[object] = [*causes.lines()]
+    parts += map(NOT_SUBMITTED.format, own_modules(path, notebook.cells))
     advice = Advice()
     for task, result in zip(tasks, judgement.tasks, strict=True):
         remember(task, result, notebook.cells)
         evidence = [one.evidence for one in exercise_run.runs if one.evidence.task == task.id]
         follows = causes.is_only_cause(result)
-        table = table_of(task, result, evidence, student, advice)
+        table = table_of(task, result, evidence, student, advice, _source_of(task, notebook.cells))
         parts.append(NOT_CHECKED.format(task) if follows else table)
     if identity and student != identity:
         parts.append(
@@ -59,6 +67,18 @@ def check_file(path: Path) -> bool:
         )
     print(*parts, sep="\n\n")  # noqa: T201
     return all(result.passed for result in judgement.tasks)
+
+
+def _source_of(task: Task, cells: Sequence[str]) -> str:
+    """Return the source of the class or function that is checked, or "" if no cell defines it."""
+    parsed = [CodeCell(number, text, True) for number, text in enumerate(cells, 1)]
+    arguments = [cell.checks[task.id] for cell in parsed if task.id in cell.checks]
+    name = getattr(arguments[-1], "id", "") if arguments else task.name
+    for cell in reversed(parsed):
+        for node in reversed(cell.tree.body):
+            if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
+                return ast.get_source_segment(without_magics(cell.source), node) or ""
+    return ""
 
 
 _UNKNOWN_NAME = re.compile(r"NameError: name '(\w+)' is not defined")

@@ -185,6 +185,17 @@ _FROM_PIP = {
     "ultralytics": "ultralytics",
     "websockets": "websockets",
 }
+# Words of other languages, with the names for them in Python.
+_OTHER_LANGUAGES = {
+    **dict.fromkeys(("null", "nullptr", "NULL", "Null", "nil", "undefined"), "None"),
+    "this": "self",
+    **dict.fromkeys(("printf", "fprintf", "println", "cout", "console", "System", "disp", "puts"), "print"),
+    **dict.fromkeys(("length", "numel", "strlen", "sizeof"), "len"),
+    **dict.fromkeys(("String", "string", "char"), "str"),
+    **dict.fromkeys(("boolean", "Boolean"), "bool"),
+    "double": "float",
+}
+_ENDS = {"end", "endif", "endfor", "endwhile", "endfunction", "fi", "done"}
 # Modules of ROS 1, with their replacements in ROS 2.
 _ROS_1 = {
     "rospy": "its library for Python is `import rclpy`",
@@ -256,6 +267,8 @@ def name_hint(error: NameError) -> str:
     importable = _importable(frame)
     if missing in _ROS_1:
         return f"there is no {missing} in ROS 2: {_ROS_1[missing]}."
+    if missing in _ENDS and line_of_student(error).strip().rstrip(";") == missing:
+        return f"a block ends where its lines are no longer indented: delete {missing}."
     if inner := _function_that_sets(missing, frame.f_code):
         return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
     if missing in importable:
@@ -282,6 +295,8 @@ def _similar_name(
     similar = nearest(missing, [*frame.f_locals, *frame.f_globals])
     if similar:
         return f"did you mean `{similar}`?"
+    if missing in _OTHER_LANGUAGES:
+        return f"Python's name for it is `{_OTHER_LANGUAGES[missing]}`."
     if similar := _abbreviated(missing, frame):
         return f"did you mean `{similar}`?"
     if similar := nearest(missing, owner):
@@ -601,6 +616,9 @@ def module_hint(error: ModuleNotFoundError) -> str:
         return f"{package} is a notebook, and Python imports files ending in .py: copy the cell to here."
     if inner and package in sys.modules:
         holder, _, last = (error.name or "").rpartition(".")
+        # As in Java, where `import rclpy.node.Node` imports a class.
+        if hasattr(sys.modules.get(holder), last):
+            return f"{last} is not a module: `from {holder} import {last}`."
         folders = map(Path, getattr(sys.modules.get(holder), "__path__", ()))
         submodules = [p.stem for folder in folders for p in folder.iterdir() if p.suffix in ("", ".py")]
         similar = nearest(last, submodules)

@@ -5,6 +5,7 @@ pasted from web pages, chats and C++, the decimal comma of many languages, and c
 terminal.
 """
 
+import linecache
 import re
 import sys
 import tomllib
@@ -40,7 +41,13 @@ def syntax_hint(error: SyntaxError) -> str:
         return newer
     if message.startswith("positional argument follows") and (found_comma := decimal_comma_hint(line)):
         return found_comma
-    for text, pattern, hint in _TABLE["lines"]:
+    # The parser stops one line later where C and Java open a block, or where a class has no ( ).
+    before = linecache.getline(error.filename, error.lineno - 1) if error.filename and error.lineno else ""
+    return _hint_in_table("before", message, before) or _hint_in_table("lines", message, line)
+
+
+def _hint_in_table(table: str, message: str, line: str) -> str:
+    for text, pattern, hint in _TABLE[table]:
         if re.search(text, message) and (match := re.search(pattern, line)):
             return hint.format(match[0], *match.groups())
     return ""

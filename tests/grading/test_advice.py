@@ -27,6 +27,7 @@ from course_lib.grading.advice import (
     hints_by_mistake,
     large_message_hint,
     nan_hint,
+    parameter_order_hint,
 )
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
@@ -237,6 +238,24 @@ def test_hint_ladder_starts_when_an_exception_repeats() -> None:
     messages = [advice.hint(TASK, replace(result(failing(MISTAKE)), errors=(error,))) for error in errors]
     after = f"Hint: {AFTER_AN_ERROR}"
     assert messages == [[after], [after], [after, "Hint 1 of 3: one"]]
+
+
+@pytest.mark.parametrize(
+    ("task", "code", "expected"),
+    [
+        ("week07.box_on_image", "def box_on_image(corners, k): ...", "def box_on_image(k, corners)."),
+        ("week07.box_on_image", "def box_on_image(points, k): ...", "def box_on_image(k, corners)."),
+        ("week07.box_on_image", "def box_on_image(k, points): ...", ""),
+        ("week07.box_on_image", "def box_on_image(corners): ...", ""),
+        ("week06.camera", "class Camera(Node):\n    def own(self, b, a): ...", ""),
+        ("week03.labels", "class Any(Node):\n    def draw(message, self): ...", "def draw(self, message)."),
+    ],
+)
+def test_parameters_in_another_order_than_in_the_exercise_are_reported(
+    task: str, code: str, expected: str
+) -> None:
+    found = parameter_order_hint(load_catalog(exercises_dir()).task(task), code)
+    assert [line.split("write ")[1] for line in found] == [expected] * bool(expected)
 
 
 def solution_code(week: str) -> str:

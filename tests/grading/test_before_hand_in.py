@@ -176,6 +176,16 @@ def test_damaged_check_history_does_not_prevent_packing(
     assert (folder / "week01_exercise_ada.zip").is_file()
 
 
+def test_module_of_the_student_is_reported_as_missing_from_the_submission(
+    checked: list[str], write: Callable[..., Path], folder: Path
+) -> None:
+    (folder / "my_nodes.py").write_text("a = 1\n")
+    warnings = warned(write([*checked, "from my_nodes import a"]))
+    assert [line.split(":")[0] for line in warnings] == [
+        "my_nodes.py is not part of your submission, and your code will not find it at grading"
+    ]
+
+
 @pytest.mark.parametrize("cell", ["%%time\nx = 1", "!ls\nawait y", "x?", "%ros2 topic list | wc", ""])
 def test_ipython_syntax_is_not_a_syntax_error(
     checked: list[str], write: Callable[..., Path], cell: str

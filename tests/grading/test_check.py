@@ -1,4 +1,6 @@
+import importlib
 import re
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -51,6 +53,16 @@ def test_full_public_score_announces_the_hidden_checks(
         "60 of 60 points so far. Next is task 2: Half of it.",
     ]
     assert student_state().get("progress", "week01.red_cube") == {"score": 60.0, "of": 60.0}
+
+
+def test_imported_file_of_the_student_is_reported_even_if_the_check_passes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("my_half.py").write_text("def half(length):\n    return length / 2\n")
+    monkeypatch.syspath_prepend(Path.cwd())
+    monkeypatch.delitem(sys.modules, "my_half", raising=False)
+    check("week01.half", importlib.import_module("my_half").half)
+    assert "my_half.py is not part of your submission" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("exercise", sorted(exercises_dir().glob("week*.ipynb")), ids=lambda path: path.stem)

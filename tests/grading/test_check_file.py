@@ -149,3 +149,31 @@ def test_missing_import_cell_is_reported_once_for_all_undefined_names(
     assert "No cell imports or defines Node, rclpy, math: is the cell with the imports missing?" in output
     assert "3 more cells cannot run for the same reason." in output
     assert "week01.half (Half of it): not checked, because half cannot run; the reason is above." in output
+
+
+OWN_FILE = "my_half.py is not part of your submission"
+
+
+@pytest.mark.parametrize("line", ["from my_half import half", "import my_half", "%run my_half.py"])
+def test_module_of_the_student_is_reported_because_it_is_not_submitted(
+    line: str,
+    right: str,
+    write_notebook: WriteNotebook,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "my_half.py").write_text("def half(length):\n    return length / 2\n")
+    code = f"{right}# next cell\n{line}\n"
+    check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code))
+    assert OWN_FILE in capsys.readouterr().out
+    (tmp_path / "my_half.py").unlink()
+    check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code))
+    assert OWN_FILE not in capsys.readouterr().out
+
+
+def test_hint_for_a_slip_is_shown_on_the_command_line(
+    right: str, write_notebook: WriteNotebook, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code = right.replace("return length / 2", "length == length / 2\n    return length")
+    assert not check_file(write_notebook(tmp_path / "week01_exercise.ipynb", code))
+    assert 'Hint: "length == length / 2" compares and changes nothing' in capsys.readouterr().out

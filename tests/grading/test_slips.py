@@ -20,6 +20,7 @@ def method(*lines: str) -> str:
 
 
 SLIPS = [
+    (("count = 0", "++count", "print(count)"), '"++count" changes nothing: write count += 1'),
     (("marker.color.a == 0.8",), '"marker.color.a == 0.8" compares and changes nothing'),
     (("self.paint",), '"self.paint" names paint and does not call it'),
     (("self.angle =+ 0.1",), "=+ sets self.angle to the value on the right"),

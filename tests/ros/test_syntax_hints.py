@@ -12,6 +12,14 @@ from course_lib.ros.syntax_hints import syntax_hint
 from course_lib.tools.notebook import shorten_tracebacks
 
 QUOTES = 'write straight quotes, like `"map"`. Web pages and word processors make curved ones.'
+BLOCK = "a block begins with a colon, and its lines are indented: there are no { }."
+LOOP = "`for i in range(3): print(i)` counts 0, 1, 2."
+ITEMS = "`for item in items: print(item)` loops over a list: no ( ) around it, and the word is in."
+FUNCTION = "a function begins with def and has no types: `def twice(x): return 2 * x`."
+BASE = "the base class is in ( ): class Camera(Node): …."
+COMMENT = "a comment begins with #."
+NOT = "the operator ! is called not: `not (a == b)`."
+LAMBDA = "a function in an expression is `lambda x: x + 1`."
 # Code of a student, and the hint.
 SYNTAX = [
     ("a = \u201cmap\u201d", f"instead of \u201c {QUOTES}"),
@@ -94,6 +102,61 @@ SYNTAX = [
         "if a = 3:\n    b = 1",
         "a comparison has two signs, ==; a value is set with one, on a line of its own.",
     ),
+    # Habits of C, Java, JavaScript and Matlab.
+    ("if a { b = 1 }", BLOCK),
+    ("if (a == 1) { b = 1; }", BLOCK),
+    ("while (i < 3) { i++; }", BLOCK),
+    ("if a:\n    b = 1\n}", BLOCK),
+    ("try {\n    a = 1\n} catch (e) {\n}", BLOCK),
+    ("if a:\n    b = 1\nelseif c:\n    b = 2", "elseif is written elif."),
+    ("if a:\n    b = 1\nelse a == 2:\n    b = 2", "else has no condition: with a condition it is elif."),
+    ("for (int i = 0; i < 3; i++) {\n}", LOOP),
+    ("for i = 1:3\n    print(i)", LOOP),
+    ("for i in 0..3:\n    print(i)", LOOP),
+    ("for (auto x : items) {\n}", ITEMS),
+    ("foreach x in items:\n    print(x)", ITEMS),
+    ("function f(x)\n    return x", FUNCTION),
+    ("void f(x) {\n}", FUNCTION),
+    ("public void f(self):\n    pass", FUNCTION),
+    (
+        "def f(float x):\n    return x",
+        "the type of a parameter is after its name, or left out: `def twice(x: float): return 2 * x`.",
+    ),
+    ("def f:\n    pass", "a function has ( ), even without parameters: def tick(): …."),
+    ("class A extends Node:\n    pass", BASE),
+    ("switch (a) {\n}", "instead of switch and case write if, elif and else."),
+    ("a = 1  // the first number", COMMENT),
+    ("/* the next step */", COMMENT),
+    ("a = 1 % the first number", COMMENT),
+    ("This is the next step.", "if this line is a comment, begin it with #."),
+    ("std::cout << a", "`print(x)` writes a value."),
+    ("throw new Error('a')", 'an exception is raised with `raise ValueError("too large")`.'),
+    ("try:\n    a = 1\ncatch KeyError:\n    a = 2", "the word is except, as in except KeyError: …."),
+    ("If a:\n    b = 1", "the words of Python are written with small letters."),
+    ("Marker a = Marker()", "a variable has no type in front of it: a = …."),
+    ("double[] a = {1.0}", "a variable has no type in front of it: a = …."),
+    ("frame rate = 5.0", "a name contains no space: if this is one name, write frame_rate."),
+    ("if !a:\n    b = 1", NOT),
+    ("a = !(b == 1)", NOT),
+    ("if a ~= 1:\n    b = 1", "the operator is written !=."),
+    ("if a === 1:\n    b = 1", "the operator is written ==."),
+    ("if a =< 1:\n    b = 1", "the operator is written <=."),
+    ("if a => 1:\n    b = 1", "the operator is written >=."),
+    ("f = x => x + 1", LAMBDA),
+    ("f = @(x) x + 1", LAMBDA),
+    ("f = lambda x: return x", LAMBDA),
+    ("a = b > 0 ? 1 : 2", "the condition is in the middle: `1 if x > 0 else 2`."),
+    ("$a = 1", "the name of a variable has no $."),
+    ("if a then\n    b = 1", "a condition ends with a colon, without then."),
+    ("if (a > 3) b = 1", "a condition ends with a colon: `if x > 0: y = 1`."),
+    ("a: = 3", "a value is set with =, without a colon."),
+    ("node.create_publisher(Bool, /light, 10)", 'the name of a topic is in quotes: `"/robot/scan"`.'),
+    ("a = [1, 2; 3, 4]", "a matrix is a list of lists: `[[1.0, 2.0], [3.0, 4.0]]`."),
+    ("a = b .* c", "numpy's arrays need no point: `a * b` multiplies each item."),
+    ("a = {rate = 5.0}", 'a dictionary has colons, and its keys are in quotes: `{"rate": 5.0}`.'),
+    ("Point(x: 1.0)", "an argument is passed with =, not with a colon: `Point(x=1.0)`."),
+    ("a = 5 m", "a unit goes into a comment, `1.0  # [m]`; a product has a star, `2 * 3`."),
+    ("a(1) = 3", "( ) calls a function. An item is in [ ], as in a[0], and the first one has the index 0."),
     # Python's own text is enough.
     ("a = (1, 2", ""),
     ("def f()\n    return 1", ""),
@@ -109,12 +172,35 @@ def test_syntax_error_has_the_hint_for_its_cause(code: str, expected: str) -> No
     assert syntax_hint(raised.value) == expected
 
 
-@pytest.mark.parametrize("code", ["def f():\n    a = 1\n   b = 2", "return 5", "a = \u201cmap\u201d"])
+@pytest.mark.parametrize(
+    "code",
+    ["def f():\n    a = 1\n   b = 2", "return 5", "a = \u201cmap\u201d", "if (a == 1) {\n    b = 1\n}"],
+)
 def test_cell_with_a_syntax_error_shows_the_hint(code: str, capsys: pytest.CaptureFixture[str]) -> None:
     shell = InteractiveShell()  # type: ignore[no-untyped-call]  # IPython does not annotate it
     shorten_tracebacks(shell)
     shell.run_cell(code)  # type: ignore[no-untyped-call]  # IPython does not annotate it
     assert capsys.readouterr().out.count("hint: ") == 1
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [
+        ("if (a == 1) {\n    b = 1\n}", BLOCK),
+        ("do {\n    a = 1\n} while (a < 3)", BLOCK),
+        ("class Camera : Node\n    pass", BASE),
+        (
+            "a = 1 + ...\n    2",
+            "an expression continues on the next line inside ( ), without the points.",
+        ),
+        ("a = {\n    rate = 5.0\n}", ""),
+    ],
+)
+def test_line_before_the_syntax_error_gives_the_hint(code: str, expected: str) -> None:
+    linecache.cache["cell of a student"] = (len(code), None, code.splitlines(keepends=True), "")
+    with pytest.raises(SyntaxError) as raised:
+        compile(code, "cell of a student", "exec")
+    assert syntax_hint(raised.value) == expected
 
 
 COMMA = "a decimal number has a point, 0.5. With a comma, as in {}, these are two numbers."
@@ -137,6 +223,13 @@ def test_decimal_comma_in_a_failing_line_is_the_hint(code: str, expected: str) -
     with pytest.raises((TypeError, ValueError)) as raised:
         exec(compile(code, "cell of a student", "exec"), {"__name__": "__main__"})
     assert hint(raised.value) == expected
+
+
+def test_end_of_a_block_as_in_matlab_has_a_hint() -> None:
+    linecache.cache["cell of a student"] = (3, None, ["end"], "cell of a student")
+    with pytest.raises(NameError) as raised:
+        exec(compile("end", "cell of a student", "exec"), {"__name__": "__main__"})
+    assert hint(raised.value) == "a block ends where its lines are no longer indented: delete end."
 
 
 def test_examples_in_backticks_are_valid_code() -> None:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from course_lib.course.exercise import normalise, source
@@ -32,6 +33,12 @@ LOOKS_LIKE = {
     b"vers": "it is a pointer of Git LFS to a file that is missing here",
 }
 CONFLICT = re.compile(rb"^(<{7} |>{7} )", re.MULTILINE)  # git's markers
+_RUN = re.compile(r"^%run\s+([\w./-]+\.py)\b", re.MULTILINE)
+# The text about a file of `own_modules`.
+NOT_SUBMITTED = (
+    "{0} is not part of your submission, and your code will not find it at grading: copy what you "
+    "need from {0} into a cell of the notebook."
+)
 MAX_HEAD = 40  # characters of a cell's first line
 
 
@@ -214,3 +221,23 @@ class CodeCell:
         """True if the cell contains a `raise NotImplementedError`."""
         raised = (node.exc for node in ast.walk(self.tree) if isinstance(node, ast.Raise) and node.exc)
         return any(ast.unparse(one).startswith("NotImplementedError") for one in raised)
+
+    @cached_property
+    def modules(self) -> frozenset[str]:
+        """The top-level names of the modules that it imports, also inside functions and classes."""
+        names = set[str]()
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Import):
+                names |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                names.add(node.module or "")
+        return frozenset(name.partition(".")[0] for name in names)
+
+
+def own_modules(path: Path, cells: Sequence[str]) -> list[str]:
+    """Return the Python files next to a notebook that its cells import or run, which are not submitted."""
+    files = dict[str, None]()
+    for number, text in enumerate(cells, 1):
+        names = [f"{name}.py" for name in sorted(CodeCell(number, text, True).modules)]
+        files |= dict.fromkeys([*names, *_RUN.findall(text)])
+    return [name for name in files if (path.parent / name).is_file()]

@@ -27,7 +27,13 @@ from course_lib.course.state import (
 from course_lib.course.student_folder import content_hash as digest_of_cells
 from course_lib.errors import CourseError, format_count
 from course_lib.grading.submissions.archives import RECEIPT, WORKING_FOLDER, working_files
-from course_lib.grading.submissions.notebook import CodeCell, Notebook, parse_notebook
+from course_lib.grading.submissions.notebook import (
+    NOT_SUBMITTED,
+    CodeCell,
+    Notebook,
+    own_modules,
+    parse_notebook,
+)
 from course_lib.grading.submissions.submission import NO_EXERCISE, content_hash, unpack
 from course_lib.grading.task import Task, shipped_catalog
 
@@ -71,6 +77,8 @@ class NotebookReview:
     def warnings(self) -> list[str]:
         """Return warnings, one sentence each."""
         problems = [cell.syntax_error for cell in self._cells if cell.syntax_error]
+        if self._path.suffix == ".ipynb":
+            problems += map(NOT_SUBMITTED.format, own_modules(self._path, self._notebook.cells))
         if self._tasks and not self._last_checks:
             problems.append(f"it was never checked here: run course check {self._path.name} first")
         silent = {"passed"} if self._last_checks else {"passed", "unchecked"}

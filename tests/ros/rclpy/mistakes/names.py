@@ -17,6 +17,14 @@ def undefined(name: str) -> str:
 
 # (program, last line of the error, hint below it)
 NAMES = [
+    ("a = null", undefined("null"), "Python's name for it is `None`."),
+    ("printf('a')", undefined("printf"), "Python's name for it is `print`."),
+    ("this.angle = 0.0", undefined("this"), "Python's name for it is `self`."),
+    (
+        "import rclpy.node.Node",
+        "ModuleNotFoundError: No module named 'rclpy.node.Node'; 'rclpy.node' is not a package",
+        "Node is not a module: `from rclpy.node import Node`.",
+    ),
     ("CUBE", undefined("CUBE"), "did you mean `Marker.CUBE`?"),
     ("Markers()", undefined("Markers"), "did you mean `Marker`?"),
     ("time.time()", undefined("time"), "import it: `import time`; in a notebook run the first cells again."),
