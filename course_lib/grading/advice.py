@@ -71,9 +71,11 @@ def _slips(function: _Function, attributes: set[str]) -> Iterator[str]:
         yield from _loops(block, function.name)
         yield from _reused_objects(block)
         yield from _unreachable(block)
+    yield from _odd_operators(function)
     yield from _shared_defaults(function)
     if function.args.args[:1] and function.args.args[0].arg == "self":
         yield from _sleeps(function)
+        yield from _spins(function)
     yield from _lost_locals(function, attributes)
     yield from _plain_strings(function)
 
@@ -284,6 +286,33 @@ def _sleeps(function: _Function) -> Iterator[str]:
                 )
 
 
+def _spins(function: _Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(
+                    value=ast.Name(id="rclpy"), attr="spin" | "spin_once" | "spin_until_future_complete"
+                )
+                | ast.Name(id="spin_for" | "run_live")
+            ):
+                yield (
+                    f"{_quote(node.func)} in {function.name} waits for callbacks while the node is busy "
+                    "with this one: leave it out, the node is spun from outside."
+                )
+
+
+def _odd_operators(function: _Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.BinOp(left=ast.Constant(value=1), op=ast.FloorDiv()):
+                yield f"{_quote(node)} is 0 for every number above 1: / divides, // leaves out the fraction."
+            case ast.Compare(
+                ops=[ast.Is() | ast.IsNot() as operator], comparators=[ast.Constant(value=value)]
+            ) if isinstance(value, str | int | float) and not isinstance(value, bool):
+                sign = "==" if isinstance(operator, ast.Is) else "!="
+                yield f"{_quote(node)} asks for the same object: values are compared with {sign}."
+
+
 def _unreachable(block: Sequence[ast.stmt]) -> Iterator[str]:
     for statement, after in pairwise(block):
         if isinstance(statement, ast.Return):
@@ -339,6 +368,11 @@ AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
 )
 
+TOO_MUCH = (
+    "Your code publishes far too much. Is each timer's period in seconds, and not 0? Does no callback "
+    "publish on the topic that it subscribes to?"
+)
+
 
 @cache
 def hints_by_mistake() -> Mapping[str, str]:
@@ -375,12 +409,17 @@ class Advice:
         self._before[task.id] = now
         code = Code(source)
         texts = [_hint_by_cause(task, cause) for cause in causes]
-        if result.errors:
+        # A run that exceeds a limit is stopped, and its error does not state the cause.
+        too_much = bool(result.errors) and "exceed the limit of a submission" in result.errors[0]
+        if too_much:
+            texts = [TOO_MUCH]
+        elif result.errors:
             texts = [AFTER_AN_ERROR]
         elif causes[:1] == [SILENT]:
             texts = [_missing_call(code, result) or task.mistakes.get(SILENT) or _why_silent(code), *texts]
-        slip = "" if result.errors else find_slip(source)
-        best_hint = slip or next((text for text in texts if text and not code.does(text)), "")
+        slip = find_slip(source) if too_much or not result.errors else ""
+        unheard = "" if result.errors else _unheard_topic(task, code)
+        best_hint = slip or unheard or next((text for text in texts if text and not code.does(text)), "")
         lines = [f"Hint: {best_hint}"] if best_hint else []
         if before is not None and (now.passed, now.fraction) > (before.passed, before.fraction):
             of = f"{now.passed} of {len(result.checks)}"
@@ -433,6 +472,18 @@ class Code:
         strings = (node.value for node in self._nodes if isinstance(node, ast.Constant))
         return any(isinstance(one, str) and one.strip("/") == topic.strip("/") for one in strings)
 
+    def subscriptions(self) -> list[str]:
+        """Return the topics of all subscriptions, or [] if one of them is not a string in the code."""
+        topics = []
+        for node in self._nodes:
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_subscription":
+                match node.args:
+                    case [_, ast.Constant(value=str(topic)), *_]:
+                        topics.append(topic)
+                    case _:
+                        return []
+        return topics
+
     @property
     def is_plain_node(self) -> bool:
         """Whether the code is one class derived from Node, which inherits no publisher or timer."""
@@ -479,16 +530,35 @@ def _expressions(tree: ast.AST, *, whole: bool = False) -> set[str]:
     return texts
 
 
+def _unheard_topic(task: Task, code: Code) -> str:
+    """Return a hint if a node subscribes to none of the topics on which messages arrive, or ""."""
+    inputs = {
+        message.topic: None
+        for one in task.scenarios
+        for message in one.inputs
+        if "/srv/" not in message.type_name
+    }
+    expected = [topic for topic in inputs if topic not in ("/tf", "/tf_static", "/clock")]
+    topics = code.subscriptions()
+    if not code.is_plain_node or not topics or len(expected) != 1:
+        return ""
+    if any(topic.startswith("~") or topic.strip("/") == expected[0].strip("/") for topic in topics):
+        return ""
+    return f"Your node subscribes to {' and '.join(topics)}, but the messages arrive on {expected[0]}."
+
+
 def _missing_call(code: Code, result: TaskResult) -> str:
     """Return the call that is missing in a node that publishes nothing on a topic, or ""."""
     silent = (re.search(r"nothing was published on (\S+) in", check.message) for check in result.checks)
     topic = next((found[1] for found in silent if found), "")
-    if not topic or not code.is_plain_node:
+    if not topic:
+        return ""
+    if code.calls("create_publisher") and not code.names_topic(topic) and code.calls("publish"):
+        return f"No string in your code is {topic}: compare the name in create_publisher letter by letter."
+    if not code.is_plain_node:
         return ""
     if not code.calls("publish") and not code.calls("sendTransform"):
         return "Your code never calls publish(): `self.publisher.publish(message)` sends a message."
-    if code.calls("create_publisher") and not code.names_topic(topic):
-        return f"No string in your code is {topic}: compare the name in create_publisher letter by letter."
     if not code.calls("create_timer") and not code.calls("create_subscription"):
         return "Nothing calls your method: in __init__, make a timer or a subscription that does."
     return ""

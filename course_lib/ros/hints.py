@@ -111,6 +111,12 @@ def hint(error: BaseException) -> str:
     if is_of_message and (types := _types_in_error(text)):
         return _field_hint(types, text.rpartition("attribute '")[2].partition("'")[0])
     if isinstance(error, AttributeError):
+        frame = frame_of(error)
+        outer = frame.f_globals.get(error.name or "") if frame is not None else None
+        if error.name and _has_parameter(error.obj, error.name):
+            return f"{error.name} is a parameter: read it with `self.get_parameter('{error.name}').value`."
+        if is_student_class(type(error.obj)) and isinstance(outer, FunctionType):
+            return f"{error.name} is a function outside of the class: call it without `self.`"
         if similar := attribute_hint(error):
             return similar
         attribute = re.match(r"'(\w+)' object has no attribute '(\w+)'$", text)
@@ -130,6 +136,8 @@ def _field_hint(types: Sequence[str], attribute: str) -> str:
     lists = [f.name for one in definitions for f in one.fields if f.container != "scalar"]
     if attribute in dir(list) and len(lists) == 1:
         return f"did you mean `{lists[0]}.{attribute}`? {show}"
+    if attribute == "publish":
+        return "this is a message: a publisher sends it, `self.publisher.publish(message)`."
     if attribute == "to_msg":
         return f"this is a message already: leave out .to_msg(). {show}"
     constants = [name for one in definitions for name in one.constants]
@@ -142,6 +150,12 @@ def _field_hint(types: Sequence[str], attribute: str) -> str:
     exact = [path for path in inner if path.endswith(f".{attribute}")]
     similar = next(iter([*exact, *direct, *inner]), "") or near_field(attribute, names)
     return f"did you mean `{similar}`? {show}" if similar else show
+
+
+def _has_parameter(thing: object, name: str) -> bool:
+    """Return whether an object is a node of the student with a parameter of this name."""
+    has_parameter = getattr(thing, "has_parameter", None)
+    return is_student_class(type(thing)) and callable(has_parameter) and has_parameter(name) is True
 
 
 def _is_message(thing: object) -> bool:
@@ -197,20 +211,14 @@ def _value_hint(error: BaseException, text: str) -> str:
     is_number = kind in ("float", "int")
     if value is None and (is_number or kind == "str"):
         return _NONE_VALUE[is_number]
+    if isinstance(value, Mapping) and (is_number or kind == "str"):
+        return f"this is a dictionary: take one of its values, like [{next(iter(value), 'key')!r}]."
     if isinstance(value, type) and kind != "str":
         return f"this is the class {value.__name__}: create an object, with `{value.__name__}()`."
     if isinstance(value, FunctionType | MethodType | BuiltinFunctionType):
         return f"this is the function {value.__name__}, which is not called: are its ( ) missing?"
-    if is_number and isinstance(value, tuple) and all(isinstance(one, int | float) for one in value):
-        if len(value) == 1:
-            return "remove the comma at the end of the line: it makes a tuple of one item."
-        return f"this is {len(value)} numbers, {value!r}: a decimal number has a point, 0.8, not a comma."
-    if is_number and isinstance(value, np.generic):
-        return f"this is the {name} of numpy: convert it with {kind}(…)."
-    if is_number and isinstance(value, str) and not re.search("'(type|action)' field", text):
-        return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
-    if is_number and isinstance(value, list | np.ndarray) and np.size(value) != 1:
-        return f"this is a list of {len(value)} items, and the field takes one: like [0]."
+    if is_number and (found := _number_hint(value, kind, text)):
+        return found
     if hasattr(type(value), "get_fields_and_field_types"):
         fields = type(value).get_fields_and_field_types()
         fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == kind]
@@ -220,6 +228,22 @@ def _value_hint(error: BaseException, text: str) -> str:
             return f"this is a {name}: take one of its fields, {join(list(fields))}."
         if set(fields) == {"x", "y", "z"} and kind in ("Point", "Vector3"):
             return f"this is a {name}: `{kind}(x=v.x, y=v.y, z=v.z)` has its numbers, where v is the {name}."
+    return ""
+
+
+def _number_hint(value: object, kind: str, text: str) -> str:
+    """Return the hint for a field of a number that is set to something like a number, or ""."""
+    name = type(value).__name__
+    if isinstance(value, tuple) and all(isinstance(one, int | float) for one in value):
+        if len(value) == 1:
+            return "remove the comma at the end of the line: it makes a tuple of one item."
+        return f"this is {len(value)} numbers, {value!r}: a decimal number has a point, 0.8, not a comma."
+    if isinstance(value, np.generic):
+        return f"this is the {name} of numpy: convert it with {kind}(…)."
+    if isinstance(value, str) and not re.search("'(type|action)' field", text):
+        return f"this is the string {value!r}: remove the quotes, or convert it with {kind}(…)."
+    if isinstance(value, list | np.ndarray) and np.size(value) != 1:
+        return f"this is a list of {len(value)} items, and the field takes one: like [0]."
     return ""
 
 

@@ -273,10 +273,11 @@ def name_hint(error: NameError) -> str:
         return f"{missing} is set in the function {inner}, and exists only there: return it from {inner}."
     if missing in importable:
         return f"import it: `{importable[missing]}`; in a notebook run the first cells again."
-    return _similar_name(missing, frame, owner, importable)
+    return _similar_name(error, missing, frame, owner, importable)
 
 
 def _similar_name(
+    error: NameError,
     missing: str,
     frame: FrameType,
     owner: Sequence[str],
@@ -295,6 +296,12 @@ def _similar_name(
     similar = nearest(missing, [*frame.f_locals, *frame.f_globals])
     if similar:
         return f"did you mean `{similar}`?"
+    line = line_of_student(error)
+    # The cell above has not run, or it stopped with an error.
+    if re.search(rf"\b(?:check\(\s*['\"][\w.]+['\"],\s*|run_live\(|spin_for\([\d.]+,\s*){missing}\b", line):
+        return f"run the cell above that defines {missing} first, and see whether it ends with an error."
+    if re.search(rf"//\s*{missing}\s*$", line):
+        return f"if {missing} is a comment, begin it with #: // divides."
     if missing in _OTHER_LANGUAGES:
         return f"Python's name for it is `{_OTHER_LANGUAGES[missing]}`."
     if similar := _abbreviated(missing, frame):

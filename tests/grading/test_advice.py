@@ -21,6 +21,7 @@ import course_lib.grading.vocabulary
 from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.grading.advice import (
     AFTER_AN_ERROR,
+    TOO_MUCH,
     Advice,
     Code,
     best_effort_hint,
@@ -32,7 +33,7 @@ from course_lib.grading.advice import (
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import CheckResult, TaskResult
-from course_lib.grading.task import Scenario, Task, load_catalog
+from course_lib.grading.task import Message, Scenario, Task, load_catalog
 from course_lib.grading.vocabulary.markers import PROPERTIES
 from course_lib.ros.graph.graph import Graph, use_graph
 from course_lib.ros.time.time_lock import time_lock
@@ -230,6 +231,36 @@ def test_after_an_exception_hints_on_missing_messages_are_omitted() -> None:
     )
     messages = [advice.hint(TASK, stopped) for _ in range(2)]
     assert messages == [[f"Hint: {AFTER_AN_ERROR}"], [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]]
+
+
+def test_run_that_exceeds_its_limit_has_a_hint_for_the_cause() -> None:
+    error = "messages and returned values exceed the limit of a submission (32 MB for all of its tasks)"
+    stopped = replace(result(failing(MISTAKE)), errors=(error,))
+    assert Advice().hint(TASK, stopped) == [f"Hint: {TOO_MUCH}"]
+    code = "def f():\n    return 1 // 12"
+    assert Advice().hint(TASK, stopped, code)[0].startswith('Hint: "1 // 12" is 0')
+
+
+@pytest.mark.parametrize(
+    ("topics", "hint"),
+    [
+        (("/robot/image",), "Your node subscribes to /robot/image, but the messages arrive on /image."),
+        (("image",), ""),
+        (("/robot/image", "/image"), ""),
+        (("~/image",), ""),
+    ],
+)
+def test_subscription_to_another_topic_is_reported(topics: tuple[str, ...], hint: str) -> None:
+    message = Message("/image", "sensor_msgs/msg/Image", {})
+    task = replace(TASK, scenarios=(Scenario("public", inputs=(message,)),))
+    lines = "".join(
+        f"        self.create_subscription(Image, '{topic}', self.hear, 10)\n" for topic in topics
+    )
+    code = f"class Monitor(Node):\n    def __init__(self):\n{lines}"
+    expected = f"Hint: {hint}" if hint else "Hint 1 of 3: one"
+    advice = Advice()
+    shown = [line for _ in range(2) for line in advice.hint(task, result(failing(MISTAKE)), code)]
+    assert expected in shown
 
 
 def test_hint_ladder_starts_when_an_exception_repeats() -> None:

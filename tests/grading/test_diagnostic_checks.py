@@ -118,6 +118,39 @@ def test_missing_fact_is_reported(evidence: MakeEvidence) -> None:
         assert message == "the returned dict has no key 'threshold'"
 
 
+@pytest.mark.parametrize(
+    ("returned", "what"),
+    [([13.0], "a list"), ("13.0", "a str"), ({"object": "a set"}, "a set")],
+)
+def test_facts_that_are_not_a_dict_are_reported(evidence: MakeEvidence, returned: Any, what: str) -> None:
+    message = expect_fact("threshold", serial=26).judge(evidence(returns=(returned,))).message
+    assert message == f"{what} was returned, expected a dict with the key 'threshold'"
+
+
+@pytest.mark.parametrize("value", ["best effort", "Best-Effort", "best_effort"])
+def test_fact_in_another_spelling_is_reported(evidence: MakeEvidence, value: str) -> None:
+    message = (
+        expect_fact("scan_reliability", serial=17)
+        .judge(evidence(returns=({"scan_reliability": value},)))
+        .message
+    )
+    assert (
+        message
+        == f"scan_reliability is {value!r}: ros2 topic info -v spells it differently, letter by letter"
+    )
+    message = (
+        expect_fact("scan_reliability", serial=11)
+        .judge(evidence(returns=({"scan_reliability": value},)))
+        .message
+    )
+    assert "but your robot has another value" in message
+
+
+def test_number_with_a_unit_is_reported_as_a_string(evidence: MakeEvidence) -> None:
+    message = expect_fact("image_rate", serial=11).judge(evidence(returns=({"image_rate": "13 Hz"},))).message
+    assert message.endswith("a string; expected a number: write it without quotes and without a unit")
+
+
 @pytest.mark.parametrize("name", ["image_rate", "image_width", "threshold"])
 def test_quoted_number_is_reported_as_a_string(evidence: MakeEvidence, name: str) -> None:
     verdict = expect_fact(name, serial=11).judge(evidence(returns=({name: "13.0"},)))

@@ -29,6 +29,19 @@ def test_correct_path_passes(evidence: MakeEvidence) -> None:
 
 
 @pytest.mark.parametrize(
+    ("end", "cause"),
+    [((0.0, 1.0, 0.0), "x and y are exchanged"), ((-1.0, 0.0, 0.0), "each sign is reversed")],
+)
+def test_exchanged_or_reversed_coordinates_of_a_path_are_named(
+    evidence: MakeEvidence, end: tuple[float, float, float], cause: str
+) -> None:
+    check = expect_path("/way", count=2, frame="map", ends=((0, 0, 0), end))
+    message = check.judge(evidence(way(count=2))).message
+    assert message.startswith("the last pose of /way is at (1.00, 0.00, 0.00) m")
+    assert message.endswith(f": {cause}")
+
+
+@pytest.mark.parametrize(
     ("wrong", "message"),
     [
         (way(count=4), "the last path on /way has 4 poses, expected 3"),

@@ -20,6 +20,12 @@ def method(*lines: str) -> str:
 
 
 SLIPS = [
+    (("period = 1 // self.rate", "return period"), '"1 // self.rate" is 0 for every number above 1'),
+    (
+        ("if self.name is 'map':", "    return 1"),
+        "\"self.name is 'map'\" asks for the same object: values are",
+    ),
+    (("rclpy.spin_once(self)", "return 1"), '"rclpy.spin_once" in tick waits for callbacks'),
     (("count = 0", "++count", "print(count)"), '"++count" changes nothing: write count += 1'),
     (("marker.color.a == 0.8",), '"marker.color.a == 0.8" compares and changes nothing'),
     (("self.paint",), '"self.paint" names paint and does not call it'),

@@ -225,11 +225,25 @@ def test_decimal_comma_in_a_failing_line_is_the_hint(code: str, expected: str) -
     assert hint(raised.value) == expected
 
 
-def test_end_of_a_block_as_in_matlab_has_a_hint() -> None:
-    linecache.cache["cell of a student"] = (3, None, ["end"], "cell of a student")
+RUN_FIRST = "run the cell above that defines Camera first, and see whether it ends with an error."
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [
+        ("end", "a block ends where its lines are no longer indented: delete end."),
+        ("a = 2 // number", "if number is a comment, begin it with #: // divides."),
+        ("check('week06.camera', Camera)", RUN_FIRST),
+        ("run_live(Camera())", RUN_FIRST),
+        ("spin_for(2.0, Camera())", RUN_FIRST),
+    ],
+)
+def test_line_with_an_undefined_name_gives_the_hint(code: str, expected: str) -> None:
+    linecache.cache["cell of a student"] = (len(code), None, [code], "cell of a student")
+    names = dict.fromkeys(("check", "run_live", "spin_for"), print)
     with pytest.raises(NameError) as raised:
-        exec(compile("end", "cell of a student", "exec"), {"__name__": "__main__"})
-    assert hint(raised.value) == "a block ends where its lines are no longer indented: delete end."
+        exec(compile(code, "cell of a student", "exec"), {"__name__": "__main__", **names})
+    assert hint(raised.value) == expected
 
 
 def test_examples_in_backticks_are_valid_code() -> None:

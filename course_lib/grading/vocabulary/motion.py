@@ -409,6 +409,12 @@ def expect_path(
         if not is_close(math.dist(position, expected), 0.0, tolerance):
             actual, expected_text = format_numbers(position), format_numbers(expected)
             message = f"the {which} pose of {topic} is at {actual} m, expected {expected_text} m"
+            for cause, other in (
+                ("x and y are exchanged", (place.y, place.x, place.z)),
+                ("each sign is reversed", (-place.x, -place.y, -place.z)),
+            ):
+                if is_close(math.dist(other, expected), 0.0, tolerance):
+                    message = f"{message}: {cause}"
             return [Problem(message, "a pose of a path is at the wrong place")]
     q = path.poses[-1].pose.orientation
     turn = yaw_of(q.x, q.y, q.z, q.w)

@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -10,7 +11,7 @@ from typing import Any
 
 from course_lib.errors import CourseError, format_count
 from course_lib.grading.evidence import Check, Evidence
-from course_lib.grading.run.outcome import plain
+from course_lib.grading.run.outcome import RAISED, plain
 from course_lib.grading.task import resolve
 from course_lib.grading.vocabulary.check_function import (
     Problem,
@@ -436,6 +437,12 @@ def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[C
     return (first, *(other.requiring(first) for other in middle_checks), last.worth(LAST_WEIGHT))
 
 
+def _other_spellings(text: str) -> list[str]:
+    """Return a fact as constants and full names are spelled."""
+    plain = text.strip().strip("/")
+    return [re.sub(r"[\s-]+", "_", plain).upper(), f"/{plain}", f"/robot/{plain}"]
+
+
 @check_function("{name}")
 def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Problem]:
     """Expect a dict with the fact `name` about the robot `serial`, rates within 3 %.
@@ -443,13 +450,22 @@ def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Probl
     Messages never reveal the expected value.
     """
     facts: Any = evidence.returns[0] if evidence.returns else None
+    is_object = isinstance(facts, dict) and list(facts) == ["object"] and facts != RAISED
+    if isinstance(facts, list | str) or is_object:
+        kind = facts["object"] if is_object else f"a {type(facts).__name__}"
+        message = f"{kind} was returned, expected a dict with the key {name!r}"
+        return [Problem(message, "a value is of the wrong kind")]
     if not isinstance(facts, dict) or name not in facts:
         return [Problem(f"the returned dict has no key {name!r}", "a fact is missing")]
     if is_fact(serial, name, facts[name]):
         return []
     value = facts[name]
-    if isinstance(value, str) and value.strip().replace(".", "", 1).isdecimal():
-        message = f"{name} is {facts[name]!r}, a string; expected a number: write it without quotes"
+    if isinstance(value, str) and (number := re.fullmatch(r"\s*\d*[.,]?\d+\s*([A-Za-z]*)\s*", value)):
+        unit = " and without a unit" if number[1] else ""
+        message = f"{name} is {facts[name]!r}, a string; expected a number: write it without quotes{unit}"
         return [Problem(message, "a value is of the wrong kind")]
+    if isinstance(value, str) and any(is_fact(serial, name, text) for text in _other_spellings(value)):
+        message = f"{name} is {value!r}: {TOOLS[name]} spells it differently, letter by letter"
+        return [Problem(message, "a fact about the robot is wrong")]
     message = f"{name} is {facts[name]!r}, but your robot has another value. Check with {TOOLS[name]}"
     return [Problem(message, "a fact about the robot is wrong")]

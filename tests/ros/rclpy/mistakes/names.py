@@ -17,6 +17,68 @@ def undefined(name: str) -> str:
 
 # (program, last line of the error, hint below it)
 NAMES = [
+    (
+        "def helped():\n    return 1\n" + ROBOT.format(line="self.helped()"),
+        "AttributeError: 'Robot' object has no attribute 'helped'",
+        "helped is a function outside of the class: call it without `self.`",
+    ),
+    (
+        ROBOT.format(line="self.declare_parameter('speed', 1.0)\n        print(self.speed)"),
+        "AttributeError: 'Robot' object has no attribute 'speed'",
+        "speed is a parameter: read it with `self.get_parameter('speed').value`.",
+    ),
+    (
+        ROBOT.format(line="self.timers = []"),
+        "AttributeError: property 'timers' of 'Robot' object has no setter",
+        "timers exists already and cannot be set: choose another name for your attribute.",
+    ),
+    (
+        "Parameter('speed', value=1.0).get_name()",
+        "AttributeError: 'Parameter' object has no attribute 'get_name'",
+        "its name is `parameter.name`, its value `parameter.value`.",
+    ),
+    (
+        "Parameter('speed', value=1.0).value.value",
+        "AttributeError: 'float' object has no attribute 'value'",
+        "this is the value already: leave out .value.",
+    ),
+    (
+        "String().publish(node)",
+        "AttributeError: 'String' object has no attribute 'publish'",
+        "this is a message: a publisher sends it, `self.publisher.publish(message)`.",
+    ),
+    (
+        "node.get_clock().now().header",
+        "AttributeError: 'Time' object has no attribute 'header'",
+        "this is a Time and not a message: are the values of the call in the right order?",
+    ),
+    (
+        "1 - node.get_clock().now()",
+        "TypeError: unsupported operand type(s) for -: 'int' and 'Time'",
+        "one side is a plain number, the other a Time: both have to be of one kind, as in "
+        "`self.get_clock().now() - Duration(seconds=1.0)`.",
+    ),
+    (
+        "from nav_msgs.msg import Path\nPath('a.rviz')",
+        "TypeError: Path.__init__() takes 1 positional argument but 2 were given",
+        "this Path is the message of nav_msgs. A path of a file is `from pathlib import Path as File`, "
+        "then File(…).",
+    ),
+    (
+        "from sensor_msgs.msg import Image\nImage(data='000')",
+        "TypeError: cannot use a str to initialize an array with typecode 'B'",
+        "the field takes numbers: `bytes(12)`, or a list like `[0] * 12`.",
+    ),
+    (
+        "String(data={'text': 'a'})",
+        "AssertionError: The 'data' field must be of type 'str'",
+        "this is a dictionary: take one of its values, like ['text'].",
+    ),
+    (
+        "import numpy as np\nnp.array([])[:, 0]",
+        "IndexError: too many indices for array: array is 1-dimensional, but 2 were indexed",
+        "the array has fewer dimensions than indices here, as an empty one has: print its shape first.",
+    ),
     ("a = null", undefined("null"), "Python's name for it is `None`."),
     ("printf('a')", undefined("printf"), "Python's name for it is `print`."),
     ("this.angle = 0.0", undefined("this"), "Python's name for it is `self`."),
