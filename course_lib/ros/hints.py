@@ -115,7 +115,9 @@ def hint(error: BaseException) -> str:
         outer = frame.f_globals.get(error.name or "") if frame is not None else None
         if error.name and _has_parameter(error.obj, error.name):
             return f"{error.name} is a parameter: read it with `self.get_parameter('{error.name}').value`."
-        if is_student_class(type(error.obj)) and isinstance(outer, FunctionType):
+        # A function with self is a method with too little indentation, which has a hint of its own.
+        is_function = isinstance(outer, FunctionType) and outer.__code__.co_varnames[:1] != ("self",)
+        if is_student_class(type(error.obj)) and is_function:
             return f"{error.name} is a function outside of the class: call it without `self.`"
         if similar := attribute_hint(error):
             return similar
