@@ -813,9 +813,9 @@ class DepthCloudDisplay(CloudDisplay):
         rgb = np.full(points.shape, 255, np.uint8) if color is None else colors(color, depth.shape)
         self._report_sizes(image, color, depth.shape, rgb.shape)
         if self["Auto Size"] and self._info.k[0]:
-            wide = self["Auto Size Factor"] / self._info.k[0] * (self._info.binning_x or 1)
             # Width of a pixel at a distance of 1 m, [m].
-        self._values["Size (m)"] = float(wide)
+            width = self["Auto Size Factor"] / self._info.k[0] * (self._info.binning_x or 1)
+            self._values["Size (m)"] = float(width)
         if self["Occlusion Compensation"]:
             if self._shadows is None or self._shadows.shape != depth.shape or self._has_moved(transform):
                 self._shadows, self._camera = Shadows(depth.shape), transform

@@ -136,8 +136,9 @@ class DisplayFaultWarning(UserWarning):
 class contained:  # noqa: N801  # a context manager, named like those of contextlib
     """Turn an exception in a `with` block into an error status, which the next such block removes.
 
-    Interrupts and SystemExit pass, because they are not subclasses of Exception. numpy's warnings
-    about overflow and invalid numbers are disabled, because drawables check their arrays.
+    Interrupts and SystemExit pass, because they are not subclasses of Exception. So does a
+    `DisplayFaultWarning` that a filter made an exception: an enclosing block would hide it. numpy's
+    warnings about overflow and invalid numbers are disabled, because drawables check their arrays.
 
     Args:
         statuses: The statuses of the display, or the Global Status.
@@ -156,7 +157,7 @@ class contained:  # noqa: N801  # a context manager, named like those of context
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> bool:
         self._numpy.__exit__(kind, error, trace)
-        if not isinstance(error, Exception):
+        if not isinstance(error, Exception) or isinstance(error, DisplayFaultWarning):
             return False
         self._statuses.fail(self._name, describe(error))
         return True

@@ -134,6 +134,14 @@ def test_exception_in_a_display_is_warned_about_once_with_its_line(monkeypatch: 
     assert "tests/displays/test_containment.py, line" in str(warning.message)
 
 
+def test_fault_warning_raised_by_a_filter_passes_enclosing_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench, _ = bench_with("convert", monkeypatch)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(DisplayFaultWarning):
+            bench.publish("/points", point())
+
+
 def test_exception_status_is_cleared_when_the_display_works_again(monkeypatch: pytest.MonkeyPatch) -> None:
     bench, faulty = bench_with("convert", monkeypatch)
     with pytest.warns(DisplayFaultWarning):
