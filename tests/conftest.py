@@ -11,7 +11,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import hypothesis
 import pytest
@@ -83,6 +83,32 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> "Once":
     folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "once"
     folder.mkdir(exist_ok=True)
     return Once(folder)
+
+
+@pytest.fixture
+def restored_packages() -> Iterator[None]:
+    """Remove the types and search paths of the packages that a test adds, because other tests list all."""
+    from course_lib.ros.messages import definitions
+
+    types = definitions.field_definitions()
+    tables: list[dict[Any, Any]] = [definitions.DEFAULTS, definitions.RENAMED]
+    names, kept_keys = set(types), [set(table) for table in tables]
+    folders = list(definitions.FOLDERS)
+    with pytest.MonkeyPatch.context() as environment:
+        for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+            environment.setenv(variable, os.environ.get(variable, ""))
+        yield
+    added = set(types) - names
+    for name in added:
+        del types[name]
+    for table, keys in zip(tables, kept_keys, strict=True):
+        for key in table.keys() - keys:
+            del table[key]
+    definitions.FOLDERS[:] = folders
+    definitions.definition.cache_clear()
+    packages = {name.partition("/")[0] for name in added}
+    for module in [module for module in sys.modules if module.partition(".")[0] in packages]:
+        del sys.modules[module]
 
 
 @pytest.fixture

@@ -26,6 +26,7 @@ from typing import Any
 
 from course_lib.errors import format_count
 from course_lib.ros.messages.definitions import definition, type_names
+from course_lib.ros.programs.missing_packages import how_to_clone
 
 # Folder of the kit. A class defined in it, in Python or in a library is not from a student.
 _KIT_FOLDER = str(Path(__file__).resolve().parent.parent)
@@ -616,6 +617,8 @@ def module_hint(error: ModuleNotFoundError) -> str:
         return f"it is not part of ROS 2 for Python: pip install {_FROM_PIP[package]}"
     if package in _ROS_1:
         return f"there is no module {package} in ROS 2: {_ROS_1[package]}."
+    if found := how_to_clone(package):
+        return f"{found}."
     kind, imported = inner.partition(".")[0], _imported_name(error)
     if kind in ("msg", "srv", "action") and (line := _import_of_interface(imported, package)):
         return f"it is elsewhere: `{line}`."

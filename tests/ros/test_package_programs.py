@@ -1,6 +1,7 @@
 """Programs of a package in its sources, started by the package's folder, and files that lie in one."""
 
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -56,7 +57,7 @@ FILES = {
 
 
 @pytest.fixture
-def workspace(tmp_path: Path) -> Path:
+def workspace(tmp_path: Path, restored_packages: None) -> Path:
     """Sources as in a workspace: a package of Python, another one, and one with messages."""
     for name, text in FILES.items():
         file = tmp_path / "src" / name
@@ -251,6 +252,16 @@ def test_missing_environment_variable_gets_the_commands_that_set_it(
 def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, name: str) -> None:
     error = ModuleNotFoundError(f"No module named '{module}'", name=module)
     assert hint(error).endswith(f": pip install {name}")
+
+
+@pytest.mark.parametrize("package", ["launch_pal", "simple_launch"])
+def test_missing_source_package_gets_the_command_that_clones_it(package: str) -> None:
+    command = f"git clone https://github.com/.*/{package}"
+    error = ModuleNotFoundError(f"No module named '{package}.x'", name=f"{package}.x")
+    assert re.fullmatch(
+        f"it is a source package: clone it into the workspace's src, with {command}.", hint(error)
+    )
+    assert re.search(f"^package '{package}' not found: .* {command}.$", why_not_found(package))
 
 
 def test_packages_of_a_layout_are_found_from_any_folder(

@@ -61,7 +61,8 @@ def reason_in(text: str) -> str:
 
 _ELSEWHERE = "or run it on a computer with ROS 2 and link to that: course run FILE --robot dds/HOST"
 _TABLE = Path(__file__).parents[1] / "not_offered.toml"
-_PROJECTS = tomllib.loads(_TABLE.read_text(encoding="utf-8"))["project"]
+_ENTRIES = tomllib.loads(_TABLE.read_text(encoding="utf-8"))
+_PROJECTS, _SOURCES = _ENTRIES["project"], _ENTRIES["source"]
 
 
 def why_not_offered(package: str) -> str:
@@ -70,3 +71,10 @@ def why_not_offered(package: str) -> str:
         if re.fullmatch(project["names"], package):
             return f"{project['reason']}, which pip can't install. Here {project['instead']}; {_ELSEWHERE}."
     return ""
+
+
+def how_to_clone(package: str) -> str:
+    """Return how to get the sources of a package in Python that pip does not have; "" for other packages."""
+    if package not in _SOURCES:
+        return ""
+    return f"it is a source package: clone it into the workspace's src, with git clone {_SOURCES[package]}"

@@ -26,7 +26,7 @@ from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 from course_lib.errors import CourseError, did_you_mean, location_of
-from course_lib.ros.programs.missing_packages import why_not_offered
+from course_lib.ros.programs.missing_packages import how_to_clone, why_not_offered
 from course_lib.ros.time import wall
 from course_lib.third_party import parse_python
 
@@ -716,6 +716,8 @@ def why_not_found(name: str) -> str:
         return f"package '{name}' not found: {reason}"
     if reason := _why_skipped(name):
         return f"package '{name}' not found: {reason}"
+    if reason := how_to_clone(name):
+        return f"package '{name}' not found: {reason}."
     names = list(packages())
     suggestion = did_you_mean(name, names) or "."
     more = f" and {len(names) - _MOST_NAMES} more (ros2 pkg list)" if len(names) > _MOST_NAMES else ""

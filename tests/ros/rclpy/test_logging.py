@@ -8,6 +8,7 @@ from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 from rclpy.clock import Clock
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.rcutils_logger import LoggingFilter, Once, SkipFirst, Throttle
 from rclpy.logging import LoggingSeverity, get_logger
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -84,6 +85,26 @@ def test_logging_options_filter_repeated_calls_from_one_line(
     assert "".join(line[-1] for line in lines) == logged
 
 
+@pytest.mark.parametrize(
+    ("logging_filter", "options", "shown"),
+    [
+        (LoggingFilter, {}, [True, True, True]),
+        (Once, {"once": True}, [True, False, False]),
+        (SkipFirst, {"skip_first": True}, [False, True, True]),
+        (Throttle, {"throttle_duration_sec": 1.0}, [True, False, False]),
+    ],
+)
+def test_logging_filter_is_used_with_a_context_as_in_rclpy(
+    node: Node, logging_filter: type[LoggingFilter], options: dict[str, Any], shown: list[bool]
+) -> None:
+    context: dict[str, Any] = {}
+    logging_filter.initialize_context(context, **options)
+    assert [logging_filter.should_log(context) for _ in shown] == shown
+    if options:
+        with pytest.raises(TypeError, match=f'specified for logging filter "{logging_filter.__name__}"$'):
+            logging_filter.initialize_context({})
+
+
 def test_two_calls_on_one_line_are_filtered_separately(node: Node, capsys: Captured) -> None:
     logger = node.get_logger()
     for _ in range(2):
@@ -118,6 +139,8 @@ def test_unknown_and_incomplete_options_are_rejected_as_in_ros(node: Node) -> No
         node.get_logger().info("hello", twice=True)
     with pytest.raises(TypeError, match=r'^required parameter "throttle_duration_sec" not specified'):
         node.get_logger().info("hello", throttle_time_source_type=Clock())
+    with pytest.raises(TypeError, match=r'^Required parameter "throttle_time_source_type" was not specified'):
+        node.get_logger().info("hello", throttle_duration_sec=1.0, throttle_time_source_type=None)
     with pytest.raises(
         ValueError, match=r'^Received throttle_time_source_type of "wall" is not a clock instance'
     ):

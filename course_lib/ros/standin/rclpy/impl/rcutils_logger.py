@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.notices import repeated_lines
@@ -17,15 +17,124 @@ from rclpy.time import Time
 if TYPE_CHECKING:
     from rcl_interfaces.msg import Log
 
-# The logging filters in the order of their evaluation, with their options. The first option is
-# required.
-FILTERS = {
-    "throttle": ("throttle_duration_sec", "throttle_time_source_type"),
-    "skip_first": ("skip_first",),
-    "once": ("once",),
+
+class LoggingFilter:
+    """Base class of the logging filters, which decide whether a logging call is shown.
+
+    `params` has the options with their defaults. An option with the default None is required. A
+    context is the state of one call in the source code.
+    """
+
+    params: ClassVar[dict[str, Any]] = {}
+
+    @classmethod
+    def initialize_context(cls, context: dict[str, Any], **kwargs: Any) -> None:
+        """Store the options and the initial state in the context of a call."""
+        for option, default in cls.params.items():
+            context[option] = kwargs.get(option, default)
+            if context[option] is None:
+                raise TypeError(
+                    f'Required parameter "{option}" was not specified for logging filter "{cls.__name__}"'
+                )
+
+    @staticmethod
+    def should_log(context: dict[str, Any]) -> bool:
+        """Return whether the call is shown now, and update the context."""
+        return True
+
+
+class Once(LoggingFilter):
+    """Shows the first execution of a call only."""
+
+    params: ClassVar[dict[str, Any]] = {"once": None}
+
+    @classmethod
+    def initialize_context(cls, context: dict[str, Any], **kwargs: Any) -> None:
+        """Store the options and the initial state in the context of a call."""
+        super().initialize_context(context, **kwargs)
+        context["has_been_logged_once"] = False
+
+    @staticmethod
+    def should_log(context: dict[str, Any]) -> bool:
+        """Return whether this is the first execution."""
+        is_first, context["has_been_logged_once"] = not context["has_been_logged_once"], True
+        return is_first
+
+
+class Throttle(LoggingFilter):
+    """Shows a call if the last one that was shown is at least `throttle_duration_sec` ago."""
+
+    params: ClassVar[dict[str, Any]] = {
+        "throttle_duration_sec": None,
+        "throttle_time_source_type": Clock(),
+    }
+
+    @classmethod
+    def initialize_context(cls, context: dict[str, Any], **kwargs: Any) -> None:
+        """Store the options and the initial state in the context of a call."""
+        super().initialize_context(context, **kwargs)
+        context["throttle_last_logged"] = 0
+        source = context["throttle_time_source_type"]
+        if not isinstance(source, Clock):
+            raise ValueError(f'Received throttle_time_source_type of "{source}" is not a clock instance')
+
+    @staticmethod
+    def should_log(context: dict[str, Any]) -> bool:
+        """Return whether the duration is over."""
+        now_ns: int = context["throttle_time_source_type"].now().nanoseconds
+        is_over: bool = now_ns >= context["throttle_last_logged"] + context["throttle_duration_sec"] * 1e9
+        if is_over:
+            context["throttle_last_logged"] = now_ns
+        return is_over
+
+
+class SkipFirst(LoggingFilter):
+    """Shows all executions of a call except the first."""
+
+    params: ClassVar[dict[str, Any]] = {"skip_first": None}
+
+    @classmethod
+    def initialize_context(cls, context: dict[str, Any], **kwargs: Any) -> None:
+        """Store the options and the initial state in the context of a call."""
+        super().initialize_context(context, **kwargs)
+        context["first_has_been_skipped"] = False
+
+    @staticmethod
+    def should_log(context: dict[str, Any]) -> bool:
+        """Return whether the first execution was skipped before."""
+        was_skipped: bool = context["first_has_been_skipped"]
+        context["first_has_been_skipped"] = True
+        return was_skipped
+
+
+# In the order of their evaluation.
+supported_filters: dict[str, type[LoggingFilter]] = {
+    "throttle": Throttle,
+    "skip_first": SkipFirst,
+    "once": Once,
 }
-KNOWN = [option for options in FILTERS.values() for option in options]
-_CLOCK = Clock()
+
+
+def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
+    """Return the names of the filters that a call's options select, in the order of their evaluation.
+
+    Raise a TypeError if a required option is missing, or an option is unknown.
+    """
+    filters = [
+        name for name, one in supported_filters.items() if any(kwargs.get(option) for option in one.params)
+    ]
+    for name in filters:
+        for option, default in supported_filters[name].params.items():
+            if option not in kwargs and default is None:
+                raise TypeError(
+                    f'required parameter "{option}" not specified '
+                    f'but is required for the the logging filter "{name}"'
+                )
+    known = [option for one in supported_filters.values() for option in one.params]
+    for option in kwargs:
+        if option not in known:
+            raise TypeError(f'parameter "{option}" is not one of the recognized logging options "{known}"')
+    return filters
 
 
 @dataclass
@@ -40,9 +149,7 @@ class CallSite:
     """A logging call in the source code: the options of its first execution, and the state of its filters."""
 
     options: dict[str, Any]
-    last_ns: int = 0
-    logged_once: bool = False
-    skipped_first: bool = False
+    context: dict[str, Any] = field(default_factory=dict)
 
     def passes_filters(self, options: dict[str, Any]) -> bool:
         """Return whether a call passes the filters, which are evaluated in the order of the options.
@@ -52,19 +159,8 @@ class CallSite:
         for option, value in options.items():
             if value != self.options[option]:
                 raise ValueError(f"{option} cannot be changed between calls.")
-        parameters = self.options["Logging filter parameters"]
-        for name in options["Requested logging filters"]:
-            if name == "throttle":
-                now_ns: int = (parameters["throttle_time_source_type"] or _CLOCK).now().nanoseconds
-                passes = now_ns >= self.last_ns + parameters["throttle_duration_sec"] * 1e9
-                self.last_ns = now_ns if passes else self.last_ns
-            elif name == "skip_first":
-                passes, self.skipped_first = self.skipped_first, True
-            else:
-                passes, self.logged_once = not self.logged_once, True
-            if not passes:
-                return False
-        return True
+        filters = options["Requested logging filters"]
+        return all(supported_filters[name].should_log(self.context) for name in filters)
 
 
 class RcutilsLogger:
@@ -122,7 +218,13 @@ class RcutilsLogger:
             frame = frame.f_back
         key = (frame.f_code.co_filename, frame.f_code.co_name, frame.f_lineno, frame.f_lasti)
         options = _collect_options(severity, name, kwargs)
-        if not self.__sites.setdefault(key, CallSite(options)).passes_filters(options):
+        site = self.__sites.get(key)
+        if site is None:
+            site = CallSite(options)
+            for each in options["Requested logging filters"]:
+                supported_filters[each].initialize_context(site.context, **kwargs)
+            self.__sites[key] = site
+        if not site.passes_filters(options):
             return False
         _write(severity, name, _text(message), frame)
         return True
@@ -220,20 +322,12 @@ def _collect_options(
     keywords: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Collect the options of a call under the names that rclpy's error uses if one of them changes."""
-    filters = [each for each, options in FILTERS.items() if any(keywords.get(option) for option in options)]
-    for each in filters:
-        if FILTERS[each][0] not in keywords:
-            raise TypeError(
-                f'required parameter "{FILTERS[each][0]}" not specified '
-                f'but is required for the the logging filter "{each}"'
-            )
-    for option in keywords:
-        if option not in KNOWN:
-            raise TypeError(f'parameter "{option}" is not one of the recognized logging options "{KNOWN}"')
-    source = keywords.get("throttle_time_source_type", _CLOCK)
-    if not isinstance(source, Clock):
-        raise ValueError(f'Received throttle_time_source_type of "{source}" is not a clock instance')
-    parameters = {option: keywords.get(option) for each in filters for option in FILTERS[each]}
+    filters = get_filters_from_kwargs(**keywords)
+    parameters = {
+        option: keywords.get(option, default)
+        for each in filters
+        for option, default in supported_filters[each].params.items()
+    }
     return {
         "Logger severity": severity,
         "Logger name": name,
