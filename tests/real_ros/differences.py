@@ -166,6 +166,7 @@ MISTAKES = {
             "Int32(data=1.5)",
             "UInt8(data=300)",
             "String(data=5)",
+            "String(data={'text': 'a'})",
             "ColorRGBA(r=255)",
             "DiagnosticStatus(level=0)",
             "String(dta='hello')",

@@ -57,6 +57,7 @@ point = PointStamped()
 point.header.frame_id = "map"
 message, state, items, matrix, time = Marker(), JointState(), [1.0], np.eye(4), 1.0
 item, v = 2.0, Vector3()
+parameter = rclpy.parameter.Parameter("speed", value=1.0)
 self.publisher = robot.create_publisher(Marker, '/a_topic', 10)
 publisher = angle = get_logger = spin = 0
 """
@@ -76,6 +77,7 @@ FIELDS = {
     "get_logger",
     "publisher",
     "spin",
+    "self.",
 }
 
 
@@ -109,7 +111,7 @@ def run(snippet: str, names: dict[str, object]) -> None:
         exec(f"async def other(): {snippet}\nother().close()", names)
     else:
         if "get_parameter(" in snippet:
-            exec("self.declare_parameter('a_name', 1.0)", names)
+            exec("self.declare_parameters('', [('a_name', 1.0), ('speed', 1.0)])", names)
         exec(snippet, names)
 
 
