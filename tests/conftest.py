@@ -91,7 +91,7 @@ def restored_packages() -> Iterator[None]:
     from course_lib.ros.messages import definitions
 
     types = definitions.field_definitions()
-    tables: list[dict[Any, Any]] = [definitions.DEFAULTS, definitions.RENAMED]
+    tables: list[dict[Any, Any]] = [definitions.DEFAULTS, definitions.RENAMED, definitions.UNSUPPORTED]
     names, kept_keys = set(types), [set(table) for table in tables]
     folders = list(definitions.FOLDERS)
     with pytest.MonkeyPatch.context() as environment:

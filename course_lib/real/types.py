@@ -13,6 +13,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.messages import message_class
 from course_lib.ros.messages.definitions import (
     PRIMITIVES,
+    UNSUPPORTED,
     FieldDefinition,
     add_package,
     definition,
@@ -48,7 +49,8 @@ def types_of(package: str) -> dict[str, dict[str, Any]]:
     For services and actions, which consist of messages, only kind, module and hash are returned.
     """
     descriptions: dict[str, dict[str, Any]] = {}
-    for name in (name for name in type_names() if name.startswith(f"{package}/")):
+    names = [name for name in type_names() if name.startswith(f"{package}/") and name not in UNSUPPORTED]
+    for name in names:
         descriptions[name] = _describe(name)
         for end, kind in ((_SERVICE, "service"), (_ACTION, "action")):
             if name.endswith(end):

@@ -14,6 +14,7 @@ from course_lib.ros.messages import RosMessage, action_class, message_class, ser
 from course_lib.ros.messages.conversions import Style, to_yaml
 from course_lib.ros.messages.definitions import (
     DEFAULTS,
+    FIRST_PARTS,
     FOLDERS,
     PRIMITIVES,
     RENAMED,
@@ -21,9 +22,10 @@ from course_lib.ros.messages.definitions import (
     field_definitions,
     find_package,
     find_workspace_packages,
+    interfaces,
     type_names,
 )
-from course_lib.ros.messages.interface_files import ACTION_PARTS, PLACEHOLDER, SERVICE_PARTS, kit_files
+from course_lib.ros.messages.interface_files import PLACEHOLDER, kit_files
 from course_lib.ros.time.interrupts import until_interrupted
 from course_lib.tools.sources import Source, answer, is_hidden, own_node
 from course_lib.tools.verb import (
@@ -379,17 +381,7 @@ LIFECYCLE_VERBS = tuple(
 )
 
 
-_FIRST_PARTS = {"msg": "", "srv": SERVICE_PARTS[0], "action": ACTION_PARTS[0]}
 _TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
-
-
-def interfaces(kind: str) -> list[str]:
-    """List the types of a kind (msg, srv or action) by name."""
-    suffix = _FIRST_PARTS[kind]
-    names = [
-        name.removesuffix(suffix) for name in type_names() if f"/{kind}/" in name and name.endswith(suffix)
-    ]
-    return [name for name in names if "_" not in name.rsplit("/", 1)[1]]
 
 
 def _find_workspace_types() -> None:
@@ -423,7 +415,7 @@ def _print_definition(source: Source, arguments: Namespace, write: Write) -> Non
 
 def _print_prototype(source: Source, arguments: Namespace, write: Write) -> None:
     name = _check_type_name(arguments.type)
-    message = message_class(name + _FIRST_PARTS[name.split("/")[1]])()
+    message = message_class(name + FIRST_PARTS[name.split("/")[1]])()
     quote = "" if arguments.no_quotes else '"'
     write(f"{quote}{to_yaml(message, Style(truncate=None))}{quote}\n")
 

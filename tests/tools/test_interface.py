@@ -4,8 +4,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
-from course_lib.ros.messages.definitions import type_names, typestore
-from course_lib.tools.entities import interfaces
+from course_lib.ros.messages.definitions import interfaces, type_names, typestore
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import RecordingSource
 

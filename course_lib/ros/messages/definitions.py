@@ -11,6 +11,8 @@ import numpy as np
 
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.messages.interface_files import (
+    ACTION_PARTS,
+    SERVICE_PARTS,
     LazyTypes,
     check_interface,
     kit_files,
@@ -38,6 +40,8 @@ DEFAULTS: dict[tuple[str, str], Any] = {
 # Suffix of a service's event type, used on its introspection topic.
 EVENT_PART = "_Event"
 NO_WIDE_STRINGS = "the kit has no wide strings (wstring). Write string: it holds all characters, too."
+# Why the kit cannot represent a type, by type. Only using such a type is an error.
+UNSUPPORTED: dict[str, str] = {}
 # Parent folders of packages with interface files that a program has imported.
 FOLDERS: list[Path] = []
 # Folders of packages whose names differ from their folders' names.
@@ -104,6 +108,8 @@ def typestore() -> "Typestore":
 def add_package(folder: Path, name: str = "") -> None:
     """Add a package's own interface files, like ``my_msgs/msg/Name.msg``, to the store.
 
+    Types with a wide string, or with such a type, are listed in `UNSUPPORTED`.
+
     Raises:
         CourseError: A file is invalid, or uses a type that does not exist.
     """
@@ -123,16 +129,27 @@ def add_package(folder: Path, name: str = "") -> None:
             raise CourseError(f"{path} has changed since it was read: restart the kernel.") from error
         DEFAULTS.update(read_defaults(path, package))
     definitions = field_definitions()
-    for file, name in ((path, name) for path in paths for name in read_interface(path, package)):
-        for field in (field for field in definition(name).fields if field.is_message):
+    types_by_file = {path: list(read_interface(path, package)) for path in paths}
+    used: dict[Path, set[str]] = {path: set() for path in paths}
+    for file, name in ((path, name) for path, names in types_by_file.items() for name in names):
+        for field in (field for field in _parse_definition(name).fields if field.is_message):
             other = field.base.split("/")[0]
             if field.base not in definitions and other != package:
                 find_package(other)
             place = f"{file}, line {line_of_field(file, field.name)}, field {field.name}"
             if field.base == f"{package}/msg/wstring":
-                raise CourseError(f"{place}: {NO_WIDE_STRINGS}")
-            if field.base not in definitions:
+                UNSUPPORTED.update(dict.fromkeys(types_by_file[file], f"{place}: {NO_WIDE_STRINGS}"))
+            elif field.base not in definitions:
                 raise CourseError(f"{place}: No message type {field.base!r} here.")
+            used[file].add(field.base)
+    # Types that contain an unsupported type, at any depth.
+    count = -1
+    while count != len(UNSUPPORTED):
+        count = len(UNSUPPORTED)
+        for file, bases in used.items():
+            if reason := next((UNSUPPORTED[base] for base in sorted(bases & UNSUPPORTED.keys())), ""):
+                for name in types_by_file[file]:
+                    UNSUPPORTED.setdefault(name, reason)
 
 
 def find_package(package: str) -> None:
@@ -170,7 +187,7 @@ def type_names() -> list[str]:
 def definition(type_name: str) -> MessageDefinition:
     """Return the definition of a type.
 
-    Raise a CourseError with the closest names if there is none.
+    Raise a CourseError with the closest names if there is none, or if the kit cannot represent it.
     """
     definitions = field_definitions()
     if type_name not in definitions:
@@ -181,12 +198,30 @@ def definition(type_name: str) -> MessageDefinition:
     if type_name not in definitions:
         meant = did_you_mean(type_name, definitions, 3) or ". Written like visualization_msgs/msg/Marker."
         raise CourseError(f"No message type {type_name!r} here{meant}")
-    constants, fields = definitions[type_name]
+    if type_name in UNSUPPORTED:
+        raise CourseError(UNSUPPORTED[type_name])
+    return _parse_definition(type_name)
+
+
+def _parse_definition(type_name: str) -> MessageDefinition:
+    constants, fields = field_definitions()[type_name]
     return MessageDefinition(
         type_name,
         {name: bytes([int(value)]) if base == "byte" else value for name, base, value in constants},
         tuple(_field(type_name, name, desc) for name, desc in fields),
     )
+
+
+FIRST_PARTS = {"msg": "", "srv": SERVICE_PARTS[0], "action": ACTION_PARTS[0]}
+
+
+def interfaces(kind: str) -> list[str]:
+    """List the types of a kind (msg, srv or action) by name."""
+    suffix = FIRST_PARTS[kind]
+    names = [
+        name.removesuffix(suffix) for name in type_names() if f"/{kind}/" in name and name.endswith(suffix)
+    ]
+    return [name for name in names if "_" not in name.rsplit("/", 1)[1]]
 
 
 def event_definition(service: str) -> Any:

@@ -157,6 +157,8 @@ def _parse(text: str, package: str) -> Any:
         for field, line in zip(fields, text.splitlines(), strict=True)
     )
     content = "\n".join(lines).strip() or f"uint8 {PLACEHOLDER}"
+    # rosbags has no limit of wide strings, which `definitions` rejects in any case.
+    content = re.sub(r"^(\s*wstring)<=\d+", r"\1", content, flags=re.MULTILINE)
     (definition,) = get_types_from_msg(content, f"{package}/msg/A").values()
     return definition
 

@@ -22,6 +22,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.messages.definitions import (
     EVENT_PART,
     PRIMITIVES,
+    UNSUPPORTED,
     FieldDefinition,
     MessageDefinition,
     definition,
@@ -402,4 +403,4 @@ def _make_lazy(module: ModuleType, types: Mapping[str, str]) -> None:
     vars(module)["__getattr__"] = get
     vars(module)["__dir__"] = lambda: sorted({*vars(module), *types} - {"__getattr__", "__dir__", "__all__"})
     # Without it, `from std_msgs.msg import *` would import only the classes created so far.
-    vars(module)["__all__"] = [*types]
+    vars(module)["__all__"] = [name for name, type_name in types.items() if type_name not in UNSUPPORTED]

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
+from course_lib.real.types import types_of
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.messages.definitions import add_package, type_names, typestore
 
@@ -140,8 +141,6 @@ def test_program_imports_an_interface_package_in_its_folder(folder: Path) -> Non
             "field image: No message type 'sensor_msgs/msg/Imag'",
         ),
         ({"Limit_msg": "Rang range"}, "Limit.msg, line 1, field range: No message type"),
-        ({"Limit_msg": "wstring name"}, "field name: the kit has no wide strings (wstring). Write string:"),
-        ({"Limit_msg": "wstring[3] name"}, "field name: the kit has no wide strings"),
         (
             {"limit_msg": "float64 low"},
             "limit.msg: the file name must be a type name like JointLimit, not 'limit'",
@@ -167,3 +166,24 @@ def test_changed_interface_file_requires_a_new_kernel(folder: Path) -> None:
     write(folder, Range_msg="float32 width")
     with pytest.raises(CourseError, match="has changed since it was read: restart the kernel"):
         add_package(folder)
+
+
+@pytest.mark.parametrize("line", ["wstring name", "wstring[3] name", "wstring<=9 name"])
+def test_only_using_a_type_with_a_wide_string_is_an_error(folder: Path, line: str) -> None:
+    write(
+        folder,
+        Angle_msg="float64 degrees",
+        List_msg="Pair[] pairs",
+        Pair_msg="Wide a\nWide b",
+        Wide_msg=f"float64 x\n{line}",
+        Ask_srv="Wide wide\n---\n",
+        Turn_srv="Angle angle\n---\n",
+    )
+    messages = importlib.import_module(f"{folder.name}.msg")
+    services = importlib.import_module(f"{folder.name}.srv")
+    assert messages.Angle(degrees=2.0).degrees == services.Turn.Request().angle.degrees + 2.0
+    for module, name in ((messages, "Wide"), (messages, "Pair"), (messages, "List"), (services, "Ask")):
+        with pytest.raises(CourseError, match=r"Wide\.msg, line 2, field name: the kit has no wide strings"):
+            getattr(module, name)
+        assert name not in module.__all__
+    assert set(types_of(folder.name)) >= {f"{folder.name}/msg/Angle", f"{folder.name}/srv/Turn"}

@@ -33,6 +33,11 @@ def message_to_ordereddict(
     return ordered
 
 
+def get_message_slot_types(msg: Any) -> "OrderedDict[str, Any]":
+    """Return the types of a message's fields by name, as objects of rosidl_parser."""
+    return OrderedDict(zip(msg.get_fields_and_field_types(), msg.SLOT_TYPES, strict=True))
+
+
 def _ordered(value: Any) -> Any:
     if isinstance(value, dict):
         return OrderedDict((name, _ordered(item)) for name, item in value.items())
