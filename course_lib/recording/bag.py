@@ -158,9 +158,26 @@ class BagWriter:
 _MAGIC = b"\x89MCAP0\r\n"
 # Opcodes of MCAP (mcap.dev/spec).
 _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = 3, 4, 5, 6
-_TOPICS = "SELECT id, name, type, offered_qos_profiles FROM topics"
+_TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
 # Without the index, because it may be incomplete.
 _MESSAGES = "SELECT timestamp, topic_id, data FROM messages NOT INDEXED"
+
+
+# The name of the only serialization format that can be read, which is ROS 2's default.
+_CDR = "cdr"
+
+
+class UnsupportedFormatError(CourseError):
+    """A bag has messages in another serialization format than CDR."""
+
+
+def _check_format(bag: Path, topic: str, serialization_format: str) -> None:
+    # An incomplete bag may lack the name.
+    if serialization_format not in ("", _CDR):
+        raise UnsupportedFormatError(
+            f"The bag {bag} has messages in the serialization format '{serialization_format}', on {topic}. "
+            f"Only '{_CDR}' is supported: record it in that format, which is the default of ros2 bag record."
+        )
 
 
 def is_data_file(path: Path) -> bool:
@@ -190,7 +207,9 @@ def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
         try:
             if path.suffix == ".mcap" and not (data.startswith(_MAGIC) and data.endswith(_MAGIC)):
                 damages.append(f"{path.name} does not begin and end as a MCAP file does")
-            samples.extend(_mcap(data) if path.suffix == ".mcap" else _sqlite(path))
+            samples.extend(_mcap(data, path) if path.suffix == ".mcap" else _sqlite(path))
+        except UnsupportedFormatError:
+            raise
         # A damaged file can cause any error.
         except Exception as error:
             # sqlite3 raises an error with the text None at the end of the file.
@@ -198,7 +217,7 @@ def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
     return sorted(samples, key=lambda sample: sample.stamp_ns), damages[0] if damages else ""
 
 
-def _mcap(data: bytes) -> Iterator[Sample]:
+def _mcap(data: bytes, path: Path) -> Iterator[Sample]:
     from rosbags.rosbag2.storage_mcap import get_qos
 
     types: dict[int, str] = {}
@@ -209,7 +228,9 @@ def _mcap(data: bytes) -> Iterator[Sample]:
         elif opcode == _CHANNEL:
             channel, schema = struct.unpack_from("<HH", content)
             topic, at = _text(content, 4)
-            metadata = content[_text(content, at)[1] + 4 :]
+            encoding, at = _text(content, at)
+            _check_format(path, topic, encoding)
+            metadata = content[at + 4 :]
             channels[channel] = topic, types[schema], from_bag(get_qos(metadata))
         elif opcode == _MESSAGE:
             channel, _, stamp_ns = struct.unpack_from("<HIQ", content)
@@ -265,7 +286,8 @@ def _sqlite(path: Path) -> Iterator[Sample]:
     # Otherwise SQLite rejects a file that is shorter than its header states.
     database.execute("PRAGMA writable_schema = ON")
     topics = {}
-    for topic, name, type_name, qos_text in database.execute(_TOPICS):
+    for topic, name, type_name, serialization_format, qos_text in database.execute(_TOPICS):
+        _check_format(path, name, serialization_format)
         topics[topic] = name, type_name, from_bag(parse_qos(qos_text))
     for stamp_ns, topic, cdr in database.execute(_MESSAGES):
         name, type_name, qos = topics[topic]
@@ -316,7 +338,8 @@ def read_bag(folder: str | Path) -> Recording:
     complete message, with a warning on standard error.
 
     Raises:
-        CourseError: The bag does not exist or has no complete message.
+        CourseError: The bag does not exist, has no complete message, or another serialization format than
+            CDR.
     """
     from rosbags.rosbag2 import Reader
 
@@ -329,6 +352,8 @@ def read_bag(folder: str | Path) -> Recording:
             return Recording(tuple(_samples(reader)))
     # A damaged file can cause many kinds of errors in rosbags, its decompressors and SQLite.
     except Exception as error:
+        for topic in _topics_in_metadata(bag_metadata(path)):
+            _check_format(path, topic["name"], topic.get("serialization_format", _CDR))
         reason = str(error).splitlines()[0].rstrip(".") if str(error) else type(error).__name__
         if not (path / METADATA).is_file():
             reason = f"it has no {METADATA}. If its program still runs, writer.close() completes it"
@@ -440,6 +465,14 @@ def bag_metadata(folder: Path) -> dict[str, Any]:
         return dict(yaml.safe_load(text)["rosbag2_bagfile_information"])
     except (OSError, yaml.YAMLError, KeyError, TypeError):
         return {}
+
+
+def _topics_in_metadata(about: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the descriptions of the topics in metadata; an empty list if it is malformed."""
+    try:
+        return [dict(entry["topic_metadata"]) for entry in about["topics_with_message_count"]]
+    except (KeyError, TypeError, ValueError):
+        return []
 
 
 def topic_counts(about: dict[str, Any], recording: Recording) -> dict[tuple[str, str], int]:

@@ -146,3 +146,25 @@ def test_info_of_a_bag_with_a_renamed_file_lists_the_existing_file(tmp_path: Pat
     write_bag(make_recording(3), tmp_path / "bag")
     (tmp_path / "bag" / "recording.mcap").rename(tmp_path / "bag" / "walk.mcap")
     assert "Files:             walk.mcap\n" in bag_info(tmp_path / "bag")
+
+
+@pytest.mark.parametrize("part", ["bag", "file", "bag without metadata", "file without format"])
+@pytest.mark.parametrize("storage", [StoragePlugin.MCAP, StoragePlugin.SQLITE3])
+def test_bag_in_another_serialization_format_is_rejected_with_the_format(
+    tmp_path: Path, storage: StoragePlugin, part: str
+) -> None:
+    bag = tmp_path / "bag"
+    with Writer(bag, version=9 if storage is StoragePlugin.MCAP else 8, storage_plugin=storage) as writer:
+        serialization_format = "" if part == "file without format" else "protobuf"
+        topic = writer.add_connection(
+            "/chatter", STRING, typestore=typestore(), serialization_format=serialization_format
+        )
+        writer.write(topic, START, b"\0\1\0\0\1\0\0\0\0")
+    if part == "bag without metadata":
+        (bag / "metadata.yaml").unlink()
+    path = next(path for path in bag.iterdir() if path.suffix != ".yaml") if "file" in part else bag
+    if not serialization_format:
+        assert len(read_bag(path).samples) == 1
+        return
+    with pytest.raises(CourseError, match=r"format 'protobuf', on /chatter\. Only 'cdr' is supported"):
+        read_bag(path)

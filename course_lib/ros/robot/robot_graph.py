@@ -233,6 +233,13 @@ def ignore(cdr: bytes, source_ns: int, received_ns: int) -> None:
 HUMBLE_HASH = "TypeHashNotSupported"
 NO_SKEW = "not measured: no topic is received yet"
 MAX_SKEW = 0.5  # [s]
+CLOCK = "/clock"
+# Time that a program or view has to subscribe to the robot's clock [s].
+CLOCK_SECONDS = 2.0
+SIMULATED_TIME = (
+    "The robot publishes /clock: its time is simulated. Set use_sim_time to true here as well, or "
+    "stamps and tf do not fit: -p use_sim_time:=true behind --ros-args, Viewer(use_sim_time=True)."
+)
 STOP_IS_DUE = "The link is down, and the robot may still move: it gets its stop when the link is back."
 NO_STOP = "The link is down: the robot has not got its stop. If it moves, use its emergency stop."
 
@@ -243,11 +250,6 @@ def type_warning(entity: Entity) -> str:
         return (
             "The robot runs ROS 2 Humble, whose messages Jazzy does not receive over Zenoh. "
             "Install Jazzy on the robot, with ros-jazzy-rmw-zenoh-cpp."
-        )
-    if entity.topic == "/clock" and entity.kind == "publisher":
-        return (
-            "The robot publishes /clock: its time is simulated. Set use_sim_time to true here as well, or "
-            "stamps and tf do not fit: -p use_sim_time:=true behind --ros-args, Viewer(use_sim_time=True)."
         )
     # Humble and Cyclone DDS transmit no hash.
     if not entity.type_hash or not is_known(entity.type_name):
@@ -340,6 +342,8 @@ class RobotGraph(Graph):
         self._tap_node: int | None = None
         self._polled_ns = 0
         self._is_up = link.is_up()
+        # Wall time at which the robot's clock was discovered [s]; None before.
+        self._clock_found: float | None = None
         # Wall time at which the link was lost [s]; None if it never was.
         self._down_since: float | None = None
         self._is_silent = False
@@ -543,6 +547,8 @@ class RobotGraph(Graph):
     def _on_entity_added(self, entity: Entity) -> None:
         self._report_once(entity.type_name, type_warning(entity))
         if entity.kind == "publisher":
+            if entity.topic == CLOCK and self._clock_found is None:
+                self._clock_found = wall.monotonic()
             # Poll immediately, so that taps miss as few of the first messages as possible.
             self._polled_ns = 0
         if entity.kind in ("publisher", "subscription"):
@@ -567,11 +573,24 @@ class RobotGraph(Graph):
         self._polled_ns = self.now_ns
         self._follow_taps()
         self._watch_link()
+        self._check_simulated_time()
         for key, line in self.link.warnings():
             self._report_once(key, line)
         self._report_once("clock", clock_warning(self._clock_skew() or 0.0))
         for subscription in self._subscriptions:
             self._report_once(f"slow {subscription.topic}", subscription.warning())
+
+    def _check_simulated_time(self) -> None:
+        """Warn about the simulated time of the robot, unless a node or view follows /clock soon."""
+        if self._clock_found is None or wall.monotonic() - self._clock_found < CLOCK_SECONDS:
+            return
+        own_nodes = self._own_nodes.keys() - {self._tap_node}
+        subscriptions = (info for info in self._topics.endpoints_on(CLOCK) if info.kind == "sub")
+        is_followed = any(info.node in own_nodes for info in subscriptions) or any(
+            select_topics is not None and CLOCK in select_topics() for _, select_topics in self._taps
+        )
+        if not is_followed:
+            self._report_once(CLOCK, SIMULATED_TIME)
 
     def _follow_taps(self) -> None:
         """Subscribe to the topics that displays and recordings need, with the offered QoS."""

@@ -11,13 +11,14 @@ from std_srvs.srv import Trigger
 
 from course_lib.ros.graph.topics import SERVICE_HEADER, Qos
 from course_lib.ros.messages import deserialize, serialize, type_name
+from course_lib.ros.robot import robot_graph
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import STALE, BlockedTraffic, Permissions
 from course_lib.ros.time import wall
 from course_lib.ros.zenoh.session import open_session
 from tests.ros.zenoh.conftest import Kits, zenoh_link
 
-STRING = "std_msgs/msg/String"
+STRING, CLOCK = "std_msgs/msg/String", "rosgraph_msgs/msg/Clock"
 VOLATILE, LATCHED = Qos(), Qos(depth=1, durability="transient_local")
 BEST_EFFORT = Qos(reliability="best_effort")
 MOVING = Twist()
@@ -342,9 +343,28 @@ def test_type_with_an_unsupported_or_different_hash_is_reported(
 
 def test_simulated_time_of_the_robot_is_reported(kits: Kits) -> None:
     robot = kits.join(send="/clock")
-    talker(robot, "/clock", "rosgraph_msgs/msg/Clock")
+    talker(robot, "/clock", CLOCK)
     kits.join()
     kits.until(lambda: any("its time is simulated" in line for line in kits.lines), "the line")
+
+
+@pytest.mark.parametrize("follower", ["node", "view"])
+def test_simulated_time_is_not_reported_if_it_is_followed(
+    kits: Kits, follower: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(robot_graph, "CLOCK_SECONDS", 0.0)
+    robot, student = kits.join(send="/clock"), kits.join()
+    if follower == "node":
+        listener(student, "/clock", CLOCK)
+    else:
+        student.tap(lambda sample: None, lambda: {"/clock"})
+    talker(robot, "/clock", CLOCK)
+    polled: list[int] = []
+    monkeypatch.setattr(student, "_watch_link", lambda: polled.append(1))
+    kits.until(lambda: "/clock" in topics(student, "pub"), "the clock")
+    polled.clear()
+    kits.until(lambda: len(polled) > 1, "two polls")
+    assert not any("its time is simulated" in line for line in kits.lines)
 
 
 def test_attachment_of_an_older_rmw_zenoh_is_reported(kits: Kits) -> None:
