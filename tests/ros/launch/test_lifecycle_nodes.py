@@ -108,6 +108,32 @@ def generate_launch_description():
 """
 
 
+AUTOSTART = """
+from launch import LaunchDescription
+from launch_ros.actions import LifecycleNode
+
+
+def generate_launch_description():
+    return LaunchDescription([
+        LifecycleNode(name="lc_talker", namespace="NAMESPACE", package="my_robot", executable="lc_talker",
+                      autostart=True),
+    ])
+"""
+
+
+@pytest.mark.parametrize("namespace", ["", "front"])
+def test_lifecycle_node_with_autostart_is_configured_and_activated(
+    demo: Any, robot: Path, namespace: str
+) -> None:
+    demo("").write_text(AUTOSTART.replace("NAMESPACE", namespace))
+    recording, _ = recorded(robot / "launch" / "lifecycle.launch.py", seconds=2.0)
+    events = [one.cdr for one in recording.samples if one.topic.endswith("/lc_talker/transition_event")]
+    goals = [deserialize(cdr, TransitionEvent).goal_state.label for cdr in events]
+    assert [goal for goal in goals if not goal.endswith("ing")] == ["inactive", "active"]
+    with pytest.raises(TypeError, match="got an unexpected keyword argument 'autostart'"):
+        NodeAction(package="my_robot", executable="lc_talker", autostart=True)
+
+
 @pytest.mark.parametrize("fails", [False, True])
 def test_transitions_are_requested_in_sequence_until_a_node_fails(
     demo: Any, robot: Path, fails: bool
@@ -140,7 +166,7 @@ def test_launch_ends_if_its_node_never_started(robot: Path, demo: Any) -> None:
 
 
 def test_events_and_handlers_are_matched_as_in_launch_ros() -> None:
-    given = {"name": "a", "namespace": "", "package": "p", "executable": "e"}
+    given: dict[str, Any] = {"name": "a", "namespace": "", "package": "p", "executable": "e"}
     node, other = LifecycleNode(**given), LifecycleNode(**given)
     node.node_name = "/a"
     message = TransitionEvent(start_state=State(label="activating"), goal_state=State(label="active"))

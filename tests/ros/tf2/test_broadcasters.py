@@ -2,7 +2,14 @@ import pytest
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.time import Time
-from tf2_ros import Buffer, StaticTransformBroadcaster, TransformBroadcaster, TransformListener
+from tf2_ros import (
+    Buffer,
+    StaticTransformBroadcaster,
+    StaticTransformListener,
+    TransformBroadcaster,
+    TransformListener,
+)
+from tf2_ros.transform_listener import DEFAULT_STATIC_TF_TOPIC, DEFAULT_TF_TOPIC
 
 from course_lib.ros.graph.graph import Graph
 from tests.ros.tf2.stamped import stamped
@@ -56,6 +63,24 @@ def test_unregistered_listener_receives_no_transforms(node: Node) -> None:
     TransformBroadcaster(node).sendTransform(stamped("map", "a", 5))
     spun(node)
     assert buffer.all_frames_as_yaml() == "[]"
+
+
+def test_static_listener_receives_static_transforms_only(node: Node) -> None:
+    buffer = Buffer()
+    listener = StaticTransformListener(buffer, node)
+    TransformBroadcaster(node).sendTransform(stamped("map", "moving", 5))
+    StaticTransformBroadcaster(node).sendTransform(stamped("map", "fixed"))
+    spun(node)
+    assert buffer.can_transform("map", "fixed", Time())
+    assert "moving" not in buffer.all_frames_as_yaml()
+    assert node.count_subscribers(DEFAULT_TF_TOPIC) == 0
+    listener.unregister()
+    assert node.count_subscribers(DEFAULT_STATIC_TF_TOPIC) == 0
+
+
+def test_listener_subscribes_to_the_given_topics(node: Node) -> None:
+    TransformListener(Buffer(), node, tf_topic="/robot/tf", tf_static_topic="/robot/tf_static")
+    assert [node.count_subscribers(topic) for topic in ("/robot/tf", "/robot/tf_static", "/tf")] == [1, 1, 0]
 
 
 def test_qos_of_tf_topics_agrees_with_ros(started_graph: Graph, node: Node) -> None:

@@ -252,7 +252,7 @@ class Node(Action):
         self._arguments, self._ros_arguments = list(arguments or ()), list(ros_arguments or ())
         self._on_exit, self._options = on_exit, options
 
-    def _start(self, context: LaunchContext) -> None:
+    def _start(self, context: LaunchContext) -> list[Action] | None:
         warn_about_ignored_options(context, self._options)
         react_to_exit(context, self, self._on_exit)
         executable, common = text_of(context, self._executable), self._settings
@@ -263,6 +263,7 @@ class Node(Action):
             context.runner.start_file(self, Path(executable), arguments)
         else:
             context.runner.start(self, text_of(context, self._package), executable, arguments)
+        return None
 
 
 class LifecycleNode(Node):
@@ -273,16 +274,18 @@ class LifecycleNode(Node):
     Args:
         name: The name of the node, which is required because its topic and service contain it.
         namespace: The namespace of the node; may be "".
+        autostart: Whether the launch configures and activates the node.
         options: The options of Node.
     """
 
-    def __init__(self, *, name: Some, namespace: Some, **options: Any) -> None:
+    def __init__(self, *, name: Some, namespace: Some, autostart: bool = False, **options: Any) -> None:
         super().__init__(name=name, namespace=namespace, **options)
+        self._autostart = autostart
         # The fully qualified name, once the node was started.
         self.node_name = ""
         self._given_name = name
 
-    def _start(self, context: LaunchContext) -> None:
+    def _start(self, context: LaunchContext) -> list[Action]:
         runner = context.runner
         self.node_name = f"{self._settings.full_namespace(context)}/{text_of(context, self._given_name)}"
         self._is_running = True
@@ -311,6 +314,10 @@ class LifecycleNode(Node):
             BaseEventHandler(matcher=is_addressed, entities=on_request),
         ]
         super()._start(context)
+        if not self._autostart:
+            return []
+        transitions = [Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE]
+        return [LifecycleTransition(lifecycle_node_names=[self.node_name], transition_ids=transitions)]
 
     def _request(self, context: LaunchContext, link: _LifecycleLink, transition: int) -> None:
         """Request a transition. If the node is not available yet, try again later."""

@@ -11,6 +11,8 @@ from tf2_msgs.msg import TFMessage
 
 from tf2_ros.buffer import Buffer
 
+DEFAULT_TF_TOPIC = "/tf"
+DEFAULT_STATIC_TF_TOPIC = "/tf_static"
 _AUTHORITY = "default_authority"
 
 
@@ -18,7 +20,8 @@ class TransformListener:
     """Stores received transforms in a buffer while its node is spun.
 
     With `spin_thread` it spins the node in its own thread. By default the queues hold 100 messages,
-    and /tf_static is subscribed to with TRANSIENT_LOCAL durability.
+    and /tf_static is subscribed to with TRANSIENT_LOCAL durability. With `static_only` it subscribes to
+    the topic of static transforms only.
     """
 
     def __init__(
@@ -29,6 +32,9 @@ class TransformListener:
         spin_thread: bool = False,
         qos: QoSProfile | int | None = None,
         static_qos: QoSProfile | int | None = None,
+        tf_topic: str = DEFAULT_TF_TOPIC,
+        tf_static_topic: str = DEFAULT_STATIC_TF_TOPIC,
+        static_only: bool = False,
     ) -> None:
         if static_qos is None:
             static_qos = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -36,11 +42,12 @@ class TransformListener:
         self.node = node
         # Reentrant, so that a callback of the node can wait for transforms.
         self.group = ReentrantCallbackGroup()
-        self.tf_sub = node.create_subscription(
-            TFMessage, "/tf", self.callback, 100 if qos is None else qos, callback_group=self.group
-        )
+        if not static_only:
+            self.tf_sub = node.create_subscription(
+                TFMessage, tf_topic, self.callback, 100 if qos is None else qos, callback_group=self.group
+            )
         self.tf_static_sub = node.create_subscription(
-            TFMessage, "/tf_static", self.static_callback, static_qos, callback_group=self.group
+            TFMessage, tf_static_topic, self.static_callback, static_qos, callback_group=self.group
         )
         if spin_thread:
             self.executor = SingleThreadedExecutor()
@@ -49,7 +56,8 @@ class TransformListener:
 
     def unregister(self) -> None:
         """Destroy the subscriptions."""
-        self.node.destroy_subscription(self.tf_sub)
+        if hasattr(self, "tf_sub"):
+            self.node.destroy_subscription(self.tf_sub)
         self.node.destroy_subscription(self.tf_static_sub)
 
     def callback(self, data: TFMessage) -> None:
