@@ -688,6 +688,19 @@ def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
     ]
 
 
+def reliable_subscription_hint(evidence: Iterable[Evidence]) -> list[str]:
+    """Return a sentence about the first topic of which a Reliable subscription receives nothing, or []."""
+    warning = r"New publisher discovered on topic '(\S+)', offering incompatible QoS\..* policy: RELIABILITY"
+    found = (re.search(warning, one.output) for one in evidence)
+    topics = [match[1] for match in found if match]
+    return [
+        f"Hint: Nothing arrives from {topic}: it is published with Best Effort, and your subscription "
+        "requests Reliable, as each number like 10 does. Pass qos_profile_sensor_data as the last "
+        "argument of create_subscription."
+        for topic in topics[:1]
+    ]
+
+
 def large_message_hint(evidence: Iterable[Evidence]) -> list[str]:
     """Return a sentence about the topic whose messages are so large that they take most of the time."""
     descriptions = [one.large_message for one in evidence if one.large_message]

@@ -19,6 +19,7 @@ from course_lib.grading.advice import (
     missing_return_hint,
     nan_hint,
     parameter_order_hint,
+    reliable_subscription_hint,
     wrong_type_hint,
 )
 from course_lib.grading.evidence import Evidence
@@ -172,6 +173,7 @@ def table_of(
             parameter_order_hint(task, source)
             or missing_return_hint(task, evidence, source)
             or wrong_type_hint(evidence)
+            or reliable_subscription_hint(evidence)
             or [*nan_hint(evidence), *hints]
         )
     if task.personal and student is None:

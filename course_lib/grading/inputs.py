@@ -267,12 +267,18 @@ def images(
     begin: float,
     end: float,
     frame: str = "camera_link",
+    *,
+    best_effort: bool = False,
 ) -> Iterable[Message]:
-    """Yield images of one pixel at the rate `hz` [1/s] between two times [s]."""
-    fields = {"width": 1, "height": 1, "step": 1, "encoding": "mono8", "data": [9]}
+    """Yield images of two pixels at the rate `hz` [1/s] between two times [s].
+
+    With `best_effort` a subscription that requests Reliable receives none of them.
+    """
+    fields = {"width": 2, "height": 1, "step": 2, "encoding": "mono8", "data": [9, 9]}
     for number in range(round(hz * (end - begin))):
         at = begin + (number + 0.5) / hz  # [s]
-        yield Message(topic, "sensor_msgs/msg/Image", {"header": header(at, frame), **fields}, at=at)
+        content = {"header": header(at, frame), **fields}
+        yield Message(topic, "sensor_msgs/msg/Image", content, at=at, best_effort=best_effort)
 
 
 def set_parameters(node: str, at: float, **values: Any) -> Message:

@@ -124,12 +124,14 @@ class Message:
         type_name: "geometry_msgs/msg/Twist".
         fields: Field values as returned by `to_plain`; omitted fields keep their defaults.
         at: Time after the start of the scenario, [s].
+        best_effort: Whether it is published with Best Effort, as sensors do, and not with Reliable.
     """
 
     topic: str
     type_name: str
     fields: Mapping[str, Any]
     at: float = 0.0
+    best_effort: bool = False
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,17 @@
 """Week 6, tooling and diagnostics: tasks, hints and public checks."""
 
+import re
 from collections.abc import Iterable
 
 from course_lib.grading import (
     Call,
+    Check,
+    Evidence,
     Message,
     Row,
     Scenario,
     Task,
+    Verdict,
     expect_display,
     expect_drawn,
     expect_fact,
@@ -20,9 +24,11 @@ from course_lib.grading import (
     expect_stamps,
     expect_throughout,
     expect_value,
+    failed,
     inputs,
     lightly,
     my,
+    passed,
 )
 
 IMAGES, DIAGNOSTICS = "/camera/image_raw", "/diagnostics"
@@ -68,6 +74,20 @@ FOLLOWS = expect_rate(IMAGES, 5.0, begin=3.1, end=5.9).requiring(PIXELS).titled(
 REFUSED = [expect_rate(IMAGES, 5.0, begin=at, end=at + 1.8).requiring(FOLLOWS) for at in (6.1, 8.1)]
 FRAME_SET = expect_message(IMAGES, {"header.frame_id": "front"}).requiring(PIXELS)
 FRAME_AT_FIRST = expect_message(IMAGES, {"header.frame_id": "camera_link"}).requiring(PIXELS)
+REJECTION = re.compile(r"^At (\d+\.\d+) s: Setting parameter failed", re.MULTILINE)
+
+
+def rejects_rates(evidence: Evidence) -> Verdict:
+    """Expect `ros2 param set` to fail for 61 Hz, set at 6 s, and for 0.5 Hz, set at 8 s."""
+    times = [float(text) for text in REJECTION.findall(evidence.output)]  # [s]
+    for rate, begin in ((61.0, 6.0), (0.5, 8.0)):  # [Hz], [s]
+        if not any(begin <= at < begin + 2.0 for at in times):
+            message = f"ros2 param set /camera frame_rate {rate} succeeded, expected that it is rejected"
+            return failed(message, "a value is wrong")
+    return passed("ros2 param set reports that setting the parameter failed")
+
+
+RATES_REJECTED = Check("ros2 param set reports 61 and 0.5 Hz as rejected", rejects_rates)
 
 CAMERA = Task(
     "week06.camera",
@@ -97,6 +117,7 @@ CAMERA = Task(
                 FRAME_SET.titled("the frame that was set"),
                 REFUSED[0].titled("61 Hz is rejected: it continues with 5 Hz"),
                 REFUSED[1].titled("0.5 Hz is rejected: it continues with 5 Hz"),
+                RATES_REJECTED.requiring(FOLLOWS),
                 expect_stamps(IMAGES).worth(0.2).requiring(PIXELS).titled("the stamp"),
             ),
         ),
@@ -126,6 +147,12 @@ LEVELS = expect_levels(
 KEY_VALUE = {"status.0.values.0.key": "Rate (Hz)", "status.0.values.0.value": "9"}
 NAMES = {"status.0.name": "Front camera", "status.0.hardware_id": my("hardware_id")}
 
+
+def camera_images(hz: float, begin: float, end: float) -> Iterable[Message]:
+    """Return images as cameras publish them, with Best Effort, at the rate `hz` [1/s], times in [s]."""
+    return inputs.images(IMAGES, hz, begin, end, best_effort=True)
+
+
 CAMERA_MONITOR = Task(
     "week06.camera_monitor",
     title="Four faults in a monitor",
@@ -141,10 +168,10 @@ CAMERA_MONITOR = Task(
             "public",
             seconds=12.5,  # [s]
             inputs=(
-                *inputs.images(IMAGES, 30.0, 0.0, 3.0),
-                *inputs.images(IMAGES, 24.0, 3.0, 6.0),
-                *inputs.images(IMAGES, 36.0, 6.0, 9.0),
-                *inputs.images(IMAGES, 9.0, 9.0, 12.5),
+                *camera_images(30.0, 0.0, 3.0),
+                *camera_images(24.0, 3.0, 6.0),
+                *camera_images(36.0, 6.0, 9.0),
+                *camera_images(9.0, 9.0, 12.5),
             ),
             checks=lightly(
                 *LEVELS,
@@ -161,9 +188,9 @@ CAMERA_MONITOR = Task(
             "at the limits, then silent",
             seconds=12.5,  # [s]
             inputs=(
-                *inputs.images(IMAGES, 25.0, 0.0, 3.0),
-                *inputs.images(IMAGES, 35.0, 3.0, 6.0),
-                *inputs.images(IMAGES, 10.0, 6.0, 9.0),
+                *camera_images(25.0, 0.0, 3.0),
+                *camera_images(35.0, 3.0, 6.0),
+                *camera_images(10.0, 6.0, 9.0),
             ),
             checks=lightly(
                 *expect_levels(

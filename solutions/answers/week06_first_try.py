@@ -6,6 +6,7 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import Image
 
 from course_lib import Viewer
@@ -48,7 +49,7 @@ class CameraMonitor(Node):
         self.count = 0
         self.start_ns = self.get_clock().now().nanoseconds
         self.publisher = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
-        self.create_subscription(Image, "/camera/image_raw", self.hear, 10)
+        self.create_subscription(Image, "/camera/image_raw", self.hear, qos_profile_sensor_data)
         self.create_timer(1.0, self.report)
 
     def hear(self, image: Image) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import Image
 
 from course_lib.grading import my_values
@@ -68,7 +69,9 @@ class CameraMonitor(Node):
     def __init__(self) -> None:
         super().__init__("monitor")
         self.times: deque[int] = deque()
-        self.create_subscription(Image, "/camera/image_raw", lambda _: self.times.append(self.now()), 50)
+        self.create_subscription(
+            Image, "/camera/image_raw", lambda _: self.times.append(self.now()), qos_profile_sensor_data
+        )
         self.diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self.create_timer(1.0, self.report)
 

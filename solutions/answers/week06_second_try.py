@@ -7,6 +7,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import Image
 
 from course_lib import Viewer
@@ -50,7 +51,7 @@ class CameraMonitor(Node):
         super().__init__("camera_monitor")
         self.count = 0
         self.publisher = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
-        self.create_subscription(Image, "/camera/image_raw", self.hear, 10)
+        self.create_subscription(Image, "/camera/image_raw", self.hear, qos_profile_sensor_data)
         self.create_timer(1.0, self.report)
 
     def hear(self, image: Image) -> None:

@@ -55,6 +55,17 @@ def test_faults_of_a_path_are_reported(evidence: MakeEvidence, wrong: Any, messa
     assert (verdict.score, verdict.message) == (0, message)
 
 
+def test_quaternion_that_is_not_a_unit_quaternion_is_named(evidence: MakeEvidence) -> None:
+    wrong = way(yaw=1.2)
+    check = expect_path("/way", count=3, frame="map", ends=((0, 0, 0), (2, 0, 0)), yaw=1.2)
+    assert check.judge(evidence(wrong)).score == 1
+    wrong[2].poses[-1].pose.orientation.w = 1.0
+    assert check.judge(evidence(wrong)).message == (
+        "the last pose of /way is turned by 1.03 rad about z, expected 1.20 rad: "
+        "its quaternion has the length 1.15, expected 1"
+    )
+
+
 def returned(text: Any) -> Evidence:
     return Evidence("week07.params", "public", 5.0, returns=(text,))
 

@@ -10,10 +10,13 @@ from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
+from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
+from course_lib.grading.advice import reliable_subscription_hint
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import set_parameters
 from course_lib.grading.run.outcome import RAISED
+from course_lib.grading.run.run import Job, Step, _job_fields
 from course_lib.grading.run.student_side import run_in_this_process
 from course_lib.grading.run.submission_run import rejection_reasons
 from course_lib.grading.task import Call, Kind, Message, Scenario, Task, my
@@ -49,6 +52,28 @@ def test_inputs_are_received_and_only_student_messages_are_evidence() -> None:
     evidence = run(Doubler, inputs=inputs, seconds=2.0)
     assert numbers(evidence) == [(0.501, 2.0), (1.501, 4.0)]
     assert evidence.topics.keys() == {"/out"}
+
+
+def test_best_effort_input_reaches_no_reliable_subscription_and_its_hint_says_so() -> None:
+    inputs = (Message("/in", NUMBER, {"data": 1.0}, at=0.5, best_effort=True),)
+    evidence = run(Doubler, inputs=inputs, seconds=1.0)
+    assert numbers(evidence) == []
+    (hint,) = reliable_subscription_hint([evidence])
+    assert hint.startswith("Hint: Nothing arrives from /in: it is published with Best Effort")
+    reliable = run(Doubler, inputs=(Message("/in", NUMBER, {"data": 1.0}, at=0.5),), seconds=1.0)
+    assert reliable_subscription_hint([reliable]) == []
+
+
+def test_best_effort_changes_the_key_of_a_run_and_its_default_does_not() -> None:
+    def job(*, best_effort: bool) -> Job:
+        message = Message("/in", NUMBER, {"data": 1.0}, best_effort=best_effort)
+        scenario = Scenario("public", seconds=1.0, inputs=(message,))
+        task = Task("week01.demo", "A demo", "node", "Demo", ("one", "two", "three"))
+        return Job(("x = 1",), None, (Step(task, scenario),), Limits())
+
+    assert job(best_effort=True).key != job(best_effort=False).key
+    # Evidence of earlier versions stays valid, whose messages have no such field.
+    assert "best_effort" not in _job_fields(Message("/in", NUMBER, {}))
 
 
 def test_personal_values_are_inserted_into_inputs_and_calls() -> None:

@@ -26,7 +26,7 @@ from course_lib.grading.jail.launch import KilledStartError, WorkerError, shared
 from course_lib.grading.run.outcome import Usage
 from course_lib.grading.run.submission_run import CellLog, SubmissionRun
 from course_lib.grading.store import evidence_path, usage_path, writing
-from course_lib.grading.task import Catalog, Scenario, Task
+from course_lib.grading.task import Catalog, Message, Scenario, Task
 from course_lib.ros.graph.graph import Sample
 from course_lib.ros.graph.topics import Qos
 from course_lib.third_party import read_json
@@ -107,6 +107,9 @@ def plan_scenarios(tasks: Sequence[Task], catalog: Catalog, *, hidden: bool) -> 
 
 
 def _job_fields(data: Any) -> Any:
+    if isinstance(data, Message) and not data.best_effort:
+        # Evidence that was stored before the field existed keeps its key.
+        return {name: value for name, value in vars(data).items() if name != "best_effort"}
     return vars(data) if hasattr(data, "__dict__") else repr(data)
 
 

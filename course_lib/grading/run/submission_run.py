@@ -281,7 +281,8 @@ class ScenarioGraph:
             fields = pickle.dumps(resolve(message.fields, personal))
             serialize_fields = _serialize_input if len(fields) < LARGE else _serialize_input.__wrapped__
             cdr = serialize_fields(message.topic, message.type_name, fields)
-            endpoint = self.graph.add_publisher(self._input_node, message.topic, message.type_name, Qos())
+            qos = Qos(reliability="best_effort" if message.best_effort else "reliable")
+            endpoint = self.graph.add_publisher(self._input_node, message.topic, message.type_name, qos)
             publish = partial(
                 self.graph.publish, endpoint, SERVICE_HEADER.pack(endpoint, 1) * is_request + cdr
             )

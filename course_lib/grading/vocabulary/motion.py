@@ -417,9 +417,14 @@ def expect_path(
                     message = f"{message}: {cause}"
             return [Problem(message, "a pose of a path is at the wrong place")]
     q = path.poses[-1].pose.orientation
-    turn = yaw_of(q.x, q.y, q.z, q.w)
+    length = math.hypot(q.x, q.y, q.z, q.w)
+    # yaw_of expects a unit quaternion: for one with a wrong w it returns nearly the right angle.
+    scale = 1 / length if length and math.isfinite(length) else 1.0
+    turn = yaw_of(q.x * scale, q.y * scale, q.z * scale, q.w * scale)
     if yaw is not None and not are_angles_close(turn, yaw, tolerance):
         message = f"the last pose of {topic} is turned by {turn:.2f} rad about z, expected {yaw:.2f} rad"
+        if not is_close(length, 1.0, UNIT_TOLERANCE):
+            message += f": its quaternion has the length {length:.2f}, expected 1"
         return [Problem(message, "the orientation in a path is wrong")]
     return []
 
@@ -431,6 +436,7 @@ PHASE_TOLERANCE = 0.2
 TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 NOT_ALL_THE_TIME = "a joint is not published all the time"
 TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
+UNIT_TOLERANCE = 0.01  # of the length of a quaternion
 
 
 @check_function("every joint has a name and a position")
