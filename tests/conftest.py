@@ -85,19 +85,26 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> "Once":
     return Once(folder)
 
 
+@pytest.fixture(autouse=True)
+def package_paths() -> Iterator[None]:
+    """Restore the search paths of packages, to which a program adds those of its workspace."""
+    with pytest.MonkeyPatch.context() as environment:
+        for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+            environment.setenv(variable, "")
+            environment.delenv(variable)
+        yield
+
+
 @pytest.fixture
 def restored_packages() -> Iterator[None]:
-    """Remove the types and search paths of the packages that a test adds, because other tests list all."""
+    """Remove the types of the packages that a test adds, because other tests list all."""
     from course_lib.ros.messages import definitions
 
     types = definitions.field_definitions()
     tables: list[dict[Any, Any]] = [definitions.DEFAULTS, definitions.RENAMED, definitions.UNSUPPORTED]
     names, kept_keys = set(types), [set(table) for table in tables]
     folders = list(definitions.FOLDERS)
-    with pytest.MonkeyPatch.context() as environment:
-        for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
-            environment.setenv(variable, os.environ.get(variable, ""))
-        yield
+    yield
     added = set(types) - names
     for name in added:
         del types[name]
