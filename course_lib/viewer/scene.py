@@ -86,7 +86,10 @@ class Scene:
             self._notify("object", node.path)
 
     def set_transform(self, path: str, matrix: npt.ArrayLike) -> None:
-        """Set the transform from a node to its parent, shape (4, 4), in [m]."""
+        """Set the transform from a node to its parent, shape (4, 4), in [m].
+
+        An equal transform is no change, because pages draw a moving scene with a lower quality.
+        """
         transform_node_to_parent = np.array(matrix, np.float64)
         # `checked` would double the time of this call.
         if transform_node_to_parent.shape != (4, 4):
@@ -94,6 +97,10 @@ class Scene:
         transform_node_to_parent.setflags(write=False)
         with self.lock:
             node = self._nodes.get(path) or self._ensure_node(path)
+            # An animation moves nodes in the pages only. The bytes are compared, because
+            # np.array_equal is slower.
+            if self.animation is None and transform_node_to_parent.tobytes() == node.matrix.tobytes():
+                return
             node.matrix = transform_node_to_parent
             for listener in self._listeners:
                 listener("transform", node.path)
@@ -102,8 +109,9 @@ class Scene:
         """Show or hide a node and all nodes below it."""
         with self.lock:
             node = self._ensure_node(path)
-            node.visible = bool(visible)
-            self._notify("visible", node.path)
+            if node.visible is not bool(visible):
+                node.visible = bool(visible)
+                self._notify("visible", node.path)
 
     def set_animation(self, animation: Mapping[str, Any] | None) -> None:
         """Play an animation in meshcat's JSON."""

@@ -99,3 +99,16 @@ def test_oversized_grid_is_reported_and_not_drawn() -> None:
     bench.update()
     assert len(lines(bench).points) == 20
     assert bench.hints(display) == []
+
+
+def test_scene_does_not_change_while_other_frames_move_and_the_fixed_frame_rests() -> None:
+    bench = Bench()
+    grid(bench)
+    bench.transform("map", "base", static=False)
+    bench.update(0.0)
+    received: list[tuple[str, str]] = []
+    bench.scene.listen(lambda kind, path: received.append((kind, path)))
+    for step in range(1, 5):
+        bench.transform("map", "base", (0.1 * step, 0.0, 0.0), at=0.1 * step, static=False)
+        bench.update(0.1 * step)
+    assert received == []

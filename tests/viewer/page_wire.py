@@ -15,6 +15,7 @@ class Wire:
         self.scene = Scene()
         self.sent: list[dict[str, Any]] = []
         self.fails: BaseException | None = None
+        self.moves = 0
         self.link = PageLink(self.scene, self.carry)
 
     def carry(self, content: dict[str, Any], buffers: list[bytes]) -> None:
@@ -32,5 +33,6 @@ class Wire:
 
     def change(self, times: int = 1) -> None:
         for _ in range(times):
-            self.scene.set_transform("box", np.eye(4))
+            self.moves += 1
+            self.scene.set_transform("box", np.eye(4) + self.moves * np.eye(4, k=3))
             self.link.flush()

@@ -73,6 +73,27 @@ def test_transform_is_copied_so_that_later_array_changes_do_not_move_the_node() 
     assert scene.transform("a")[0, 3] == 1.0
 
 
+def test_equal_transform_and_visibility_are_no_changes_for_listeners() -> None:
+    scene = Scene()
+    scene.set_transform("a", moved(1.0))
+    scene.set_visible("a", False)
+    received: list[tuple[str, str]] = []
+    scene.listen(lambda kind, path: received.append((kind, path)))
+    scene.set_transform("a", moved(1.0))
+    scene.set_visible("a", False)
+    assert received == []
+
+
+def test_equal_transform_is_a_change_while_an_animation_moves_nodes_in_the_pages() -> None:
+    scene = Scene()
+    scene.set_transform("a", moved(1.0))
+    scene.set_animation({})
+    received: list[tuple[str, str]] = []
+    scene.listen(lambda kind, path: received.append((kind, path)))
+    scene.set_transform("a", moved(1.0))
+    assert received == [("transform", "a")]
+
+
 def test_wrong_shape_is_rejected_with_both_shapes() -> None:
     with pytest.raises(CourseError, match=r"transform of 'a' has shape \(3, 3\), expected \(4, 4\)"):
         Scene().set_transform("a", np.eye(3))

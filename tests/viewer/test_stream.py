@@ -109,9 +109,9 @@ def test_change_is_sent_while_robot_time_is_paused() -> None:
 def test_transform_path_list_is_sent_again_only_if_it_changes() -> None:
     scene = Scene()
     page = Page(scene)
-    for paths in ("ab", "ab", "a"):
+    for x, paths in enumerate(("ab", "ab", "a"), 1):
         for path in paths:
-            scene.set_transform(path, moved(1.0))
+            scene.set_transform(path, moved(float(x)))
         page.stream.flush()
     assert [batch.get("paths") for batch in page.batches] == [["a", "b"], None, ["a"]]
 

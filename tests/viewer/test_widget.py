@@ -94,7 +94,7 @@ def test_program_with_a_scene_exits_without_output() -> None:
         "widget = SceneWidget(scene)\n"
         "widget.link.receive({'type': 'ready', 'number': 0})\n"
         "for x in range(50):\n"
-        "    scene.set_transform('a', np.eye(4))\n"
+        "    scene.set_transform('a', np.eye(4) + x * np.eye(4, k=3))\n"
     )
     process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
     assert (process.returncode, process.stdout, process.stderr) == (0, "", "")
