@@ -30,7 +30,7 @@ from course_lib.export.module import (
     statements,
 )
 from course_lib.ros.package_template import PackageText, check_package_name, fill_template, package_files
-from course_lib.ros.programs.packages import executables_of
+from course_lib.ros.programs.build_files import executables_of
 from course_lib.third_party import parse_python
 
 _FOLDERS = {".rviz": "rviz", ".yaml": "config", ".yml": "config", ".urdf": "urdf", ".py": "launch"}

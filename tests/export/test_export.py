@@ -8,7 +8,7 @@ import pytest
 from course_lib.errors import CourseError
 from course_lib.export.export import export, lacks
 from course_lib.recording import Recording
-from course_lib.ros.programs.packages import executables_of
+from course_lib.ros.programs.build_files import executables_of
 from tests.export.conftest import write_notebook
 from tests.ros.launch.run import recorded
 

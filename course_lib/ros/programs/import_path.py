@@ -185,7 +185,7 @@ def _is_library(frame: FrameType | None) -> bool:
 
 
 def _python_spec(name: str, package: str, sources: Path) -> ModuleSpec | None:
-    from course_lib.ros.programs.packages import read_build_files
+    from course_lib.ros.programs.build_files import read_build_files
 
     if sources.parent.name == "share":
         return None

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean, location_of
+from course_lib.ros.programs.build_files import malformed_script
 from course_lib.ros.programs.missing_packages import NotHereError, why_not_offered
 from course_lib.ros.programs.packages import (
     Package,
     find_package,
-    malformed_script,
     python_path,
     why_not_found,
 )
