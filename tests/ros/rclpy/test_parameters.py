@@ -26,7 +26,8 @@ from rclpy.exceptions import (
     ParameterNotDeclaredException,
     ParameterUninitializedException,
 )
-from rclpy.node import Node, OwnNodes
+from rclpy.impl.node_handle import NodesById
+from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from course_lib.ros.graph.graph import Graph, current_graph
@@ -237,7 +238,7 @@ def call_service(node: Node, kind: Any, name: str, **request: Any) -> Any:
     future = client.call_async(kind.Request(**request))
     executor = rclpy.get_global_executor()
     executor.add_node(node)
-    for one in current_graph().state(OwnNodes).by_id.values():
+    for one in current_graph().state(NodesById).nodes.values():
         executor.add_node(one)
     executor.spin_until_future_complete(future)
     return future.result()

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 from functools import partial
 from operator import attrgetter
 from typing import Any, Literal, TypedDict, TypeVar, cast
@@ -41,7 +40,7 @@ from rclpy.exceptions import (
 from rclpy.exceptions import NodeNameNonExistentError as NodeNameNonExistentError
 from rclpy.executors import Executor
 from rclpy.impl import names, private_names
-from rclpy.impl.arguments import Arguments, joined, parse
+from rclpy.impl.arguments import joined, parse
 from rclpy.impl.endpoint import Endpoint, TopicEnd, claim_topic, require_type
 from rclpy.impl.graph_queries import (
     NamesAndTypes,
@@ -54,7 +53,7 @@ from rclpy.impl.graph_queries import (
     sorted_types,
     to_qos,
 )
-from rclpy.impl.node_handle import GuardCondition, NodeHandle
+from rclpy.impl.node_handle import GuardCondition, NodeHandle, NodesById, enter_graph
 from rclpy.impl.parameter_store import On, ParameterStore, Post, Pre
 from rclpy.impl.rcutils_logger import RcutilsLogger, Rosout
 from rclpy.logging import get_logger
@@ -76,10 +75,6 @@ _LOOK = 0.1
 _ENCLAVE = "/"
 MsgT = TypeVar("MsgT", bound=RosMessage)
 OnMessage = Callable[[MsgT], object] | Callable[[MsgT, MessageInfo], object] | Callable[[bytes], object]
-_EMPTIED = (
-    "parameter list cannot be empty, this might be due to "
-    "pre_set_parameters_callback modifying the original parameters list."
-)
 
 HIDDEN_NODE_PREFIX = "_"
 _ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
@@ -154,7 +149,7 @@ class Node:
         for warning in local.warnings:
             get_logger("rcl").warning(warning)
         arguments = joined(local, context.arguments) if use_global_arguments else local
-        self.__handle = _enter_graph(context, node_name, namespace or "", arguments)
+        self.__handle = enter_graph(context, node_name, namespace or "", arguments)
         self.__clock = ROSClock()
         self.__created_entities: list[Any] = []
         # Entities that rcl creates in ROS, and rclpy therefore does not list.
@@ -249,7 +244,7 @@ class Node:
 
         In a notebook it replaces a node of the same name; elsewhere ROS's warning is logged.
         """
-        nodes, name = current_graph().state(OwnNodes).by_id, self.handle.full_name
+        nodes, name = current_graph().state(NodesById).nodes, self.handle.full_name
         namesakes = [other for other in nodes.values() if other.handle.full_name == name]
         nodes[self.handle.id] = self
         if namesakes and not self.handle.graph.notebook:
@@ -260,7 +255,7 @@ class Node:
                 other.destroy_node()
 
     def __leave_graph(self) -> None:
-        current_graph().state(OwnNodes).by_id.pop(self.handle.id, None)
+        current_graph().state(NodesById).nodes.pop(self.handle.id, None)
         rosout = current_graph().state(Rosout).publish
         if rosout.get(self.handle.logger_name) == self.__publish_log:
             del rosout[self.handle.logger_name]
@@ -709,21 +704,8 @@ class Node:
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
         """Set all parameters or none of them. Raise at an undeclared parameter."""
-        if self.__parameter_store.pre_set_callbacks:
-            parameter_list = [
-                parameter
-                for call in self.__parameter_store.pre_set_callbacks
-                for parameter in call(parameter_list)
-            ]
-            if not parameter_list:
-                return SetParametersResult(successful=False, reason=_EMPTIED)
-        if not all(isinstance(parameter, Parameter) for parameter in parameter_list):
-            raise TypeError(f"parameter must be instance of type '{Parameter!r}'")
-        undeclared = [p.name for p in parameter_list if p.name not in self.__parameter_store.values]
-        if undeclared and not self.__allow_undeclared_parameters:
-            # rclpy intends to list all of them, but its generator is partly consumed by then.
-            raise ParameterNotDeclaredException(undeclared[1:])
-        return self.__parameter_store.change(parameter_list, {})
+        may_be_undeclared = self.__allow_undeclared_parameters
+        return self.__parameter_store.set(parameter_list, may_be_undeclared=may_be_undeclared)
 
     def add_pre_set_parameters_callback(self, callback: Pre) -> None:
         """Add a callback that runs before a change; `callback(parameters)` returns the parameters to set."""
@@ -778,11 +760,7 @@ class Node:
 
     def undeclare_parameter(self, name: str) -> None:
         """Remove a parameter. Raise an error if it is not declared or is read-only."""
-        if name not in self.__parameter_store.values:
-            raise ParameterNotDeclaredException(name)
-        if self.__parameter_store.descriptors[name].read_only:
-            raise ParameterImmutableException(name)
-        del self.__parameter_store.values[name], self.__parameter_store.descriptors[name]
+        self.__parameter_store.undeclare(name)
 
     def set_descriptor(
         self, name: str, descriptor: ParameterDescriptor, alternative_value: ParameterValue | None = None
@@ -908,28 +886,3 @@ _KEPT |= {
 _KEPT["_context"] = attrgetter("context")
 _KEPT["_type_description_service"] = attrgetter("_Node__type_description_service")
 private_names.watch_names("Node", Node, private_names.USES, _KEPT)
-
-
-@dataclass
-class OwnNodes:
-    """The nodes that one program has created in a run and not destroyed."""
-
-    # By the node's id in the graph.
-    by_id: dict[int, Node] = field(default_factory=dict)
-
-
-def _enter_graph(context: Context, name: str, namespace: str, arguments: Arguments) -> NodeHandle:
-    """Validate the names and add the node to the graph.
-
-    The namespace may lack its leading slash.
-    """
-    if name is None:
-        raise RCLError("error creating node: name argument is null")
-    if not isinstance(name, str) or not isinstance(namespace, str):
-        raise TypeError("__init__(): incompatible constructor arguments.")
-    names.validate_node_name(name)
-    name = arguments.renamed(name, "__node", name)
-    namespace = arguments.renamed(name, "__ns", namespace)
-    absolute = namespace if namespace.startswith("/") else f"/{namespace}"
-    names.validate_namespace(absolute)
-    return NodeHandle(context, name, absolute, arguments)

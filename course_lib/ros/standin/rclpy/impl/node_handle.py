@@ -3,6 +3,7 @@
 import weakref
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 from rcl_interfaces.msg import SetParametersResult
@@ -207,6 +208,36 @@ class NodeHandle:
         else:
             return None
         return turn.entity._course_take()
+
+
+@dataclass
+class NodesById:
+    """The nodes that one program has created in a run and not destroyed, by their ids in the graph."""
+
+    nodes: dict[int, Any] = field(default_factory=dict)
+
+
+def enter_graph(context: Context, name: str, namespace: str, arguments: Arguments) -> NodeHandle:
+    """Validate a node's names, after the remappings of its arguments, and add it to the graph.
+
+    The namespace may lack its leading slash.
+
+    Raises:
+        TypeError: A name is not a string.
+        RCLError: There is no name.
+        InvalidNodeNameException: The name is invalid.
+        InvalidNamespaceException: The namespace is invalid.
+    """
+    if name is None:
+        raise RCLError("error creating node: name argument is null")
+    if not isinstance(name, str) or not isinstance(namespace, str):
+        raise TypeError("__init__(): incompatible constructor arguments.")
+    names.validate_node_name(name)
+    name = arguments.renamed(name, "__node", name)
+    namespace = arguments.renamed(name, "__ns", namespace)
+    absolute = namespace if namespace.startswith("/") else f"/{namespace}"
+    names.validate_namespace(absolute)
+    return NodeHandle(context, name, absolute, arguments)
 
 
 def require_node(node: NodeHandle, failed: str) -> None:

@@ -19,6 +19,8 @@ from rclpy.exceptions import (
     InvalidParameterTypeException,
     InvalidParameterValueException,
     ParameterAlreadyDeclaredException,
+    ParameterImmutableException,
+    ParameterNotDeclaredException,
 )
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
@@ -36,6 +38,10 @@ _NAME_ONLY = (
     " (and optionally a descriptor).\n"
     "\t- Pass a name and a parameter type.\n"
     "\t- Pass a name and a descriptor with `dynamic_typing=True"
+)
+_EMPTIED = (
+    "parameter list cannot be empty, this might be due to "
+    "pre_set_parameters_callback modifying the original parameters list."
 )
 _NO_RESULT = "Callback returned an invalid type, it should return SetParameterResult."
 
@@ -90,6 +96,38 @@ class ParameterStore:
             if not result.successful:
                 raise InvalidParameterValueException(name, parameter.value, result.reason)
         return [self.values[parameter.name] for parameter, _ in declared]
+
+    def undeclare(self, name: str) -> None:
+        """Remove a parameter.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared.
+            ParameterImmutableException: The parameter is read-only.
+        """
+        if name not in self.values:
+            raise ParameterNotDeclaredException(name)
+        if self.descriptors[name].read_only:
+            raise ParameterImmutableException(name)
+        del self.values[name], self.descriptors[name]
+
+    def set(self, parameters: list[Parameter], *, may_be_undeclared: bool) -> SetParametersResult:
+        """Set all parameters or none of them, after the callbacks that may replace the list.
+
+        Raises:
+            TypeError: The list has an element that is not a parameter.
+            ParameterNotDeclaredException: A parameter is not declared and may not be undeclared.
+        """
+        if self.pre_set_callbacks:
+            parameters = [parameter for call in self.pre_set_callbacks for parameter in call(parameters)]
+            if not parameters:
+                return SetParametersResult(successful=False, reason=_EMPTIED)
+        if not all(isinstance(parameter, Parameter) for parameter in parameters):
+            raise TypeError(f"parameter must be instance of type '{Parameter!r}'")
+        undeclared = [parameter.name for parameter in parameters if parameter.name not in self.values]
+        if undeclared and not may_be_undeclared:
+            # rclpy intends to list all of them, but its generator is partly consumed by then.
+            raise ParameterNotDeclaredException(undeclared[1:])
+        return self.change(parameters, {})
 
     def change(
         self, parameters: list[Parameter], new: Mapping[str, ParameterDescriptor]
