@@ -5,13 +5,10 @@ kit and should start quickly.
 """
 
 import os
-import signal
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from math import inf
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
@@ -396,34 +393,14 @@ def grade(
 ) -> None:
     """Grade a folder of submissions: results, gradebook.csv and one report per student."""
     from course_lib.grading.grade import grade as grade_all
+    from course_lib.grading.grade import second_interrupt_ends_process
 
     need: Need = "full" if require_sandbox else "any" if trust else "partial"
-    with _second_interrupt_ends_at_once():
+    with second_interrupt_ends_process():
         passed = grade_all(
             submissions, out, jobs=jobs, dask=dask, only=only, resume=resume, rejudge=rejudge, need=need
         )
     raise typer.Exit(0 if passed else NOT_PASSED)
-
-
-@contextmanager
-def _second_interrupt_ends_at_once() -> Iterator[None]:
-    """Let a second Ctrl+C terminate this process by the signal itself.
-
-    After the first one, grading needs a moment to stop. An exception during that time, or while
-    Python waits for threads at exit, would print a traceback. No file is left incomplete, because
-    files are replaced as a whole.
-    """
-
-    def on_interrupt(number: int, frame: FrameType | None) -> None:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-        signal.default_int_handler(number, frame)
-
-    before = signal.signal(signal.SIGINT, on_interrupt)
-    try:
-        yield
-    finally:
-        if signal.getsignal(signal.SIGINT) is on_interrupt:
-            signal.signal(signal.SIGINT, before)
 
 
 @staff.command()
@@ -477,11 +454,11 @@ def mark(
         serve_page(out, port=port, browser=browser)
         return
     if lms is not None and not given:
-        from course_lib.grading.submissions.lms import fill_lms
+        from course_lib.grading.submissions.lms import fill_lms, require_options
         from course_lib.grading.submissions.roster import ids_of_section
 
         names = {"exercise": exercise, "column": column, "id_column": id_column}
-        _require_lms_options(lms, {**names, "to": to})
+        require_options(lms, {**names, "to": to})
         assert to is not None
         students = ids_of_section(roster, section)
         lines = fill_lms(
@@ -511,29 +488,6 @@ def _mark_without_file(
             "or: course mark OUT STUDENT EXERCISE --without-file --withdraw"
         )
     return mark_without_file(out, *given, comment=comment, withdraw=withdraw)
-
-
-LMS_OPTIONS = {
-    "exercise": "whose marks: week01_exercise",
-    "column": "the heading of the column to fill",
-    "id_column": "the heading of the students' IDs",
-    "to": "the file to write",
-}
-
-
-def _require_lms_options(lms: Path, given: Mapping[str, object]) -> None:
-    """Raise an error if --lms is used without the options it requires.
-
-    Raises:
-        CourseError: Options are missing. The message contains them and the headings of the CSV.
-    """
-    from course_lib.grading.submissions.readers import LmsFile
-
-    missing = [name for name in LMS_OPTIONS if not given[name]]
-    if missing:
-        needs = "; ".join(f"--{name.replace('_', '-')}, {LMS_OPTIONS[name]}" for name in missing)
-        headings = ", ".join(map(repr, LmsFile.read(lms).headings))
-        raise CourseError(f"--lms also needs {needs}. {lms} has the headings {headings}")
 
 
 def _mark(

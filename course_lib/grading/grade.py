@@ -15,12 +15,15 @@ what it depends on. An existing record with the right digest is not computed aga
 import os
 import platform
 import shutil
+import signal
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import FrameType
 
 import course_lib
 from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
@@ -368,6 +371,27 @@ def _read_stored(attempts: Attempts, out: Path) -> Result | None:
         return stored_result(out, attempts.student, attempts.exercise).result
     except CourseError:
         return None
+
+
+@contextmanager
+def second_interrupt_ends_process() -> Iterator[None]:
+    """Let a second Ctrl+C terminate this process by the signal itself.
+
+    After the first one, grading needs a moment to stop. An exception during that time, or while
+    Python waits for threads at exit, would print a traceback. No file is left incomplete, because
+    files are replaced as a whole.
+    """
+
+    def on_interrupt(number: int, frame: FrameType | None) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.default_int_handler(number, frame)
+
+    before = signal.signal(signal.SIGINT, on_interrupt)
+    try:
+        yield
+    finally:
+        if signal.getsignal(signal.SIGINT) is on_interrupt:
+            signal.signal(signal.SIGINT, before)
 
 
 def _grade_with_progress(work: Pending, jobs: int, dask: str | None) -> list[GradebookRow]:

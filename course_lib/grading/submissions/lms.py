@@ -16,6 +16,12 @@ from course_lib.grading.submissions.readers import LmsFile
 
 POINTS_POSSIBLE = "Points Possible"  # Canvas's row with the maximum points of each column
 MAXIMUM = "maximum grade"  # Moodle's column with the maximum points, in English
+OPTIONS = {
+    "exercise": "whose marks: week01_exercise",
+    "column": "the heading of the column to fill",
+    "id_column": "the heading of the students' IDs",
+    "to": "the file to write",
+}
 FINAL = ("graded", "limit")
 NO_MARK = (
     "no ID in column {!r} of {} has a mark for {}; gradebook.csv has IDs like {}. Pass another --id-column."
@@ -86,6 +92,19 @@ def fill_lms(
         *_unmatched_lines(lms.name, rows, marks, ids),
     ]
     return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(unfilled)} {KINDS[mark_column]}."]
+
+
+def require_options(lms: Path, options: Mapping[str, object]) -> None:
+    """Require all options of `course mark --lms`, by their names in Python.
+
+    Raises:
+        CourseError: Options are missing. The message contains them and the headings of the CSV.
+    """
+    missing = [name for name in OPTIONS if not options[name]]
+    if missing:
+        needs = "; ".join(f"--{name.replace('_', '-')}, {OPTIONS[name]}" for name in missing)
+        headings = ", ".join(map(repr, LmsFile.read(lms).headings))
+        raise CourseError(f"--lms also needs {needs}. {lms} has the headings {headings}")
 
 
 def _comments(out: Path, exercise: str) -> dict[str, str]:
