@@ -327,8 +327,8 @@ def checkout_root() -> Path:
             and (folder / "solutions").is_dir()
         ):
             raise CourseError(
-                f"{folder} is a course that is not installed; the installed one is {root}. Run here: "
-                "pip install -e . Or change to that folder."
+                f"{folder} is a course that is not installed; the installed one is {root}. Run "
+                "here: pip install -e . Or change to that folder."
             )
     if (root / "solutions").is_dir() and (root / "pyproject.toml").is_file():
         return root

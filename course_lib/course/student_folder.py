@@ -240,8 +240,8 @@ def require_closed(weeks: Iterable[str]) -> None:
         if datetime.now(UTC) < closing:
             local = closing.astimezone(course.zone)
             raise CourseError(
-                f"{week} can be handed in for points until {local:%Y-%m-%d %H:%M}, with extensions and "
-                "late days: release its solution after that"
+                f"{week} can be handed in for points until {local:%Y-%m-%d %H:%M}, with extensions "
+                "and late days: release its solution after that"
             )
         if not _solution(week).is_file():
             raise CourseError(f"{week} has no solution: there is no {_solution(week)}")

@@ -376,8 +376,8 @@ def is_deliverable(sample: Sample, subscription: Subscription, match_qos: bool) 
         problem = f"{topic} carries {sample.type_name}; this display expects {subscription.type_name}."
     elif match_qos and (policy := find_incompatible_policy(sample.qos, subscription.qos)):
         problem = (
-            f"{topic} is published with another {policy} than this display requests, so nothing arrives. "
-            "Change the display's policy below Topic, or the publisher's QoS."
+            f"{topic} is published with another {policy} than this display requests, so nothing "
+            "arrives. Change the display's policy below Topic, or the publisher's QoS."
         )
     subscription.statuses.hint(f"Topic {topic}", *([problem] if problem else []))
     return problem is None

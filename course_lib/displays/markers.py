@@ -360,8 +360,8 @@ _RULES = (
     ),
     Rule(
         _is_zero,
-        "orientation is (0, 0, 0, 0), not a valid quaternion: RViz2 turns it into half a turn about z of "
-        "the fixed frame. Set orientation.w = 1.0.",
+        "orientation is (0, 0, 0, 0), not a valid quaternion: RViz2 turns it into half a turn "
+        "about z of the fixed frame. Set orientation.w = 1.0.",
     ),
     Rule(
         lambda m: not is_unit(m.pose.orientation, 1e-3) and not _is_zero(m),

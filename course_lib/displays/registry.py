@@ -123,9 +123,10 @@ class FailedDisplay(Display):
         self.statuses.set(
             "error",
             "Class",
-            f"The class required for this display, '{self.required}', could not be loaded.<br><b>Error:</b>"
-            f"<br>According to the loaded plugin descriptions the class {self.required} with base class type "
-            f"rviz_common::Display does not exist. Declared types are  {' '.join(sorted(REGISTRY))}",
+            f"The class required for this display, '{self.required}', could not be "
+            "loaded.<br><b>Error:</b><br>According to the loaded plugin descriptions the class "
+            f"{self.required} with base class type rviz_common::Display does not exist. Declared "
+            f"types are  {' '.join(sorted(REGISTRY))}",
         )
         similar = get_close_matches(
             short_name(self.required), [short_name(name) for name in sorted(REGISTRY)], 1, 0.8

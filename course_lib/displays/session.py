@@ -430,8 +430,9 @@ class RvizSession:
         for missing in (s for s in subscriptions if s not in late_joining):
             if any(sample.topic == missing.topic for sample in samples):
                 text = (
-                    f"{missing.topic} was published before this display existed, and its publisher keeps "
-                    "messages for late-joining subscriptions; set Durability Policy to Transient Local."
+                    f"{missing.topic} was published before this display existed, and its publisher "
+                    "keeps messages for late-joining subscriptions; set Durability Policy to "
+                    "Transient Local."
                 )
                 missing.statuses.hint(f"Topic {missing.topic}", text)
 

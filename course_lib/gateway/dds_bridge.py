@@ -192,8 +192,8 @@ class DdsBridge:
             if entity.topic in self._calls | self._sends:
                 self._report_once(
                     f"type {entity.topic}",
-                    f"{entity.topic} is not passed on: its type {entity.type_name} is not known here. Start "
-                    "course router in the folder of its package.",
+                    f"{entity.topic} is not passed on: its type {entity.type_name} is not known "
+                    "here. Start course router in the folder of its package.",
                 )
             return
         names = entity.topic, entity.type_name, entity.qos

@@ -196,8 +196,8 @@ def _late_assignments(block: Sequence[ast.stmt]) -> Iterator[str]:
         is_recreated = any(_find_published(one) == name for one in block[index + 1 :])
         if name and created and later and not is_recreated:
             yield (
-                f"{_quote(later[0])} comes after {_quote(statement)}: a message is sent as it is at that "
-                "moment. Set everything before."
+                f"{_quote(later[0])} comes after {_quote(statement)}: a message is sent as it is "
+                "at that moment. Set everything before."
             )
 
 
@@ -215,8 +215,8 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
                     name in inside and method in (*_SENDING, "append")
                 ):
                     yield (
-                        f"{_quote(later)} is after the loop and gets only the last {name}: move it into the "
-                        "loop."
+                        f"{_quote(later)} is after the loop and gets only the last {name}: move it "
+                        "into the loop."
                     )
         emptied_names = [
             one.targets[0].id
@@ -243,8 +243,8 @@ def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
                     name in created and name not in inside
                 ):
                     yield (
-                        f"{name} is a single {created[name]}, created before the loop: the list gets "
-                        "it again and again. Create it inside the loop."
+                        f"{name} is a single {created[name]}, created before the loop: the list "
+                        "gets it again and again. Create it inside the loop."
                     )
 
 
@@ -281,8 +281,8 @@ def _sleeps(function: _Function) -> Iterator[str]:
         match node:
             case ast.Call(func=ast.Attribute(value=ast.Name(id="time"), attr="sleep")):
                 yield (
-                    f"time.sleep in {function.name} stops the whole node: no other callback runs before it "
-                    "ends. Use a timer."
+                    f"time.sleep in {function.name} stops the whole node: no other callback runs "
+                    "before it ends. Use a timer."
                 )
 
 
@@ -296,8 +296,8 @@ def _spins(function: _Function) -> Iterator[str]:
                 | ast.Name(id="spin_for" | "run_live")
             ):
                 yield (
-                    f"{_quote(node.func)} in {function.name} waits for callbacks while the node is busy "
-                    "with this one: leave it out, the node is spun from outside."
+                    f"{_quote(node.func)} in {function.name} waits for callbacks while the node is "
+                    "busy with this one: leave it out, the node is spun from outside."
                 )
 
 
@@ -369,8 +369,8 @@ AFTER_AN_ERROR = (
 )
 
 TOO_MUCH = (
-    "Your code publishes far too much. Is each timer's period in seconds, and not 0? Does no callback "
-    "publish on the topic that it subscribes to?"
+    "Your code publishes far too much. Is each timer's period in seconds, and not 0? Does no "
+    "callback publish on the topic that it subscribes to?"
 )
 
 
@@ -570,9 +570,9 @@ def _why_silent(code: Code) -> str:
         return ""
     if not code.calls("create_timer"):
         return (
-            "Is your callback ever called, and does it get as far as publish()? Compare the topic in "
-            "create_subscription letter by letter with the name in the task, then print something "
-            "in the callback."
+            "Is your callback ever called, and does it get as far as publish()? Compare the topic "
+            "in create_subscription letter by letter with the name in the task, then print "
+            "something in the callback."
         )
     return (
         "Is your callback ever called, and does it get as far as publish()? Check that the timer's "
@@ -682,8 +682,8 @@ def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
     warnings = (re.search(r"Incompatible type on topic '(\S+)'", one.output) for one in evidence)
     topics = [matches[1] for matches in warnings if matches]
     return [
-        f"Nothing arrives from {topic}: the type in create_subscription is not the one that is published "
-        "there. Which type does the task name?"
+        f"Nothing arrives from {topic}: the type in create_subscription is not the one that is "
+        "published there. Which type does the task name?"
         for topic in topics[:1]
     ]
 
@@ -694,9 +694,9 @@ def reliable_subscription_hint(evidence: Iterable[Evidence]) -> list[str]:
     found = (re.search(warning, one.output) for one in evidence)
     topics = [match[1] for match in found if match]
     return [
-        f"Hint: Nothing arrives from {topic}: it is published with Best Effort, and your subscription "
-        "requests Reliable, as each number like 10 does. Pass qos_profile_sensor_data as the last "
-        "argument of create_subscription."
+        f"Hint: Nothing arrives from {topic}: it is published with Best Effort, and your "
+        "subscription requests Reliable, as each number like 10 does. Pass qos_profile_sensor_data "
+        "as the last argument of create_subscription."
         for topic in topics[:1]
     ]
 
@@ -716,9 +716,9 @@ def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:
     for sample in (sample for one in evidence for sample in one.samples):
         if sample.qos.reliability == "best_effort" and sample.type_name.startswith(RELIABLE_TYPES):
             return [
-                f"Here the checks accept that {sample.topic} is published with Best Effort. On ROS 2, "
-                "the displays of RViz2 request Reliable and would receive nothing: pass a number "
-                "like 10 as the last argument of create_publisher."
+                f"Here the checks accept that {sample.topic} is published with Best Effort. On ROS "
+                "2, the displays of RViz2 request Reliable and would receive nothing: pass a "
+                "number like 10 as the last argument of create_publisher."
             ]
     return []
 

@@ -244,8 +244,8 @@ def _failure_message(wrong: Mapping[Trial, str], course: Course) -> str:
         len(wrong) > 1
     )
     look = (
-        f"Run `course check {first}` to see more, correct the notebook, its checks or the kit, and grade "
-        "again. Until then, --only '*/week01*' grades a single exercise"
+        f"Run `course check {first}` to see more, correct the notebook, its checks or the kit, and "
+        "grade again. Until then, --only '*/week01*' grades a single exercise"
     )
     return ". ".join([f"nothing is graded: {next(iter(wrong.values()))}", *also, places, look])
 

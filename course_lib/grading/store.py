@@ -155,8 +155,8 @@ def writing(out: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise OutError(
-            f"{out} can't be written: {error.strerror or error}. Fix that and run the command again "
-            "(grade with --resume: nothing is lost), or use another folder"
+            f"{out} can't be written: {error.strerror or error}. Fix that and run the command "
+            "again (grade with --resume: nothing is lost), or use another folder"
         ) from error
 
 

@@ -175,8 +175,9 @@ def _check_format(bag: Path, topic: str, serialization_format: str) -> None:
     # An incomplete bag may lack the name.
     if serialization_format not in ("", _CDR):
         raise UnsupportedFormatError(
-            f"The bag {bag} has messages in the serialization format '{serialization_format}', on {topic}. "
-            f"Only '{_CDR}' is supported: record it in that format, which is the default of ros2 bag record."
+            f"The bag {bag} has messages in the serialization format '{serialization_format}', on "
+            f"{topic}. Only '{_CDR}' is supported: record it in that format, which is the default "
+            "of ros2 bag record."
         )
 
 
@@ -393,8 +394,8 @@ def _check_bag(path: Path) -> None:
         return
     kind = "a folder" if path.is_dir() else "a file"
     raise CourseError(
-        f"{path} is {kind} but not a bag. Give the folder of a bag, which contains {METADATA}, or one of its "
-        "files, .mcap or .db3."
+        f"{path} is {kind} but not a bag. Give the folder of a bag, which contains {METADATA}, or "
+        "one of its files, .mcap or .db3."
     )
 
 

@@ -320,8 +320,9 @@ def joints_for(
     meters, degrees = np.linalg.norm(smallest_gap[:3]), np.degrees(np.linalg.norm(smallest_gap[3:]))
     place = ", ".join(f"{value:.2f}" for value in goal[:3, 3])
     raise CourseError(
-        f"{link} cannot be brought to ({place}) m in {robot.tree.root}, with this rotation: the best pose "
-        f"found is {meters:.2f} m and {degrees:.0f}° away. Choose a pose closer to the arm, or drive there."
+        f"{link} cannot be brought to ({place}) m in {robot.tree.root}, with this rotation: the "
+        f"best pose found is {meters:.2f} m and {degrees:.0f}° away. Choose a pose closer to the "
+        "arm, or drive there."
     )
 
 
@@ -473,8 +474,8 @@ def straight_line(
         limit = robot.tree.joints[name].velocity
         if speed > limit:
             raise CourseError(
-                f"On this line {name} would move at {speed:.2f} rad/s, its limit is {limit:.2f}. Give it "
-                "more time, or choose another line."
+                f"On this line {name} would move at {speed:.2f} rad/s, its limit is {limit:.2f}. "
+                "Give it more time, or choose another line."
             )
     points = [
         JointTrajectoryPoint(

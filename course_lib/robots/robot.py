@@ -307,8 +307,8 @@ def data_file(inside: str) -> Path:
         return resolve(f"package://example-robot-data/robots/{inside}")
     except CourseError as error:
         raise CourseError(
-            f"The robots' descriptions are in the package example-robot-data, and {inside} of it is missing "
-            "on this machine. Run pip install example-robot-data==5.0.0."
+            f"The robots' descriptions are in the package example-robot-data, and {inside} of it "
+            "is missing on this machine. Run pip install example-robot-data==5.0.0."
         ) from error
 
 
@@ -461,8 +461,8 @@ def _advice_for_macros(text: str) -> str:
         return ""
     return (
         f" The file only defines {'the macro' if len(macros) == 1 else 'macros'}, "
-        f"{', '.join(macros[:_MOST_MACROS])}{', …' if len(macros) > _MOST_MACROS else ''}: load a file that "
-        f"includes it, and calls the macro as <xacro:{macros[0]} …/>."
+        f"{', '.join(macros[:_MOST_MACROS])}{', …' if len(macros) > _MOST_MACROS else ''}: load a "
+        f"file that includes it, and calls the macro as <xacro:{macros[0]} …/>."
     )
 
 
@@ -557,9 +557,10 @@ def import_pinocchio(package: str) -> Any:
         return import_module(package)
     except ImportError as error:
         raise CourseError(
-            f"Pinocchio's models, for dynamics and collisions, need the package pin, and {error.name} is "
-            f"missing on this machine ({sys.platform}). On Windows it comes with WSL2 or conda-forge "
-            "(pinocchio); elsewhere run pip install -e . again. Everything else works without it."
+            "Pinocchio's models, for dynamics and collisions, need the package pin, and "
+            f"{error.name} is missing on this machine ({sys.platform}). On Windows it comes with "
+            "WSL2 or conda-forge (pinocchio); elsewhere run pip install -e . again. Everything "
+            "else works without it."
         ) from error
 
 

@@ -168,9 +168,10 @@ def _check_ends(robot: ET.Element, links: Collection[str]) -> Iterator[str]:
             yield f"Failed to build tree: child link [{child}] of joint [{name}] not found"
         elif parent not in links:
             yield (
-                f"Failed to build tree: parent link [{parent}] of joint [{name}] not found.  This is not "
-                "valid according to the URDF spec. Every link you refer to from a joint needs to be "
-                "explicitly defined in the robot description. To fix this problem you can either remove "
+                f"Failed to build tree: parent link [{parent}] of joint [{name}] not found.  This "
+                "is not valid according to the URDF spec. Every link you refer to from a joint "
+                "needs to be explicitly defined in the robot description. To fix this problem you "
+                "can either remove "
                 f'this joint [{name}] from your urdf file, or add "<link name="{parent}" />" to your urdf '
                 "file."
             )
@@ -323,15 +324,17 @@ def _material(element: ET.Element, problems: list[str]) -> Material | None:
     for word in text.split():
         if not is_number(word) or not 0 <= float(word) <= 1:
             problems.append(
-                f"Material [{name}] has malformed color rgba values: Unable to parse component [{word}] to a "
-                "double (while parsing a color value). Write four numbers from 0 to 1."
+                f"Material [{name}] has malformed color rgba values: Unable to parse component "
+                f"[{word}] to a double (while parsing a color value). Write four numbers from 0 to "
+                "1."
             )
             return None
     rgba = tuple(map(float, text.split()))
     if len(rgba) != 4:
         problems.append(
-            f"Material [{name}] has {format_count(len(rgba), 'number')} in its color rgba [{text}], "
-            "expected 4: red, green, blue, alpha. It is black, as in RViz2, which does not report this."
+            f"Material [{name}] has {format_count(len(rgba), 'number')} in its color rgba "
+            f"[{text}], expected 4: red, green, blue, alpha. It is black, as in RViz2, which does "
+            "not report this."
         )
         return _BLACK
     return Material(rgba)

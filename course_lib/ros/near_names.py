@@ -386,8 +386,8 @@ def key_hint(error: BaseException) -> str:
         return ""
     if frame.f_locals.get("self") is os.environ:
         return (
-            f"the environment variable {missing_key} is not set. Set it before: export {missing_key}=VALUE "
-            f"in a terminal, or %env {missing_key}=VALUE in a notebook."
+            f"the environment variable {missing_key} is not set. Set it before: export "
+            f"{missing_key}=VALUE in a terminal, or %env {missing_key}=VALUE in a notebook."
         )
     attributes = getattr(frame.f_locals.get("self"), "__dict__", {})
     reached = [*frame.f_locals.values(), *attributes.values(), *frame.f_globals.values()]

@@ -86,6 +86,6 @@ def newer_python_hint(error: SyntaxError) -> str:
         return ""
     here = ".".join(map(str, sys.version_info[:2]))
     return (
-        f"in Python 3.12, which ROS 2 Jazzy has, {rule}. Here Python {here} runs: install the kit with "
-        "Python 3.12, or write the line for both."
+        f"in Python 3.12, which ROS 2 Jazzy has, {rule}. Here Python {here} runs: install the kit "
+        "with Python 3.12, or write the line for both."
     )

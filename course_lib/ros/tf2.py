@@ -533,8 +533,8 @@ def _bad_name(frame: str) -> str | None:
 
 def _connectivity_error(target: str, source: str) -> ConnectivityException:
     return ConnectivityException(
-        f"Could not find a connection between '{target}' and '{source}' because they are not part of the "
-        "same tree.Tf has two or more unconnected trees."
+        f"Could not find a connection between '{target}' and '{source}' because they are not part "
+        "of the same tree.Tf has two or more unconnected trees."
     )
 
 

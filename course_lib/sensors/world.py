@@ -88,8 +88,9 @@ def check_transform(name: str, value: ArrayLike) -> Floats:
     determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
     if np.abs(rotation @ rotation.T - _EYE).max() > 1e-6 or determinant < 0:
         raise CourseError(
-            f"The upper left 3x3 of {name} is {rotation.round(4).tolist()}, not a rotation: its columns "
-            "must have length 1, be at right angles and right-handed. Start from numpy.eye(4)."
+            f"The upper left 3x3 of {name} is {rotation.round(4).tolist()}, not a rotation: its "
+            "columns must have length 1, be at right angles and right-handed. Start from "
+            "numpy.eye(4)."
         )
     return matrix
 

@@ -56,8 +56,8 @@ def split(line: str) -> tuple[list[list[str]], tuple[str, Path] | None]:
     for sign in signs:
         if sign[0] in "&;":
             raise CourseError(
-                f"A line holds one command, without {sign}. Write each command on a line of its own, and "
-                "start programs that keep running with run_live or %ros2 launch."
+                f"A line holds one command, without {sign}. Write each command on a line of its "
+                "own, and start programs that keep running with run_live or %ros2 launch."
             )
     commands = [shlex.split(segment) for segment in (*segments, line[segment_start:])]
     if signs and not all(commands):

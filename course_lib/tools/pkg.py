@@ -81,8 +81,8 @@ def _xml(executables: "Executables", source: Source, arguments: Namespace, write
     manifest = _share(executables, arguments.package_name) / "package.xml"
     if not manifest.is_file():
         raise CourseError(
-            f"Package XML manifest not found: {arguments.package_name} is part of the kit, not a folder "
-            "of yours."
+            f"Package XML manifest not found: {arguments.package_name} is part of the kit, not a "
+            "folder of yours."
         )
     root = ElementTree.parse(manifest).getroot()
     if arguments.tag is None:

@@ -144,8 +144,8 @@ def silence_message(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
     """Return the error text for a topic without messages: duration, reason, existing topics."""
     seconds = (source.graph.now_ns - since_ns) * 1e-9
     return (
-        f"No message came on {topic} in {seconds:.4g} s of robot time.{source.why_silent(topic, qos)} "
-        f"{describe_topics(source)}"
+        f"No message came on {topic} in {seconds:.4g} s of robot "
+        f"time.{source.why_silent(topic, qos)} {describe_topics(source)}"
     )
 
 
@@ -576,8 +576,8 @@ def _wait_for_subscriptions(
             write(f"Waiting for at least {expected} matching subscription(s)...\n")
         if longest is not None and looks * LOOK_EVERY >= longest:
             raise CourseError(
-                f"Timed out waiting for subscribers: Expected {expected} subcribers but only got {count} "
-                "subscribers. `-w 0` publishes without subscribers."
+                f"Timed out waiting for subscribers: Expected {expected} subcribers but only got "
+                f"{count} subscribers. `-w 0` publishes without subscribers."
             )
         looks += 1
         source.wait(lambda: False, LOOK_EVERY)

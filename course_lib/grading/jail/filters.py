@@ -290,6 +290,7 @@ class Isolation:
             )
         if need == "partial" and not self.is_protective:
             raise CourseError(
-                f"submissions would run with your rights, {self}: they could read and change your files. "
-                "Grade on Linux or WSL2; if you trust all of them, add --i-trust-these-submissions"
+                f"submissions would run with your rights, {self}: they could read and change your "
+                "files. Grade on Linux or WSL2; if you trust all of them, add "
+                "--i-trust-these-submissions"
             )

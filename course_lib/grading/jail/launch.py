@@ -461,8 +461,9 @@ class TemplateProcess:
         if files.conflict and self.isolation.is_protective and not self.isolation.hides_names:
             self.close()
             raise CourseError(
-                f"{files.conflict} is in a folder that Python needs in the jail, and this machine has only: "
-                f"{self.isolation}. Move it to another folder, or grade on a machine with namespaces"
+                f"{files.conflict} is in a folder that Python needs in the jail, and this machine "
+                f"has only: {self.isolation}. Move it to another folder, or grade on a machine "
+                "with namespaces"
             )
 
     def start(self, limits: Limits, imports: Collection[str]) -> tuple[socket.socket, int]:

@@ -489,8 +489,9 @@ def _find_task(name: str, tasks: Collection[str], of: str) -> str:
     """
     if not tasks:
         raise CourseError(
-            f"{of} has no tasks that were graded; gradebook.csv says why. Points for the whole exercise, for "
-            "paper or an oral exam: course mark OUT STUDENT EXERCISE POINTS --without-file"
+            f"{of} has no tasks that were graded; gradebook.csv says why. Points for the whole "
+            "exercise, for paper or an oral exam: course mark OUT STUDENT EXERCISE POINTS "
+            "--without-file"
         )
     short = {task.split(".", 1)[-1]: task for task in tasks}
     task_id = name if name in tasks else short.get(name)

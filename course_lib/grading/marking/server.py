@@ -422,8 +422,9 @@ def serve(
     # On a JupyterHub the page would share its origin with student code.
     if hub_prefix():
         raise CourseError(
-            "the page for marking is not served on a JupyterHub. Copy OUT to your own computer and run: "
-            "course mark OUT --serve; or mark here: course mark OUT STUDENT EXERCISE TASK POINTS"
+            "the page for marking is not served on a JupyterHub. Copy OUT to your own computer and "
+            "run: course mark OUT --serve; or mark here: course mark OUT STUDENT EXERCISE TASK "
+            "POINTS"
         )
     course = course or this_course()
     require_results(out)

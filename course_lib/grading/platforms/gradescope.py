@@ -88,8 +88,8 @@ def kit_source(distribution: metadata.Distribution | None = None) -> KitSource:
         name = f"{FOLDER}/{path.name}"
         return KitSource(f'"$root/source/{name}"', path.name, {name: path.read_bytes()})
     raise CourseError(
-        f"the kit was installed from {url}, which no longer exists. Install it again, from a checkout, "
-        "a wheel or the package index, then build the autograder"
+        f"the kit was installed from {url}, which no longer exists. Install it again, from a "
+        "checkout, a wheel or the package index, then build the autograder"
     )
 
 

@@ -348,9 +348,9 @@ def _find_reports(
     }
     if not any(names_by_result.values()):
         raise CourseError(
-            f"no result in {out} is from a download of {form.menu.split(':')[0]}, so its student numbers "
-            "are unknown. Run: course collect DOWNLOAD --out submissions, then "
-            f"course grade submissions --out {out} --resume"
+            f"no result in {out} is from a download of {form.menu.split(':')[0]}, so its student "
+            "numbers are unknown. Run: course collect DOWNLOAD --out submissions, then course "
+            f"grade submissions --out {out} --resume"
         )
     shared = Counter(
         (one.exercise, name) for one in results if (name := _report_name(one, names_by_result[id(one)], form))
@@ -444,8 +444,8 @@ def show_hidden_checks(
         waiting = [one.student for one in results if one.row.status in OPEN]
         if is_final and waiting:
             raise CourseError(
-                f"{format_count(len(waiting), 'mark')} of {exercise} not final yet ({join_few(waiting)}): "
-                "mark or grade them first; gradebook.csv has the reasons"
+                f"{format_count(len(waiting), 'mark')} of {exercise} not final yet "
+                f"({join_few(waiting)}): mark or grade them first; gradebook.csv has the reasons"
             )
         exercises = final_exercises(out) - {exercise} | ({exercise} if is_final else set())
         write_atomically(final_path(out), "".join(f"{one}\n" for one in sorted(exercises)).encode())

@@ -378,10 +378,11 @@ def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: Layout) -
         else:
             continue
         raise CourseError(
-            f"{problem}, so the layout of this download is unknown and nothing is collected. If the folders "
-            "in it belong to students, unpack it and pass the folder with them; if each file has its "
-            f"student's ID, as in Google Drive, add --layout google; if {owner} is one student, add --layout "
-            "folders. The instructor's guide lists the supported platforms"
+            f"{problem}, so the layout of this download is unknown and nothing is collected. If "
+            "the folders in it belong to students, unpack it and pass the folder with them; if "
+            f"each file has its student's ID, as in Google Drive, add --layout google; if {owner} "
+            "is one student, add --layout folders. The instructor's guide lists the supported "
+            "platforms"
         )
 
 
@@ -547,8 +548,8 @@ def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
         ]
         if not metadata_files:
             raise CourseError(
-                f"{source} has Gradescope's folders, but not {METADATA}, which has the students. Pass the "
-                "whole export: Export Submissions"
+                f"{source} has Gradescope's folders, but not {METADATA}, which has the students. "
+                "Pass the whole export: Export Submissions"
             )
         download_layout = replace(download_layout, records=gradescope_records(metadata_files[0].data, zone))
     if download_layout.name == SAKAI:
@@ -689,8 +690,9 @@ def _reject_collisions(files: Iterable[DownloadName], exports: Exports) -> None:
         if len(names) > 1 and student in derived_ids:
             first, second = list(names.values())[:2]
             raise CourseError(
-                f"the files of {first!r} and of {second!r} would both belong to {student}, so nothing is "
-                "collected. Identify the students by their IDs: --roster CSV, with a column of these names"
+                f"the files of {first!r} and of {second!r} would both belong to {student}, so "
+                "nothing is collected. Identify the students by their IDs: --roster CSV, with a "
+                "column of these names"
             )
 
 
@@ -839,8 +841,9 @@ def _keep_corrected_time(
     if row["received"] not in ("", before["received"]):
         collection.notes.add(
             printable(
-                f"note: {before['file']}: {LIST} keeps {before['received']}; according to {row['source']} it "
-                f"is {row['received']}: clear the cell and collect again to use that"
+                f"note: {before['file']}: {LIST} keeps {before['received']}; according to "
+                f"{row['source']} it is {row['received']}: clear the cell and collect again to use "
+                "that"
             )
         )
     return {**row, "received": before["received"], "source": before.get("source", "")}

@@ -232,7 +232,7 @@ def _points_lines(there: set[float], marks: Iterable[dict[str, str]], column: st
         lines.append(f"note: the platform gives {platform_text} points, gradebook.csv {own_text}")
     if there and (above := sum(float(mark[column]) > max(there) for mark in rated)):
         lines.append(
-            f"note: {format_count(above, 'mark')} above the platform's {max(there):g}: it may reject them; "
-            "--cap reduces them to the maximum"
+            f"note: {format_count(above, 'mark')} above the platform's {max(there):g}: it may "
+            "reject them; --cap reduces them to the maximum"
         )
     return lines

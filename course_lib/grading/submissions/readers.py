@@ -112,8 +112,9 @@ class LmsFile:
         for number, row in enumerate(self.rows, 1):
             if any(cell.strip() for cell in row[width:]):
                 raise CourseError(
-                    f"{path}, row {number}: {len(row)} cells below {format_count(width, 'heading')}. "
-                    f"Put double quotes around cells that contain {self.delimiter!r}"
+                    f"{path}, row {number}: {len(row)} cells below "
+                    f"{format_count(width, 'heading')}. Put double quotes around cells that "
+                    f"contain {self.delimiter!r}"
                 )
 
     def put(self, row: int, column: int, number: str) -> None:

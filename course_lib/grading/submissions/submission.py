@@ -74,8 +74,8 @@ def find_submissions(
     """
     if not top.is_dir():
         raise CourseError(
-            f"{top} is not a folder. Pass the folder with a folder per student; sort a platform's download "
-            "with course collect first"
+            f"{top} is not a folder. Pass the folder with a folder per student; sort a platform's "
+            "download with course collect first"
         )
     ledger = Ledger.read(top, zone)
     groups = defaultdict[tuple[str, str], list[Submission]](list)

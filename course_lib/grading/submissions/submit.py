@@ -144,15 +144,17 @@ class NotebookReview:
         if save_time < last_check and (unseen or not has_digests):
             yield (
                 f"the notebook was saved at {_format_time(save_time)}, before the last check at "
-                f"{_format_time(last_check)}: if it has unsaved changes, press Ctrl+S and submit again"
+                f"{_format_time(last_check)}: if it has unsaved changes, press Ctrl+S and submit "
+                "again"
             )
 
     def _id(self) -> Iterator[str]:
         stored_id = self._notebook.student
         if stored_id and self._identity and stored_id != self._identity:
             yield (
-                f"{self._path.name} has the student ID {stored_id}, but yours is {self._identity}: open "
-                f"{first_lesson()}, or type set_identity('{self._identity}') in a cell, then submit again"
+                f"{self._path.name} has the student ID {stored_id}, but yours is {self._identity}: "
+                f"open {first_lesson()}, or type set_identity('{self._identity}') in a cell, then "
+                "submit again"
             )
 
 

@@ -458,22 +458,22 @@ def silence_message(address: str, domain: int, error: int) -> str:
     start = f"Nothing comes from {address} in domain {domain}."
     if error == errno.ECONNREFUSED:
         return (
-            f"{start} The computer is there, but no ROS 2 program has opened a port of this domain: start "
-            "one, or pass its domain (ROS_DOMAIN_ID on the robot, --domain here). A firewall that "
-            "rejects UDP looks the same."
+            f"{start} The computer is there, but no ROS 2 program has opened a port of this "
+            "domain: start one, or pass its domain (ROS_DOMAIN_ID on the robot, --domain here). A "
+            "firewall that rejects UDP looks the same."
         )
     return (
-        f"{start} Is the robot on, does a ROS 2 program run there in this domain (ROS_DOMAIN_ID), and are "
-        "both in the same network? Firewalls and WSL2 often let no UDP in. A robot with a Fast DDS discovery "
-        "server, or with ROS_AUTOMATIC_DISCOVERY_RANGE=OFF, does not answer. A link over Zenoh "
-        "(tcp/HOST:7447) needs only an outgoing TCP connection."
+        f"{start} Is the robot on, does a ROS 2 program run there in this domain (ROS_DOMAIN_ID), "
+        "and are both in the same network? Firewalls and WSL2 often let no UDP in. A robot with a "
+        "Fast DDS discovery server, or with ROS_AUTOMATIC_DISCOVERY_RANGE=OFF, does not answer. A "
+        "link over Zenoh (tcp/HOST:7447) needs only an outgoing TCP connection."
     )
 
 
 def incomplete_message(topic: str, count: int, size: int) -> str:
     """Return a message for a topic whose messages of so many bytes mostly arrive in part."""
     return (
-        f"{topic}: {count} messages of {size / 1e6:.1f} MB have arrived only in part, more than whole ones. "
-        "They are too large for this network: use a compressed topic, a smaller image or a "
-        "reliable publisher."
+        f"{topic}: {count} messages of {size / 1e6:.1f} MB have arrived only in part, more than "
+        "whole ones. They are too large for this network: use a compressed topic, a smaller image "
+        "or a reliable publisher."
     )

@@ -106,8 +106,8 @@ def resolve(host: str) -> str:
         return socket.gethostbyname(host)
     except OSError as error:
         raise CourseError(
-            f"There is no computer {host!r} in this network ({error.strerror or error}): write the robot's "
-            "address like dds/192.168.1.5."
+            f"There is no computer {host!r} in this network ({error.strerror or error}): write the "
+            "robot's address like dds/192.168.1.5."
         ) from error
 
 
@@ -129,8 +129,8 @@ def socket_towards(host: str, port: int) -> socket.socket:
     except OSError as error:
         probe.close()
         raise CourseError(
-            f"No network of this computer leads to {host} ({error.strerror or error}). Is it the robot's "
-            "address, and are both in the same network?"
+            f"No network of this computer leads to {host} ({error.strerror or error}). Is it the "
+            "robot's address, and are both in the same network?"
         ) from error
     return probe
 
@@ -441,8 +441,8 @@ class Participant:
             except OSError:
                 udp.close()
         raise CourseError(
-            f"No UDP port from {base} to {base + 2 * PORT_ATTEMPTS - 2} is free on {self._address}: end "
-            "other ROS programs on this computer, or choose another domain."
+            f"No UDP port from {base} to {base + 2 * PORT_ATTEMPTS - 2} is free on "
+            f"{self._address}: end other ROS programs on this computer, or choose another domain."
         )
 
     def _run(self) -> None:

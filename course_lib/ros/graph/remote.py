@@ -381,8 +381,8 @@ class GraphServer:
             self._stored_bound = self.graph.count_stored_bytes()
         if self._stored_bound > MAX_HELD:
             raise MemoryLimitError(
-                f"messages of more than {MAX_HELD // 2**20} MB were in transit or latched at a time, "
-                "so it was stopped there: publish smaller messages, or fewer at a time"
+                f"messages of more than {MAX_HELD // 2**20} MB were in transit or latched at a "
+                "time, so it was stopped there: publish smaller messages, or fewer at a time"
             )
 
     def _schedule_alarm(self, number: int, due_ns: int, node: int, entity: int) -> None:

@@ -205,8 +205,8 @@ def check_interface(path: Path) -> None:
             _parse("" if line.startswith("---") else line, "x")
         except TypesysError as error:
             raise CourseError(
-                f"{path}, line {number}: {line.strip()!r} is neither a field, like `float64 speed`, nor a "
-                "constant, like `uint8 FAST=1`."
+                f"{path}, line {number}: {line.strip()!r} is neither a field, like `float64 "
+                "speed`, nor a constant, like `uint8 FAST=1`."
             ) from error
 
 
@@ -214,8 +214,8 @@ def _check_field(place: str, name: str, names: set[str]) -> None:
     """Raise a CourseError for the name of a field that is invalid or in `names`; add it to them."""
     if not re.fullmatch(_FIELD_NAME, name):
         raise CourseError(
-            f"{place}: '{name}' is an invalid field name. It should have the pattern '^{_FIELD_NAME}$', like "
-            "joint_limit."
+            f"{place}: '{name}' is an invalid field name. It should have the pattern "
+            f"'^{_FIELD_NAME}$', like joint_limit."
         )
     if keyword.iskeyword(name):
         raise CourseError(f"{place}: '{name}' is a keyword of Python, so choose another name for the field.")

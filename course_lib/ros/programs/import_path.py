@@ -249,8 +249,9 @@ def install() -> None:
         module = sys.modules.get(name)
         if module is not None and not _location_of(module).startswith(f"{standin_folder}{os.sep}"):
             raise CourseError(
-                f"{name} has already been imported from {_location_of(module)}, so the course's own ROS "
-                "can't take its place. Restart the kernel and load course_lib first: %load_ext course_lib"
+                f"{name} has already been imported from {_location_of(module)}, so the course's "
+                "own ROS can't take its place. Restart the kernel and load course_lib first: "
+                "%load_ext course_lib"
             )
     for name, value in SOURCED.items():
         os.environ.setdefault(name, value)

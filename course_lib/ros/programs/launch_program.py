@@ -245,8 +245,8 @@ class LaunchProgram(Process):
             if match := _OBJECT.search(argument):
                 # An f-string with a substitution; ROS passes this string without a warning.
                 text = (
-                    f"'{argument[:_MAX_SHOWN]}' contains a {match[1]} that has no value yet where the "
-                    f"string is made. Pass a list of its parts instead of an f-string: "
+                    f"'{argument[:_MAX_SHOWN]}' contains a {match[1]} that has no value yet where "
+                    "the string is made. Pass a list of its parts instead of an f-string: "
                     f"['robot_', {match[1]}(…)]"
                 )
                 self.log("WARNING", "launch", text)

@@ -66,8 +66,9 @@ def find_executable(package: str, executable: str, kit_executables: Executables)
         return kit_executables[package, executable]
     if package_found is not None and executable in package_found.compiled:
         raise NotHereError(
-            f"'{executable}' of package '{package}' is a compiled program, and this kit runs Python only. "
-            "Build it with colcon on a computer with ROS 2, or write the node in Python."
+            f"'{executable}' of package '{package}' is a compiled program, and this kit runs "
+            "Python only. Build it with colcon on a computer with ROS 2, or write the node in "
+            "Python."
         )
     if package_found is None and (why := why_not_offered(package)):
         is_partly_here = any(owner == package for owner, _ in kit_executables)
@@ -115,9 +116,9 @@ def find_component(package: str, plugin: str, kit_executables: Executables) -> C
     if why := why_not_offered(package):
         raise CourseError(f"component '{plugin}' is left out: {why}")
     raise CourseError(
-        f"component '{plugin}' of package '{package}' is left out: it is a C++ plugin, and this kit runs "
-        "Python only. Start a Python node instead, or run the component on a computer with ROS 2 "
-        "and link to it: course run FILE --robot dds/HOST"
+        f"component '{plugin}' of package '{package}' is left out: it is a C++ plugin, and this "
+        "kit runs Python only. Start a Python node instead, or run the component on a computer "
+        "with ROS 2 and link to it: course run FILE --robot dds/HOST"
     )
 
 

@@ -316,16 +316,17 @@ def _why_skipped(name: str) -> str:
         if folder.parent.name == "share":
             prefix = folder.parents[1]
             return (
-                f"it is installed in {prefix}, which is not in use. Set AMENT_PREFIX_PATH={prefix}, as "
-                "source install/setup.bash does, or put its sources into the workspace's src."
+                f"it is installed in {prefix}, which is not in use. Set "
+                f"AMENT_PREFIX_PATH={prefix}, as source install/setup.bash does, or put its "
+                "sources into the workspace's src."
             )
         for above in (folder, *folder.parents):
             if marker := next((above / mark for mark in sorted(IGNORED) if (above / mark).exists()), None):
                 return f"its folder {folder} is ignored because of the file {marker}. Remove that file."
             if above != folder and name_of(above / MANIFEST):
                 return (
-                    f"its folder {folder} is inside of the package in {above}, where colcon does not search. "
-                    "Move it next to that package."
+                    f"its folder {folder} is inside of the package in {above}, where colcon does "
+                    "not search. Move it next to that package."
                 )
     return ""
 

@@ -198,8 +198,8 @@ def connect(
     graph = current_graph()
     if not graph.notebook:
         raise CourseError(
-            "connect() is for notebooks; exercises are checked without a robot. For a program type: "
-            f"course run my_node.py --robot {router}"
+            "connect() is for notebooks; exercises are checked without a robot. For a program "
+            f"type: course run my_node.py --robot {router}"
         )
     if graph.link_report():
         raise CourseError("This notebook is linked to a robot already. Type: %ros2 disconnect")

@@ -257,9 +257,9 @@ def type_warning(entity: Entity) -> str:
     if entity.type_hash == type_hash(entity.type_name):
         return ""
     return (
-        f"The robot has another definition of {entity.type_name} than this kit, so {entity.topic} stays "
-        "silent. If the package is yours, copy its interface file from the robot. If it is ROS's, "
-        "the robot needs ROS 2 Jazzy."
+        f"The robot has another definition of {entity.type_name} than this kit, so {entity.topic} "
+        "stays silent. If the package is yours, copy its interface file from the robot. If it is "
+        "ROS's, the robot needs ROS 2 Jazzy."
     )
 
 
@@ -279,8 +279,8 @@ def clock_warning(skew: float) -> str:
     if abs(skew) < MAX_SKEW:
         return ""
     return (
-        f"The robot's clock is {abs(skew):.1f} s {'ahead of' if skew > 0 else 'behind'} this computer's: "
-        "stamps and tf do not fit together. Set both by NTP (timedatectl)."
+        f"The robot's clock is {abs(skew):.1f} s {'ahead of' if skew > 0 else 'behind'} this "
+        "computer's: stamps and tf do not fit together. Set both by NTP (timedatectl)."
     )
 
 
@@ -617,8 +617,8 @@ class RobotGraph(Graph):
         if self._is_up and not is_up:
             self._down_since = wall.monotonic()
             self._report(
-                f"The link to {address} is lost. It comes back by itself when the {self.link.peer} is there "
-                "again."
+                f"The link to {address} is lost. It comes back by itself when the {self.link.peer} "
+                "is there again."
             )
             for subscription in self._subscriptions:
                 subscription.traffic.reset_sequences()

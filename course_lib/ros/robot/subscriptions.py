@@ -148,8 +148,8 @@ class TopicSubscription:
         per_second, size = traffic.rates()
         return (
             f"{self.topic}: {traffic.lost_fraction:.0%} of the messages are lost on the way, "
-            f"{per_second:.1f} Hz and {size / 1e6:.1f} MB/s arrive. The link is too slow for it: use a "
-            "compressed topic, a smaller image or a lower rate."
+            f"{per_second:.1f} Hz and {size / 1e6:.1f} MB/s arrive. The link is too slow for it: "
+            "use a compressed topic, a smaller image or a lower rate."
         )
 
 

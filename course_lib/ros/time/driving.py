@@ -51,8 +51,8 @@ def spin_for(seconds: float, *nodes: "Node") -> DriveResult:
     """
     if not isinstance(seconds, int | float) or not 0 <= seconds <= MAX_SECONDS:
         raise CourseError(
-            f"spin_for({seconds!r}, …): give the seconds of robot time first, from 0 to {MAX_SECONDS:g}, "
-            "like spin_for(2.0, node)."
+            f"spin_for({seconds!r}, …): give the seconds of robot time first, from 0 to "
+            f"{MAX_SECONDS:g}, like spin_for(2.0, node)."
         )
     graph = current_graph()
     with executor_with(nodes) as executor, until_interrupted(), pace.keep_pace(graph):

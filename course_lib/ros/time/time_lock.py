@@ -483,8 +483,8 @@ class TimeLock:
             if t.wait is not None and t.wait.graph is graph
         )
         error = DeadlockError(
-            f"Nothing can happen any more: {waits}. A wait must be ended by a timer, a message or another "
-            "thread; give it a time limit, or let another thread spin."
+            f"Nothing can happen any more: {waits}. A wait must be ended by a timer, a message or "
+            "another thread; give it a time limit, or let another thread spin."
         )
         next((t for t in self._waiting if t.main and t.waits_in(graph)), me).raises = error
 
@@ -567,9 +567,9 @@ class TimeLock:
             # CPU time, as a program may also wait for a key or a file.
             elif time.process_time() - started_at > BUSY_SECONDS and (line := line_of_thread(ident)):
                 say(
-                    f"The main thread has computed for {BUSY_SECONDS:g} s without a call of ROS ({line}). "
-                    "Robot time does not advance: put rclpy.spin_once(node) or time.sleep(0.01) "
-                    "into a loop that waits. Ctrl+C ends the program."
+                    f"The main thread has computed for {BUSY_SECONDS:g} s without a call of ROS "
+                    f"({line}). Robot time does not advance: put rclpy.spin_once(node) or "
+                    "time.sleep(0.01) into a loop that waits. Ctrl+C ends the program."
                 )
                 return
 

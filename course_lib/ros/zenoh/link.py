@@ -233,8 +233,9 @@ class ZenohLink:
         if self._old_attachments:
             yield (
                 "old rmw",
-                f"{format_count(self._old_attachments, 'message')} came in the form of an rmw_zenoh before "
-                "0.2.4, which the kit cannot read. Update ros-jazzy-rmw-zenoh-cpp on the robot.",
+                f"{format_count(self._old_attachments, 'message')} came in the form of an "
+                "rmw_zenoh before 0.2.4, which the kit cannot read. Update "
+                "ros-jazzy-rmw-zenoh-cpp on the robot.",
             )
 
     def node(self, name: str, namespace: str) -> ZenohEntity:

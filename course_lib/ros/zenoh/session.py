@@ -124,8 +124,8 @@ class DriverLock:
             self._reported[topic] = True
         elif self._driver != self._login.name:
             self._report(
-                f"{self._driver or 'Nobody'} drives: your {topic} is not passed on to the robot. The "
-                "instructor chooses the driver."
+                f"{self._driver or 'Nobody'} drives: your {topic} is not passed on to the robot. "
+                "The instructor chooses the driver."
             )
             self._reported[topic] = True
         elif self._reported[topic]:
@@ -211,11 +211,11 @@ def _unreachable(address: str, login: Login) -> str:
     """Return the error text for an address that does not answer."""
     if login.name:
         return (
-            f"No gateway lets {login.name} in at {address}. Does `course router` run there, is the token the "
-            "one that you were given, is this the right network?"
+            f"No gateway lets {login.name} in at {address}. Does `course router` run there, is the "
+            "token the one that you were given, is this the right network?"
         )
     return (
-        f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on the robot, "
-        "is its port open, is this the right network? A robot without Zenoh has an address like "
-        "dds/192.168.1.5."
+        f"No Zenoh router answers at {address}. Does `ros2 run rmw_zenoh_cpp rmw_zenohd` run on "
+        "the robot, is its port open, is this the right network? A robot without Zenoh has an "
+        "address like dds/192.168.1.5."
     )

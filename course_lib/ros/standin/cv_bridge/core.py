@@ -98,8 +98,8 @@ def convert(pixels: Pixels, source: str, target: str) -> Pixels:
         )
     elif one.channels != other.channels and one.order:
         raise RuntimeError(
-            f"[{one.name}] is a color format but [{other.name}] is not so they must have the same OpenCV "
-            "type, CV_8UC3, CV16UC1 ...."
+            f"[{one.name}] is a color format but [{other.name}] is not so they must have the same "
+            "OpenCV type, CV_8UC3, CV16UC1 ...."
         )
     elif one.channels != other.channels:
         raise RuntimeError(f"[{one.name}] and [{other.name}] do not have the same number of channel")

@@ -26,8 +26,8 @@ def undistorted(x: float, y: float, coefficients: Sequence[float]) -> tuple[floa
     """
     if len(coefficients) not in _COUNTS:
         raise ValueError(
-            f"The camera's d has {len(coefficients)} coefficients; the model has {_COUNTS} or none. "
-            "Look at the publisher of the CameraInfo."
+            f"The camera's d has {len(coefficients)} coefficients; the model has {_COUNTS} or "
+            "none. Look at the publisher of the CameraInfo."
         )
     *lens, tau_x, tau_y = (*coefficients, *[0.0] * (14 - len(coefficients)))
     straight_x, straight_y = x, y

@@ -308,8 +308,8 @@ class ExecuteLocal(Action):
             if reason:
                 raise NotHereError(f"`{command}` cannot run here: {reason}")
             raise NotHereError(
-                f"ExecuteProcess is not available here: `{command}` would run outside robot time. Start "
-                "nodes with launch_ros.actions.Node; run other commands beside the launch."
+                f"ExecuteProcess is not available here: `{command}` would run outside robot time. "
+                "Start nodes with launch_ros.actions.Node; run other commands beside the launch."
             )
 
 

@@ -61,15 +61,15 @@ def get_launch_description_from_python_launch_file(
         inspect.signature(generate).bind()
     except (TypeError, ValueError) as error:
         raise InvalidPythonLaunchFileError(
-            f"generate_launch_description in '{file}' is called without arguments: {error}. Write: def "
-            "generate_launch_description():"
+            f"generate_launch_description in '{file}' is called without arguments: {error}. Write: "
+            "def generate_launch_description():"
         ) from None
     description = generate()
     # As in ROS, any entity is accepted.
     if not isinstance(description, LaunchDescriptionEntity):
         raise InvalidPythonLaunchFileError(
-            f"generate_launch_description() in '{file}' returned {_short(description)}; end it with: return "
-            "LaunchDescription([...])"
+            f"generate_launch_description() in '{file}' returned {_short(description)}; end it "
+            "with: return LaunchDescription([...])"
         )
     return cast("LaunchDescription", description)
 

@@ -54,6 +54,6 @@ def ensure_argument_type(
     if not isinstance(argument, tuple(allowed)):
         start = "E" if caller is None else f"'{caller}' e"
         raise TypeError(
-            f"{start}xpected '{argument_name}' to be one of [{', '.join(map(str, allowed))}], but got "
-            f"'{argument}' of type '{type(argument)}'"
+            f"{start}xpected '{argument_name}' to be one of [{', '.join(map(str, allowed))}], but "
+            f"got '{argument}' of type '{type(argument)}'"
         )

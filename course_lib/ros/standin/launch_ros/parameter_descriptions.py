@@ -98,8 +98,8 @@ def check_values(parameters: Iterable[Any] | None) -> None:
                 check_values([value])
             elif not isinstance(value, _VALUES):
                 raise TypeError(
-                    f"Unexpected type for parameter value {value!r}: parameter {name} takes a bool, number, "
-                    "string, list or substitution"
+                    f"Unexpected type for parameter value {value!r}: parameter {name} takes a "
+                    "bool, number, string, list or substitution"
                 )
 
 
@@ -141,8 +141,9 @@ def _read(text: str, name: str) -> Any:
     if not isinstance(value, bool | int | float | str | list):
         excerpt = repr(text) if len(text) <= _EXCERPT_LENGTH else f"{text[:_EXCERPT_LENGTH]!r}…"
         raise TypeError(
-            f"Unable to parse the value of parameter {name} as yaml. If the parameter is meant to be a "
-            "string, try wrapping it in launch_ros.parameter_descriptions.ParameterValue(value, "
-            f"value_type=str). The value is {excerpt}"
+            f"Unable to parse the value of parameter {name} as yaml. If the parameter is meant to "
+            "be a string, try wrapping it in "
+            "launch_ros.parameter_descriptions.ParameterValue(value, value_type=str). The value is "
+            f"{excerpt}"
         )
     return value

@@ -14,8 +14,9 @@ from rclpy.time import Time
 # Messages by stamp [ns].
 Queue = dict[int, Any]
 _HEADERLESS = (
-    "can not use message filters messages without timestamp infomation when 'allow_headerless' is disabled. "
-    "auto assign ROSTIME to headerless messages once enabling constructor option of 'allow_headerless'."
+    "can not use message filters messages without timestamp infomation when 'allow_headerless' is "
+    "disabled. auto assign ROSTIME to headerless messages once enabling constructor option of "
+    "'allow_headerless'."
 )
 
 

@@ -60,8 +60,8 @@ class Client(ServiceEnd):
         if timeout_sec is None and executor is not None and executor._course_holds_up(self):
             self.remove_pending_request(future)
             raise DeadlockError(
-                f"call() on {self._course_full_name} waits for a response that is taken only after this "
-                "callback has ended. Use call_async() with add_done_callback() or await; or a "
+                f"call() on {self._course_full_name} waits for a response that is taken only after "
+                "this callback has ended. Use call_async() with add_done_callback() or await; or a "
                 "MultiThreadedExecutor, with the client in another callback group."
             )
         awaited = f"the response of {self._course_full_name} and {_SPINNER}"

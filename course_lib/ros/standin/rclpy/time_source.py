@@ -126,8 +126,9 @@ class TimeSource:
         if not self._last_time_set.nanoseconds:
             name, topic = node.handle.full_name, clock.topic_name
             say(
-                f"hint: {name} has use_sim_time, and nobody publishes {topic}: its time stands at 0 and its "
-                "timers wait. Start a simulation or `ros2 bag play --clock`, or set use_sim_time to false."
+                f"hint: {name} has use_sim_time, and nobody publishes {topic}: its time stands at "
+                "0 and its timers wait. Start a simulation or `ros2 bag play --clock`, or set "
+                "use_sim_time to false."
             )
 
     def _get_node(self) -> NodeInterface | None:

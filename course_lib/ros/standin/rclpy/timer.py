@@ -108,8 +108,9 @@ class Timer(Entity):
         took, period = f"{span_ns * 1e-9:g} s", f"{self.__period_ns * 1e-9:g} s"
         name = f"{getattr(self.callback, '__name__', 'the callback')} of {self._course_node.full_name}"
         say(
-            f"hint: {name} took {took}, and its timer's period is {period}: the node is always late, and its "
-            "other callbacks wait. Return at once, without time.sleep; the timer calls again."
+            f"hint: {name} took {took}, and its timer's period is {period}: the node is always "
+            "late, and its other callbacks wait. Return at once, without time.sleep; the timer "
+            "calls again."
         )
 
     def cancel(self) -> None:
@@ -272,9 +273,10 @@ class Rate:
             return
         self.__has_reminded = True
         say(
-            f"hint: {line_of_thread(sleeper) or 'Rate.sleep()'}: the tick does not come, as no thread spins "
-            f"{node.full_name}. Spin it in a thread: threading.Thread(target=rclpy.spin, args=(node,), "
-            "daemon=True).start(). Or use a timer, without a rate."
+            f"hint: {line_of_thread(sleeper) or 'Rate.sleep()'}: the tick does not come, as no "
+            f"thread spins {node.full_name}. Spin it in a thread: "
+            "threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start(). Or use a "
+            "timer, without a rate."
         )
 
     def destroy(self) -> None:

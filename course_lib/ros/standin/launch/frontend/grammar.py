@@ -140,7 +140,7 @@ def _make_substitution(name: str, arguments: Sequence[Parts], text: str) -> Subs
         max_text = "more" if form.most is None else form.most
         expected = form.least if form.least == form.most else f"{form.least} to {max_text}"
         raise ValueError(
-            f"{text}: {name} has {len(arguments)} arguments, expected {expected}. Arguments with spaces "
-            "stand in quotes"
+            f"{text}: {name} has {len(arguments)} arguments, expected {expected}. Arguments with "
+            "spaces stand in quotes"
         )
     return form.make(*arguments)

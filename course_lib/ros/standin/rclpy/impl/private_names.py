@@ -160,8 +160,9 @@ def notice(base: str, class_name: str, name: str, use: str, place: str) -> None:
         _noticed.add((class_name, name))
         where = f" ({place})" if place else ""
         say(
-            f"hint: {class_name}.{name}{where} is a name of rclpy's own {base}: {use}. This breaks the "
-            f"{base.lower()} on a robot, even where it works here. Choose another name, like my{name}."
+            f"hint: {class_name}.{name}{where} is a name of rclpy's own {base}: {use}. This breaks "
+            f"the {base.lower()} on a robot, even where it works here. Choose another name, like "
+            f"my{name}."
         )
 
 

@@ -263,8 +263,8 @@ def _text(message: object) -> str:
         message = message.decode(errors="replace")
     if not isinstance(message, str):
         raise TypeError(
-            "rclpy_logging_rcutils_log(): incompatible function arguments: the message must be a str, "
-            f"not {type(message).__name__}; write str(...) or an f-string"
+            "rclpy_logging_rcutils_log(): incompatible function arguments: the message must be a "
+            f"str, not {type(message).__name__}; write str(...) or an f-string"
         )
     if not message.isascii():
         try:
