@@ -10,7 +10,9 @@ import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from traceback import walk_tb
 from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -66,6 +68,8 @@ _NONE_VALUE = (
     "this is None: is it a parameter without a value, or a function that returns nothing?",
     "this is None: does the function that created it return something?",
 )
+# The fields of messages that consist of a few numbers.
+_NUMBERS_OF = {"Point": "xyz", "Vector3": "xyz", "Quaternion": "xyzw", "ColorRGBA": "rgba"}
 # The table of attributes that rclpy lacks: its patterns match "rclpy.time.Time.now", not an exception's text.
 _OF_RCLPY = "OfRclpy"
 
@@ -97,6 +101,9 @@ def hint(error: BaseException) -> str:
         or surplus_hint(error)
         or constructor_hint(error)
         or _loop_hint(error, text)
+        or _order_hint(error, text)
+        or _operand_hint(error, text)
+        or _request_hint(error)
         or _list_hint(error, text)
         or _value_hint(error, text)
         or _table_hint(error, text)
@@ -230,7 +237,37 @@ def _value_hint(error: BaseException, text: str) -> str:
             return f"this is a {name}: take one of its fields, {join(list(fields))}."
         if set(fields) == {"x", "y", "z"} and kind in ("Point", "Vector3"):
             return f"this is a {name}: `{kind}(x=v.x, y=v.y, z=v.z)` has its numbers, where v is the {name}."
-    return ""
+        return ""
+    return _nested_message_hint(value, kind, re.match(r"The '(\w+)' field", text))
+
+
+def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) -> str:
+    """Return the hint for a field of a message type that is set to plain values, or "".
+
+    The hint contains the student's values.
+    """
+    if kind == "Header" and isinstance(value, str):
+        return f"a header has a stamp and a frame: `message.header.frame_id = {value!r}`."
+    items: Any = value.ravel() if isinstance(value, np.ndarray) else value
+    numbers: list[Any] = list(items) if isinstance(items, list | tuple | np.ndarray) else [items]
+    names = _NUMBERS_OF.get(kind, "")
+    are_short = all(
+        isinstance(one, int | float | np.integer | np.floating) and -1000 < one < 1000 for one in numbers
+    )
+    if not numbers or not are_short:
+        return ""
+    if len(numbers) == 1 and kind in ("Vector3", "Point") and field is not None and field[1] != "scale":
+        return f"a {kind} has three numbers. Set one of them: {field[1]}.x = {float(numbers[0])!r}."
+    if len(numbers) == 1 and kind == "Vector3":
+        numbers *= 3
+    if kind == "ColorRGBA" and len(numbers) == 3:
+        numbers.append(1.0)
+    texts = [repr(float(one)) for one in numbers]
+    # Values of a computation have many digits. Then the general hint is easier to read.
+    if len(numbers) != len(names) or max(map(len, texts)) > len("-10.25"):
+        return ""
+    arguments = ", ".join(f"{name}={text}" for name, text in zip(names, texts, strict=True))
+    return f"create one, with named fields: `{kind}({arguments})`."
 
 
 def _number_hint(value: object, kind: str, text: str) -> str:
@@ -280,10 +317,75 @@ def _loop_hint(error: BaseException, text: str) -> str:
         if any(one.opname.startswith(("BINARY_OP", "INPLACE_ADD")) for one in code):
             return "+= adds all items of a list. `items.append(item)` adds a single item."
     types = _types_in_error(f"'{match[1]}' object has no attribute")
+    if types and any(one.f_code.co_name == "sendTransform" for one, _ in walk_tb(error.__traceback__)):
+        return f"sendTransform takes a TransformStamped, or a list of them, and this is a {match[1]}."
     lists = [f.name for name in types[:1] for f in definition(name).fields if f.container != "scalar"]
     if types and len(lists) == 1:
         return f"a {match[1]} is not a list, but has one: loop over its field {lists[0]}."
     return f"a {match[1]} is a single object: read its fields by their names." if types else ""
+
+
+# What each method of a node takes, in this order.
+_CREATE_CALLS = {
+    "create_publisher": "self.create_publisher(Marker, '/a_topic', 10)",
+    "create_subscription": "self.create_subscription(Marker, '/a_topic', self.heard, 10)",
+}
+
+
+def _order_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a call that passes the type or the name of a topic at another place, or ""."""
+    if "rclpy_resolve_name" not in text:
+        return ""
+    names = [frame.f_code.co_name for frame, _ in walk_tb(error.__traceback__)]
+    call = next((_CREATE_CALLS[name] for name in names if name in _CREATE_CALLS), "")
+    return f"pass the type first, then the name in quotes: `{call}`." if call else ""
+
+
+# What Python says about an operand or argument that has to be a number or a string.
+_OPERANDS = (
+    r"unsupported operand type\(s\) for [^:]+: '(\w+)' and '(\w+)'",
+    r"not supported between instances of '(\w+)' and '(\w+)'",
+    r'can only concatenate str \(not "(\w+)"',
+    r"must be (?:a string or a )?real number, not '?(\w+)",
+    r"argument must be a string.*, not '(\w+)'",
+    r"bad operand type for .*: '(\w+)'",
+)
+# Classes with hints of their own, in the table.
+_OTHER_OPERANDS = {"Time", "Duration", "Parameter", "Point", "Vector3", "Quaternion"}
+
+
+def _operand_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a message with which a program computes, or ""."""
+    if not isinstance(error, TypeError):
+        return ""
+    match = next((found for one in _OPERANDS if (found := re.search(one, text))), None)
+    # Two objects of one type that are compared have a hint of their own, in the table.
+    names = match.groups() if match else ()
+    for name in names if len(set(names)) == len(names) else ():
+        types = [] if name in _OTHER_OPERANDS else _types_in_error(f"'{name}' object has no attribute")
+        fields = [field.name for field in definition(types[0]).fields] if types else []
+        if len(fields) == 1:
+            return f"one side is a message, {name}: use its field {fields[0]}."
+        if fields and "between instances" not in text:
+            return f"one side is a message, {name}: use its fields {join(fields)}."
+    return ""
+
+
+def _request_hint(error: BaseException) -> str:
+    """Return the hint for a service's client that is called with something else than a request, or ""."""
+    frame = frame_of(error)
+    service = getattr(frame.f_locals.get("self"), "srv_type", None) if frame is not None else None
+    if mistake_of(error) is not Mistake.REQUEST or service is None:
+        return ""
+    fields = service.Request.get_fields_and_field_types()
+    samples = {"boolean": "True", "string": "'text'", "float": "1.0", "double": "1.0"}
+    simple = [
+        f"{name}={samples.get(kind, 1)}"
+        for name, kind in fields.items()
+        if "/" not in kind and "<" not in kind
+    ]
+    arguments = ", ".join(simple) if len(simple) == len(fields) else ""
+    return f"pass a request, with (): `{service.__name__}.Request({arguments})`."
 
 
 def _list_hint(error: BaseException, text: str) -> str:
@@ -323,6 +425,8 @@ def _missing_self_hint(error: NameError, text: str) -> str:
     if frame is None or "name 'self' is not" not in text:
         return ""
     code = frame.f_code
+    if "__qualname__" in frame.f_locals:
+        return "only methods have self: move this line into `def __init__(self)` of the class."
     if not code.co_name.isidentifier():
         return "only methods have self: outside of the class use the name of your node."
     parameters = code.co_varnames[: code.co_argcount]

@@ -508,6 +508,8 @@ def surplus_hint(error: BaseException) -> str:
     code = getattr(method, "__code__", None)
     if not isinstance(code, CodeType) or code.co_varnames[:1] != ("self",) or name == "__init__":
         return ""
+    if match[1] == "RcutilsLogger":
+        return f"write one f-string: `self.get_logger().{name}(f'speed: {{speed}}')`."
     names = list(code.co_varnames[1 : code.co_argcount])
     passed_text = f"the call passes {format_count(int(match[3]) - 1, 'value')}"
     owner = "self." if isinstance(cls, type) and isinstance(frame.f_locals.get("self"), cls) else ""

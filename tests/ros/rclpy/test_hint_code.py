@@ -26,6 +26,7 @@ from lifecycle_msgs.msg import Transition
 from geometry_msgs.msg import Quaternion, Vector3
 from rcl_interfaces.msg import SetParametersResult
 from sensor_msgs.msg import JointState
+from std_srvs.srv import SetBool
 from rclpy.clock import ClockType
 from rclpy.lifecycle import TransitionCallbackReturn
 class Robot(Node):
@@ -33,6 +34,7 @@ class Robot(Node):
         super().__init__("robot_of_hints")
         self.publisher, self.angle, self.count = None, 0.0, 0
         self.declare_parameter("known", 1.0)
+        self.declare_parameter("gain", 1.0)
         self.create_publisher(Marker, "/a_topic", 10)
         self.create_service(AddTwoInts, "/a_service", self.answer)
     def tick(self): ...

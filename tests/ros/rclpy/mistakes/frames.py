@@ -51,4 +51,14 @@ FRAMES = [
         "'visualization_msgs.msg._marker.Marker'> is not loaded or supported",
         "`import tf2_geometry_msgs`, which supports points and poses.",
     ),
+    (
+        "TransformBroadcaster(node).sendTransform(PoseStamped())",
+        "TypeError: 'PoseStamped' object is not iterable",
+        "sendTransform takes a TransformStamped, or a list of them, and this is a PoseStamped.",
+    ),
+    (
+        "from tf2_ros import TransformListener\nTransformListener(node)",
+        "TypeError: TransformListener.__init__() missing 1 required positional argument: 'node'",
+        "a listener fills a buffer: `TransformListener(self.buffer, self)`, after `self.buffer = Buffer()`.",
+    ),
 ]

@@ -10,7 +10,7 @@ MESSAGES = [
     (
         "Twist(linear=(1.0, 0.0, 0.0))",
         "AssertionError: The 'linear' field must be a sub message of type 'Vector3'",
-        "create one, with named fields: `Vector3(x=1.0, y=1.0, z=1.0)`.",
+        "create one, with named fields: `Vector3(x=1.0, y=0.0, z=0.0)`.",
     ),
     (
         "Int32(data=1.5)",
@@ -101,7 +101,7 @@ MESSAGES = [
     (
         "PoseStamped().pose.position = (1.0, 2.0, 3.0)",
         "AssertionError: The 'position' field must be a sub message of type 'Point'",
-        "create one, with named fields: `Point(x=1.0, y=1.0, z=1.0)`.",
+        "create one, with named fields: `Point(x=1.0, y=2.0, z=3.0)`.",
     ),
     (
         "PoseStamped().pose.orientation = 1.57",
@@ -144,5 +144,50 @@ MESSAGES = [
         "Marker().points = Point()",
         "AssertionError: The 'points' field must be a set or sequence and each value of type 'Point'",
         "use a list of them: `[Point(x=1.0, y=1.0, z=1.0)]`.",
+    ),
+    (
+        "Marker().color = (1.0, 0.0, 0.0)",
+        "AssertionError: The 'color' field must be a sub message of type 'ColorRGBA'",
+        "create one, with named fields: `ColorRGBA(r=1.0, g=0.0, b=0.0, a=1.0)`.",
+    ),
+    (
+        "Marker().scale = 0.2",
+        "AssertionError: The 'scale' field must be a sub message of type 'Vector3'",
+        "create one, with named fields: `Vector3(x=0.2, y=0.2, z=0.2)`.",
+    ),
+    (
+        "Marker().pose.position = [0.0, 0, 1.0]",
+        "AssertionError: The 'position' field must be a sub message of type 'Point'",
+        "create one, with named fields: `Point(x=0.0, y=0.0, z=1.0)`.",
+    ),
+    (
+        "Twist().linear = 0.5",
+        "AssertionError: The 'linear' field must be a sub message of type 'Vector3'",
+        "a Vector3 has three numbers. Set one of them: linear.x = 0.5.",
+    ),
+    (
+        "Marker().header = 'map'",
+        "AssertionError: The 'header' field must be a sub message of type 'Header'",
+        "a header has a stamp and a frame: `message.header.frame_id = 'map'`.",
+    ),
+    (
+        "String(data='3') + 1",
+        "TypeError: unsupported operand type(s) for +: 'String' and 'int'",
+        "one side is a message, String: use its field data.",
+    ),
+    (
+        "Twist() * 2",
+        "TypeError: unsupported operand type(s) for *: 'Twist' and 'int'",
+        "one side is a message, Twist: use its fields linear and angular.",
+    ),
+    (
+        "'speed: ' + String(data='3')",
+        'TypeError: can only concatenate str (not "String") to str',
+        "one side is a message, String: use its field data.",
+    ),
+    (
+        "Int32(data=3) > 2",
+        "TypeError: '>' not supported between instances of 'Int32' and 'int'",
+        "one side is a message, Int32: use its field data.",
     ),
 ]

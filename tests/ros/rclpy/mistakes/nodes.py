@@ -186,4 +186,14 @@ NODES = [
         "AttributeError: 'NoneType' object has no attribute 'to_label'",
         "end the callback with `return TransitionCallbackReturn.SUCCESS`.",
     ),
+    (
+        "class Robot(Node):\n    publisher = self.create_publisher(String, 'chatter', 10)",
+        "NameError: name 'self' is not defined",
+        "only methods have self: move this line into `def __init__(self)` of the class.",
+    ),
+    (
+        "node.get_logger().info('speed', 3)",
+        "TypeError: RcutilsLogger.info() takes 2 positional arguments but 3 were given",
+        "write one f-string: `self.get_logger().info(f'speed: {speed}')`.",
+    ),
 ]

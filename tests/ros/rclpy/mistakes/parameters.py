@@ -10,7 +10,7 @@ PARAMETERS = [
     (
         "node.get_parameter('speed')",
         "rclpy.exceptions.ParameterNotDeclaredException: Invalid access to undeclared parameter(s): speed",
-        "declare it first: `self.declare_parameter('a_name', 1.0)`.",
+        "declare speed first, with a default value: `self.declare_parameter('a_name', 1.0)`.",
     ),
     (
         "node.set_parameters([Parameter('speed', value=1)])",
@@ -42,5 +42,10 @@ PARAMETERS = [
         "node.declare_parameter('speed', Parameter.Type.DOUBLE)\nnode.get_parameter('speed').value",
         "rclpy.exceptions.ParameterUninitializedException: The parameter 'speed' is not initialized: speed",
         "declare it with a default value, or set it before.",
+    ),
+    (
+        "node.declare_parameter('speed', 1)\nnode.set_parameters([('speed', 2)])",
+        "TypeError: parameter must be instance of type '<class 'rclpy.parameter.Parameter'>'",
+        "pass parameters: `self.set_parameters([Parameter('gain', value=2.0)])`, with rclpy's Parameter.",
     ),
 ]

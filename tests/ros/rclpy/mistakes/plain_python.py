@@ -311,9 +311,7 @@ PLAIN_PYTHON = [
     (
         "TransformBroadcaster()",
         "TypeError: TransformBroadcaster.__init__() missing 1 required positional argument: 'node'",
-        "pass the node, too: TransformBroadcaster(…, self), or TransformBroadcaster(self) where nothing "
-        "else is "
-        "passed.",
+        "pass the node: `TransformBroadcaster(self)`.",
     ),
     (
         "TransformBroadcaster(Node('a')).publish(1)",

@@ -10,7 +10,7 @@ SERVICES = [
     (
         "client = node.create_client(AddTwoInts, 'add')\nclient.call_async(AddTwoInts)",
         "TypeError",
-        "pass a request, with (): `AddTwoInts.Request(a=1, b=2)`.",
+        "pass a request, with (): `AddTwoInts.Request(a=1, b=1)`.",
     ),
     (
         "node.create_client(AddTwoInts.Request, 'add')",
@@ -75,5 +75,10 @@ SERVICES = [
         "RuntimeError: The action type provided is not valid (<class "
         "'example_interfaces.srv._add_two_ints.AddTwoInts'>), this might be a message or service",
         "import types from .msg, .srv or .action.",
+    ),
+    (
+        "from std_srvs.srv import SetBool\nnode.create_client(SetBool, 'light').call_async(True)",
+        "TypeError",
+        "pass a request, with (): `SetBool.Request(data=True)`.",
     ),
 ]

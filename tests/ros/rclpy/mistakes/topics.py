@@ -142,4 +142,10 @@ TOPICS = [
         "the program already uses this name with another type. One topic or service has one type: "
         "`%ros2 topic info /a_topic` and `%ros2 service type /a_service` show it.",
     ),
+    (
+        "node.create_subscription(String, print, 'chatter', 10)",
+        "TypeError: rclpy_resolve_name(): incompatible function arguments.",
+        "pass the type first, then the name in quotes: "
+        "`self.create_subscription(Marker, '/a_topic', self.heard, 10)`.",
+    ),
 ]
