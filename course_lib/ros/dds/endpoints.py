@@ -322,7 +322,7 @@ class Reader:
     Args:
         sender: Sends its datagrams.
         endpoint: Its description.
-        on_sample: Called with each message, in the participant's thread.
+        on_sample: Called with each message, in the thread that receives. It must not raise.
     """
 
     def __init__(
@@ -371,8 +371,8 @@ class Reader:
         if sample.sequence < due or sample.sequence in writer.pending:
             return
         if not self._is_reliable(writer):
-            writer.due = sample.sequence + 1
             self._on_sample(sample)
+            writer.due = sample.sequence + 1
         elif len(writer.pending) < MAX_PENDING or sample.sequence == due:
             writer.pending[sample.sequence] = sample
             self._deliver(writer)
@@ -476,11 +476,12 @@ class Reader:
 
     def _deliver(self, writer: MatchedWriter) -> None:
         while writer.due is not None and writer.due in writer.pending:
-            sample = writer.pending.pop(writer.due)
-            writer.partial.pop(writer.due, None)
-            writer.due += 1
+            sample = writer.pending[writer.due]
             if sample is not None:
                 self._on_sample(sample)
+            writer.partial.pop(writer.due, None)
+            del writer.pending[writer.due]
+            writer.due += 1
 
     def _request_heartbeat(self, writer: MatchedWriter) -> None:
         """Request the first heartbeat of a writer.

@@ -21,6 +21,7 @@ from course_lib.ros.dds.wire import PARTICIPANT_ENTITY, PREFIX_SIZE, Endpoint, R
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.hashes import is_known, type_hash
 from course_lib.ros.robot.link import (
+    Action,
     Actions,
     EntityKind,
     OnEntity,
@@ -246,6 +247,13 @@ class DdsLink:
     def close(self) -> None:
         """Leave the domain; further calls do nothing."""
         self.participant.close()
+
+    def next_action(self, seconds: float) -> Action:
+        """Return the next action of the queue; the calling thread itself receives while it waits."""
+        deadline = wall.monotonic() + seconds
+        while seconds > 0 and self.actions.empty() and self.participant.receive_for(seconds):
+            seconds = deadline - wall.monotonic()
+        return self.actions.get(timeout=seconds) if seconds > 0 else self.actions.get_nowait()
 
     def watch(self, on_entity: OnEntity, report: Report) -> None:
         """Queue a callback for each remote entity that joins or leaves."""

@@ -6,6 +6,11 @@ is needed.
 
 The thread must neither import modules (a deadlock with the import lock) nor use `threading` or
 `time`, which robot time replaces while a program runs. It uses `_thread` and the wall clock.
+
+A thread of the program that waits for messages receives by itself (`receive_for`), because to be
+woken by another thread takes longer than the message. Ctrl+C may interrupt it at any line. Then the
+participant's thread processes the datagram once more, so processing must be repeatable: a change is
+reported before it is recorded.
 """
 
 import _thread
@@ -15,7 +20,7 @@ import os
 import select
 import socket
 import struct
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Iterable
 
 from course_lib.errors import CourseError
@@ -83,10 +88,14 @@ ASK_SECONDS = 2.0
 LINGER_SECONDS, POLL_SECONDS = 1.0, 0.01
 # Limits on remote participants and endpoints. Further ones are ignored.
 MAX_PARTICIPANTS, MAX_ENDPOINTS = 500, 20_000
+# Time without a waiting thread of the program after which the participant's thread receives [s].
+HANDOVER_SECONDS = 0.005
 # Limit on datagrams read in one go before timers are checked.
 MAX_DATAGRAMS = 64
 SOCKET_BUFFER = 2**23  # [B]
 DISCOVERY_QOS = Qos(history="keep_all", durability="transient_local")
+# Errors that malformed datagrams raise.
+MALFORMED = (struct.error, IndexError, ValueError, MemoryError)
 SEDP = (
     (PUBLICATIONS_WRITER, PUBLICATIONS_READER),
     (SUBSCRIPTIONS_WRITER, SUBSCRIPTIONS_READER),
@@ -178,6 +187,12 @@ class Participant:
         self._endpoints: dict[bytes, Endpoint] = {}
         self._announcements = itertools.count(1)
         self._eager = EAGER_ANNOUNCEMENTS
+        # Held by the thread that receives.
+        self._receiving = _thread.allocate_lock()
+        # Wall time until which a thread of the program receives [s].
+        self._covered_until = 0.0
+        # Datagrams whose processing was interrupted.
+        self._interrupted: deque[bytes] = deque(maxlen=MAX_DATAGRAMS)
         for writer, reader in SEDP:
             self._writers[writer] = Writer(self, Endpoint(self.prefix + writer, "", "", DISCOVERY_QOS))
             endpoint = Endpoint(self.prefix + reader, "", "", DISCOVERY_QOS)
@@ -269,8 +284,9 @@ class Participant:
             data, inline_qos = disposal(Pid.PARTICIPANT, self.guid)
             self._send_spdp(self._peers, data, inline_qos)
             self.is_open = False
-        # The thread may be ending at this moment, so the wait has a timeout.
+        # The thread may be ending at this moment, so the waits have a timeout.
         self._ended.acquire(timeout=1.0)
+        self._receiving.acquire(timeout=1.0)
         self._socket.close()
         self._probe.close()
 
@@ -329,9 +345,12 @@ class Participant:
         if is_new and len(self._leases) >= MAX_PARTICIPANTS:
             self.dropped["too many participants"] += 1
             return
+        if is_new:
+            self._add_participant(prefix, parameters)
         self._leases[prefix] = wall.monotonic() + (1e9 if lease_ns is None else lease_ns * 1e-9)
-        if not is_new:
-            return
+
+    def _add_participant(self, prefix: bytes, parameters: ParameterList) -> None:
+        """Answer a participant, and exchange endpoints with it."""
         locators = self._choose_locator(parameters.locators(Pid.METATRAFFIC))
         self._default_locators[prefix] = (
             self._choose_locator(parameters.locators(Pid.DEFAULT_UNICAST)) or locators
@@ -346,12 +365,13 @@ class Participant:
 
     def _remove_participant(self, prefix: bytes) -> None:
         """Remove a participant and its endpoints."""
-        if self._leases.pop(prefix, None) is None:
+        if prefix not in self._leases:
             return
-        self._default_locators.pop(prefix, None)
         builtin = [prefix + entity for pair in SEDP for entity in pair]
         for guid in [guid for guid in self._endpoints if guid[:PREFIX_SIZE] == prefix] + builtin:
             self._remove_endpoint(guid)
+        self._default_locators.pop(prefix, None)
+        self._leases.pop(prefix, None)
 
     def _choose_locator(self, locators: tuple[Locator, ...]) -> tuple[Locator, ...]:
         """Choose one address of a remote participant.
@@ -384,6 +404,13 @@ class Participant:
         self._writers[announcer].write(data, b"", wall.time_ns())
 
     def _on_sedp(self, sample: ReceivedSample) -> None:
+        """Process the announcement or departure of an endpoint, unless it is malformed."""
+        try:
+            self._update_endpoint(sample)
+        except MALFORMED as error:
+            self.dropped[type(error).__name__] += 1
+
+    def _update_endpoint(self, sample: ReceivedSample) -> None:
         parameters = ParameterList(sample.data)
         guid = parameters.first(Pid.ENDPOINT) or parameters.first(Pid.KEY_HASH)
         if len(guid) != 16:
@@ -406,8 +433,8 @@ class Participant:
             has_partition=parameters.number(Pid.PARTITION, 0) > 0,
         )
         if guid not in self._endpoints:
-            self._endpoints[guid] = endpoint
             self._on_endpoint(endpoint, True)
+            self._endpoints[guid] = endpoint
         if endpoint.kind == "writer":
             for reader in tuple(self._readers.values()):
                 if _is_match(endpoint, reader.endpoint):
@@ -422,9 +449,9 @@ class Participant:
             writer.readers.pop(guid, None)
         for reader in self._readers.values():
             reader.writers.pop(guid, None)
-        endpoint = self._endpoints.pop(guid, None)
-        if endpoint is not None:
-            self._on_endpoint(endpoint, False)
+        if guid in self._endpoints:
+            self._on_endpoint(self._endpoints[guid], False)
+            del self._endpoints[guid]
 
     # Receiving.
 
@@ -472,11 +499,37 @@ class Participant:
                     if self.silent_seconds() > ASK_SECONDS:
                         # An idle robot announces itself only every few seconds.
                         self._writers[PUBLICATIONS_WRITER].request_acknowledgements()
-            wait = max(0.0, min(next_announcement, next_heartbeat) - wall.monotonic())
-            if select.select([self._socket], [], [], wait)[0]:
-                self._receive_all()
+            while self._interrupted:
+                self.receive(self._interrupted.popleft())
+            now = wall.monotonic()
+            wait = max(0.0, min(next_announcement, next_heartbeat) - now)
+            if now < self._covered_until:
+                wall.sleep(min(wait, self._covered_until - now))
+            else:
+                with self._receiving:
+                    self._receive_all(wait)
 
-    def _receive_all(self) -> None:
+    def receive_for(self, seconds: float) -> bool:
+        """Receive in the calling thread until a datagram has arrived, at most for `seconds`.
+
+        Return False immediately if the participant's thread is receiving. It stops after the next
+        datagram.
+        """
+        self._covered_until = wall.monotonic() + seconds + HANDOVER_SECONDS
+        if not self._receiving.acquire(blocking=False):
+            return False
+        try:
+            if self.is_open:
+                self._receive_all(seconds)
+        finally:
+            self._receiving.release()
+            self._covered_until = wall.monotonic() + HANDOVER_SECONDS
+        return True
+
+    def _receive_all(self, seconds: float) -> None:
+        """Process the datagrams that have arrived, or wait at most for `seconds` for the first."""
+        if not select.select([self._socket], [], [], seconds)[0]:
+            return
         for _ in range(MAX_DATAGRAMS):
             try:
                 data = self._socket.recv(2**16)
@@ -495,8 +548,11 @@ class Participant:
                     self._process(data)
                     if data[HEADER_SIZE - PREFIX_SIZE : HEADER_SIZE] in self._leases:
                         self._heard_at = wall.monotonic()
-        except (struct.error, IndexError, ValueError, MemoryError) as error:
+        except MALFORMED as error:
             self.dropped[type(error).__name__] += 1
+        except KeyboardInterrupt:
+            self._interrupted.append(data)
+            raise
 
     def _process(self, data: bytes) -> None:
         for received in read_datagram(data, self.prefix):

@@ -15,7 +15,8 @@ from course_lib.ros.graph.topics import Qos
 # Limit on latched messages of a publisher or a subscription with history KEEP_ALL.
 KEEP_ALL_DEPTH = 1000
 EntityKind = Literal["node", "publisher", "subscription", "server", "client"]
-Actions = SimpleQueue[Callable[[], None]]
+Action = Callable[[], None]
+Actions = SimpleQueue[Action]
 # Prints a line for the user.
 Report = Callable[[str], None]
 OnPacket = Callable[["Packet"], None]
@@ -152,6 +153,13 @@ class Link(Protocol):
 
     def close(self) -> None:
         """Close the connection. Further calls have no effect."""
+
+    def next_action(self, seconds: float) -> Action:
+        """Return the next action of the queue, or wait at most `seconds` for one.
+
+        Raises:
+            Empty: There is none.
+        """
 
     def watch(self, on_entity: OnEntity, report: Report) -> None:
         """Queue a call for each remote entity that joins or leaves.

@@ -512,12 +512,11 @@ class RobotGraph(Graph):
 
     def _run_actions(self, seconds: float) -> None:
         """Run the actions that the link has queued. Wait at most `seconds` for the first."""
-        actions = self.link.actions
         try:
-            action = actions.get(timeout=seconds) if seconds else actions.get_nowait()
+            action = self.link.next_action(seconds)
             for _ in range(MAX_ACTIONS):
                 action()
-                action = actions.get_nowait()
+                action = self.link.actions.get_nowait()
             action()
         except Empty:
             return

@@ -17,6 +17,7 @@ from course_lib.errors import format_count
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.robot.link import (
+    Action,
     Actions,
     EntityKind,
     OnEntity,
@@ -175,6 +176,10 @@ class ZenohLink:
             # zenoh does not annotate this method.
             self._session.close()  # type: ignore[no-untyped-call]
         self.handlers.wait()
+
+    def next_action(self, seconds: float) -> Action:
+        """Return the next action of the queue, or wait at most `seconds` for one."""
+        return self.actions.get(timeout=seconds) if seconds else self.actions.get_nowait()
 
     def watch(self, on_entity: OnEntity, report: Report) -> None:
         """Queue a call for each entity of the domain that joins or leaves.

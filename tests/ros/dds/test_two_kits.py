@@ -1,5 +1,6 @@
 """Two kits that are linked by DDS. Behavior shared with Zenoh is tested by the same functions."""
 
+import _thread
 import os
 import random
 import re
@@ -172,6 +173,33 @@ def test_call_expires_if_no_server_is_matched_in_time(kits: DdsKits, monkeypatch
 
 def has_items(items: list[bytes | None], count: int) -> bool:
     return len(items) >= count
+
+
+def test_thread_that_waits_receives_by_itself_and_another_one_while_it_is_busy(kits: DdsKits) -> None:
+    robot, student = kits.join(send="/chatter"), kits.join()
+    out, received = talker(robot, "/chatter"), listener(student, "/chatter")
+    kits.until(lambda: writer_of(robot, "rt/chatter").readers, "the subscription")
+    participant, threads = dds_link(student).participant, set[int]()
+    process: Callable[[bytes], None] = participant.receive
+
+    def receive(data: bytes) -> None:
+        threads.add(_thread.get_ident())
+        process(data)
+
+    participant.receive = receive  # type: ignore[method-assign]  # records the threads
+    deadline = wall.monotonic() + PATIENCE
+    while _thread.get_ident() not in threads and wall.monotonic() < deadline:
+        say(robot, out, "to a waiting kit")
+        student.advance()
+    threads.clear()
+    say(robot, out, "to a busy kit")
+    received.clear()
+    while not writer_of(robot, "rt/chatter").is_acknowledged() and wall.monotonic() < deadline:
+        robot.advance()
+    assert threads
+    assert _thread.get_ident() not in threads
+    assert not received
+    kits.until(lambda: ends_with(received, "to a busy kit"), "the message")
 
 
 def test_large_message_arrives_complete_despite_lost_fragments(kits: DdsKits) -> None:

@@ -4,17 +4,21 @@ import contextlib
 import struct
 import sys
 from collections.abc import Iterable, Iterator
+from types import FrameType
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from course_lib.ros.dds import names, wire
-from course_lib.ros.dds.endpoints import Reader, ReceivedSample, Writer
-from course_lib.ros.dds.names import NodeEndpoints
+from course_lib.ros.dds.endpoints import Reader, ReceivedSample, Writer, data_submessage
+from course_lib.ros.dds.names import CDR_LE, NodeEndpoints
 from course_lib.ros.dds.participant import Participant
 from course_lib.ros.dds.wire import Endpoint, Locator, ParameterList, Pid, RequestId
 from course_lib.ros.graph.topics import Qos
+from course_lib.ros.time import wall
+from tests.patience import PATIENCE
 
 PREFIX, OTHER = b"\x7f\x7f" + bytes(10), b"\x01\x0f" + bytes(10)
 GUID = OTHER + b"\0\0\1\x03"
@@ -33,11 +37,12 @@ QOS = st.builds(
 class Wire:
     """Keeps the datagrams that endpoints send."""
 
-    def __init__(self) -> None:
+    def __init__(self, prefix: bytes = OTHER) -> None:
         self.sent: list[bytes] = []
+        self._prefix = prefix
 
     def send(self, submessages: Iterable[wire.Buffer], locators: object, destination: bytes = b"") -> None:
-        head = wire.PROTOCOL + wire.VENDOR_ID + OTHER
+        head = wire.PROTOCOL + wire.VENDOR_ID + self._prefix
         self.sent.append(head + b"".join(submessages))
 
 
@@ -140,6 +145,88 @@ def test_mutated_datagram_raises_no_exception(
     received = participant.datagrams
     participant.receive(bytes(mutated))
     assert participant.datagrams > received
+
+
+class Interruption:
+    """Raises KeyboardInterrupt at one line of the processing of a datagram, as Ctrl+C does."""
+
+    def __init__(self, line: int) -> None:
+        self.lines_left = line
+
+    def __enter__(self) -> None:
+        sys.settrace(self._on_call)
+
+    def __exit__(self, *_: object) -> None:
+        sys.settrace(None)
+
+    def _on_call(self, frame: FrameType, event: str, _: object) -> Any:
+        is_called_by_it = frame.f_back is not None and frame.f_back.f_trace is not None
+        return self._on_line if is_called_by_it or frame.f_code.co_name == "_process" else None
+
+    def _on_line(self, frame: FrameType, event: str, _: object) -> Any:
+        self.lines_left -= event == "line"
+        if self.lines_left == 0:
+            raise KeyboardInterrupt
+        return self._on_line
+
+
+def test_datagram_whose_processing_is_interrupted_at_any_line_is_processed_again() -> None:
+    reported, received = list[tuple[bytes, bool]](), list[bytes]()
+    local = Participant(99, "127.0.0.1", lambda endpoint, joins: reported.append((endpoint.guid, joins)))
+    local.add_reader("rt/chatter", "t", Qos(), lambda sample: received.append(sample.data))
+    line, was_interrupted = 0, True
+    while was_interrupted:
+        line += 1
+        was_interrupted = False
+        remote = b"\x01\x0f" + line.to_bytes(10, "big")
+        guid, text = remote + b"\0\0\1\x03", CDR_LE + b"%04d" % line
+        reported.clear()
+        received.clear()
+        for datagram in life_of_a_writer(remote, local.prefix, text):
+            try:
+                with Interruption(line):
+                    local.receive(datagram)
+            except KeyboardInterrupt:
+                was_interrupted = True
+                with contextlib.suppress(IndexError):
+                    local.receive(local._interrupted.popleft())
+            # The participant's thread may be about to process it instead.
+            deadline = wall.monotonic() + PATIENCE
+            while local._interrupted and wall.monotonic() < deadline:
+                wall.sleep(0.001)
+        with local.lock:
+            assert list(dict.fromkeys(reported)) == [(guid, True), (guid, False)], line
+            assert list(dict.fromkeys(received)) == [text], line
+            assert not local.has_peers()
+    assert line > 100
+    local.close()
+
+
+def life_of_a_writer(remote: bytes, local: bytes, text: bytes) -> list[bytes]:
+    """Return datagrams of a participant that joins, publishes a message on /chatter and leaves."""
+    sink, here = Wire(remote), ("127.0.0.1", 9)
+    participant, guid = remote + wire.PARTICIPANT_ENTITY, remote + b"\0\0\1\x03"
+
+    def matched_writer(guid: bytes, reader: bytes) -> Writer:
+        writer = Writer(sink, Endpoint(guid, "", "", Qos()))
+        writer.match(Endpoint(local + reader, "", "", Qos(), locators=(here,)))
+        return writer
+
+    def announce(data: bytes, inline_qos: bytes = b"") -> None:
+        spdp = remote + wire.SPDP_WRITER
+        sink.send(data_submessage(spdp, 1, data, inline_qos, wire.SPDP_READER), [])
+
+    announce(
+        wire.PL_CDR_LE
+        + wire.parameter_list((Pid.PARTICIPANT, participant), (Pid.METATRAFFIC, wire.locator(here)))
+    )
+    publications = matched_writer(remote + wire.PUBLICATIONS_WRITER, wire.PUBLICATIONS_READER)
+    publications.write(wire.describe(Endpoint(guid, "rt/chatter", "t", Qos()), participant, here), b"", 5)
+    writer = matched_writer(guid, b"\0\0\1\x04")
+    writer.write(text, b"", 5)
+    publications.write(*wire.disposal(Pid.ENDPOINT, guid), 5)
+    announce(*wire.disposal(Pid.PARTICIPANT, participant))
+    return sink.sent
 
 
 def test_repeated_heartbeats_are_acknowledged_once_for_all_messages_until_then() -> None:
