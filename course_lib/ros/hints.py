@@ -100,6 +100,8 @@ def hint(error: BaseException) -> str:
         or keyword_hint(error)
         or surplus_hint(error)
         or constructor_hint(error)
+        or _super_hint(error, text)
+        or _callback_hint(error)
         or _loop_hint(error, text)
         or _order_hint(error, text)
         or _operand_hint(error, text)
@@ -302,6 +304,23 @@ def _table_hint(error: BaseException, text: str) -> str:
             method = name if isinstance(name, str) and name.isidentifier() else "heard"
             return one.hint.format(*groups, call=calls[-1], method=method)
     return ""
+
+
+def _super_hint(error: BaseException, text: str) -> str:
+    """Return the hint for names in super( ) that skip the class Node, or ""."""
+    if "object.__init__() takes exactly one argument" not in text:
+        return ""
+    is_named = re.search(r"\bsuper\(\s*\w+\s*,", line_of_student(error))
+    return "write `super().__init__('a_name')`, with nothing in super( )." if is_named else ""
+
+
+def _callback_hint(error: BaseException) -> str:
+    """Return the hint for a callback whose name is in quotes, or ""."""
+    frame = frame_of(error)
+    callback = frame.f_locals.get("callback") if frame is not None else None
+    if not isinstance(error, RuntimeError | TypeError) or not isinstance(callback, str):
+        return ""
+    return f"the callback is a function and not its name: write self.{callback}, without quotes."
 
 
 def _loop_hint(error: BaseException, text: str) -> str:

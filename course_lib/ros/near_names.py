@@ -14,7 +14,7 @@ import os
 import re
 import sys
 import sysconfig
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
 from importlib.machinery import PathFinder
@@ -294,10 +294,12 @@ def _similar_name(
             return f"did you mean `{name}.{missing}`?"
     if found_constant := _constant_of(missing, frame.f_globals):
         return f"did you mean `{found_constant}`?"
+    line = line_of_student(error)
+    if found := _call_hint(missing, line, frame):
+        return found
     similar = nearest(missing, [*frame.f_locals, *frame.f_globals])
     if similar:
         return f"did you mean `{similar}`?"
-    line = line_of_student(error)
     # The cell above has not run, or it stopped with an error.
     if re.search(rf"\b(?:check\(\s*['\"][\w.]+['\"],\s*|run_live\(|spin_for\([\d.]+,\s*){missing}\b", line):
         return f"run the cell above that defines {missing} first, and see whether it ends with an error."
@@ -307,7 +309,9 @@ def _similar_name(
         return f"Python's name for it is `{_OTHER_LANGUAGES[missing]}`."
     if similar := _abbreviated(missing, frame):
         return f"did you mean `{similar}`?"
-    if similar := nearest(missing, owner):
+    own_names = getattr(frame.f_locals.get("self"), "__dict__", {})
+    # A method of rclpy has to be more similar than a name that the student chose.
+    if similar := nearest(missing, own_names) or nearest(missing, owner, 0.85):
         return f"did you mean `self.{similar}`?"
     if similar := nearest(missing, [*vars(builtins), *keyword.kwlist], 0.8):
         return f"did you mean `{similar}`?"
@@ -320,6 +324,22 @@ def _similar_name(
             f"Where is {missing} from?"
         )
     return ""
+
+
+def _call_hint(missing: str, line: str, frame: FrameType) -> str:
+    """Return the hint for an undefined name that is passed to a function, or ""."""
+    if match := re.search(rf"\bkey\s*=\s*({missing}\b[\w.\[\]]*)", line):
+        return f"key is a function of an item: write key=lambda {missing}: {match[1]}."
+    if re.search(rf"[(\[,]\s*{missing}\s*[)\],]", line) and _is_string_of_class(missing, frame):
+        return f'it is a name in quotes: write "{missing}".'
+    return ""
+
+
+def _is_string_of_class(name: str, frame: FrameType) -> bool:
+    """Return whether a name is a string in the running function or in another method of its class."""
+    methods = vars(type(frame.f_locals.get("self"))).values()
+    codes = [frame.f_code, *(one.__code__ for one in methods if isinstance(one, FunctionType))]
+    return any(name in filter(lambda one: isinstance(one, str), code.co_consts) for code in codes)
 
 
 def _abbreviated(wanted: str, frame: FrameType) -> str:
@@ -427,7 +447,8 @@ def attribute_hint(error: AttributeError) -> str:
         holders = [
             key
             for key, one in values
-            if not key.startswith("_") and callable(getattr(type(one), error.name, None))
+            if not key.startswith("_")
+            and (callable(getattr(type(one), error.name, None)) or error.name in _fields(one))
         ]
         if holders:
             return f"did you mean `self.{holders[0]}.{error.name}`?"
@@ -445,6 +466,12 @@ def attribute_hint(error: AttributeError) -> str:
         )
     similar = similar or (longer[0] if len(longer) == 1 else "")
     return f"did you mean `{similar}`?" if similar else ""
+
+
+def _fields(value: object) -> Collection[str]:
+    """Return the names of a message's fields, or [] for any other object."""
+    fields = getattr(type(value), "get_fields_and_field_types", None)
+    return fields() if callable(fields) else []
 
 
 def _method_outside(name: str, cls: type) -> str:

@@ -236,14 +236,31 @@ RUN_FIRST = "run the cell above that defines Camera first, and see whether it en
         ("check('week06.camera', Camera)", RUN_FIRST),
         ("run_live(Camera())", RUN_FIRST),
         ("spin_for(2.0, Camera())", RUN_FIRST),
+        ("sorted([[1, 2]], key=row[1])", "key is a function of an item: write key=lambda row: row[1]."),
+        (
+            "def f():\n    values = {'speed': 1.0}\n    print(values, speed)\nf()",
+            'it is a name in quotes: write "speed".',
+        ),
     ],
 )
 def test_line_with_an_undefined_name_gives_the_hint(code: str, expected: str) -> None:
-    linecache.cache["cell of a student"] = (len(code), None, [code], "cell of a student")
+    lines = code.splitlines(keepends=True)
+    linecache.cache["cell of a student"] = (len(code), None, lines, "cell of a student")
     names = dict.fromkeys(("check", "run_live", "spin_for"), print)
     with pytest.raises(NameError) as raised:
         exec(compile(code, "cell of a student", "exec"), {"__name__": "__main__", **names})
     assert hint(raised.value) == expected
+
+
+def test_names_in_super_have_a_hint() -> None:
+    code = (
+        "class Base:\n    pass\nclass A(Base):\n    def __init__(self):\n"
+        "        super(Base, self).__init__(1)\nA()"
+    )
+    linecache.cache["cell of a student"] = (len(code), None, code.splitlines(keepends=True), "")
+    with pytest.raises(TypeError) as raised:
+        exec(compile(code, "cell of a student", "exec"), {"__name__": "__main__"})
+    assert hint(raised.value) == "write `super().__init__('a_name')`, with nothing in super( )."
 
 
 def test_examples_in_backticks_are_valid_code() -> None:

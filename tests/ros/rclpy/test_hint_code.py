@@ -67,6 +67,7 @@ publisher = angle = get_logger = spin = 0
 FIELDS = {
     "results[0].hypothesis.score",
     "data",
+    "self.last.data",
     "scale",
     "pose.position",
     "CUBE",

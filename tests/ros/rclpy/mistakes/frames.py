@@ -3,6 +3,20 @@
 # (program, last line of the error, hint below it)
 FRAMES = [
     (
+        "from tf2_ros import TransformListener\n"
+        "TransformListener(Buffer(), node).lookupTransform('map', 'base', Time())",
+        "AttributeError: 'TransformListener' object has no attribute 'lookupTransform'",
+        "the buffer answers, and the listener fills it: `self.buffer.lookup_transform('map', 'base_link', "
+        "Time())`.",
+    ),
+    (
+        "buffer = Buffer()\n"
+        "buffer.set_transform(transform('map', 'base', 1), 'me')\n"
+        "place, turn = buffer.lookup_transform('map', 'base', Time())",
+        "TypeError: cannot unpack non-iterable TransformStamped object",
+        "a lookup returns one message: its numbers are in .transform.translation and .transform.rotation.",
+    ),
+    (
         "Buffer().lookup_transform('map', 'base', Time())",
         'tf2.LookupException: "map" passed to lookupTransform argument target_frame does not exist. ',
         "is the frame published under this name? `%ros2 run tf2_tools view_frames`. A node that can "

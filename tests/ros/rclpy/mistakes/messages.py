@@ -3,6 +3,11 @@
 # (program, last line of the error, hint below it)
 MESSAGES = [
     (
+        "PoseStamped().header.seq",
+        "AttributeError: 'Header' object has no attribute 'seq'",
+        "seq is from ROS 1. To count messages, write `self.count += 1` in the callback.",
+    ),
+    (
         "Twist().linear.x = 1",
         "AssertionError: The 'x' field must be of type 'float'",
         "write the number with a decimal point: 1.0, or float(x).",

@@ -18,6 +18,16 @@ def undefined(name: str) -> str:
 # (program, last line of the error, hint below it)
 NAMES = [
     (
+        ROBOT.format(line="self.last = String()\n        self.data"),
+        "AttributeError: 'Robot' object has no attribute 'data'",
+        "did you mean `self.last.data`?",
+    ),
+    (
+        "rclpy.publish(String())",
+        "AttributeError: module 'rclpy' has no attribute 'publish'",
+        "a publisher has publish(): `self.publisher.publish(message)`.",
+    ),
+    (
         "def helped():\n    return 1\n" + ROBOT.format(line="self.helped()"),
         "AttributeError: 'Robot' object has no attribute 'helped'",
         "helped is a function outside of the class: call it without `self.`",

@@ -3,6 +3,12 @@
 # (program, last line of the error, hint below it)
 PARAMETERS = [
     (
+        "Parameter('speed', value=1.0).value = 2.0",
+        "AttributeError: property 'value' of 'Parameter' object has no setter",
+        "a parameter cannot be changed so: in a callback accept or reject it, elsewhere call "
+        "self.set_parameters([…]).",
+    ),
+    (
         "node.declare_parameter('speed', 1)\nnode.declare_parameter('speed', 2)",
         "rclpy.exceptions.ParameterAlreadyDeclaredException: Parameter(s) already declared: ['speed']",
         "declare it once, in __init__; set_parameters changes it.",

@@ -3,6 +3,17 @@
 # (program, last line of the error, hint below it)
 PLAIN_PYTHON = [
     (
+        "[1, 2]['a']",
+        "TypeError: list indices must be integers or slices, not str",
+        "a list has numbers as indices: [0] is its first item. A name in quotes is a key of a dictionary.",
+    ),
+    (
+        "bytes([[0, 0], [0, 0]])",
+        "TypeError: 'list' object cannot be interpreted as an integer",
+        "one whole number is needed here, and this is of type list: print it. Is a list inside a "
+        "list, or a number in quotes?",
+    ),
+    (
         "import numpy as np\nnp.array([1.0]).append(2.0)",
         "AttributeError: 'numpy.ndarray' object has no attribute 'append'",
         "an array keeps its length: collect items in a list, `items.append(item)`, and make the array at "

@@ -3,6 +3,17 @@
 # (program, last line of the error, hint below it)
 TIMES = [
     (
+        "Time(0)",
+        "TypeError: Time.__init__() takes 1 positional argument but 2 were given",
+        "pass the argument by name: `Time(seconds=1.0)`. In a lookup `Time()` alone requests the newest "
+        "transform.",
+    ),
+    (
+        "PoseStamped().header.stamp.nanosec = node.get_clock().now().nanoseconds",
+        "AssertionError: The 'nanosec' field must be an unsigned integer in [0, 4294967295]",
+        "sec has the whole seconds, nanosec the rest: `self.get_clock().now().to_msg()` fills both.",
+    ),
+    (
         "node.get_clock().now() - Time()",
         "TypeError: Can't subtract times with different clock types",
         "write `Time(clock_type=ClockType.ROS_TIME)`.",
