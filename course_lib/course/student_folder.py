@@ -573,6 +573,7 @@ START_SECONDS = 180.0
 JUPYTER_SETTINGS = Path(__file__).parent / "jupyter"
 # JupyterLab finds the extension of an installed wheel automatically, but not in a checkout.
 LAB_EXTENSIONS = JUPYTER_SETTINGS / "labextensions"
+KERNEL_STARTUP = JUPYTER_SETTINGS / "kernel_startup.py"
 
 
 def free_port(first: int = FIRST_PORT) -> int:
@@ -627,6 +628,7 @@ def _start_jupyterlab(folder: Path, port: int) -> tuple["subprocess.Popen[bytes]
         "JUPYTER_CONFIG_PATH": os.pathsep.join(settings),
         # For the kernels: the order of sets is the same in every run, as in grading.
         "PYTHONHASHSEED": "0",
+        "PYTHONSTARTUP": os.environ.get("PYTHONSTARTUP") or str(KERNEL_STARTUP),
     }
     process = subprocess.Popen(
         command(folder, port), env=os.environ | environment, cwd=folder, stdin=subprocess.DEVNULL

@@ -1,0 +1,40 @@
+"""What IPython runs at the start of each kernel of `course lab`, as PYTHONSTARTUP names this file.
+
+Until a notebook's first cell has loaded the kit, an undefined name or magic is most often a cell that was
+run too early, and the kit's own hints are not there yet. `%load_ext course_lib` replaces this handler.
+"""
+
+
+def _watch_for_early_cells() -> None:
+    import sys
+    from types import TracebackType
+    from typing import Any
+
+    from IPython.core.error import UsageError
+    from IPython.core.getipython import get_ipython
+
+    shell = get_ipython()
+    hint = "run the cells above first, beginning with the first one (Run → Run All Above Selected Cell)."
+
+    def show(
+        shell: Any,
+        kind: type[BaseException],
+        error: BaseException,
+        trace: TracebackType,
+        tb_offset: int | None = None,
+    ) -> None:
+        if isinstance(error, UsageError):
+            shell.show_usage_error(error)
+            print(f"hint: {hint}", file=sys.stderr)  # noqa: T201  where IPython prints the error
+        else:
+            error.add_note(f"hint: {hint}")
+            shell.showtraceback((kind, error, trace), tb_offset=tb_offset)
+
+    if shell is not None:
+        shell.set_custom_exc((NameError, UsageError), show)  # type: ignore[no-untyped-call]  # IPython does not annotate it
+
+
+# A plain Python in a terminal of JupyterLab runs this file, too.
+if "get_ipython" in globals():
+    _watch_for_early_cells()
+del _watch_for_early_cells
