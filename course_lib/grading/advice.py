@@ -16,7 +16,7 @@ from fnmatch import fnmatchcase
 from functools import cache
 from importlib import resources
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from course_lib.export.module import without_magics
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import TaskResult
+from course_lib.grading.run.submission_run import NO_NODE
 from course_lib.grading.task import HINTS, Task
 from course_lib.ros.messages import to_plain
 
@@ -36,6 +37,11 @@ IN_PLACE = {"append", "extend", "insert", "remove", "reverse", "sort", "clear", 
 # Functions and methods that only return a value.
 _PURE = {"sorted", "reversed", "round", "abs", "replace", "strip", "lower", "upper", "format", "split"}
 _SENDING = ("publish", "sendTransform")
+# Objects of a node that receive or send, and are created once.
+_KEPT = {
+    *("Buffer", "TransformListener", "TransformBroadcaster", "StaticTransformBroadcaster"),
+    *("create_publisher", "create_subscription"),
+}
 _SIGNS = {ast.UAdd: "+", ast.USub: "-"}
 _LONGEST = 60  # characters of a quoted line
 _FIELD = re.compile(r"\{[a-z_]\w*(\.\w+|\[\w+\])*(:[^{}]*)?\}")
@@ -54,6 +60,9 @@ def find_slip(source: str) -> str:
     """Return a sentence about the first slip in the code, or ""."""
     tree = parse(source)
     for outer in ast.walk(tree):
+        if isinstance(outer, ast.ClassDef):
+            for slip in _renewed_endpoints(outer):
+                return slip
         attributes = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
         functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
         for function in functions:
@@ -76,8 +85,10 @@ def _slips(function: _Function, attributes: set[str]) -> Iterator[str]:
     if function.args.args[:1] and function.args.args[0].arg == "self":
         yield from _sleeps(function)
         yield from _spins(function)
+        yield from _idle_lambdas(function)
     yield from _lost_locals(function, attributes)
     yield from _plain_strings(function)
+    yield from _whole_quotients(function)
 
 
 def _blocks(function: _Function) -> Iterator[Sequence[ast.stmt]]:
@@ -301,6 +312,66 @@ def _spins(function: _Function) -> Iterator[str]:
                 )
 
 
+def _idle_lambdas(function: _Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="create_timer" | "create_subscription"), args=args):
+                for one in args:
+                    if isinstance(one, ast.Lambda) and isinstance(one.body, ast.Attribute):
+                        name = ast.unparse(one.body)
+                        yield f"{_quote(one)} names {one.body.attr} and does not call it: pass {name} alone."
+
+
+def _renewed_endpoints(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each buffer, publisher or subscription that a callback creates in each call."""
+    called = [node.func for node in ast.walk(cls) if isinstance(node, ast.Call)]
+    callbacks = {
+        node.attr
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Attribute) and node not in called and _root(node) == "self"
+    }
+    for function in cls.body:
+        if isinstance(function, _Function) and function.name in callbacks - {"__init__"}:
+            for node in ast.walk(function):
+                match node:
+                    case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _KEPT:
+                        yield (
+                            f"{_quote(node)} is in {function.name}: each call creates a new one, which has "
+                            "received nothing yet. Create it once, in __init__."
+                        )
+
+
+def _whole_quotients(function: _Function) -> Iterator[str]:
+    """Yield a question about // where the result is neither an index nor a count."""
+    whole: set[int] = set()
+    counts = {
+        name.id
+        for node in ast.walk(function)
+        for part in _places_of_whole_numbers(node)
+        for name in ast.walk(part)
+        if isinstance(name, ast.Name)
+    }
+    for node in ast.walk(function):
+        inner = list(_places_of_whole_numbers(node))
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if name in counts:
+                inner.append(value)
+        whole |= {id(part) for one in inner for part in ast.walk(one)}
+    for node in ast.walk(function):
+        match node:
+            case ast.BinOp(op=ast.FloorDiv()) if id(node) not in whole:
+                yield f"{_quote(node)} leaves out the fraction: is a whole number meant? / divides."
+
+
+def _places_of_whole_numbers(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the parts of an expression that need a whole number."""
+    match node:
+        case ast.Subscript(slice=index):
+            yield index
+        case ast.Call(func=ast.Name(id="range" | "int" | "divmod" | "chr"), args=args):
+            yield from args
+
+
 def _odd_operators(function: _Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
@@ -338,6 +409,13 @@ def _lost_locals(function: _Function, attributes: set[str]) -> Iterator[str]:
             )
 
 
+def _is_local(function: _Function, name: str) -> bool:
+    """Return whether a function sets a variable or has a parameter of this name."""
+    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+    stored = {node.id for node in names if isinstance(node.ctx, ast.Store)}
+    return name in stored | {argument.arg for argument in function.args.args}
+
+
 def _plain_strings(function: _Function) -> Iterator[str]:
     formatted = {
         id(node.func.value)
@@ -352,10 +430,12 @@ def _plain_strings(function: _Function) -> Iterator[str]:
             isinstance(node, ast.Constant)
             and isinstance(node.value, str)
             and id(node) not in formatted | inside
-            and "\n" not in node.value
-            and _FIELD.search(node.value)
+            and (field := _FIELD.search(node.value))
+            # Code in a string of several lines has its own f-strings and dictionaries.
+            and ("\n" not in node.value or _is_local(function, re.split(r"\W", field[0])[1]))
         ):
-            yield f"the string {node.value[:_LONGEST]!r} has names in {{ }}: write f before its quotes."
+            text = field[0] if "\n" in node.value else node.value[:_LONGEST]
+            yield f"the string {text!r} has names in {{ }}: write f before its quotes."
 
 
 MAX_PLACES = 3
@@ -595,6 +675,9 @@ def _first_cause(result: TaskResult) -> list[str]:
 def _hint_by_cause(task: Task, mistake: str) -> str:
     """Return the task's hint for a kind of mistake, else the general hint, else ""."""
     table = hints_by_mistake()
+    # A kind that ends with a part of the value, "a value is wrong: the gap", may have a hint of its own.
+    if mistake not in task.mistakes and ": the " in mistake:
+        mistake = mistake.partition(": the ")[0]
     general = table.get(mistake) or next((table[kind] for kind in table if fnmatchcase(mistake, kind)), "")
     return task.mistakes.get(mistake) or general
 
@@ -605,7 +688,23 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
     if task.kind in ("function", "launch") and any(
         returned is None for one in ran for returned in one.returns
     ):
-        returned = [node.value for node in ast.walk(parse(source)) if isinstance(node, ast.Return)]
+        tree = parse(source)
+        returned = [node.value for node in ast.walk(tree) if isinstance(node, ast.Return)]
+        # The loop that return ends early is the cause, and has a hint of its own.
+        if find_slip(source).startswith("return ends the loop"):
+            return []
+        last = next((one.body[-1] for one in getattr(tree, "body", ()) if isinstance(one, _Function)), None)
+        match last:
+            case ast.Expr(value=ast.Call(func=ast.Name(id="print"))):
+                return [f"{task.name} returned None: print shows a value, and return gives it to the caller."]
+            case ast.Return(value=ast.Call(func=ast.Attribute(attr=name) as target)) if (
+                all(returned) and name not in IN_PLACE
+            ):
+                call = ast.unparse(target)
+                return [
+                    f"{task.name} returned None: {call}(…) returns nothing. Call it on a line of its own, "
+                    "then return the value."
+                ]
         calls = [
             one.func.attr
             for one in returned
@@ -686,6 +785,27 @@ def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
         "published there. Which type does the task name?"
         for topic in topics[:1]
     ]
+
+
+def missing_node_hint(evidence: Iterable[Evidence], source: str) -> list[str]:
+    """Return a sentence about a node whose parameters were to be set and that does not exist, or []."""
+    ran = (one for one in evidence if not one.errors and not one.stopped)
+    matches = [re.search(rf"{NO_NODE} (/\w+)", one.output) for one in ran]
+    names = [node.args[0] for node in ast.walk(parse(source)) if _is_super_init(node)]
+    own = [one.value for one in names if isinstance(one, ast.Constant)]
+    text = f", which here is {own[0]!r}" if own else ""
+    return [
+        f"Hint: ros2 param set finds no node {match[1]}. Compare the name in super().__init__{text}."
+        for match in matches[:1]
+        if match
+    ]
+
+
+def _is_super_init(node: ast.AST) -> TypeGuard[ast.Call]:
+    match node:
+        case ast.Call(func=ast.Attribute(attr="__init__", value=ast.Call()), args=[_, *_]):
+            return True
+    return False
 
 
 def reliable_subscription_hint(evidence: Iterable[Evidence]) -> list[str]:

@@ -16,6 +16,7 @@ from course_lib.grading.advice import (
     Advice,
     best_effort_hint,
     large_message_hint,
+    missing_node_hint,
     missing_return_hint,
     nan_hint,
     parameter_order_hint,
@@ -174,6 +175,7 @@ def table_of(
             or missing_return_hint(task, evidence, source)
             or wrong_type_hint(evidence)
             or reliable_subscription_hint(evidence)
+            or missing_node_hint(evidence, source)
             or [*nan_hint(evidence), *hints]
         )
     if task.personal and student is None:

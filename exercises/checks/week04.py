@@ -253,6 +253,8 @@ IN_BETWEEN = Task(
                 Call([1.0, 3.0, 0.1], [3.0, 1.0, 0.5], 0.25),
                 Call([0.0, 1.0, 3.0], [0.0, 1.0, -3.0], 0.25),
                 Call([0.0, 0.0, -3.0], [0.0, 0.0, 3.0], 0.25),
+                # More than a quarter turn: the remainder of pi would go the other way.
+                Call([0.0, 0.0, 0.0], [0.0, 0.0, 2.0], 0.25),
             ),
             checks=(
                 expect_value([1.5, 2.5, 0.2], call=0, name="the pose after a quarter of the way", angles=YAW),
@@ -268,6 +270,12 @@ IN_BETWEEN = Task(
                     name="the pose a quarter of the shorter way round, from -3 rad to 3 rad,",
                     angles=YAW,
                 ).titled("the shorter way round, clockwise"),
+                expect_value(
+                    [0.0, 0.0, 0.5],
+                    call=3,
+                    name="the pose a quarter of the way, from 0 to 2 rad,",
+                    angles=YAW,
+                ).titled("more than a quarter turn"),
             ),
         ),
     ),

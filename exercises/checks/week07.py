@@ -46,7 +46,8 @@ BEYOND = inputs.corners((1.0, 0.0, 0.5), (1.0, 1.0, 4.0))[::-1]
 CLOSE = inputs.corners((0.0, 0.0, 1.05), (0.5, 0.5, 2.0))
 PARTLY = "a box that is partly behind the camera"
 EDGE = [[0.0, 0.0, 0.1], [0.2, 0.1, 1.0]]  # just far enough
-PX: dict[str, Any] = {"tolerance": 0.01, "unit": "px"}
+SIDES = ("left", "top", "right", "bottom")
+PX: dict[str, Any] = {"tolerance": 0.01, "unit": "px", "parts": SIDES}
 IN_MIDDLE = expect_value([141.0333, 53.02, 177.9667, 185.98], call=0, name="the rectangle", **PX)
 
 BOX_ON_IMAGE = Task(
@@ -289,7 +290,8 @@ REPORT = Task(
 FRONT, BACK, FAR = [1.0, 0.5, 2.1], [0.0, 0.5, -1.9], [4.0, -1.0, 2.1]  # [m]; the last is as far as the first
 # A quarter of the first edge is behind the camera's near plane, half of an edge in each other call.
 NEAR, BEHIND = ([1.0, 0.0, 0.05], [1.0, 0.0, 0.25]), ([0.0, 0.0, -1.0], [1.0, 0.0, 0.05])  # [m]
-EDGES = ((FRONT, BACK), (BACK, FRONT), (FRONT, FAR), BEHIND, NEAR)
+JUST_AHEAD = ([0.0, 1.0, 0.1], [2.0, 1.0, 1.0])  # [m]
+EDGES = ((FRONT, BACK), (BACK, FRONT), (FRONT, FAR), BEHIND, NEAR, JUST_AHEAD)
 CUT = expect_value([FRONT, [0.5, 0.5, 0.1]], call=0, unit="m", name="the part")
 
 PART_AHEAD = Task(
@@ -312,6 +314,7 @@ PART_AHEAD = Task(
                 expect_value([FRONT, FAR], call=2, unit="m", name="an edge that is ahead"),
                 expect_value([], call=3, name="the part of an edge behind the camera").requiring(CUT),
                 expect_value([[1.0, 0.0, 0.1], NEAR[1]], call=4, name="the part of an edge near the camera"),
+                expect_value(list(JUST_AHEAD), call=5, name="an edge from exactly 0.1 m on"),
             ),
         ),
     ),

@@ -27,6 +27,8 @@ from course_lib.grading.advice import (
     best_effort_hint,
     hints_by_mistake,
     large_message_hint,
+    missing_node_hint,
+    missing_return_hint,
     nan_hint,
     parameter_order_hint,
 )
@@ -219,9 +221,46 @@ def test_nan_is_detected_in_doubles_floats_and_long_lists(evidence: Callable[...
 
 def test_task_hints_are_for_mistakes_that_a_check_can_report() -> None:
     catalog = load_catalog(exercises_dir())
-    kinds = {kind for task in catalog.tasks.values() for kind in task.mistakes}
+    # A kind may end with a part of a value.
+    kinds = {kind.partition(": the ")[0] for task in catalog.tasks.values() for kind in task.mistakes}
     assert kinds
     assert {k for k in kinds if not any(fnmatchcase(k, known) for known in hints_by_mistake())} == set()
+
+
+def test_hint_for_a_part_of_a_value_precedes_that_of_its_kind() -> None:
+    own = replace(TASK, mistakes={"a value is wrong: the gap": "The longest one.", MISTAKE: "Half."})
+    assert Advice().hint(own, result(failing("a value is wrong: the gap"))) == ["Hint: The longest one."]
+    assert Advice().hint(own, result(failing(f"{MISTAKE}: the gap"))) == ["Hint: Half."]
+    (general,) = Advice().hint(TASK, result(failing("a value is wrong: the gap")))
+    assert general.startswith("Hint: Compute one case by hand")
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        ("def half(x):\n    print(x / 2)", "print shows a value, and return gives it to the caller."),
+        ("def half(x):\n    return viewer.save_rviz(x)", "viewer.save_rviz(…) returns nothing."),
+        ("def half(x):\n    y = x / 2", "is there a return?"),
+    ],
+)
+def test_cause_of_a_missing_return_value_is_named(source: str, sentence: str) -> None:
+    (line,) = missing_return_hint(TASK, [Evidence("week01.half", "public", 5.0, returns=(None,))], source)
+    assert sentence in line
+
+
+def test_return_in_a_loop_is_named_before_the_missing_return_value() -> None:
+    source = "def half(items):\n    for item in items:\n        return item / 2"
+    evidence = [Evidence("week01.half", "public", 5.0, returns=(None,))]
+    assert missing_return_hint(TASK, evidence, source) == []
+
+
+def test_node_that_parameters_are_set_on_and_that_does_not_exist_is_named() -> None:
+    output = "At 3.00 s: Node not found: /lamp\n"
+    source = 'class Lamp(Node):\n    def __init__(self):\n        super().__init__("lamp_node")'
+    (line,) = missing_node_hint([Evidence("week01.half", "public", 5.0, output=output)], source)
+    assert line.endswith(
+        "finds no node /lamp. Compare the name in super().__init__, which here is 'lamp_node'."
+    )
 
 
 def test_after_an_exception_hints_on_missing_messages_are_omitted() -> None:
@@ -315,8 +354,11 @@ PREAMBLE = """
 import math
 from rclpy.duration import Duration
 from rclpy.node import Node
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
 from visualization_msgs.msg import Marker
 from course_lib import Viewer
+path = Path()
 self, header, viewer, yaw, dx, dy = Node("robot"), Marker().header, Viewer(), 1.0, 1.0, 1.0
 """
 

@@ -17,7 +17,7 @@ def way(count: int = 3, frame: str = "map", y: float = 0.0, yaw: float = 1.0) ->
     path = Path()
     path.header.frame_id = frame
     for number in range(count):
-        pose = PoseStamped()
+        pose = PoseStamped(header=path.header)
         pose.pose.position.x, pose.pose.position.y = float(number), y
         pose.pose.orientation.z, pose.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
         path.poses.append(pose)
@@ -53,6 +53,29 @@ def test_exchanged_or_reversed_coordinates_of_a_path_are_named(
 def test_faults_of_a_path_are_reported(evidence: MakeEvidence, wrong: Any, message: str) -> None:
     verdict = CHECK.judge(evidence(wrong))
     assert (verdict.score, verdict.message) == (0, message)
+
+
+@pytest.mark.parametrize(
+    ("count", "kind"),
+    [(4, "a path has one pose too many or too few"), (5, "a path has the wrong number of poses")],
+)
+def test_number_of_poses_that_is_off_by_one_is_a_kind_of_its_own(
+    evidence: MakeEvidence, count: int, kind: str
+) -> None:
+    assert CHECK.judge(evidence(way(count=count))).mistake == kind
+
+
+def test_pose_without_the_frame_of_its_path_is_reported(evidence: MakeEvidence) -> None:
+    wrong = way()
+    wrong[2].poses[1] = PoseStamped(pose=wrong[2].poses[1].pose)
+    verdict = CHECK.judge(evidence(wrong))
+    assert verdict.message == "a pose of the path on /way has the frame '' in its own header, expected 'map'"
+    assert verdict.mistake == "the frame of a pose in a path is wrong"
+
+
+def test_mirrored_pose_is_a_kind_of_its_own(evidence: MakeEvidence) -> None:
+    check = expect_path("/way", count=2, frame="map", ends=((0, 0, 0), (-1.0, 0, 0)))
+    assert check.judge(evidence(way(count=2))).mistake == "a pose of a path is mirrored"
 
 
 def test_quaternion_that_is_not_a_unit_quaternion_is_named(evidence: MakeEvidence) -> None:

@@ -63,9 +63,17 @@ SLIPS = [
     (("time.sleep(1.0)", "self.p.publish(marker)"), "time.sleep in tick stops the whole node"),
     (("return 1", "self.angle = 2.0"), '"self.angle = 2.0" comes after "return 1" and never runs'),
     (("angle = self.angle + 0.1",), "angle = … in tick sets a variable that ends with the method"),
+    (("share = (self.count - 1) // (b - a)", "return share"), '"(self.count - 1) // (b - a)" leaves out'),
+    (("self.create_timer(1.0, lambda: self.tick)",), '"lambda: self.tick" names tick and does not call it'),
+    (("rate = 5", 'return """\na: {rate}\n"""'), "the string '{rate}' has names in { }"),
     (("marker.text = '{found.score:.2f} m'",), "the string '{found.score:.2f} m' has names in { }"),
 ]
 RIGHT = [
+    ("row = index // width", "return image[row]"),
+    ("return range(count // 2)",),
+    ("half = items[: len(items) // 2]", "return half"),
+    ("self.create_timer(1.0, lambda: self.tick())",),
+    ('return """\nprint(f\'{rate}\')\n"""',),
     ("marker = Marker()", "marker.id = 1", "self.p.publish(marker)", "marker = Marker()", "marker.id = 2"),
     ("marker = Marker()", "self.p.publish(marker)", "marker.id = 1", "self.p.publish(marker)"),
     ("for item in items:", "    if item:", "        return item"),
@@ -83,6 +91,12 @@ RIGHT = [
 @pytest.mark.parametrize(("lines", "sentence"), SLIPS)
 def test_slip_is_named(lines: tuple[str, ...], sentence: str) -> None:
     assert find_slip(method(*lines)).startswith(sentence)
+
+
+def test_buffer_that_a_callback_creates_is_named() -> None:
+    source = method("self.buffer = Buffer()").replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")
+    assert find_slip(source).startswith('"Buffer()" is in tick: each call creates a new one')
+    assert find_slip(source.replace("self.create_timer(1.0, self.tick)", "self.tick()")) == ""
 
 
 def test_default_that_the_function_changes_is_named() -> None:

@@ -31,6 +31,41 @@ def test_equal_values_pass_in_every_supported_type(evidence: MakeEvidence, value
     assert expect_value(expected).judge(evidence(returns=(plain(value),))).score == 1
 
 
+ROWS = [["/scan", 10.0, 400.0], ["/imu", 5.0, 8.0]]
+TABLE = expect_value(ROWS, name="the table", parts=("topic", "rate", "size"))
+
+
+@pytest.mark.parametrize(
+    ("row", "message", "mistake"),
+    [
+        (
+            ["/scan", 12.0, 400.0],
+            "the rate of row 0 of the table is 12.00, expected 10.00: 2.00 too much",
+            "a value is wrong: the rate",
+        ),
+        (
+            ["/scan", 10.0, -400.0],
+            "the size of row 0 of the table is -400.00, expected 400.00: 800.00 too little",
+            "a value has the wrong sign: the size",
+        ),
+        (
+            ["/scan", 400.0, 10.0],
+            "row 0 of the table is ['/scan', 400.0, 10.0], expected ['/scan', 10.0, 400.0]: the order is "
+            "another one",
+            "values are in the wrong order",
+        ),
+    ],
+)
+def test_part_of_a_row_is_named(evidence: MakeEvidence, row: list[Any], message: str, mistake: str) -> None:
+    verdict = TABLE.judge(evidence(returns=([row, ROWS[1]],)))
+    assert (verdict.message, verdict.mistake) == (message, mistake)
+
+
+def test_length_of_a_list_in_a_list_is_a_kind_of_its_own(evidence: MakeEvidence) -> None:
+    verdict = expect_value([[1.0, 2.0]]).judge(evidence(returns=([[1.0]],)))
+    assert verdict.mistake == "a list in a list has the wrong length"
+
+
 @pytest.mark.parametrize(
     ("value", "expected", "message"),
     [

@@ -36,7 +36,7 @@ from tests.notebooks.graded import STUDENT, WEEKS, catalog, cells_of, defined, e
 HERE = Path(__file__).parent
 LEAST = 30  # rows of a week
 MOST = 34  # rows of a week, without the mistakes of strangers
-LONGEST = 300  # characters of a line
+LONGEST = 400  # characters of a line
 # [s] as in grading. An endless loop takes that long; each other mistake takes a tenth of a second.
 WALL_LIMIT = 10.0
 # [B] of evidence. A mistake that multiplies its messages takes 20 s to exceed the limit of a submission.

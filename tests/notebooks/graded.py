@@ -1,5 +1,6 @@
 """Running and judging whole notebooks, for the tests of all weeks' checks."""
 
+import linecache
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -67,9 +68,12 @@ def defined(cells: Sequence[str], week: str) -> dict[str, Any]:
     """Return the names that a notebook defines, executed in this process without views and runs."""
     set_values({task.id: personal_values(task, STUDENT) for task in catalog().of_week(week)})
     namespace: dict[str, Any] = {}
-    for cell in (re.sub(r"^%.*\n", "", cell) for cell in cells):
+    for number, cell in enumerate(re.sub(r"^%.*\n", "", cell) for cell in cells):
         if re.match(DEFINITION, cell):
-            exec(cell, namespace)
+            # Hints read the failing line, which IPython offers in the same way.
+            name = f"<cell {number}>"
+            linecache.cache[name] = (len(cell), None, cell.splitlines(keepends=True), name)
+            exec(compile(cell, name, "exec"), namespace)
     return namespace
 
 

@@ -14,7 +14,7 @@ import pickle
 import struct
 import threading
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
@@ -230,6 +230,7 @@ class Output:
 INPUT_NODE = "scenario"
 POINT_CLOUD = "sensor_msgs/msg/PointCloud2"
 SET_PARAMETERS = "rcl_interfaces/srv/SetParameters"
+NO_NODE = "Node not found:"
 # MOST_INPUTS serialized inputs are cached; an input larger than LARGE bytes is not.
 MOST_INPUTS, LARGE = 2048, 10_000
 MOST_REJECTIONS = 10  # per scenario
@@ -287,6 +288,8 @@ class ScenarioGraph:
                 self.graph.publish, endpoint, SERVICE_HEADER.pack(endpoint, 1) * is_request + cdr
             )
             due_ns = START_NS + round(message.at * 1e9)
+            if is_request:
+                publish = partial(self._request, publish, message)
             self.graph.call_at(due_ns, publish, node=self._input_node, entity=endpoint)
         parameter_services = {one.topic for one in scenario.inputs if one.type_name == SET_PARAMETERS}
         for service in sorted(parameter_services):
@@ -302,7 +305,7 @@ class ScenarioGraph:
             seconds=self._scenario.seconds,
             samples=tuple(self._samples),
             returns=tuple(outcome.returns),
-            output="".join(self._rejections) + output,
+            output="".join(self._outcomes_of_sets(outcome)) + output,
             errors=tuple(outcome.errors),
             stopped=stopped,
             personal=self._personal,
@@ -320,6 +323,19 @@ class ScenarioGraph:
                 f"({MOST_EVIDENCE // 2**20} MB for all of its tasks), so it was stopped"
             )
         self.kept += size
+
+    def _request(self, publish: Callable[[], None], message: Message) -> None:
+        """Send a request, or record what `ros2 param set` prints if the node does not exist."""
+        publish()
+        node, _, service = message.topic.removeprefix(SERVICE_TOPICS[0][0]).rpartition("/")
+        is_served = any(one.kind == "sub" for one in self.graph.endpoints_on(message.topic))
+        if not is_served and service.startswith("set_parameters"):
+            texts = [f"At {message.at:.2f} s: {NO_NODE} {node}\n"]
+            self._rejections += texts[: MOST_REJECTIONS - len(self._rejections)]
+
+    def _outcomes_of_sets(self, outcome: Outcome) -> list[str]:
+        """Return the lines about parameters that were not set. A node that has failed is missing anyway."""
+        return [text for text in self._rejections if not outcome.errors or NO_NODE not in text]
 
     def _record_rejections(self, service: str) -> None:
         """Record the text that `ros2 param set` would print about a rejected parameter."""

@@ -276,6 +276,10 @@ def expect_circling_frame(
     if ambiguous := list(_check_unambiguous(evidence, frame)):
         return ambiguous
     poses = [(seconds, pose) for seconds, pose in _iter_transforms(evidence, "/tf") if pose.child == frame]
+    if len(poses) > 1 and not any(pose.stamp_ns for _, pose in poses):
+        # Such a frame answers requests for the latest time only, and displays ask for the stamps of messages.
+        message = f"every transform of {frame!r} has the stamp 0: tf2 knows it at no other time"
+        return [Problem(message, "a transform has wrong stamps")]
     if not poses:
         other_frames = sorted({pose.child for _, pose in _iter_transforms(evidence, "/tf")})
         only = f", only of {', '.join(map(repr, other_frames[:MAX_NAMED]))}" if other_frames else ""
@@ -402,6 +406,8 @@ def expect_path(
         return [Problem(message, "the frame of a path is wrong")]
     if len(path.poses) != count:
         message = f"the last path on {topic} has {format_count(len(path.poses), 'pose')}, expected {count}"
+        if abs(len(path.poses) - count) == 1:
+            return [Problem(message, "a path has one pose too many or too few")]
         return [Problem(message, "a path has the wrong number of poses")]
     for which, one, expected in zip(("first", "last"), (path.poses[0], path.poses[-1]), ends, strict=True):
         place = one.pose.position
@@ -415,7 +421,13 @@ def expect_path(
             ):
                 if is_close(math.dist(other, expected), 0.0, tolerance):
                     message = f"{message}: {cause}"
+            if is_close(math.dist(map(abs, position), map(abs, expected)), 0.0, tolerance):
+                return [Problem(message, "a pose of a path is mirrored")]
             return [Problem(message, "a pose of a path is at the wrong place")]
+    own_frames = {one.header.frame_id for one in path.poses} - {frame}
+    if own_frames:
+        message = f"a pose of the path on {topic} has the frame {min(own_frames)!r} in its own header"
+        return [Problem(f"{message}, expected {frame!r}", "the frame of a pose in a path is wrong")]
     q = path.poses[-1].pose.orientation
     length = math.hypot(q.x, q.y, q.z, q.w)
     # yaw_of expects a unit quaternion: for one with a wrong w it returns nearly the right angle.

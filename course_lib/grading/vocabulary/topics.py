@@ -451,8 +451,8 @@ def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Probl
     """
     facts: Any = evidence.returns[0] if evidence.returns else None
     is_object = isinstance(facts, dict) and list(facts) == ["object"] and facts != RAISED
-    if isinstance(facts, list | str) or is_object:
-        kind = facts["object"] if is_object else f"a {type(facts).__name__}"
+    if facts is None or isinstance(facts, list | str) or is_object:
+        kind = "nothing" if facts is None else facts["object"] if is_object else f"a {type(facts).__name__}"
         message = f"{kind} was returned, expected a dict with the key {name!r}"
         return [Problem(message, "a value is of the wrong kind")]
     if not isinstance(facts, dict) or name not in facts:
@@ -460,6 +460,9 @@ def expect_fact(evidence: Evidence, name: str, *, serial: int) -> Iterable[Probl
     if is_fact(serial, name, facts[name]):
         return []
     value = facts[name]
+    if isinstance(value, dict) and list(value) == ["object"]:
+        message = f"{name} is {value['object'].replace('a ellipsis', '...')}, expected a value in its place"
+        return [Problem(message, "a value is of the wrong kind")]
     if isinstance(value, str) and (number := re.fullmatch(r"\s*\d*[.,]?\d+\s*([A-Za-z]*)\s*", value)):
         unit = " and without a unit" if number[1] else ""
         message = f"{name} is {facts[name]!r}, a string; expected a number: write it without quotes{unit}"

@@ -20,6 +20,7 @@ from course_lib.ros.programs.parameter_yaml import read_text
 
 WRONG, WRONG_KIND = "a value is wrong", "a value is of the wrong kind"
 WRONG_ORDER, NOT_CALLED = "values are in the wrong order", "a value is a function that is not called"
+_INDEX = re.compile(r"(\[.*?\]) of (.*)", re.DOTALL)  # in the name of an item
 LONGEST = 10_000  # characters of a parameters file
 EVERY_NODE = "/**"
 NAMES = {bool: "bool", int: "integer", float: "double", str: "string", list: "list"}
@@ -40,9 +41,12 @@ def expect_value(
     """Expect the value `expected`, submitted or returned by the call with the index `call`.
 
     Numbers, strings, and lists or dicts of them can be compared; tuples, lists and arrays with
-    equal values are equal. `parts` names the items of a list, ("size", "color"); without names a
-    message has their indices. `angles` are the indices of joint angles [rad] in a list: they are
-    equal if they differ by a full turn, and a joint turns by one turn at most in each direction.
+    equal values are equal. `parts` names the items of a list, ("size", "color"), or of each row of
+    a list of rows; without names a message has their indices. The kind of mistake then ends with
+    the part, "a value is wrong: the size", so that a task can have a hint for each.
+
+    `angles` are the indices of joint angles [rad] in a list: they are equal if they differ by a
+    full turn, and a joint turns by one turn at most in each direction.
     """
     if call >= len(evidence.returns):
         return [Problem(f"{name} is missing: nothing was returned", "a value is missing")]
@@ -54,14 +58,34 @@ def expect_value(
             wanted if index in angles and _is_same_joint_angle(item, wanted, tolerance) else item
             for index, (item, wanted) in enumerate(zip(value, right, strict=True))
         ]
-    if parts and isinstance(value, list) and len(value) == len(parts):
-        named_items = zip(value, right, parts, strict=True)
+    if parts and _are_rows([value, right], parts):
+        return _compare_parts(value, right, parts, tolerance, unit, name)
+    if parts and _are_rows(value, parts) and _are_rows(right, parts) and len(value) == len(right):
+        rows = enumerate(zip(value, right, strict=True))
         return [
             problem
-            for item, expected_item, part in named_items
-            for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}")
+            for index, (row, expected_row) in rows
+            for problem in _compare_parts(row, expected_row, parts, tolerance, unit, f"row {index} of {name}")
         ]
     return compare(value, right, tolerance, unit, name)
+
+
+def _are_rows(rows: Any, parts: Sequence[str]) -> bool:
+    """Return whether a value is a list of lists that have an item for each part."""
+    return isinstance(rows, list) and all(isinstance(row, list) and len(row) == len(parts) for row in rows)
+
+
+def _compare_parts(
+    row: list[Any], expected: list[Any], parts: Sequence[str], tolerance: float, unit: str, name: str
+) -> Iterator[Problem]:
+    if problem := _order_problem(row, expected, tolerance, name):
+        yield problem
+        return
+    for item, expected_item, part in zip(row, expected, parts, strict=True):
+        for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}"):
+            # The hint is that of the kind without the part, unless the task has one for the part.
+            kind = f"{problem.mistake}: the {part}"
+            yield Problem(problem.message, kind)
 
 
 @check_function("{name} says it")
@@ -142,23 +166,43 @@ def _compare_lists(
 ) -> Iterator[Problem]:
     if len(value) != len(expected):
         message = f"{name} has {format_count(len(value), 'item')}, expected {len(expected) or 'none'}"
-        yield Problem(message, "a list has the wrong length")
-    elif _is_reversed(value, expected, tolerance):
-        actual, expected_text = (_shorten([_round(one) for one in row]) for row in (value, expected))
-        message = f"{name} is {actual}, expected {expected_text}"
-        yield Problem(f"{message}: the order is the other way round", WRONG_ORDER)
+        if _INDEX.match(name):
+            yield Problem(message, "a list in a list has the wrong length")
+        else:
+            yield Problem(message, "a list has the wrong length")
+    elif problem := _order_problem(value, expected, tolerance, name):
+        yield problem
     else:
         for index, pair in enumerate(zip(value, expected, strict=True)):
             yield from compare(*pair, tolerance, unit, _item_name(name, index))
 
 
-def _is_reversed(value: list[Any], expected: list[Any], tolerance: float) -> bool:
-    """Return whether a list has the expected numbers or strings in the opposite order."""
+def _order_problem(value: list[Any], expected: list[Any], tolerance: float, name: str) -> Problem | None:
+    """Return the problem of a list that has the expected numbers or strings in another order."""
     if not {type(one) for one in (*value, *expected)} <= {int, float, str}:
-        return False
-    pairs, opposite = zip(value, expected, strict=True), zip(value, reversed(expected), strict=True)
-    is_equal = not any(_is_different(*pair, tolerance) for pair in pairs)
-    return not is_equal and not any(_is_different(*pair, tolerance) for pair in opposite)
+        return None
+    if not any(_is_different(*pair, tolerance) for pair in zip(value, expected, strict=True)):
+        return None
+    is_opposite = not any(
+        _is_different(*pair, tolerance) for pair in zip(value, reversed(expected), strict=True)
+    )
+    if not is_opposite and not _is_permutation(value, expected, tolerance):
+        return None
+    actual, expected_text = (_shorten([_round(one) for one in row]) for row in (value, expected))
+    order = "the order is the other way round" if is_opposite else "the order is another one"
+    return Problem(f"{name} is {actual}, expected {expected_text}: {order}", WRONG_ORDER)
+
+
+def _is_permutation(value: list[Any], expected: list[Any], tolerance: float) -> bool:
+    """Return whether two lists have the same items, which all differ from each other."""
+    left = list(expected)
+    for one in value:
+        place = next((n for n, item in enumerate(left) if not _is_different(one, item, tolerance)), None)
+        if place is None:
+            return False
+        del left[place]
+    # Equal values, such as the zeros of a color, are more often computed so than returned in another order.
+    return len({str(one) for one in expected}) == len(expected)
 
 
 def _is_different(value: float | str, expected: float | str, tolerance: float) -> bool:
@@ -173,7 +217,7 @@ def _round(value: Any) -> Any:
 
 def _item_name(name: str, index: object) -> str:
     """Return the name of an item: "[2] of a bar", and "[1][2] of a bar" if it is nested in "[1] of a bar"."""
-    outer = re.match(r"(\[.*?\]) of (.*)", name, re.DOTALL)
+    outer = _INDEX.match(name)
     return f"{outer[1]}[{index!r}] of {outer[2]}" if outer else f"[{index!r}] of {name}"
 
 
