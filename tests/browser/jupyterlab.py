@@ -143,21 +143,26 @@ class Notebook:
             .every(cell => cell.type != 'code' || cell.executionCount !== null)"""
         self.page.wait_for_function(all_ran)
 
-    def run_to_each(self, *endings: str) -> Iterator[Locator]:
+    def run_to_each(self, *endings: str, restart_before: str) -> Iterator[Locator]:
         """Run the code cells one after the other, and yield each finished cell.
 
         Only these are brought into view: all editors of a notebook measure themselves whenever it scrolls.
+
+        Args:
+            endings: The last lines of cells to yield.
+            restart_before: The id of a cell. The kernel is restarted before it is run.
         """
-        script = """async ([index, endings]) => {
+        script = """async ([index, endings, place]) => {
             const { content, sessionContext } = courseNotebook();
             await content.scrollToItem(content.widgets.length - 1, 'end');  // no view is drawn there
             for (const cell of content.widgets.slice(index)) {
+                if (cell.model.id == place) await sessionContext.session.kernel.restart();
                 if (cell.model.type == 'code') await cell.constructor.execute(cell, sessionContext);
                 index++;
                 const lastLine = cell.model.sharedModel.getSource().split('\\n').pop();
                 if (endings.includes(lastLine)) return index; } }"""
         index = 0
-        while index := self.ask(script, [index, endings]):
+        while index := self.ask(script, [index, endings, restart_before]):
             yield self.cell(index - 1)
 
     def run_to(self, text: str) -> Locator:

@@ -1,6 +1,7 @@
-"""Lessons from week 2 on in real JupyterLab: every cell, every view, a prediction and a quiz by clicks."""
+"""Lessons from week 2 on in real JupyterLab: every cell and view, a resumption, a quiz by clicks."""
 
 import os
+import re
 import time
 import tomllib
 from collections.abc import Iterator
@@ -15,6 +16,7 @@ from playwright.sync_api import Locator, expect
 from course_lib.course.state import exercises_dir, lessons
 from tests.browser.jupyterlab import Lab, Notebook, opened, pixels_of, view_of
 from tests.browser.waiting import A_FRAME, wait_until
+from tests.tools.test_resume import FIRST_PLACE, code_cells, unexpected_failures
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LESSONS = [path for path in lessons() if path.name >= "week02"]
@@ -46,8 +48,12 @@ def lesson(request: pytest.FixtureRequest, notebook: Notebook) -> Lesson:
 
 
 def views(notebook: Notebook) -> Iterator[NDArray[np.int64]]:
-    """Go through a lesson cell by cell, and look at each view while its nodes still run."""
-    for number, cell in enumerate(notebook.run_to_each("viewer", "viewer.beside()")):
+    """Go through a lesson cell by cell, and look at each view while its nodes still run.
+
+    A new kernel resumes it at its first place to stop.
+    """
+    cells = notebook.run_to_each("viewer", "viewer.beside()", restart_before=FIRST_PLACE)
+    for number, cell in enumerate(cells):
         view = view_of(cell)
         view.scroll_into_view_if_needed()
         yield look(view)
@@ -77,6 +83,12 @@ def test_views_of_each_lesson_are_drawn(lesson: Lesson) -> None:
 
 def test_cells_of_each_lesson_run_without_errors_one_by_one(lesson: Lesson) -> None:
     assert lesson.notebook.errors() == []  # nbmake runs all cells without pauses
+
+
+def test_each_lesson_resumes_at_its_first_stopping_point_after_a_kernel_restart(lesson: Lesson) -> None:
+    text = "\n".join("".join(output.get("text", "")) for output in lesson.notebook.outputs())
+    (printed,) = re.findall(r"^Ran \d+ cells above\. Go on below\.\n(?:.+\n)*", text, re.MULTILINE)
+    assert unexpected_failures(printed, code_cells(lesson.notebook.folder / lesson.notebook.name)) == []
 
 
 def test_lesson_quiz_shows_an_explanation_after_a_click(lesson: Lesson) -> None:

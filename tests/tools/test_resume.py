@@ -17,6 +17,7 @@ from course_lib.tools.resume import resume
 from tests.patience import PATIENCE
 
 LESSONS = [path for path in lessons() if path.stem >= "week01"]
+FIRST_PLACE = "go-on-here"  # the id of the cell
 CELLS = (
     "%load_ext course_lib\nfrom course_lib import resume, run_live, predict\nimport rclpy\nrclpy.init()",
     "print('seen'); size = 1",
@@ -29,11 +30,27 @@ CELLS = (
 )
 
 
+def code_cells(path: Path) -> list[dict[str, Any]]:
+    """Return the code cells of a notebook."""
+    return [cell for cell in json.loads(path.read_text("utf-8"))["cells"] if cell["cell_type"] == "code"]
+
+
+def may_raise(cell: dict[str, Any]) -> bool:
+    """Return whether a cell of a lesson shows an error."""
+    return "raises-exception" in cell["metadata"].get("tags", [])
+
+
+def unexpected_failures(printed: str, cells: list[dict[str, Any]]) -> list[str]:
+    """Return the lines of the output of `resume()` on cells that should not fail."""
+    failures = re.finditer(r"^  In \[(\d+)\]: .*", printed, re.MULTILINE)
+    return [line.group() for line in failures if not may_raise(cells[int(line.group(1)) - 1])]
+
+
 class Kernel:
     """A kernel that runs the cells of one notebook, by their ids."""
 
     def __init__(self, path: Path, client: Any) -> None:
-        self.cells = [c for c in json.loads(path.read_text())["cells"] if c["cell_type"] == "code"]
+        self.cells = code_cells(path)
         self._client = client
 
     def run(self, index: int, source: str | None = None, *, tells_id: bool = True) -> tuple[str, str]:
