@@ -20,6 +20,7 @@ from course_lib.ros.programs.import_path import install
 from tests.kernels import listen_on_files
 from tests.patience import PATIENCE
 from tests.reruns import pytest_runtest_setup  # noqa: F401  # a hook of pytest
+from tests.scheduling import pytest_xdist_make_scheduler  # noqa: F401  # another one
 
 if TYPE_CHECKING:
     from tests.once import Once
