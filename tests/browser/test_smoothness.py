@@ -14,7 +14,7 @@ from tests.browser.waiting import wait_until
 
 pytestmark = pytest.mark.browser
 RED, GREY = (255, 0, 0), (200, 200, 200)
-SIDE = 100  # rows and columns of the mesh
+SIDE = 200  # rows and columns of the mesh
 COUNT_DRAWN = """() => {
     globalThis.drawn = [];
     globalThis.instanced = 0;
@@ -85,6 +85,31 @@ def test_moving_mesh_is_simplified_and_drawn_in_full_at_rest(counted: Host) -> N
     page.evaluate("drawn.length = 0")
     wait_until(lambda: len(faces) in page.evaluate("drawn"), page)
     assert count(counted.pixels(), GREY) == pytest.approx(full, rel=0.005)
+
+
+KEEP_WIDTHS = """() => {
+    globalThis.widths = [];
+    for (const gl of [WebGLRenderingContext, WebGL2RenderingContext]) {
+        const viewport = gl.prototype.viewport;
+        gl.prototype.viewport = function (...all) { widths.push(all[2]); return viewport.apply(this, all); };
+    } }"""
+
+
+def test_first_picture_of_a_turn_by_hand_is_coarse_and_the_last_one_at_rest_is_not(host: Host) -> None:
+    host.page.evaluate(KEEP_WIDTHS)
+    shown(host, box=Solids("box", [np.eye(4)], (1, 0, 0, 1)))
+    canvas = host.page.locator("canvas")
+    wait_until(lambda: canvas.get_attribute("aria-busy") == "false", host.page)
+    width = host.page.evaluate("document.querySelector('canvas').width")
+    assert max(host.page.evaluate("widths")) == 2 * width
+    first = host.page.evaluate("""async () => {
+        widths.length = 0;
+        document.querySelector("canvas").dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
+        while (!widths.length) await new Promise(requestAnimationFrame);
+        return Math.max(...widths); }""")
+    assert first <= width
+    wait_until(lambda: canvas.get_attribute("aria-busy") == "false", host.page)
+    assert max(host.page.evaluate("widths")) == 2 * width
 
 
 def test_many_boxes_points_and_lines_need_one_draw_call_each_without_instancing(counted: Host) -> None:

@@ -33,6 +33,17 @@ export function makeCoarse(mesh) {
   });
 }
 
+/** Create versions of some of the large meshes that have none yet. @returns {boolean} whether all have */
+export function createVersions() {
+  const until = performance.now() + AT_ONCE;
+  for (const kept of large.values()) {
+    if (kept.versions) continue;
+    if (performance.now() > until) return false;
+    kept.versions = versionsOf(kept);
+  }
+  return true;
+}
+
 /**
  * Draw large meshes with fewer triangles.
  * @param {number} cell [px] see Quality; 0 for all triangles @param {any} camera @param {number} height [px] of the picture
@@ -40,11 +51,7 @@ export function makeCoarse(mesh) {
  */
 export function drawCoarse(cell, camera, height, render) {
   if (!cell) return render();
-  const until = performance.now() + AT_ONCE;
-  for (const kept of large.values()) {
-    if (!kept.versions && performance.now() < until) kept.versions = versionsOf(kept);
-    kept.mesh.geometry = versionFor(kept, camera, cell, height);
-  }
+  for (const kept of large.values()) kept.mesh.geometry = versionFor(kept, camera, cell, height);
   render();
   // Rays are intersected with the full mesh.
   for (const { mesh, full } of large.values()) mesh.geometry = full;

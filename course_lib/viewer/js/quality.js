@@ -1,6 +1,10 @@
 // The resolution of views. At rest, and with a fast graphics card, a picture is rendered larger than it is displayed,
 // which smooths its edges. During motion on a machine without a graphics card, edges are not smoothed, then large
 // meshes are drawn with fewer triangles, and finally the picture is rendered smaller than it is displayed.
+//
+// The level is chosen by the time that drawing takes, not by the rate of the pictures. Other programs that use the
+// processor can only lengthen this time, so the least of a few pictures is the best estimate of what drawing costs: a
+// single picture that took long, for example because a kernel was starting, does not change the level.
 
 /**
  * @typedef {{scale: number, cell: number}} Quality rendered pixels per displayed pixel; approximate width of a triangle of
@@ -15,41 +19,96 @@ const LEVELS = [
   { scale: 0.6, cell: 8 },
   { scale: 0.45, cell: 12 },
 ];
-const [TOO_SLOW, FAST] = [14, 4]; // [ms] per picture, above which a coarser level is chosen, and below which a finer one
-const MUCH = 2.5; // multiple of TOO_SLOW from which on two levels are skipped in one step
+// How many times longer a picture of each level is expected to take than one of the next coarser level.
+const RATIOS = [4, 2, 1.7, 1.8, 1.8];
+const BUDGET = 14; // [ms] per picture; half of a page's time remains for the page itself
+const MUCH = 2.5; // multiple of BUDGET from which on two levels are skipped in one step
 const MOVING = 900; // [ms] maximum time between two pictures of a motion; busy machines draw two per second
-const [SELDOM, OFTEN] = [12, 3]; // number of pictures between two measurements, each of which waits for the graphics card
+const [FEW, ENOUGH, LONGEST] = [2, 4, 256]; // measurements before a much coarser, a coarser, and the longest before a finer level
+const SELDOM = 6; // with a graphics card one in so many pictures is measured, because each measurement waits for the card
 
-let level = 1; // level of all views of the page during motion
 let isSoftware = false;
-let left = OFTEN; // number of pictures until the next measurement
+let usual = 1; // level of the first motion of a view
 
 /** @param {any} gl the context of the page's views; without a graphics card, the initial level is coarse */
 export function expectSpeed(gl) {
   const names = gl.getExtension("WEBGL_debug_renderer_info");
   const name = String(gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
-  if (!isSoftware && /swiftshader|llvmpipe|software|basic render/i.test(name)) level = 3;
-  isSoftware = level > 1;
+  if (!isSoftware && /swiftshader|llvmpipe|software|basic render/i.test(name)) usual = 3;
+  isSoftware = usual > 1;
 }
-
-/** @param {number} sinceLast [ms] since the last picture of a view @returns {Quality} of the next one */
-export const qualityAfter = (sinceLast) => (sinceLast > MOVING ? atRest() : LEVELS[level]);
 
 /** @returns {Quality} of pictures at rest; tests of pages without a graphics card request a coarser one */
 export const atRest = () => ({ ...LEVELS[0], scale: /** @type {any} */ (globalThis).courseRestScale ?? LEVELS[0].scale });
 
-/**
- * Draw a picture of a motion; at intervals wait for its completion, and choose the level of the next pictures.
- * @param {CanvasRenderingContext2D} context @param {() => void} paint
- */
-export function paintMeasured(context, paint) {
-  if (--left > 0) return paint();
-  context.getImageData(0, 0, 1, 1); // waits for the previous pictures
-  const start = performance.now();
-  paint();
-  context.getImageData(0, 0, 1, 1);
-  const took = performance.now() - start;
-  const step = took > MUCH * TOO_SLOW ? 2 : took > TOO_SLOW ? 1 : took < FAST ? -1 : 0;
-  level = Math.max(0, Math.min(level + step, LEVELS.length - 1));
-  left = step > 0 ? OFTEN : SELDOM;
+/** @param {number} sinceLast [ms] between two pictures of a view @returns {boolean} whether they belong to one motion */
+export const isMotion = (sinceLast) => sinceLast <= MOVING;
+
+/** Chooses the quality of a view's pictures during motion. */
+export class MotionQuality {
+  constructor() {
+    /** @type {number | null} */
+    this.level = null;
+    /** @type {number[]} [ms] of the last pictures of this level */
+    this.times = [];
+    this.measured = 0; // number of pictures of this level that were measured
+    this.pictures = 0;
+    this.wait = ENOUGH; // number of measurements before a finer level is tried
+    this.isTrial = false; // whether the last level was coarser
+  }
+
+  /** @returns {boolean} whether large meshes are drawn with fewer triangles */
+  get isCoarse() {
+    return LEVELS[this.level ?? usual].cell > 0;
+  }
+
+  /**
+   * Draw a picture of a motion, and choose the quality of the next one.
+   * @param {(quality: Quality) => void} paint @param {() => void} finish waits until the graphics card has drawn it
+   * @param {boolean} isUsual whether this picture takes as long as the next ones
+   */
+  paint(paint, finish, isUsual) {
+    this.level ??= usual;
+    const quality = LEVELS[this.level];
+    // Software has drawn a picture when it is copied. A graphics card is still at work then.
+    if (!isUsual || (!isSoftware && ++this.pictures % SELDOM)) return paint(quality);
+    if (!isSoftware) finish();
+    const start = performance.now();
+    paint(quality);
+    if (!isSoftware) finish();
+    this.level = this.levelAfter(this.level, performance.now() - start);
+  }
+
+  /** @param {number} level @param {number} took [ms] of its last picture @returns {number} the next level */
+  levelAfter(level, took) {
+    this.times = [...this.times, took].slice(-ENOUGH);
+    this.measured++;
+    const least = Math.min(...this.times);
+    if (this.measured >= FEW && least > MUCH * BUDGET) return this.step(level, 2);
+    if (this.measured >= ENOUGH && least > BUDGET) return this.step(level, 1);
+    const canImprove = level > (isSoftware ? 1 : 0) && least * RATIOS[level - 1] < BUDGET;
+    return canImprove && this.measured >= this.wait ? this.step(level, -1) : level;
+  }
+
+  /** @param {number} level @param {number} change positive if the next level is coarser @returns {number} */
+  step(level, change) {
+    // A finer level that was too slow is tried again later and later, until the view has come to rest.
+    if (change > 0 && this.isTrial) this.wait = Math.min(4 * this.wait, LONGEST);
+    this.isTrial = change < 0;
+    this.forget();
+    return Math.min(Math.max(level + change, 0), LEVELS.length - 1);
+  }
+
+  forget() {
+    this.times = [];
+    this.measured = 0;
+  }
+
+  /** End a motion. Another view of the page begins with the last level of this one. */
+  rest() {
+    usual = this.level ?? usual;
+    this.wait = ENOUGH;
+    this.isTrial = false;
+    this.forget();
+  }
 }

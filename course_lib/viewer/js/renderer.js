@@ -69,6 +69,12 @@ export function draw(canvas, mirror, camera, quality = atRest()) {
   drawInsets(context, mirror, quality, render);
 }
 
+/** Wait until the graphics card has drawn everything; `finish` of WebGL does not wait in browsers. */
+export function finish() {
+  const gl = renderer().getContext();
+  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+}
+
 /** @param {any} camera @param {number} height in pixels @returns {number} see `pixel` */
 export function metresPerPixel(camera, height) {
   if (camera.isOrthographicCamera) return (camera.top - camera.bottom) / height;

@@ -4,8 +4,9 @@ import { isShown } from "./insets.js";
 import { Orbit } from "./orbit.js";
 import { button, part } from "./panels/parts.js";
 import { textsOf, withoutOverlaps } from "./labels.js";
-import { paintMeasured, qualityAfter } from "./quality.js";
-import { draw, metresPerPixel, views } from "./renderer.js";
+import { createVersions } from "./coarse.js";
+import { atRest, isMotion, MotionQuality } from "./quality.js";
+import { draw, finish, metresPerPixel, views } from "./renderer.js";
 
 const CLICK = 4; // [px] maximum motion of the pointer during a click
 const TURN = 0.005; // [rad] per pixel, as in RViz
@@ -33,7 +34,9 @@ export class View {
     this.request = 0;
     this.pictures = 0; // number of pictures that were drawn
     this.drawnAt = -Infinity; // [ms] time of the last picture
+    this.quality = new MotionQuality();
     this.resting = 0; // a timer
+    this.hasRested = false; // whether nothing has changed for REST_AFTER
     this.seen = true;
     this.silence = 0; // a timer
     this.turnedAt = -Infinity; // [ms] time of the last turn by hand
@@ -131,19 +134,22 @@ export class View {
   /** @param {any} camera a three.js camera */
   paint(camera) {
     const now = performance.now();
-    const quality = qualityAfter(now - this.drawnAt);
-    const isMoving = Number.isFinite(this.drawnAt);
+    // A single change is drawn with the highest quality, but the first picture of a turn by hand must not be late.
+    const isMoving = !this.hasRested && (isMotion(now - this.drawnAt) || isMotion(now - this.turnedAt));
+    this.hasRested = false;
     this.drawnAt = now;
     clearTimeout(this.resting);
     if (!isMoving) {
-      draw(this.canvas, this.mirror, camera, quality);
+      draw(this.canvas, this.mirror, camera, atRest());
+      this.quality.rest();
       this.canvas.ariaBusy = "false";
       return;
     }
-    const context = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext("2d"));
-    paintMeasured(context, () => draw(this.canvas, this.mirror, camera, quality));
+    // Until the versions of meshes exist, drawing takes longer than it will.
+    const isReady = !this.quality.isCoarse || createVersions();
+    this.quality.paint((quality) => draw(this.canvas, this.mirror, camera, quality), finish, isReady);
     this.resting = setTimeout(() => {
-      this.drawnAt = -Infinity; // the next picture has the quality of the first one
+      this.hasRested = true;
       this.invalidate();
     }, REST_AFTER);
   }
