@@ -535,12 +535,15 @@ class MarkerStore:
             and _drawing_key(marker) == _drawing_key(before.marker)
         ):
             return DisplayedMarker(marker, before.drawn, path, received_ns, before.shown)
-        if before:
+        if before and before.path != path:
             scene.delete(before.path)
+            before = None
         drawing = DRAW[marker.type](marker) if marker.type in DRAW else MarkerDrawing()
+        for part in before.drawn.drawables.keys() - drawing.drawables.keys() if before else ():
+            scene.delete(f"{path}/{part}")
         for part, drawable in drawing.drawables.items():
             scene.set_object(f"{path}/{part}", drawable)
-        return DisplayedMarker(marker, drawing, path, received_ns)
+        return DisplayedMarker(marker, drawing, path, received_ns, before.shown if before else True)
 
     def _node(self, marker: Any) -> str:
         """Return the path of a marker, below its frame if it is locked to it."""

@@ -351,6 +351,22 @@ class MeshcatObject:
 Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | Sheet | Inset | MeshcatObject
 
 
+def are_equal(one: Drawable, other: Drawable) -> bool:
+    """Return whether two drawables are of one class and have equal arguments.
+
+    NaN equals nothing, and an object of meshcat only itself.
+    """
+    if one is other or type(one) is not type(other) or isinstance(one, MeshcatObject):
+        return one is other
+    # Cached properties follow from the arguments, and may exist in one of both only.
+    arguments, others = vars(one), vars(other)
+    return all(
+        np.array_equal(value, others[name]) if isinstance(value, np.ndarray) else value == others[name]
+        for name, value in arguments.items()
+        if name in others
+    )
+
+
 # trimesh logs a traceback for each missing texture, which logging prints if there is no handler.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
 # A mesh of trimesh, and the transform from it to the file's frame.

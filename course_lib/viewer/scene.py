@@ -21,6 +21,7 @@ from course_lib.viewer.drawables import (
     Sheet,
     Solids,
     Text,
+    are_equal,
     checked_array,
 )
 
@@ -79,9 +80,14 @@ class Scene:
         self.animation: Mapping[str, Any] | None = None
 
     def set_object(self, path: str, drawable: Drawable) -> None:
-        """Set the object of a node, replacing the current one."""
+        """Set the object of a node, replacing the current one.
+
+        An equal object is no change: nodes often publish the same lines or points again and again.
+        """
         with self.lock:
             node = self._ensure_node(path)
+            if node.object is not None and are_equal(node.object, drawable):
+                return
             node.object = drawable
             self._notify("object", node.path)
 

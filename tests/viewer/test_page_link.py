@@ -51,8 +51,8 @@ def test_slowest_page_determines_the_rate(wire: Wire) -> None:
 @pytest.mark.usefixtures("by_hand")
 def test_large_batches_are_acknowledged_one_by_one(wire: Wire) -> None:
     wire.hear("ready")
-    many = Solids("box", np.tile(np.eye(4), (8000, 1, 1)), (1, 0, 0, 1))
-    for _ in range(10):
+    for number in range(10):
+        many = Solids("box", np.tile(np.eye(4), (8000, 1, 1)), (number / 10, 0, 0, 1))
         wire.scene.set_object("boxes", many)
         wire.link.flush()
     assert [content["ask"] for content in wire.sent] == [True] * page_link._MAX_PENDING_ACKS

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.viewer.drawables import Solids
+from course_lib.viewer.drawables import Lines, Mesh, Points, Solids, are_equal
 from course_lib.viewer.scene import Scene
 
 BOX = Solids("box", [np.eye(4)], (1, 0, 0, 1))
@@ -82,6 +82,34 @@ def test_equal_transform_and_visibility_are_no_changes_for_listeners() -> None:
     scene.set_transform("a", moved(1.0))
     scene.set_visible("a", False)
     assert received == []
+
+
+@pytest.mark.parametrize(
+    ("following", "changes"),
+    [
+        (Lines([(0, 0, 0), (1, 0, 0)], (1, 0, 0, 1)), []),
+        (Lines([(0, 0, 0), (2, 0, 0)], (1, 0, 0, 1)), [("object", "a")]),
+        (Lines([(0, 0, 0), (1, 0, 0)], (1, 0, 0, 1), width=0.1), [("object", "a")]),
+        (Points([(0, 0, 0), (1, 0, 0)], (1, 0, 0, 1), (0.1, 0.1)), [("object", "a")]),
+    ],
+)
+def test_equal_object_is_no_change_for_listeners(
+    following: Lines | Points, changes: list[tuple[str, str]]
+) -> None:
+    scene = Scene()
+    scene.set_object("a", Lines([(0, 0, 0), (1, 0, 0)], (1, 0, 0, 1)))
+    received: list[tuple[str, str]] = []
+    scene.listen(lambda kind, path: received.append((kind, path)))
+    scene.set_object("a", following)
+    assert received == changes
+
+
+def test_mesh_whose_bounding_box_was_computed_equals_one_without() -> None:
+    triangle = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    one, other = (Mesh(triangle, None, (1, 0, 0, 1)) for _ in range(2))
+    assert one.corners.shape == (2, 3)
+    assert are_equal(one, other)
+    assert are_equal(other, one)
 
 
 def test_equal_transform_is_a_change_while_an_animation_moves_nodes_in_the_pages() -> None:

@@ -38,6 +38,19 @@ def test_moved_marker_keeps_its_drawables() -> None:
     assert repainted is not before
 
 
+@pytest.mark.parametrize("kind", [Marker.LINE_STRIP, Marker.SPHERE_LIST, Marker.POINTS, Marker.TRIANGLE_LIST])
+def test_repeated_marker_with_points_changes_nothing_in_the_scene(kind: int) -> None:
+    bench = Bench()
+    corners = points((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    bench.show(marker(kind, points=corners))
+    changes: list[tuple[str, str]] = []
+    bench.scene.listen(lambda change, path: changes.append((change, path)))
+    bench.show(marker(kind, points=corners), at=1.0)
+    assert changes == []
+    bench.show(marker(kind, points=corners[::-1]), at=2.0)
+    assert [change for change, _ in changes] == ["object"]
+
+
 def test_namespaces_with_special_characters_do_not_collide() -> None:
     bench = Bench()
     names = ("", "a", "a/0", "/", " ", "ä")
