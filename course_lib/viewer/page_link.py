@@ -225,6 +225,11 @@ class PageLink:
         """Whether the tabs of all pages are hidden."""
         return self._page_sights() == {"hide"}
 
+    @property
+    def pages(self) -> set[str]:
+        """The ids of the connected pages."""
+        return set(self._flow.pages)
+
     def _page_sights(self) -> set[Sight]:
         return {page.sight for page in tuple(self._flow.pages.values()) if page.views}
 

@@ -70,6 +70,33 @@ def test_rows_are_listed_after_their_parent_rows(page: Page) -> None:
         known.add(row["key"])
 
 
+def test_changed_rows_are_sent_between_orders_only_while_a_panel_is_open(
+    page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.displays.panel.desk.PERIOD", 0.0)
+    viewer.add("Axes")
+    assert page.told["status"]["text"].endswith("No tf data.  Actual error: Frame [map] does not exist")
+    assert "Axes" not in [row["label"] for row in page.rows()]
+    page.ask(act="WatchRows", watched=True)
+    assert "Axes" in [row["label"] for row in page.rows()]
+    viewer.add("Grid")
+    assert "Grid" in [row["label"] for row in page.rows()]
+    page.ask(act="WatchRows", watched=False)
+    viewer.add("Path")
+    assert "Path" not in [row["label"] for row in page.rows()]
+
+
+def test_page_that_was_closed_with_an_open_panel_gets_no_rows(
+    page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("course_lib.displays.panel.desk.PERIOD", 0.0)
+    page.ask(act="WatchRows", watched=True)
+    page.link.receive({"type": "views", "page": "two", "number": 0, "count": 1})
+    page.link.receive({"type": "views", "page": "one", "number": 0, "count": 0})
+    viewer.add("Axes")
+    assert "Axes" not in [row["label"] for row in page.rows()]
+
+
 @pytest.mark.parametrize("sight", ["hide", "away"])
 def test_hidden_page_receives_changed_rows_when_it_is_visible_again(
     sight: str, page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch

@@ -51,6 +51,7 @@ from course_lib.displays.panel.protocol import (
     UseControl,
     UseView,
     ViewChoice,
+    WatchRows,
 )
 from course_lib.displays.panel.tools import publish, settings_of
 from course_lib.displays.properties import (
@@ -445,6 +446,8 @@ class Desk:
         self._orders = OrderDesk(session)
         self._sent_state: PanelState | None = None
         self._sent_rows: dict[str, PanelRow] = {}
+        # The pages with an open panel. To find the rows takes longest, so others do without new ones.
+        self._row_watchers: set[str] = set()
         # Wall-clock time of the last message [s].
         self._posted = 0.0
         self._waiting = False
@@ -467,6 +470,9 @@ class Desk:
             order = from_json(AnyOrder, content)
             if isinstance(order, OpenPanels):
                 self._sent_state, self._sent_rows = None, {}
+            elif isinstance(order, WatchRows):
+                change = self._row_watchers.add if order.watched else self._row_watchers.discard
+                change(str(content.get("page", "")))
             else:
                 self._orders.carry_out(order)
         except Exception as error:
@@ -488,16 +494,21 @@ class Desk:
         if not self._link.watched:
             return
         if wall.monotonic() - self._posted >= PERIOD:
-            self.post()
+            self._post_regularly()
         elif self._loop is not None and not self._waiting:
             self._waiting = True
-            self._loop.call_soon_threadsafe(self._loop.call_later, PERIOD, self.post)
+            self._loop.call_soon_threadsafe(self._loop.call_later, PERIOD, self._post_regularly)
 
-    def post(self) -> None:
+    def _post_regularly(self) -> None:
+        """Send what has changed, without the rows while the panels of all pages are folded."""
+        self._row_watchers &= self._link.pages
+        self.post(with_rows=bool(self._row_watchers))
+
+    def post(self, *, with_rows: bool = True) -> None:
         """Send the fields of the state and the rows that have changed."""
         with contained(self._session.statuses, "Panels"):
             self._waiting, self._posted = False, wall.monotonic()
-            state, rows = self.full_state()
+            state, rows = self.full_state() if with_rows else self._state_with_sent_rows()
             now = msgspec.structs.asdict(state)
             changed_fields = {
                 name: value for name, value in now.items() if value != getattr(self._sent_state, name, None)
@@ -510,9 +521,28 @@ class Desk:
 
     def full_state(self) -> tuple[PanelState, dict[str, PanelRow]]:
         """Return the complete state of the panels, and its rows."""
-        session, orders = self._session, self._orders
+        session = self._session
         tree, view, tools = display_rows(session), view_rows(session), tool_rows(session)
-        orders.rows = tree | view | tools
+        self._orders.rows = tree | view | tools
+        rows = {key: entry.row for key, entry in self._orders.rows.items()}
+        return self._state(tuple(tree), tuple(view), tuple(tools)), rows
+
+    def _state_with_sent_rows(self) -> tuple[PanelState, dict[str, PanelRow]]:
+        """Return the state of the panels with the rows that were sent last."""
+        sent = self._sent_state
+        if sent is None:
+            return self.full_state()
+        return self._state(sent.tree, sent.view, sent.tools), self._sent_rows
+
+    def _state(self, tree: tuple[str, ...], view: tuple[str, ...], tools: tuple[str, ...]) -> PanelState:
+        """Return the state of the panels.
+
+        Args:
+            tree: The keys of the rows of the Displays panel.
+            view: The keys of the rows of the Views panel.
+            tools: The keys of the rows of the Tool Properties panel.
+        """
+        session, orders = self._session, self._orders
         view_names = tuple(view_names.name for view_names in session.saved_views)
         working_folder = Path.cwd()
         files = (path for folder in _FOLDERS for path in sorted((working_folder / folder).glob("*.rviz")))
@@ -526,10 +556,10 @@ class Desk:
         if worst and level != "ok":
             more = f" (and {len(worst) - 1} more)" if len(worst) > 1 else ""
             status = f"{worst[0].display}: {worst[0].text}{more}"
-        state = PanelState(
-            tree=tuple(tree),
-            view=tuple(view),
-            tools=tuple(tools),
+        return PanelState(
+            tree=tree,
+            view=view,
+            tools=tools,
             toolbar=tuple(ToolButton(tool.label, tool.key, tool.gesture) for tool in session.tools),
             settings=settings_of(session.tools),
             hands=session.view.hands(),
@@ -545,7 +575,6 @@ class Desk:
             layouts=Layouts(orders.file, layouts),
             summary=session.summary(),
         )
-        return state, {key: entry.row for key, entry in self._orders.rows.items()}
 
     def _topics(self) -> tuple[AddableTopic, ...]:
         """Return the topics with messages or publishers, with each display class for them."""

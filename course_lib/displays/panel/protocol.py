@@ -208,6 +208,12 @@ class LookAgain(Order, frozen=True):
     """Request an update."""
 
 
+class WatchRows(Order, frozen=True):
+    """Request changed rows from now on, because a panel was opened, or no longer."""
+
+    watched: bool
+
+
 class SetValue(Order, frozen=True):
     """Edit a row, or tick its box."""
 
@@ -318,5 +324,5 @@ class PublishGesture(Order, frozen=True):
 AnyOrder: TypeAlias = (
     OpenPanels | LookAgain | SetValue | AddDisplay | DuplicateDisplay | RenameRow | RemoveRow
     | SaveLayout | LoadLayout | ChangeView | HomeView | SaveView | UseView | RenameView | RemoveView
-    | TurnView | SelectObject | PublishGesture | UseControl | ChooseEntry
+    | TurnView | SelectObject | PublishGesture | UseControl | ChooseEntry | WatchRows
 )  # fmt: skip

@@ -174,6 +174,11 @@ export interface OpenPanels {
 export interface LookAgain {
 }
 
+/** Request changed rows from now on, because a panel was opened, or no longer. */
+export interface WatchRows {
+  watched: boolean;
+}
+
 /** Edit a row, or tick its box. */
 export interface SetValue {
   row: string;
@@ -306,4 +311,5 @@ export type Order =
   | ({ act: "SelectObject" } & SelectObject)
   | ({ act: "PublishGesture" } & PublishGesture)
   | ({ act: "UseControl" } & UseControl)
-  | ({ act: "ChooseEntry" } & ChooseEntry);
+  | ({ act: "ChooseEntry" } & ChooseEntry)
+  | ({ act: "WatchRows" } & WatchRows);

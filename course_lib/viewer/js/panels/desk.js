@@ -16,6 +16,7 @@ export class DeskState {
     this.rows = {};
     /** @type {Set<Desk>} */
     this.desks = new Set();
+    this.watched = false; // whether a panel of the page is open, so that Python sends changed rows
     /** @param {Order} order */
     this.act = (order) => send({ type: "desk", ...order });
     this.act({ act: "OpenPanels" });
@@ -27,6 +28,14 @@ export class DeskState {
     Object.assign(this.rows, rows);
     for (const key of gone) delete this.rows[key];
     for (const desk of this.desks) desk.update(changed);
+  }
+
+  /** Report whether a panel is open. */
+  look() {
+    const watched = [...this.desks].some(({ panels }) => panels?.isOpen);
+    if (watched === this.watched || this.resting) return;
+    this.watched = watched;
+    this.act({ act: "WatchRows", watched });
   }
 
   /** @param {string[]} keys @returns {Row[]} */
@@ -61,6 +70,7 @@ export class Desk {
   dispose() {
     clearTimeout(this.panels?.turning);
     this.state.desks.delete(this);
+    this.state.look();
     this.frame.remove();
   }
 

@@ -33,15 +33,15 @@ export class Panels {
     this.notice = part("output", { className: "course-line course-notice" });
     this.words = part("div", { className: "course-unseen", id: `${this.id}words` });
     this.lists = part("div", { hidden: true });
-    const left = this.dock("Displays", this.memberButtons(), this.tree.element);
+    this.left = this.dock("Displays", this.memberButtons(), this.tree.element);
     this.right = this.dock("Views", this.viewControls(), this.properties.element, tools, this.selection);
     /** @type {any[]} */
     this.buttons = state.values.toolbar.map(this.toolButton, this);
     const bar = part("div", { className: "course-tools", role: "toolbar", ariaLabel: "Tools" }, ...this.buttons);
-    const words = [left.opener, this.status, this.notice, this.right.opener];
+    const words = [this.left.opener, this.status, this.notice, this.right.opener];
     const line = part("div", { className: "course-lines" }, ...words);
     const place = part("div", { className: "course-view" }, view.host);
-    const middle = part("div", { className: "course-middle" }, left, place, this.right);
+    const middle = part("div", { className: "course-middle" }, this.left, place, this.right);
     frame.firstChild?.after(bar, middle, line, this.words, this.lists);
     Object.assign(frame, { role: "group", ariaLabel: "RViz" });
     frame.addEventListener("keydown", (event) => this.key(event));
@@ -92,6 +92,12 @@ export class Panels {
   toggle(dock, open) {
     dock.hidden = !open;
     dock.opener.ariaExpanded = String(open);
+    this.state.look();
+  }
+
+  /** @returns {boolean} whether one of the panels is open */
+  get isOpen() {
+    return !this.left.hidden || !this.right.hidden;
   }
 
   /** @param {import("../protocol.js").ToolButton} tool @param {number} index */
