@@ -263,12 +263,12 @@ def type_warning(entity: Entity) -> str:
     )
 
 
-def qos_warning(offered: EndpointInfo, requested: EndpointInfo, *, is_enforced: bool) -> str:
-    """Return a message if the QoS of a pair is incompatible, else ""."""
-    policy = find_incompatible_policy(offered.qos, requested.qos)
-    if policy is None:
-        return ""
-    line = f"{offered.topic}: publisher and subscription have incompatible QoS ({policy})."
+def qos_warning(topic: str, policy: str, publisher: str, subscriber: str, *, is_enforced: bool) -> str:
+    """Return a message about a publisher and a subscription, of two nodes, with incompatible QoS."""
+    line = (
+        f"{topic}: the publisher of {publisher} and the subscription of {subscriber} have incompatible "
+        f"QoS ({policy})."
+    )
     if is_enforced:
         return f"{line} DDS does not connect them, so no message arrives. Give both the same {policy}."
     return f"{line} Zenoh delivers all the same; on a robot with DDS the topic would be silent."
@@ -558,9 +558,14 @@ class RobotGraph(Graph):
         infos = self._topics.endpoints_on(topic)
         for publisher in (info for info in infos if info.kind == "pub"):
             for subscription in (info for info in infos if info.kind == "sub"):
-                if self._is_over_link(publisher, subscription):
-                    line = qos_warning(publisher, subscription, is_enforced=self.link.is_qos_enforced)
-                    self._report_once(f"qos {topic}", line)
+                policy = find_incompatible_policy(publisher.qos, subscription.qos)
+                if policy is None or not self._is_over_link(publisher, subscription):
+                    continue
+                nodes = [self._nodes[info.node].full_name for info in (publisher, subscription)]
+                line = qos_warning(topic, policy, *nodes, is_enforced=self.link.is_qos_enforced)
+                # Once for each node of the kit, even if the robot's node restarts.
+                own_node = nodes[subscription.node in self._own_nodes]
+                self._report_once(f"qos {topic} {policy} {own_node}", line)
 
     def _is_over_link(self, publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
         return (publisher.node in self._own_nodes) != (subscription.node in self._own_nodes)
@@ -617,7 +622,7 @@ class RobotGraph(Graph):
             self._down_since = wall.monotonic()
             self._report(
                 f"The link to {address} is lost. It comes back by itself when the {self.link.peer} "
-                "is there again."
+                "is at this address again."
             )
             for subscription in self._subscriptions:
                 subscription.traffic.reset_sequences()

@@ -256,14 +256,24 @@ def test_subscriptions_with_different_qos_receive_each_message_once(kits: DdsKit
     assert [texts(each).count("Ada") for each in received.values()] == [1, 1]
 
 
-def test_incompatible_qos_is_reported_and_nothing_is_delivered(kits: DdsKits) -> None:
+def test_incompatible_qos_is_reported_for_each_node_and_nothing_is_delivered(kits: DdsKits) -> None:
     robot, student = kits.join(send="/scan"), kits.join()
     out, received = talker(robot, "/scan", qos=BEST_EFFORT), listener(student, "/scan")
     matched = listener(student, "/scan", qos=BEST_EFFORT)
     connect(kits, robot, out, matched, String())
-    line = "/scan: publisher and subscription have incompatible QoS (RELIABILITY). DDS does not connect them"
-    kits.until(lambda: any(each.startswith(line) for each in kits.lines), line)
-    assert received == []
+    line = (
+        "/scan: the publisher of /talker and the subscription of {} have incompatible QoS (RELIABILITY). DDS "
+        "does not connect them, so no message arrives. Give both the same RELIABILITY."
+    )
+    kits.until(lambda: line.format("/listener") in kits.lines, line)
+    late = student.add_node("late", "/")
+    student.add_subscription(late, 0, "/scan", STRING, VOLATILE, lambda *_: received.append(b""))
+    kits.until(lambda: line.format("/late") in kits.lines, line)
+    kits.until(lambda: len(kits.lines) == 3, "the line of the robot, which is a kit as well")
+    robot.remove_endpoint(out)
+    matched.clear()
+    connect(kits, robot, talker(robot, "/scan", qos=BEST_EFFORT), matched, String())
+    assert (len(kits.lines), received) == (3, [])
 
 
 def test_events_of_a_subscription_include_remote_publishers_that_join_and_leave(

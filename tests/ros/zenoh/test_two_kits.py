@@ -305,7 +305,8 @@ def test_qos_incompatible_in_dds_is_delivered_and_reported(kits: Kits) -> None:
     out, heard = talker(robot, "/scan", qos=BEST_EFFORT), listener(student, "/scan")
     connect(kits, robot, out, heard, String())
     assert (
-        "/scan: publisher and subscription have incompatible QoS (RELIABILITY). Zenoh delivers all the same; "
+        "/scan: the publisher of /talker and the subscription of /listener have incompatible QoS "
+        "(RELIABILITY). Zenoh delivers all the same; "
         "on a robot with DDS the topic would be silent." in kits.lines
     )
 
