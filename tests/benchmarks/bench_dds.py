@@ -220,9 +220,9 @@ def mutated() -> None:
     receiver = Participant(230, "127.0.0.1", lambda endpoint, has_joined: None)
     original = receiver.receive
 
-    def keep(data: bytes) -> None:
+    def keep(data: bytes, host: str = "") -> None:
         sent.append(data)
-        original(data)
+        original(data, host)
 
     receiver.receive = keep  # type: ignore[method-assign]  # keeps what arrives
     sender = Participant(230, "127.0.0.1", lambda endpoint, has_joined: None)

@@ -226,7 +226,8 @@ class DdsLink:
         self._nodes: dict[bytes, dict[str, DdsEntity]] = {}
         # Remote endpoints that the graph contains.
         self._listed: dict[bytes, DdsEntity] = {}
-        self.participant = Participant(domain, resolve(host), self._enqueue(self._on_endpoint))
+        self._host = resolve(host)
+        self.participant = Participant(domain, self._host, self._enqueue(self._on_endpoint))
         topic, type_name, qos = names.DISCOVERY_TOPIC, names.DISCOVERY_TYPE, names.DISCOVERY_QOS
         self._discovery = self.participant.add_writer(topic, type_name, qos)
         self.participant.add_reader(topic, type_name, qos, self._enqueue(self._on_discovery))
@@ -283,6 +284,9 @@ class DdsLink:
         is_silent = not self.participant.datagrams and wall.monotonic() - self._started > SILENT_SECONDS
         if is_silent and not self._is_silence_reported:
             yield "silent", self.no_nodes_message()
+        host = self.participant.current_peer
+        if host != self._host:
+            yield f"moved {host}", moved_message(self.address, host)
         for topic, count, size in self.participant.incomplete_topics():
             if count >= INCOMPLETE_MESSAGES:
                 yield f"incomplete {topic}", incomplete_message(topic.removeprefix("rt"), count, size)
@@ -475,6 +479,14 @@ def silence_message(address: str, domain: int, error: int) -> str:
         "and are both in the same network? Firewalls and WSL2 often let no UDP in. A robot with a "
         "Fast DDS discovery server, or with ROS_AUTOMATIC_DISCOVERY_RANGE=OFF, does not answer. A "
         "link over Zenoh (tcp/HOST:7447) needs only an outgoing TCP connection."
+    )
+
+
+def moved_message(address: str, host: str) -> str:
+    """Return a message for a robot that sends from a new address."""
+    return (
+        f"The robot {address} now has the address {host}, and the link follows it. Next time connect to "
+        f"dds/{host}."
     )
 
 

@@ -22,9 +22,17 @@ import socket
 import struct
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 from course_lib.errors import CourseError
-from course_lib.ros.dds.endpoints import Reader, ReceivedSample, Writer, data_submessage
+from course_lib.ros.dds.endpoints import (
+    MatchedReader,
+    MatchedWriter,
+    Reader,
+    ReceivedSample,
+    Writer,
+    data_submessage,
+)
 from course_lib.ros.dds.wire import (
     ACKNACK,
     BUILTIN_ENDPOINTS,
@@ -175,13 +183,16 @@ class Participant:
         self._probe.send(PROTOCOL + VENDOR_ID + self.prefix)
         self._socket = self._bind(base)
         self._own_locator: Locator = (self._address, self._socket.getsockname()[1])
-        self._peers = [(peer, base + 2 * i) for i in range(ASKED_PARTICIPANTS)]
+        # The given address of the robot, and the address from which it sends now.
+        self._peer = self.current_peer = peer
         self._entities = itertools.count(1)
         # Own writers by entity id.
         self._writers: dict[bytes, Writer] = {}
         self._readers: dict[bytes, Reader] = {}
         # End of the lease in wall time [s], by the GUID prefix of a remote participant.
         self._leases: dict[bytes, float] = {}
+        # Its present address, and the locators of endpoints that have none of their own.
+        self._hosts: dict[bytes, str] = {}
         self._default_locators: dict[bytes, tuple[Locator, ...]] = {}
         # Remote endpoints by GUID.
         self._endpoints: dict[bytes, Endpoint] = {}
@@ -191,8 +202,8 @@ class Participant:
         self._receiving = _thread.allocate_lock()
         # Wall time until which a thread of the program receives [s].
         self._covered_until = 0.0
-        # Datagrams whose processing was interrupted.
-        self._interrupted: deque[bytes] = deque(maxlen=MAX_DATAGRAMS)
+        # Datagrams whose processing was interrupted, and their senders' addresses.
+        self._interrupted: deque[tuple[bytes, str]] = deque(maxlen=MAX_DATAGRAMS)
         for writer, reader in SEDP:
             self._writers[writer] = Writer(self, Endpoint(self.prefix + writer, "", "", DISCOVERY_QOS))
             endpoint = Endpoint(self.prefix + reader, "", "", DISCOVERY_QOS)
@@ -282,7 +293,7 @@ class Participant:
             if not self.is_open:
                 return
             data, inline_qos = disposal(Pid.PARTICIPANT, self.guid)
-            self._send_spdp(self._peers, data, inline_qos)
+            self._send_spdp(self._ports_of_robot(), data, inline_qos)
             self.is_open = False
         # The thread may be ending at this moment, so the waits have a timeout.
         self._ended.acquire(timeout=1.0)
@@ -308,6 +319,12 @@ class Participant:
 
     # Discovery of participants.
 
+    def _ports_of_robot(self) -> list[Locator]:
+        """Return the addresses of the participants that may run on the robot."""
+        base = PORT_BASE + PORTS_PER_DOMAIN * self.domain + FIRST_UNICAST
+        hosts = dict.fromkeys((self._peer, self.current_peer))
+        return [(host, base + 2 * i) for host in hosts for i in range(ASKED_PARTICIPANTS)]
+
     def _announce(self, locators: Iterable[Locator]) -> None:
         here = locator(self._own_locator)
         data = PL_CDR_LE + parameter_list(
@@ -329,8 +346,8 @@ class Participant:
         body = data_submessage(writer, next(self._announcements), data, inline_qos, SPDP_READER)
         self.send((timestamp(wall.time_ns()), *body), locators)
 
-    def _on_spdp(self, payload: bytes, source: bytes, key: bytes, *, is_disposed: bool) -> None:
-        """Process the announcement or departure of a participant."""
+    def _on_spdp(self, payload: bytes, source: bytes, key: bytes, sender: str, *, is_disposed: bool) -> None:
+        """Process the announcement or departure of a participant, from the address `sender`."""
         if is_disposed:
             self._remove_participant(
                 key[:PREFIX_SIZE] or ParameterList(payload).first(Pid.PARTICIPANT)[:PREFIX_SIZE]
@@ -345,16 +362,17 @@ class Participant:
         if is_new and len(self._leases) >= MAX_PARTICIPANTS:
             self.dropped["too many participants"] += 1
             return
+        locators = parameters.locators(Pid.METATRAFFIC)
+        host = self._choose_host(locators, sender)
         if is_new:
-            self._add_participant(prefix, parameters)
+            default_locators = parameters.locators(Pid.DEFAULT_UNICAST) or locators
+            self._default_locators[prefix] = _locators_at(host, default_locators)
+            self._add_participant(prefix, _locators_at(host, locators))
+        self._update_host(prefix, host)
         self._leases[prefix] = wall.monotonic() + (1e9 if lease_ns is None else lease_ns * 1e-9)
 
-    def _add_participant(self, prefix: bytes, parameters: ParameterList) -> None:
+    def _add_participant(self, prefix: bytes, locators: tuple[Locator, ...]) -> None:
         """Answer a participant, and exchange endpoints with it."""
-        locators = self._choose_locator(parameters.locators(Pid.METATRAFFIC))
-        self._default_locators[prefix] = (
-            self._choose_locator(parameters.locators(Pid.DEFAULT_UNICAST)) or locators
-        )
         self._announce(locators)
         self._eager = EAGER_ANNOUNCEMENTS
         for writer, reader in SEDP:
@@ -363,6 +381,38 @@ class Participant:
             self._writers[writer].match(remote_reader)
             self._readers[reader].match(remote_writer)
 
+    def _choose_host(self, locators: tuple[Locator, ...], sender: str) -> str:
+        """Choose one address of a remote participant.
+
+        A robot often has several networks, of which only one is this participant's: a TurtleBot 4
+        also announces the address of its internal network. A robot whose address has changed still
+        announces the old one.
+        """
+        hosts = [host for host, _ in locators]
+        if sender not in ("", self._peer, *hosts):
+            return sender
+        return max(
+            hosts or [self._peer], key=lambda host: (host == self._peer, common_bits(host, self._address))
+        )
+
+    def _update_host(self, prefix: bytes, host: str) -> None:
+        """Send to a participant at its present address."""
+        if self._hosts.get(prefix, host) != host:
+            # Its endpoints keep their state, so that no message is lost or delivered twice.
+            matched: list[MatchedReader | MatchedWriter] = []
+            for writer in self._writers.values():
+                matched.extend(writer.readers.values())
+            for reader in self._readers.values():
+                matched.extend(reader.writers.values())
+            for remote in matched:
+                if remote.endpoint.guid[:PREFIX_SIZE] == prefix:
+                    locators = _locators_at(host, remote.endpoint.locators)
+                    remote.endpoint = replace(remote.endpoint, locators=locators)
+            self._default_locators[prefix] = _locators_at(host, self._default_locators[prefix])
+            if self._hosts[prefix] == self.current_peer:
+                self.current_peer = host
+        self._hosts[prefix] = host
+
     def _remove_participant(self, prefix: bytes) -> None:
         """Remove a participant and its endpoints."""
         if prefix not in self._leases:
@@ -370,20 +420,9 @@ class Participant:
         builtin = [prefix + entity for pair in SEDP for entity in pair]
         for guid in [guid for guid in self._endpoints if guid[:PREFIX_SIZE] == prefix] + builtin:
             self._remove_endpoint(guid)
+        self._hosts.pop(prefix, None)
         self._default_locators.pop(prefix, None)
         self._leases.pop(prefix, None)
-
-    def _choose_locator(self, locators: tuple[Locator, ...]) -> tuple[Locator, ...]:
-        """Choose one address of a remote participant.
-
-        A robot often has several networks, of which only one is this participant's: a TurtleBot 4
-        also announces the address of its internal network.
-        """
-
-        def rank(candidate: Locator) -> tuple[bool, int]:
-            return candidate[0] == self._peers[0][0], common_bits(candidate[0], self._address)
-
-        return (max(locators, key=rank),) if locators else ()
 
     # Discovery of endpoints.
 
@@ -421,7 +460,8 @@ class Participant:
         if guid not in self._endpoints and len(self._endpoints) >= MAX_ENDPOINTS:
             self.dropped["too many endpoints"] += 1
             return
-        own_locators = self._choose_locator(parameters.locators(Pid.UNICAST))
+        host = self._hosts.get(guid[:PREFIX_SIZE], self._peer)
+        own_locators = _locators_at(host, parameters.locators(Pid.UNICAST))
         endpoint = Endpoint(
             guid,
             parameters.string(Pid.TOPIC),
@@ -486,7 +526,7 @@ class Participant:
                 next_announcement = now + (EAGER_SECONDS if self._eager else ANNOUNCE_SECONDS)
                 self._eager = max(0, self._eager - 1)
                 with self.lock:
-                    self._announce(self._peers)
+                    self._announce(self._ports_of_robot())
                     for prefix in [prefix for prefix, end in self._leases.items() if end < now]:
                         self._remove_participant(prefix)
             if now >= next_heartbeat:
@@ -500,7 +540,7 @@ class Participant:
                         # An idle robot announces itself only every few seconds.
                         self._writers[PUBLICATIONS_WRITER].request_acknowledgements()
             while self._interrupted:
-                self.receive(self._interrupted.popleft())
+                self.receive(*self._interrupted.popleft())
             now = wall.monotonic()
             wait = max(0.0, min(next_announcement, next_heartbeat) - now)
             if now < self._covered_until:
@@ -532,40 +572,40 @@ class Participant:
             return
         for _ in range(MAX_DATAGRAMS):
             try:
-                data = self._socket.recv(2**16)
+                data, (host, _) = self._socket.recvfrom(2**16)
             except OSError:
                 # Nothing more to read, or, on Windows, an earlier datagram had no receiver.
                 return
-            self.receive(data)
+            self.receive(data, host)
 
-    def receive(self, data: bytes) -> None:
-        """Process a datagram. A malformed datagram is dropped and counted."""
+    def receive(self, data: bytes, host: str = "") -> None:
+        """Process a datagram that `host` has sent. A malformed datagram is dropped and counted."""
         # Its own announcement arrives here if the robot is this computer.
         self.datagrams += data[HEADER_SIZE - PREFIX_SIZE : HEADER_SIZE] != self.prefix
         try:
             with self.lock:
                 if self.is_open:
-                    self._process(data)
+                    self._process(data, host)
                     if data[HEADER_SIZE - PREFIX_SIZE : HEADER_SIZE] in self._leases:
                         self._heard_at = wall.monotonic()
         except MALFORMED as error:
             self.dropped[type(error).__name__] += 1
         except KeyboardInterrupt:
-            self._interrupted.append(data)
+            self._interrupted.append((data, host))
             raise
 
-    def _process(self, data: bytes) -> None:
+    def _process(self, data: bytes, host: str) -> None:
         for received in read_datagram(data, self.prefix):
             if not received.is_for or received.source == self.prefix:
                 continue
             if received.kind in (DATA, DATA_FRAG):
-                self._on_data(received)
+                self._on_data(received, host)
             elif received.kind in (ACKNACK, NACK_FRAG):
                 self._on_nack(received)
             elif received.kind in (HEARTBEAT, GAP):
                 self._on_writer_state(received)
 
-    def _on_data(self, received: Submessage) -> None:
+    def _on_data(self, received: Submessage, host: str) -> None:
         body, order = received.body, received.order
         reader_entity, writer_entity = bytes(body[4:8]), bytes(body[8:12])
         number = read_sequence_number(body, 12, order)
@@ -582,7 +622,7 @@ class Participant:
                     key = value
         is_disposed = bool(status & DISPOSED[3])
         if writer_entity == SPDP_WRITER:
-            self._on_spdp(bytes(body[begin:]), received.source, key, is_disposed=is_disposed)
+            self._on_spdp(bytes(body[begin:]), received.source, key, host, is_disposed=is_disposed)
             return
         payload = b""
         if received.kind == DATA:
@@ -633,6 +673,13 @@ class Participant:
             return [reader for reader in self._readers.values() if writer in reader.writers]
         reader = self._readers.get(entity)
         return [] if reader is None or writer not in reader.writers else [reader]
+
+
+def _locators_at(host: str, locators: tuple[Locator, ...]) -> tuple[Locator, ...]:
+    """Return the locator at a host. If none is announced there, the first one's port at that host."""
+    if not locators:
+        return ()
+    return (next((locator for locator in locators if locator[0] == host), (host, locators[0][1])),)
 
 
 def _is_match(writer: Endpoint, reader: Endpoint) -> bool:

@@ -76,7 +76,7 @@ def lossy_send(self, submessages, locators, destination=b""):
     send(self, submessages, [one for one in locators if chance.random() > 0.3], destination)
 
 
-def lossy_receive(self, data):
+def lossy_receive(self, data, host=""):
     if chance.random() > 0.3:
         receive(self, data)
 

@@ -228,3 +228,24 @@ def test_link_reconnects_after_a_cable_interruption(robot: RemoteRobot) -> None:
     kit.communicate(timeout=PATIENCE)
     assert rates
     assert time.monotonic() - began < PATIENCE
+
+
+def test_link_follows_a_robot_whose_address_changes(robot: RemoteRobot) -> None:
+    kit = robot.kit("ros2", "topic", "echo", "--field", "ranges", "/lab/scan")
+    other = ROBOTS_ADDRESS.replace("77.0.1", "77.0.3")
+    assert kit.stdout is not None
+    assert kit.stderr is not None
+    kit.stdout.readline()
+    try:
+        for change, address in (("add", other), ("del", ROBOTS_ADDRESS)):
+            assert ip("-n", robot.robots_namespace, "address", change, f"{address}/24", "dev", "robot0")
+        # Linux removes all addresses of a network with its first one, unless it promotes the next one.
+        ip("-n", robot.robots_namespace, "address", "add", f"{other}/24", "dev", "robot0")
+        line = f"now has the address {other}"
+        assert line in kit.stderr.readline()
+        kit.send_signal(signal.SIGINT)
+        kit.communicate(timeout=PATIENCE)
+    finally:
+        ip("-n", robot.robots_namespace, "address", "add", f"{ROBOTS_ADDRESS}/24", "dev", "robot0")
+        ip("-n", robot.robots_namespace, "address", "del", f"{other}/24", "dev", "robot0")
+        ip("-n", robot.robots_namespace, "address", "add", f"{ROBOTS_ADDRESS}/24", "dev", "robot0")

@@ -180,11 +180,11 @@ def test_thread_that_waits_receives_by_itself_and_another_one_while_it_is_busy(k
     out, received = talker(robot, "/chatter"), listener(student, "/chatter")
     kits.until(lambda: writer_of(robot, "rt/chatter").readers, "the subscription")
     participant, threads = dds_link(student).participant, set[int]()
-    process: Callable[[bytes], None] = participant.receive
+    process: Callable[..., None] = participant.receive
 
-    def receive(data: bytes) -> None:
+    def receive(data: bytes, host: str = "") -> None:
         threads.add(_thread.get_ident())
-        process(data)
+        process(data, host)
 
     participant.receive = receive  # type: ignore[method-assign]  # records the threads
     deadline = wall.monotonic() + PATIENCE

@@ -189,7 +189,7 @@ def test_datagram_whose_processing_is_interrupted_at_any_line_is_processed_again
             except KeyboardInterrupt:
                 was_interrupted = True
                 with contextlib.suppress(IndexError):
-                    local.receive(local._interrupted.popleft())
+                    local.receive(*local._interrupted.popleft())
             # The participant's thread may be about to process it instead.
             deadline = wall.monotonic() + PATIENCE
             while local._interrupted and wall.monotonic() < deadline:
@@ -199,6 +199,36 @@ def test_datagram_whose_processing_is_interrupted_at_any_line_is_processed_again
             assert list(dict.fromkeys(received)) == [text], line
             assert not local.has_peers()
     assert line > 100
+    local.close()
+
+
+def test_robot_whose_address_changes_receives_messages_at_its_new_address() -> None:
+    local = Participant(99, "127.0.0.1", lambda endpoint, has_joined: None)
+    sent: list[tuple[bytes, Locator]] = []
+
+    def send(
+        submessages: Iterable[wire.Buffer], locators: Iterable[Locator], destination: bytes = b""
+    ) -> None:
+        sent.extend((b"".join(submessages), address) for address in locators)
+
+    local.send = send  # type: ignore[method-assign]  # records the addresses
+    writer = local.add_writer("rt/cmd", "t", Qos())
+    here, guid = ("127.0.0.1", 9), OTHER + b"\0\0\1\x04"
+    joins, *_ = life_of_a_writer(OTHER, local.prefix, b"")
+    sink = Wire()
+    subscriptions = Writer(sink, Endpoint(OTHER + wire.SUBSCRIPTIONS_WRITER, "", "", Qos()))
+    subscriptions.match(Endpoint(local.prefix + wire.SUBSCRIPTIONS_READER, "", "", Qos(), locators=(here,)))
+    description = wire.describe(Endpoint(guid, "rt/cmd", "t", Qos()), OTHER + wire.PARTICIPANT_ENTITY, here)
+    subscriptions.write(description, b"", 5)
+    for datagram in (joins, *sink.sent):
+        local.receive(datagram, "127.0.0.1")
+    # It announces the same address from new ones. At first it had the address that the link was given.
+    for host in ("127.0.0.8", "127.0.0.9", "127.0.0.1"):
+        local.receive(joins, host)
+        sent.clear()
+        local.write(writer, b"go")
+        assert [address for data, address in sent if b"go" in data] == [(host, 9)]
+        assert local.current_peer == host
     local.close()
 
 
