@@ -54,6 +54,23 @@ RED_PIXELS = """image => {
     for (let i = 0; i < data.length; i += 4) count += data[i] > 90 && data[i + 1] < 60 && data[i + 2] < 60;
     return count; }"""
 
+# The second save begins when the first one has written the file, and before the page knows that.
+SAVE_TWICE = """async () => {
+    const { contents } = jupyterapp.serviceManager, { context } = courseNotebook(), save = contents.save;
+    const asks = new Promise((done) => {
+        const look = () => document.querySelector(".jp-Dialog") && done("asked");
+        new MutationObserver(look).observe(document.body, { childList: true, subtree: true }); });
+    const askServer = () => contents.get(context.path, { content: false, hash: true });
+    let second;
+    contents.save = async (...all) => {
+        const written = await save.apply(contents, all);
+        contents.save = save;
+        second = context.save();
+        for (let trips = 0; trips < 3; trips++) await askServer();
+        return written; };
+    context.model.setMetadata("changed", "yes");
+    return Promise.race([asks, context.save().then(() => second).then(() => "saved")]); }"""
+
 
 @pytest.fixture(scope="module")
 def reopened(lab: Lab) -> Iterator[Notebook]:
@@ -173,6 +190,10 @@ def test_static_page_shows_image_and_answers(reopened: Notebook) -> None:
     if PICTURES:
         page.screenshot(path=Path(PICTURES) / "night_static.png", full_page=True)
     page.close()
+
+
+def test_save_during_another_save_waits_for_it_and_asks_nothing(reopened: Notebook) -> None:
+    assert reopened.ask(SAVE_TWICE) == "saved"
 
 
 def test_open_page_reports_the_end_of_its_kernel_and_the_continue_button_starts_another(

@@ -187,6 +187,22 @@
     return copy.outerHTML;
   }
 
+  /**
+   * Let each save of a notebook wait for the one before it. JupyterLab does not: of two saves at the same time, one by
+   * its timer, say, the second takes the file that the first has just written for a change by somebody else, and asks
+   * whether to overwrite it. A save that waits serves all calls until it starts.
+   */
+  function queueSaves(context) {
+    const save = context.save.bind(context);
+    let last = Promise.resolve();
+    let waiting = null;
+    context.save = () =>
+      (waiting ??= last.catch(() => {}).then(() => {
+        waiting = null;
+        return context.isDisposed ? undefined : (last = save());
+      }));
+  }
+
   /** Put what views and controls show now into the notebook, which is about to be saved. */
   function savePictures(panel) {
     for (const cell of panel.content.widgets) {
@@ -285,6 +301,7 @@
         const sayEnded = keep(app, rendermime, tracker);
         arrangePanels(app, tracker);
         const watch = (panel) => {
+          queueSaves(panel.context);
           panel.context.saveState.connect((_, state) => state === "started" && savePictures(panel));
           const { sessionContext } = panel;
           sessionContext.statusChanged.connect((_, status) => OVER.includes(status) && sayEnded(panel));
