@@ -137,7 +137,15 @@ class Notebook:
 
     def run_all(self) -> None:
         """Run all cells as the Run menu does."""
-        self.ask("() => jupyterapp.commands.execute('runmenu:run-all')")
+        self._run("runmenu:run-all")
+
+    def run_rest(self) -> None:
+        """Run the active cell and all cells below it, as the Run menu does; those above were run."""
+        self._run("notebook:run-all-below")
+
+    def _run(self, command: str) -> None:
+        """Run a command, and wait until all code cells were run."""
+        self.ask("command => jupyterapp.commands.execute(command)", command)
         self.wait_idle()
         all_ran = """() => [...courseNotebook().content.model.cells]
             .every(cell => cell.type != 'code' || cell.executionCount !== null)"""

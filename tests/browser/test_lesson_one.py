@@ -59,14 +59,7 @@ def test_view_in_a_second_cell_shows_the_same_scene(running: Notebook) -> None:
     wait_for_red(running.run_below("viewer"))
 
 
-def test_scene_is_kept_after_a_page_reload(running: Notebook) -> None:
-    wait_for_red(running.cell(SHOW))
-    running.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
-    running.open()
-    wait_for_red(running.cell(SHOW))
-
-
-def test_views_are_drawn_after_a_reload_even_if_their_models_arrive_late(running: Notebook) -> None:
+def test_scene_is_kept_after_a_page_reload_even_if_its_models_arrive_late(running: Notebook) -> None:
     wait_for_red(running.cell(SHOW))
     running.page.add_init_script(ONE_LONG_PAUSE)
     running.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
@@ -95,9 +88,10 @@ def test_stop_button_stops_the_live_node(running: Notebook) -> None:
     assert running.kernel(NOW) == stopped_at
 
 
-def test_all_cells_run_without_an_error(lesson: Notebook) -> None:
-    lesson.run_all()
-    assert lesson.errors() == []
+def test_all_cells_run_without_an_error(running: Notebook) -> None:
+    running.cell(LIVE)
+    running.run_rest()
+    assert running.errors() == []
 
 
 def test_kernel_restart_leaves_no_process_running(running: Notebook) -> None:
