@@ -1,5 +1,6 @@
 """Executables of ROS packages that the kit itself provides, for `ros2 run` and launch files."""
 
+import argparse
 import sys
 import time
 from collections.abc import Callable
@@ -148,6 +149,32 @@ def _unknown_robot() -> None:
     spin(*unknown_robot(), executor=MultiThreadedExecutor())
 
 
+def _map_saver_cli() -> int:
+    """Save the map of a topic to files, with the options of nav2's map_saver_cli.
+
+    Returns:
+        The exit code.
+    """
+    import rclpy
+
+    from course_lib.robots.maps import FORMATS, MODES, MapSaver
+
+    parser = argparse.ArgumentParser(prog="map_saver_cli", allow_abbrev=False)
+    parser.add_argument("-t", dest="topic", default="map", metavar="MAP_TOPIC")
+    parser.add_argument("-f", dest="name", default="", metavar="MAPNAME")
+    parser.add_argument("--occ", dest="occupied_thresh", type=float, default=0.0)
+    parser.add_argument("--free", dest="free_thresh", type=float, default=0.0)
+    parser.add_argument("--fmt", dest="image_format", choices=FORMATS, default="")
+    parser.add_argument("--mode", choices=MODES, default="trinary")
+    options = vars(parser.parse_args(program_arguments()))
+    rclpy.init()
+    node, executor = MapSaver(), rclpy.get_global_executor()
+    executor.add_node(node)
+    task = executor.create_task(node.save(**options))
+    executor.spin_until_future_complete(task)
+    return 0 if task.done() and task.result() else 1
+
+
 def _rqt(view: str) -> None:
     sys.stdout.write(f"[rqt_{view}]: Views need a notebook cell: %rqt {view}\n")
     spin()
@@ -198,7 +225,7 @@ def run_with_rclpy(work: Callable[[], None]) -> int:
 
 
 _DEMO, _TURTLE = "course_lib.tools.demo_nodes", "course_lib.robots.turtlesim"
-_FRAMES = "course_lib.robots.turtlesim"
+_FRAMES, _MAPS = "course_lib.robots.turtlesim", "course_lib.robots.maps"
 # Each executable imports its modules when it runs: a program that uses one of them needs no other.
 _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ("rviz2", "rviz2"): _rviz2,
@@ -235,6 +262,11 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
     ),
     ("turtlesim", "mimic"): partial(_spin_class, _TURTLE, "TurtleMimic"),
     ("turtlesim", "draw_square"): partial(_spin_class, _TURTLE, "DrawSquare"),
+    ("nav2_map_server", "map_server"): partial(_spin_class, _MAPS, "MapServer"),
+    ("nav2_map_server", "map_saver_server"): partial(_spin_class, _MAPS, "MapSaver"),
+    ("nav2_lifecycle_manager", "lifecycle_manager"): partial(
+        _spin_class, "course_lib.robots.lifecycle_manager", "LifecycleManager"
+    ),
     ("unknown_robot", "robot"): _unknown_robot,
     # The node of a container does nothing: the launch starts its components as separate processes.
     **{
@@ -247,5 +279,6 @@ _NODES: dict[tuple[str, str], Callable[[], None]] = {
 }
 NODE_EXECUTABLES: "Executables" = {
     **{name: partial(run_with_rclpy, work) for name, work in _NODES.items()},
+    ("nav2_map_server", "map_saver_cli"): _map_saver_cli,
     ("xacro", "xacro"): _xacro,
 }

@@ -96,6 +96,8 @@ class Graph:
         # Called with the graph and each remote endpoint that has joined (True) or is about to leave
         # (False).
         self.remote_listeners: list[Callable[[Graph, EndpointInfo, bool], None]] = []
+        # Names of nodes that a launch has left out, because they cannot run here.
+        self.left_out_nodes: set[str] = set()
         # Number of programs started concurrently.
         self.programs = 0
         # State objects by program name and class.

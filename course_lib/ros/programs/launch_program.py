@@ -267,14 +267,15 @@ class LaunchProgram(Process):
         package: str,
         plugin: str,
         arguments: Iterable[str],
-    ) -> None:
-        """Start a component, or log why it is skipped."""
+    ) -> bool:
+        """Start a component, or log why it is skipped. Return whether it was started."""
         try:
             function = find_component(package, plugin, self._kit_executables)
         except CourseError as error:
             self.log("ERROR", "launch_ros.actions.load_composable_nodes", str(error))
-        else:
-            self.start_function(action, plugin, function, arguments)
+            return False
+        self.start_function(action, plugin, function, arguments)
+        return True
 
     def start_function(
         self, action: Action, name: str, function: Callable[[], object], arguments: Iterable[str]

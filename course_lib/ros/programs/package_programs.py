@@ -25,6 +25,9 @@ Executables = Mapping[tuple[str, str], Callable[[], object]]
 _AS_EXECUTABLE = {
     "robot_state_publisher::RobotStatePublisher": "robot_state_publisher",
     "joint_state_publisher::JointStatePublisher": "joint_state_publisher",
+    "nav2_map_server::MapServer": "map_server",
+    "nav2_map_server::MapSaver": "map_saver_server",
+    "nav2_lifecycle_manager::LifecycleManager": "lifecycle_manager",
     "demo_nodes_cpp::Talker": "talker",
     "demo_nodes_cpp::Listener": "listener",
     "demo_nodes_cpp::ServerNode": "add_two_ints_server",

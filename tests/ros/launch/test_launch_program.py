@@ -188,7 +188,7 @@ simulated = IncludeLaunchDescription(os.path.join(simulator, "launch", "gz_sim.l
         ("IncludeLaunchDescription([ThisLaunchFileDir(), '/moveit.launch.py'])", "MoveIt plans in"),
         ("Node(package='my_robot', executable='driver')", "'driver' of package 'my_robot' is a compiled"),
         ("Node(package='rplidar_ros', executable='rplidar_node')", "a driver runs beside its device"),
-        ("LifecycleNode(package='nav2_map_server', executable='map_server', name='m', namespace='')",
+        ("LifecycleNode(package='nav2_amcl', executable='amcl', name='m', namespace='')",
          "navigation runs in compiled servers"),
         ("ExecuteProcess(cmd=['gz', 'sim'])", "`gz sim` cannot run here"),
         ("ExecuteProcess(cmd=['ros2', 'control', 'load_controller', 'a'])", "`ros2 control` cannot run here"),

@@ -52,8 +52,8 @@ class Runner(Protocol):
         package: str,
         plugin: str,
         arguments: Iterable[str],
-    ) -> None:
-        """Start a component that is written in Python."""
+    ) -> bool:
+        """Start a component that is written in Python. Return whether it was started."""
 
     def start_function(
         self, action: "Action", name: str, function: Callable[[], object], arguments: Iterable[str]

@@ -29,6 +29,7 @@ from lifecycle_msgs.msg import Transition, TransitionEvent
 from course_lib.ros.graph.graph import NodesOfProgram, current_graph
 from course_lib.ros.graph.topics import SERVICE_HEADER, SERVICE_TOPICS, Qos
 from course_lib.ros.messages import deserialize, serialize
+from course_lib.ros.programs.missing_packages import NotHereError
 from launch_ros.events.lifecycle import ChangeState, StateTransition
 from launch_ros.events.matchers import matches_node_name
 from launch_ros.parameter_descriptions import ParameterFile, check_values, evaluated, words_for
@@ -261,8 +262,14 @@ class Node(Action):
         arguments = [*arguments, "--ros-args", *ros_words, *common.words(context)]
         if self._package is None:
             context.runner.start_file(self, Path(executable), arguments)
-        else:
+            return None
+        try:
             context.runner.start(self, text_of(context, self._package), executable, arguments)
+        except NotHereError:
+            # Executables of ROS usually have the names of their nodes.
+            name = executable if common.name is None else text_of(context, common.name)
+            current_graph().left_out_nodes.add(name)
+            raise
         return None
 
 
@@ -361,7 +368,9 @@ class ComposableNode:
         if self._condition is None or self._condition.evaluate(context):
             package, plugin = text_of(context, self._package), text_of(context, self._plugin)
             arguments = ["--ros-args", *self._settings.words(context)]
-            context.runner.start_component(action, package, plugin, arguments)
+            is_started = context.runner.start_component(action, package, plugin, arguments)
+            if not is_started and self._settings.name is not None:
+                current_graph().left_out_nodes.add(text_of(context, self._settings.name))
 
 
 class LoadComposableNodes(Action):
