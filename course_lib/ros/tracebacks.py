@@ -132,6 +132,16 @@ def line_of_thread(ident: int) -> str:
     return _innermost_own_line(reversed(stack))
 
 
+def is_importing(ident: int) -> bool:
+    """Return whether a thread is importing a module of Python or of a library, which may take seconds."""
+    for frame, _ in walk_stack(sys._current_frames().get(ident)):
+        if is_own(frame.f_code.co_filename):
+            return False
+        if frame.f_code.co_filename == "<frozen importlib._bootstrap>":
+            return True
+    return False
+
+
 def is_own(filename: str) -> bool:
     """Return whether a file belongs to the student, not to the kit, Python or a library."""
     return not filename.startswith(("<frozen", *OTHERS))

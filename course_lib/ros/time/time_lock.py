@@ -502,7 +502,7 @@ class TimeLock:
 
         An interrupt during the wait is raised when the thread holds the lock.
         """
-        looks, looks_with_interrupt, waiting = 0, 0, True
+        looks, looks_with_interrupt, waiting, is_reported = 0, 0, True, False
         while waiting:
             is_impatient = False
             try:
@@ -515,8 +515,8 @@ class TimeLock:
                 return
             looks += 1
             looks_with_interrupt += me.raises is not None or self._is_signalled
-            if looks == LOOKS_BEFORE_NOTICE:
-                self._report_busy_thread()
+            if looks % LOOKS_BEFORE_NOTICE == 0 and not is_reported:
+                is_reported = self._report_busy_thread()
             with self._mutex:
                 # The holder runs code outside of the kit. It continues without the lock.
                 if is_impatient or looks_with_interrupt > LOOKS_AFTER_INTERRUPT:
@@ -527,18 +527,24 @@ class TimeLock:
                     # The turn may have arrived just after the check.
                     me.turn.acquire(False)
 
-    def _report_busy_thread(self) -> None:
-        """Print which thread holds the lock without pausing, while all other threads of the program wait."""
-        from course_lib.ros.tracebacks import line_of_thread
+    def _report_busy_thread(self) -> bool:
+        """Print which thread holds the lock without pausing, while all other threads of the program wait.
 
+        Nothing is printed during an import. Return whether a thread was reported.
+        """
+        from course_lib.ros.tracebacks import is_importing, line_of_thread
+
+        is_reported = False
         for ident, thread in list(self._threads.items()):
-            if thread is self._holder and thread.wait is None:
+            if thread is self._holder and thread.wait is None and not is_importing(ident):
+                is_reported = True
                 line = line_of_thread(ident)
                 say(
                     f'Thread "{thread.name}" has been running without a pause{line and f" ({line})"}. '
                     "Here one thread runs at a time, so the rest of the program waits for it: put "
                     "time.sleep(0.01) into its loop. Ctrl+C or ■ ends the program."
                 )
+        return is_reported
 
     @contextmanager
     def report_busy_main_thread(self, graph: Graph) -> Iterator[None]:
@@ -556,13 +562,13 @@ class TimeLock:
             end_of_block.release()
 
     def _watch_main_thread(self, graph: Graph, end_of_block: _thread.LockType) -> None:
-        from course_lib.ros.tracebacks import line_of_thread
+        from course_lib.ros.tracebacks import is_importing, line_of_thread
 
         ident, seen_ns, started_at = threading.main_thread().ident or 0, -1, 0.0
         while not end_of_block.acquire(timeout=LOOK):
             me = self._threads.get(ident)
             is_running = me is not None and self._holder is me and me.wait is None
-            if not is_running or graph.now_ns != seen_ns:
+            if not is_running or graph.now_ns != seen_ns or is_importing(ident):
                 seen_ns, started_at = graph.now_ns, time.process_time()
             # CPU time, as a program may also wait for a key or a file.
             elif time.process_time() - started_at > BUSY_SECONDS and (line := line_of_thread(ident)):
