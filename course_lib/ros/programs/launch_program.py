@@ -7,6 +7,7 @@ import os
 import re
 import signal
 import sys
+import sysconfig
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -32,7 +33,7 @@ from launch.launch_description_sources import LaunchDescriptionSource
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import THREADS, current_graph, program
 from course_lib.ros.hints import hint
-from course_lib.ros.programs import absent_modules
+from course_lib.ros.programs import absent_modules, import_path
 from course_lib.ros.programs.missing_packages import (
     NotHereError,
     reason_in,
@@ -46,7 +47,7 @@ from course_lib.ros.programs.package_programs import (
     prepend_to_path,
     unload_packages,
 )
-from course_lib.ros.programs.packages import python_path, source
+from course_lib.ros.programs.packages import prepend_paths, python_path, source
 from course_lib.ros.programs.process import INTERRUPTED, Function, Process, Processes, Program
 from course_lib.ros.time.time_lock import DeadlockError, ShutDown, time_lock
 from course_lib.ros.tracebacks import format_location, line_of_traceback
@@ -485,6 +486,9 @@ def prepare_imports(file: Path) -> None:
     absent_modules.install()
     for name in _SET_BY_SETUP:
         os.environ.setdefault(name, "")
+    # For launch files that run xacro as a subprocess: its command, and the packages of $(find …).
+    prepend_paths("PATH", [Path(sysconfig.get_path("scripts"))])
+    prepend_paths("PYTHONPATH", [import_path.STANDIN])
 
 
 def _skip_reason(entity: object, error: Exception) -> str:

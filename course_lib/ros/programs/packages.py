@@ -350,9 +350,9 @@ def source(file: Path) -> None:
     package = package_folder_of(file)
     if package is not None and package.parent.name == "share":
         prefixes = (package.parent, *package.parents[2].glob("*/share"))
-        _prepend_paths("AMENT_PREFIX_PATH", [path.parent for path in prefixes])
+        prepend_paths("AMENT_PREFIX_PATH", [path.parent for path in prefixes])
     elif root := workspace_of(file):
-        _prepend_paths("ROS_PACKAGE_PATH", [root])
+        prepend_paths("ROS_PACKAGE_PATH", [root])
 
 
 def python_path(file: Path) -> list[str]:
@@ -392,7 +392,8 @@ def python_package(file: Path) -> str | None:
     return ".".join(reversed(names)) or None
 
 
-def _prepend_paths(variable: str, paths: list[Path]) -> None:
+def prepend_paths(variable: str, paths: list[Path]) -> None:
+    """Put folders first in an environment variable that lists folders, such as PATH."""
     entries = [str(path) for path in paths] + os.environ.get(variable, "").split(os.pathsep)
     os.environ[variable] = os.pathsep.join(dict.fromkeys(filter(None, entries)))
 

@@ -7,6 +7,7 @@ import pytest
 from launch.events import matches_action
 from launch_ros.actions import LifecycleNode
 from launch_ros.actions import Node as NodeAction
+from launch_ros.descriptions import ComposableLifecycleNode
 from launch_ros.event_handlers import OnStateTransition
 from launch_ros.events.lifecycle import ChangeState, StateTransition
 from launch_ros.events.matchers import matches_node_name
@@ -150,6 +151,57 @@ def test_transitions_are_requested_in_sequence_until_a_node_fails(
     assert [goal for goal in goals if not goal.endswith("ing")] == (
         ["inactive", "unconfigured"] if fails else ["inactive", "active", "inactive", "active"]
     )
+
+
+COMPONENT = """
+from launch import LaunchDescription
+from launch_ros.actions import ComposableNodeContainer, LifecycleTransition
+from launch_ros.descriptions import ComposableLifecycleNode
+from lifecycle_msgs.msg import Transition
+
+
+def generate_launch_description():
+    talker = ComposableLifecycleNode(
+        package="my_robot", plugin="my_robot::Talker", name="lc_talker", namespace="one", autostart=AUTO)
+    return LaunchDescription([
+        ComposableNodeContainer(
+            name="box", namespace="", package="rclcpp_components", executable="component_container",
+            composable_node_descriptions=[talker]),
+        THEN
+    ])
+"""
+CONFIGURE = (
+    "LifecycleTransition(lifecycle_node_names=['/one/lc_talker'], "
+    "transition_ids=[Transition.TRANSITION_CONFIGURE])"
+)
+
+
+@pytest.mark.parametrize(
+    ("auto", "then", "goals"),
+    [
+        ("True", "", ["configuring", "inactive", "activating", "active"]),
+        ("'false'", CONFIGURE, ["configuring", "inactive"]),
+        ("False", "", []),
+    ],
+)
+def test_lifecycle_component_has_the_transitions_of_the_launch(
+    robot: Path, auto: str, then: str, goals: list[str]
+) -> None:
+    (robot / "my_robot" / "lc_talker.py").write_text(TALKER)
+    entry_point = "my_robot::Talker = my_robot.lc_talker:Talker"
+    (robot / "setup.py").write_text(SETUP.replace("lc_talker = my_robot.lc_talker:main", entry_point))
+    file = robot / "launch" / "component.launch.py"
+    file.write_text(COMPONENT.replace("AUTO", auto).replace("THEN", then))
+    recording, code = recorded(file)
+    assert code == 0
+    samples = [s for s in recording.samples if s.topic == "/one/lc_talker/transition_event"]
+    events = [deserialize(sample.cdr, TransitionEvent) for sample in samples]
+    assert [event.goal_state.label for event in events] == goals
+
+
+def test_lifecycle_component_without_a_name_is_rejected() -> None:
+    with pytest.raises(TypeError, match="expected the node's name"):
+        ComposableLifecycleNode(package="p", plugin="p::C")
 
 
 def test_transition_rejected_by_the_node_is_logged(demo: Any, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,5 +1,6 @@
 """xacro itself is tested by its project; here it meets the kit's packages, launch files and robots."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -85,6 +86,25 @@ def test_launched_robot_state_publisher_publishes_the_xacro_output(arm: Path, tm
     (description,) = [s.message().data for s in recording.samples if s.topic == "/robot_description"]
     assert code == 0
     assert '<link name="launched">' in description
+
+
+def test_launch_file_runs_xacro_as_a_subprocess(
+    arm: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PATH", os.defpath)
+    file = tmp_path / "tiny_arm" / "launch" / "arm.launch.py"
+    file.parent.mkdir()
+    file.write_text(
+        "import os, subprocess\n"
+        "from launch import LaunchDescription\n"
+        "from launch.actions import LogInfo\n\n\n"
+        "def generate_launch_description():\n"
+        f"    urdf = subprocess.check_output(['xacro', {str(arm)!r}], text=True)\n"
+        f"    assert os.popen('xacro {arm}').read() == urdf\n"
+        "    return LaunchDescription([LogInfo(msg=f'{urdf.count(\"<link\")} links')])\n"
+    )
+    assert recorded(file)[1] == 0
+    assert "[launch.user]: 2 links" in capsys.readouterr().out
 
 
 def test_xacro_error_is_reported_with_the_error_text_of_xacro(arm: Path, context: LaunchContext) -> None:

@@ -22,7 +22,7 @@ from launch.actions import (
 from launch.conditions import as_bool
 from launch.entities import Action, BaseEventHandler, Condition, LaunchContext, Reaction, text_of
 from launch.entities import SomeSubstitutionsType as Some
-from launch.event_handlers import OnProcessExit
+from launch.events import ProcessExited
 from lifecycle_msgs import srv
 from lifecycle_msgs.msg import Transition, TransitionEvent
 
@@ -293,9 +293,31 @@ class LifecycleNode(Node):
         self._given_name = name
 
     def _start(self, context: LaunchContext) -> list[Action]:
-        runner = context.runner
         self.node_name = f"{self._settings.full_namespace(context)}/{text_of(context, self._given_name)}"
+        LifecycleEventManager(self).setup_lifecycle_manager(context)
+        super()._start(context)
+        return [_activation(self.node_name)] if self._autostart else []
+
+
+class LifecycleEventManager:
+    """Emits the transitions of a lifecycle node, and requests the transitions of ChangeState events.
+
+    Args:
+        lifecycle_node: The action or the description of the node, whose `node_name` is its full name.
+    """
+
+    def __init__(self, lifecycle_node: "LifecycleNode | ComposableLifecycleNode") -> None:
+        self._lifecycle_node = lifecycle_node
         self._is_running = True
+
+    @property
+    def node_name(self) -> str:
+        """The full name of the node."""
+        return self._lifecycle_node.node_name
+
+    def setup_lifecycle_manager(self, context: LaunchContext) -> None:
+        """Connect to the node, which need not be there yet."""
+        runner, node = context.runner, self._lifecycle_node
 
         def on_rejection(number: int) -> None:
             transition = f"'{ChangeState.valid_transitions[number]}' for LifecycleNode '{self.node_name}'"
@@ -304,33 +326,41 @@ class LifecycleNode(Node):
             )
 
         def on_transition(message: Any) -> None:
-            runner.emit(StateTransition(action=self, msg=message))
+            runner.emit(StateTransition(action=node, msg=message))
+
+        def is_own_exit(event: Any) -> bool:
+            return isinstance(event, ProcessExited) and event.action in (node, self._process_action())
 
         def on_exit(event: Any, context: LaunchContext) -> None:
             self._is_running = False
 
         def is_addressed(event: Any) -> bool:
-            return isinstance(event, ChangeState) and event.lifecycle_node_matcher(self)
+            return isinstance(event, ChangeState) and event.lifecycle_node_matcher(node)
 
         def on_request(event: Any, context: LaunchContext) -> Action:
             return Action(lambda context: self._request(context, link, event.transition_id))
 
         link = _LifecycleLink(self.node_name, on_transition, on_rejection)
         context.handlers[:0] = [
-            OnProcessExit(target_action=self, on_exit=on_exit),
+            BaseEventHandler(matcher=is_own_exit, entities=on_exit),
             BaseEventHandler(matcher=is_addressed, entities=on_request),
         ]
-        super()._start(context)
-        if not self._autostart:
-            return []
-        transitions = [Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE]
-        return [LifecycleTransition(lifecycle_node_names=[self.node_name], transition_ids=transitions)]
+
+    def _process_action(self) -> Action | None:
+        """Return the action that has started the node's process, if it is not the node itself."""
+        return getattr(self._lifecycle_node, "loading_action", None)
 
     def _request(self, context: LaunchContext, link: _LifecycleLink, transition: int) -> None:
         """Request a transition. If the node is not available yet, try again later."""
         if self._is_running and not link.request(transition):
             retry = Action(lambda context: self._request(context, link, transition))
             context.runner.later(_LOOK, retry)
+
+
+def _activation(name: str) -> "LifecycleTransition":
+    """Return the action that configures and activates a lifecycle node."""
+    transitions = [Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE]
+    return LifecycleTransition(lifecycle_node_names=[name], transition_ids=transitions)
 
 
 class ComposableNode:
@@ -363,14 +393,53 @@ class ComposableNode:
         self._package, self._plugin, self._condition = package, plugin, condition
         self._settings = _NodeSettings(name, namespace, tuple(parameters or ()), tuple(remappings or ()))
 
-    def load(self, context: LaunchContext, action: Action) -> None:
-        """Start the component unless its condition is false."""
+    def load(self, context: LaunchContext, action: Action) -> Iterable[Action]:
+        """Start the component unless its condition is false. Return the actions that follow."""
         if self._condition is None or self._condition.evaluate(context):
             package, plugin = text_of(context, self._package), text_of(context, self._plugin)
             arguments = ["--ros-args", *self._settings.words(context)]
-            is_started = context.runner.start_component(action, package, plugin, arguments)
-            if not is_started and self._settings.name is not None:
+            if context.runner.start_component(action, package, plugin, arguments):
+                return self._on_start(context, action)
+            if self._settings.name is not None:
                 current_graph().left_out_nodes.add(text_of(context, self._settings.name))
+        return ()
+
+    def _on_start(self, context: LaunchContext, action: Action) -> Iterable[Action]:
+        """Return the actions that follow when the component was started."""
+        return ()
+
+
+class ComposableLifecycleNode(ComposableNode):
+    """A component that is a lifecycle node.
+
+    The launch receives its transitions (StateTransition) and requests transitions (ChangeState).
+
+    Args:
+        autostart: Whether the launch configures and activates the node.
+        options: The options of ComposableNode. The node's topic and service contain its `name`.
+
+    Raises:
+        TypeError: There is no `name`.
+    """
+
+    def __init__(self, *, autostart: bool | Some = False, **options: Any) -> None:
+        super().__init__(**options)
+        if self._settings.name is None:
+            raise TypeError("ComposableLifecycleNode: name=None, expected the node's name: name='camera'")
+        self._autostart, self._given_name = autostart, self._settings.name
+        # The fully qualified name and the action that starts the node, once it was started.
+        self.node_name = ""
+        self.loading_action: Action | None = None
+
+    def init_lifecycle_event_manager(self, context: LaunchContext) -> None:
+        """Connect the node with the events of the launch."""
+        self.node_name = f"{self._settings.full_namespace(context)}/{text_of(context, self._given_name)}"
+        LifecycleEventManager(self).setup_lifecycle_manager(context)
+
+    def _on_start(self, context: LaunchContext, action: Action) -> Iterable[Action]:
+        self.loading_action = action
+        self.init_lifecycle_event_manager(context)
+        return [_activation(self.node_name)] if as_bool(context, self._autostart) else []
 
 
 class LoadComposableNodes(Action):
@@ -386,9 +455,8 @@ class LoadComposableNodes(Action):
         super().__init__(self._load, **options)
         self._components = list(composable_node_descriptions)
 
-    def _load(self, context: LaunchContext) -> None:
-        for component in self._components:
-            component.load(context, self)
+    def _load(self, context: LaunchContext) -> list[Action]:
+        return [action for component in self._components for action in component.load(context, self)]
 
 
 class ComposableNodeContainer(Node):

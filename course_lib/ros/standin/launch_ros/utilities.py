@@ -7,6 +7,7 @@ from typing import Any
 from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution
 from launch.utilities import normalize_to_list_of_substitutions
 
+from launch_ros.actions import LifecycleEventManager as LifecycleEventManager
 from launch_ros.parameter_descriptions import Parameter, ParameterFile, check_values, flat_values
 
 SomeRemapRule = tuple[SomeSubstitutionsType, SomeSubstitutionsType]
