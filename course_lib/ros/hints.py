@@ -107,6 +107,7 @@ def hint(error: BaseException) -> str:
         or _operand_hint(error, text)
         or _request_hint(error)
         or _list_hint(error, text)
+        or _program_arguments_hint(error)
         or _value_hint(error, text)
         or _table_hint(error, text)
     ):
@@ -436,6 +437,19 @@ def _list_hint(error: BaseException, text: str) -> str:
         if isinstance(item, list | tuple | np.ndarray):
             return f"item {index} is a list in the list: does it have [ ] of its own, or is a * missing?"
     return ""
+
+
+def _program_arguments_hint(error: BaseException) -> str:
+    """Return the hint for a program that reads more command-line arguments than it has, or ""."""
+    if not isinstance(error, IndexError | ValueError):
+        return ""
+    is_short = isinstance(error, IndexError) or "not enough values to unpack" in str(error)
+    if not is_short or "sys.argv" not in line_of_student(error):
+        return ""
+    return (
+        "the program needs arguments: course run FILE -- VALUES, or in a launch file, for its Node, "
+        "`arguments=['1.0', '2.0']`."
+    )
 
 
 def _missing_self_hint(error: NameError, text: str) -> str:

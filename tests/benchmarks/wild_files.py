@@ -201,7 +201,10 @@ class _Dry:
         """Evaluate the command line."""
         list(words)
 
-    start_component = start
+    def start_component(self, action: Any, package: str, plugin: str, words: Iterable[str]) -> bool:
+        """Evaluate the command line. The component is not started."""
+        list(words)
+        return False
 
     def has_executable(self, package: str, executable: str) -> bool:
         """Return whether the kit itself has an executable."""

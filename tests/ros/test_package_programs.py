@@ -2,6 +2,7 @@
 
 import os
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -273,3 +274,23 @@ def test_packages_of_a_layout_are_found_from_any_folder(
     layout.touch()
     cli._find_packages_of(layout)
     assert packages(in_working_folder=False)["far_msgs"] == workspace / "tools" / "far_msgs"
+
+
+@pytest.mark.parametrize(
+    ("line", "is_missing"),
+    [
+        ("speed = float(sys.argv[1])", True),
+        ("name, x, y = sys.argv", True),
+        ("speed = [][1]", False),
+        ("name, x = sys.argv + ['1', '2']", False),
+    ],
+)
+def test_missing_argument_of_a_program_has_a_hint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, is_missing: bool
+) -> None:
+    file = tmp_path / "drive.py"
+    file.write_text(f"import sys\n{line}\n")
+    monkeypatch.setattr("sys.argv", ["drive.py"])
+    with pytest.raises((IndexError, ValueError)) as caught:
+        runpy.run_path(str(file))
+    assert ("course run FILE -- VALUES" in hint(caught.value)) is is_missing

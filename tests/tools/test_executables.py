@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 from ament_index_python import get_package_share_path
 
+from course_lib import Viewer
 from tests.ros.launch.conftest import launch_file as launch_file
 from tests.ros.launch.conftest import robot as robot
 from tests.ros.launch.run import recorded
@@ -179,3 +180,9 @@ def test_dynamic_frame_circles_around_the_first_turtle() -> None:
         if transform.child_frame_id == "carrot1"
     ]
     assert {round(carrot.y) for carrot in carrots} == {-10, 10}
+
+
+def test_layout_of_turtle_tf2_py_shows_the_frames_of_the_turtles() -> None:
+    layout = get_package_share_path("turtle_tf2_py") / "rviz" / "turtle_rviz.rviz"
+    viewer = Viewer.from_rviz(layout)
+    assert repr(viewer) == "<Viewer of world with Grid, TF>"

@@ -85,6 +85,12 @@ PLAIN_PYTHON = [
         "IndexError: tuple index out of range",
         "the tuple is shorter than that: print len(…) of it first.",
     ),
+    (
+        "import io, sys\nsys.stdin = io.StringIO('')\nspeed = input('speed: ')",
+        "EOFError: EOF when reading a line",
+        "the program waits for a line from the keyboard, and there is none here: run it in a terminal, or "
+        "take the value from a parameter.",
+    ),
     ("[].pop()", "IndexError: pop from empty list", "the list is empty: check this first, with if values:."),
     (
         "speed = 2.0\nspeed ^ 2.0",
