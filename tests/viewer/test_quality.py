@@ -60,6 +60,11 @@ def test_finer_level_that_is_too_slow_is_tried_less_and_less_often(tmp_path: Pat
     assert tries[-1] - tries[-2] > 4 * (tries[1] - tries[0])
 
 
+def test_view_returns_from_a_much_too_slow_finer_level_to_the_level_before(tmp_path: Path) -> None:
+    costs = [900, 800, 700, 60, 7, 6]
+    assert 5 not in levels(tmp_path, [costs] * 600)[20:]
+
+
 def test_finer_level_is_tried_soon_after_a_rest(tmp_path: Path) -> None:
     costs = [900, 800, 700, 60, 7, 6]
     answer = levels(tmp_path, [*[costs] * 600, "rest", *[costs] * 8])

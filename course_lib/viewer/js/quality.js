@@ -22,7 +22,7 @@ const LEVELS = [
 // How many times longer a picture of each level is expected to take than one of the next coarser level.
 const RATIOS = [4, 2, 1.7, 1.8, 1.8];
 const BUDGET = 14; // [ms] per picture; half of a page's time remains for the page itself
-const MUCH = 2.5; // multiple of BUDGET from which on two levels are skipped in one step
+const MUCH = 2.5; // multiple of BUDGET from which on two levels are skipped in one step, or a trial ends early
 const MOVING = 900; // [ms] maximum time between two pictures of a motion; busy machines draw two per second
 const [FEW, ENOUGH, LONGEST] = [2, 4, 256]; // measurements before a much coarser, a coarser, and the longest before a finer level
 const SELDOM = 6; // with a graphics card one in so many pictures is measured, because each measurement waits for the card
@@ -84,7 +84,7 @@ export class MotionQuality {
     this.times = [...this.times, took].slice(-ENOUGH);
     this.measured++;
     const least = Math.min(...this.times);
-    if (this.measured >= FEW && least > MUCH * BUDGET) return this.step(level, 2);
+    if (this.measured >= FEW && least > MUCH * BUDGET) return this.step(level, this.isTrial ? 1 : 2);
     if (this.measured >= ENOUGH && least > BUDGET) return this.step(level, 1);
     const canImprove = level > (isSoftware ? 1 : 0) && least * RATIOS[level - 1] < BUDGET;
     return canImprove && this.measured >= this.wait ? this.step(level, -1) : level;
