@@ -144,7 +144,8 @@ def _field_hint(types: Sequence[str], attribute: str) -> str:
     show = f"`%ros2 interface show {types[0]}` lists its fields."
     if is_angle(attribute) and {"x", "y", "z", "w"} <= set(names):
         turn = "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`"
-        return f"a quaternion holds no angle: a turn by yaw about z is {turn}."
+        back = "back it is `yaw = 2 * atan2(q.z, q.w)`"
+        return f"a quaternion holds no angle: a turn by yaw about z is {turn}, and {back}."
     lists = [f.name for one in definitions for f in one.fields if f.container != "scalar"]
     if attribute in dir(list) and len(lists) == 1:
         return f"did you mean `{lists[0]}.{attribute}`? {show}"
@@ -254,11 +255,16 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
     items: Any = value.ravel() if isinstance(value, np.ndarray) else value
     numbers: list[Any] = list(items) if isinstance(items, list | tuple | np.ndarray) else [items]
     names = _NUMBERS_OF.get(kind, "")
+    if len(numbers) == len(names) and isinstance(value, list | tuple | np.ndarray):
+        items_of = ", ".join(f"{name}=numbers[{index}]" for index, name in enumerate(names))
+        by_index = f"create one, with named fields: `{kind}({items_of})`, where numbers is the list."
+    else:
+        by_index = ""
     are_short = all(
         isinstance(one, int | float | np.integer | np.floating) and -1000 < one < 1000 for one in numbers
     )
     if not numbers or not are_short:
-        return ""
+        return by_index
     if len(numbers) == 1 and kind in ("Vector3", "Point") and field is not None and field[1] != "scale":
         return f"a {kind} has three numbers. Set one of them: {field[1]}.x = {float(numbers[0])!r}."
     if len(numbers) == 1 and kind == "Vector3":
@@ -266,9 +272,9 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
     if kind == "ColorRGBA" and len(numbers) == 3:
         numbers.append(1.0)
     texts = [repr(float(one)) for one in numbers]
-    # Values of a computation have many digits. Then the general hint is easier to read.
+    # Values of a computation have many digits.
     if len(numbers) != len(names) or max(map(len, texts)) > len("-10.25"):
-        return ""
+        return by_index
     arguments = ", ".join(f"{name}={text}" for name, text in zip(names, texts, strict=True))
     return f"create one, with named fields: `{kind}({arguments})`."
 
@@ -347,6 +353,8 @@ def _loop_hint(error: BaseException, text: str) -> str:
 
 # What each method of a node takes, in this order.
 _CREATE_CALLS = {
+    "create_service": "self.create_service(AddTwoInts, '/a_service', self.answer)",
+    "create_client": "self.create_client(AddTwoInts, '/a_service')",
     "create_publisher": "self.create_publisher(Marker, '/a_topic', 10)",
     "create_subscription": "self.create_subscription(Marker, '/a_topic', self.heard, 10)",
 }
@@ -354,11 +362,19 @@ _CREATE_CALLS = {
 
 def _order_hint(error: BaseException, text: str) -> str:
     """Return the hint for a call that passes the type or the name of a topic at another place, or ""."""
-    if "rclpy_resolve_name" not in text:
+    texts = "rclpy_resolve_name|incompatible constructor arguments|no attribute '_TYPE_SUPPORT'"
+    if not re.search(texts, text):
         return ""
-    names = [frame.f_code.co_name for frame, _ in walk_tb(error.__traceback__)]
-    call = next((_CREATE_CALLS[name] for name in names if name in _CREATE_CALLS), "")
-    return f"pass the type first, then the name in quotes: `{call}`." if call else ""
+    frames = [frame for frame, _ in walk_tb(error.__traceback__) if frame.f_code.co_name in _CREATE_CALLS]
+    if not frames:
+        return ""
+    variables = frames[0].f_locals
+    kind = variables.get("srv_type", variables.get("msg_type"))
+    # A type in quotes, followed by a name in quotes, is another mistake.
+    if isinstance(kind, str) and isinstance(variables.get("srv_name", variables.get("topic")), str):
+        return ""
+    call = _CREATE_CALLS[frames[0].f_code.co_name]
+    return f"pass the type first, then the name in quotes: `{call}`."
 
 
 # What Python says about an operand or argument that has to be a number or a string.
@@ -378,12 +394,19 @@ def _operand_hint(error: BaseException, text: str) -> str:
     """Return the hint for a message with which a program computes, or ""."""
     if not isinstance(error, TypeError):
         return ""
+    frame = frame_of(error)
+    if frame is not None and hasattr(frame.f_locals.get("num_threads"), "create_publisher"):
+        return "the argument is the number of threads. Add the node: `executor.add_node(node)`."
     match = next((found for one in _OPERANDS if (found := re.search(one, text))), None)
     # Two objects of one type that are compared have a hint of their own, in the table.
     names = match.groups() if match else ()
     for name in names if len(set(names)) == len(names) else ():
         types = [] if name in _OTHER_OPERANDS else _types_in_error(f"'{name}' object has no attribute")
         fields = [field.name for field in definition(types[0]).fields] if types else []
+        if name == "ParameterValue":
+            return (
+                "this holds values of all types. The parameter's own is `self.get_parameter('known').value`."
+            )
         if len(fields) == 1:
             return f"one side is a message, {name}: use its field {fields[0]}."
         if fields and "between instances" not in text:
@@ -432,6 +455,13 @@ def _list_hint(error: BaseException, text: str) -> str:
     are_plain = re.search(r"each value of type '(float|int|str|bool)'", text)
     items = list(value) if are_plain and isinstance(value, Sequence | np.ndarray) else []
     for index, item in enumerate(items):
+        if are_plain is not None and are_plain[1] == "int" and isinstance(item, int | np.integer):
+            limits = re.search(r"in \[(-?\d+), (\d+)\]", text)
+            if limits and not int(limits[1]) <= item <= int(limits[2]):
+                return f"item {index} of the list is {item}, outside of {limits[1]} to {limits[2]}."
+            continue
+        if are_plain is not None and are_plain[1] == "int" and isinstance(item, float | np.floating):
+            return f"item {index} of the list is {float(item)}, with a point: write int(…) or round(…)."
         if item is None or (isinstance(item, str) and "'str'" not in text):
             return f"item {index} of the list is {item!r}, not a number."
         if isinstance(item, list | tuple | np.ndarray):

@@ -493,6 +493,22 @@ def join(names: Sequence[str]) -> str:
     return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
+# Short or old names of arguments.
+_OTHER_KEYWORDS = {
+    "args": "arguments",
+    "exec": "executable",
+    "node_executable": "executable",
+    "node_name": "name",
+    "node_namespace": "namespace",
+    "node_type": "executable",
+    "ns": "namespace",
+    "params": "parameters",
+    "pkg": "package",
+    "remap": "remappings",
+    "type": "executable",
+}
+
+
 def keyword_hint(error: BaseException) -> str:
     """Return a question with the argument closest to one that a function does not have, or ""."""
     match = re.match(
@@ -507,6 +523,10 @@ def keyword_hint(error: BaseException) -> str:
     function = (
         type(instance) if is_in_kit and ".__init__()" in str(error) else _reachable_object(frame, match[1])
     )
+    # Actions of launch files check their options in a function of their own.
+    for caller, _ in walk_tb(error.__traceback__):
+        if type(caller.f_locals.get("self")).__name__ == match[1]:
+            function = type(caller.f_locals["self"])
     if not isinstance(function, FunctionType | MethodType | type):
         return ""
     try:
@@ -514,6 +534,10 @@ def keyword_hint(error: BaseException) -> str:
     except (TypeError, ValueError):
         return ""
     names = [name for name in parameters if name != "self" and not name.startswith("_")]
+    if match[1] == "Node" and match[2] in ("package", "executable", "pkg", "exec") and "node_name" in names:
+        return "this is rclpy's Node. In a launch file, write `from launch_ros.actions import Node`."
+    if (other := _OTHER_KEYWORDS.get(match[2], "")) in names:
+        return f"did you mean `{other}`?"
     similar = nearest(match[2], names, 0.6) or next((one for one in names if one.startswith(match[2])), "")
     if match[2] == "queue_size" and "qos_profile" in names:
         return "queue_size is from ROS 1: write the number alone, like 10, as the last argument."

@@ -20,7 +20,7 @@ NAMES = """
 import math
 import sys
 import numpy as np
-from math import cos, sin
+from math import atan2, cos, sin
 from course_lib import Viewer
 from lifecycle_msgs.msg import Transition
 from geometry_msgs.msg import Quaternion, Vector3
@@ -58,7 +58,8 @@ self.buffer.set_transform(transform, "test")
 point = PointStamped()
 point.header.frame_id = "map"
 message, state, items, matrix, time = Marker(), JointState(), [1.0], np.eye(4), 1.0
-item, v = 2.0, Vector3()
+item, v, q, numbers = 2.0, Vector3(), Quaternion(), [0.0, 0.0, 0.0, 1.0]
+executor, node = rclpy.executors.SingleThreadedExecutor(), Robot()
 parameter = rclpy.parameter.Parameter("speed", value=1.0)
 self.publisher = robot.create_publisher(Marker, '/a_topic', 10)
 publisher = angle = get_logger = spin = 0

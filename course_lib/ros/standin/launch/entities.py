@@ -139,8 +139,10 @@ def text_of(context: LaunchContext, parts: SomeSubstitutionsType) -> str:
     if not isinstance(parts, Iterable):
         # The text begins as in ROS.
         kind = type(parts).__name__
+        is_value = isinstance(parts, bool | int | float)
+        in_quotes = f"; write it in quotes, '{str(parts).lower()}'" if is_value else ""
         raise TypeError(
-            f"'{kind}' object is not iterable: expected a string or a substitution, not {parts!r}"
+            f"'{kind}' object is not iterable: expected a string or a substitution, not {parts!r}{in_quotes}"
         )
     return "".join(text_of(context, part) for part in parts)
 

@@ -195,4 +195,28 @@ MESSAGES = [
         "TypeError: '>' not supported between instances of 'Int32' and 'int'",
         "one side is a message, Int32: use its field data.",
     ),
+    (
+        "PoseStamped().pose.orientation = [0.0, 0.0, 0.3826834, 0.9238795]",
+        "AssertionError: The 'orientation' field must be a sub message of type 'Quaternion'",
+        "create one, with named fields: `Quaternion(x=numbers[0], y=numbers[1], z=numbers[2], "
+        "w=numbers[3])`, where numbers is the list.",
+    ),
+    (
+        "from nav_msgs.msg import OccupancyGrid\nOccupancyGrid().data = [0, 255]",
+        "AssertionError: The 'data' field must be a set or sequence and each value of type 'int'"
+        " and each integer in [-128, 127]",
+        "item 1 of the list is 255, outside of -128 to 127.",
+    ),
+    (
+        "from nav_msgs.msg import OccupancyGrid\nOccupancyGrid().data = [0.0, 1.0]",
+        "AssertionError: The 'data' field must be a set or sequence and each value of type 'int'"
+        " and each integer in [-128, 127]",
+        "item 0 of the list is 0.0, with a point: write int(…) or round(…).",
+    ),
+    (
+        "PoseStamped().pose.orientation.yaw",
+        "AttributeError: 'Quaternion' object has no attribute 'yaw'",
+        "a quaternion holds no angle: a turn by yaw about z is `Quaternion(z=sin(yaw / 2), "
+        "w=cos(yaw / 2))`, and back it is `yaw = 2 * atan2(q.z, q.w)`.",
+    ),
 ]

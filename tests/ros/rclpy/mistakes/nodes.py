@@ -196,4 +196,24 @@ NODES = [
         "TypeError: RcutilsLogger.info() takes 2 positional arguments but 3 were given",
         "write one f-string: `self.get_logger().info(f'speed: {speed}')`.",
     ),
+    (
+        "rclpy.spin('talker')",
+        "AttributeError: 'str' object has no attribute 'executor'",
+        "spin takes the node, an object of your class, and this is of type str.",
+    ),
+    (
+        "class Robot(Node):\n    def drive(self):\n        pass\nRobot.drive()",
+        "TypeError: Robot.drive() missing 1 required positional argument: 'self'",
+        "drive is a method of an object. Create one, like robot = Robot(), and write robot.drive().",
+    ),
+    (
+        "from rclpy.executors import MultiThreadedExecutor\nMultiThreadedExecutor(node)",
+        "TypeError: '<=' not supported between instances of 'Node' and 'int'",
+        "the argument is the number of threads. Add the node: `executor.add_node(node)`.",
+    ),
+    (
+        "Node(package='demo_nodes_py', executable='talker')",
+        "TypeError: Node.__init__() got an unexpected keyword argument 'package'",
+        "this is rclpy's Node. In a launch file, write `from launch_ros.actions import Node`.",
+    ),
 ]

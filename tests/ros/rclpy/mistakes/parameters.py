@@ -54,4 +54,9 @@ PARAMETERS = [
         "TypeError: parameter must be instance of type '<class 'rclpy.parameter.Parameter'>'",
         "pass parameters: `self.set_parameters([Parameter('gain', value=2.0)])`, with rclpy's Parameter.",
     ),
+    (
+        "node.declare_parameter('speed', 1.0)\nnode.get_parameter('speed').get_parameter_value() + 1",
+        "TypeError: unsupported operand type(s) for +: 'ParameterValue' and 'int'",
+        "this holds values of all types. The parameter's own is `self.get_parameter('known').value`.",
+    ),
 ]

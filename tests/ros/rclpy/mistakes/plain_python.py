@@ -167,7 +167,8 @@ PLAIN_PYTHON = [
     (
         "from sensor_msgs.msg import JointState\nJointState().position['elbow_joint'] = 1.0",
         "TypeError: array indices must be integers",
-        "an array has numbers as indices. Set the whole field at once: `state.position = [0.1, 0.2]`.",
+        "an index is a whole number: // instead of /, or int(…). A name is no index: "
+        "`state.position = [0.1, 0.2]` sets the whole field.",
     ),
     (
         "from sensor_msgs.msg import JointState\nJointState().position[0] = 1.0",
@@ -416,5 +417,10 @@ PLAIN_PYTHON = [
                 "this is an array of 2 dimensions, and the field takes one: `matrix.ravel()` is flat.",
             ),
         )
+    ),
+    (
+        "scan = [1.0] * 10\nscan[len(scan) / 2]",
+        "TypeError: list indices must be integers or slices, not float",
+        "an index is a whole number: // instead of /, or int(…).",
     ),
 ]

@@ -81,4 +81,25 @@ SERVICES = [
         "TypeError",
         "pass a request, with (): `SetBool.Request(data=True)`.",
     ),
+    (
+        "node.create_client('add', AddTwoInts)",
+        "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS "
+        "1 message type but it should be a ROS 2 message type. Make sure to source your ROS 2 "
+        "workspace after your ROS 1 workspace.",
+        "pass the type first, then the name in quotes: `self.create_client(AddTwoInts, '/a_service')`.",
+    ),
+    (
+        "node.create_service('add', AddTwoInts, print)",
+        "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS "
+        "1 message type but it should be a ROS 2 message type. Make sure to source your ROS 2 "
+        "workspace after your ROS 1 workspace.",
+        "pass the type first, then the name in quotes: `self.create_service(AddTwoInts, "
+        "'/a_service', self.answer)`.",
+    ),
+    (
+        "node.create_service(AddTwoInts, print, 'add')",
+        "TypeError: __init__(): incompatible constructor arguments.",
+        "pass the type first, then the name in quotes: `self.create_service(AddTwoInts, "
+        "'/a_service', self.answer)`.",
+    ),
 ]

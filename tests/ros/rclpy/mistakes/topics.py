@@ -154,4 +154,9 @@ TOPICS = [
         "pass the type first, then the name in quotes: "
         "`self.create_subscription(Marker, '/a_topic', self.heard, 10)`.",
     ),
+    (
+        "node.create_publisher(String, 'chatter', 10).publish(print())",
+        "TypeError: Expected <class 'std_msgs.msg._string.String'>, got <class 'NoneType'>",
+        "this is None, not a String: does the function that creates the message end with return?",
+    ),
 ]
