@@ -54,10 +54,11 @@ def python(project: Path) -> Path:
 
 @pytest.mark.slow
 def test_new_course_can_be_verified_released_installed_and_graded(project: Path, python: Path) -> None:
-    output = run(python, "-m", "course_lib", "verify", cwd=project)
-    assert "Everything is correct." in output
+    output = run(python, "-m", "course_lib", "verify", "week00", cwd=project)
     assert "week00: nothing to correct" in output
-    assert "week01: nothing to correct" in output
+    assert "Everything is correct." in output
+    # The course's own test verifies all weeks and runs their lessons. pytest takes 1.3 s to load nbmake.
+    run(python, "-m", "pytest", "-q", "-p", "no:nbmake", "tests", cwd=project)
     students = project.parent / "students"
     # `course release` would verify the same files again; tests/authoring/test_guide.py runs it.
     code = "from pathlib import Path; from course_lib.course.student_folder import release; "
@@ -86,13 +87,6 @@ def test_installed_course_is_found_from_any_working_directory(python: Path, tmp_
     )
     added = run(python, "-c", code, cwd=tmp_path).split()
     assert added == ["week00_start.ipynb", "week01_exercise.ipynb", "week01_first_steps.ipynb"]
-
-
-@pytest.mark.slow
-def test_lessons_and_tests_of_a_new_course_pass(project: Path, python: Path) -> None:
-    for lesson in sorted((project / "notebooks").glob("week*.ipynb")):
-        run(python, "-m", "course_lib", "run", lesson, cwd=project)
-    run(python, "-m", "pytest", "-q", "-p", "no:nbmake", "tests", cwd=project)  # it takes 1.3 s to load
 
 
 @pytest.mark.slow
