@@ -154,6 +154,8 @@ _FROM_PIP = {
     "fastapi": "fastapi",
     "flask": "flask",
     "gymnasium": "gymnasium",
+    "imutils": "imutils",
+    "inputs": "inputs",
     "junit_xml": "junit-xml",
     "keras": "keras",
     "langchain": "langchain",
@@ -185,6 +187,21 @@ _FROM_PIP = {
     "transforms3d": "transforms3d",
     "ultralytics": "ultralytics",
     "websockets": "websockets",
+}
+# Modules for the pins, buses and cameras of the computer on a robot.
+_ON_A_ROBOT = {
+    *(
+        "RPi",
+        "adafruit_servokit",
+        "board",
+        "busio",
+        "digitalio",
+        "gpiozero",
+        "lgpio",
+        "picamera",
+        "picamera2",
+    ),
+    *("pigpio", "smbus", "spidev"),
 }
 # Words of other languages, with the names for them in Python.
 _OTHER_LANGUAGES = {
@@ -668,6 +685,11 @@ def module_hint(error: ModuleNotFoundError) -> str:
         return found
     if package in _FROM_PIP:
         return f"it is not part of ROS 2 for Python: pip install {_FROM_PIP[package]}"
+    if package in _ON_A_ROBOT:
+        return (
+            f"{package} drives devices of the robot's own computer: run this program there. Here a node of "
+            "your own can publish the same messages."
+        )
     if package in _ROS_1:
         return f"there is no module {package} in ROS 2: {_ROS_1[package]}."
     if found := how_to_clone(package):

@@ -255,6 +255,18 @@ def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, na
     assert hint(error).endswith(f": pip install {name}")
 
 
+@pytest.mark.parametrize(
+    ("module", "text"),
+    [
+        ("RPi.GPIO", "RPi drives devices of the robot's own computer: run this program there."),
+        ("py_trees_ros.trees", "py_trees itself runs, after pip install py-trees"),
+        ("inputs", "pip install inputs"),
+    ],
+)
+def test_missing_module_that_cannot_run_here_has_a_hint(module: str, text: str) -> None:
+    assert text in hint(ModuleNotFoundError(f"No module named '{module}'", name=module))
+
+
 @pytest.mark.parametrize("package", ["launch_pal", "simple_launch"])
 def test_missing_source_package_gets_the_command_that_clones_it(package: str) -> None:
     command = f"git clone https://github.com/.*/{package}"
