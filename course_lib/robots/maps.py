@@ -219,22 +219,33 @@ def write_map(
         raise CourseError(f"the map has {len(grid.data)} cells, expected {shape[1]} x {shape[0]}.")
     cells = np.array(grid.data, np.int16).reshape(shape)[::-1]
     image = Image.fromarray(_gray_levels(cells, mode, occupied_thresh, free_thresh))
-    files = [Path(f"{name}.{image_format}"), Path(f"{name}.yaml")]
-    # Encoded first: an error must not leave half a file.
     encoded = io.BytesIO()
     image.save(encoded, {"pgm": "PPM"}.get(image_format, image_format.upper()))
-    files[0].write_bytes(encoded.getvalue())
+    files = [Path(f"{name}.{image_format}"), Path(f"{name}.yaml")]
     turn = grid.info.origin.orientation
     yaw = euler_from_quaternion((turn.x, turn.y, turn.z, turn.w))[2]
     position = grid.info.origin.position
     high, low = _OF_GRAYS if mode == "trinary" else (f"{occupied_thresh:.3f}", f"{free_thresh:.3f}")
-    files[1].write_text(
+    text = (
         f"image: {files[0].name}\nmode: {mode}\nresolution: {grid.info.resolution:.3f}\n"
         f"origin: [{position.x:.3f}, {position.y:.3f}, {yaw:.7g}]\nnegate: 0\n"
-        f"occupied_thresh: {high}\nfree_thresh: {low}\n",
-        encoding="utf-8",
+        f"occupied_thresh: {high}\nfree_thresh: {low}\n"
     )
+    _write_together({files[0]: encoded.getvalue(), files[1]: text.encode()})
     return files
+
+
+def _write_together(contents: Mapping[Path, bytes]) -> None:
+    """Write all files, or leave all of them as they were."""
+    drafts = {path: path.with_name(f".{path.name}.draft") for path in contents}
+    try:
+        for path, content in contents.items():
+            drafts[path].write_bytes(content)
+        for path, draft in drafts.items():
+            draft.replace(path)
+    finally:
+        for draft in drafts.values():
+            draft.unlink(missing_ok=True)
 
 
 def _gray_levels(cells: np.ndarray, mode: str, occupied_thresh: float, free_thresh: float) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Map files, and nav2's nodes that load, save and manage them."""
 
+import errno
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
@@ -113,6 +115,26 @@ def test_saved_map_is_read_with_equal_cells(write: Callable[..., Path], tmp_path
     assert image.name == "saved.png"
     again = read_map(file)
     assert (cells(again), again.info.origin) == (cells(grid), grid.info.origin)
+
+
+def test_full_disk_leaves_the_saved_map_unchanged(
+    write: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    grid = read_map(write())
+    name = str(tmp_path / "saved")
+    contents = {file: file.read_bytes() for file in write_map(grid, name)}
+    write_bytes = Path.write_bytes
+
+    def write_until_full(path: Path, data: bytes) -> int:
+        write_bytes(path, data[:9])
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "write_bytes", write_until_full)
+    grid.data[0] = 100
+    with pytest.raises(OSError, match="No space left"):
+        write_map(grid, name)
+    assert {file: file.read_bytes() for file in contents} == contents
+    assert not list(tmp_path.glob(".*"))
 
 
 LAUNCH = """
