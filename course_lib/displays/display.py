@@ -493,7 +493,7 @@ class TopicDisplay(Display):
     def receive(self, message: Any) -> None:
         """Process a message, or queue it until its transform is known.
 
-        If the queue is full the oldest message is dropped.
+        If the queue is full the oldest message is dropped, as is one that is older than the cache of tf2.
         """
         if not self.queue_label or not hasattr(message, "header"):
             self._accept(message, self.context.now_ns)
@@ -562,6 +562,8 @@ class TopicDisplay(Display):
                 # An exception that one message raises must not discard the messages after it.
                 with contained(self._statuses, "Message"):
                     self._accept(message, received_ns)
+            elif self.context.frames.is_too_old(message.header.frame_id, nanoseconds(message.header.stamp)):
+                self._drop(message, OUT_OF_CACHE)
             else:
                 self._waiting.append((received_ns, message))
         # RViz keeps a message that waits in vain until newer ones fill the queue. It gets no hint
@@ -593,6 +595,8 @@ class TopicDisplay(Display):
         )
 
 
+# RViz2's reason for a message that is older than tf2's cache of 10 s.
+OUT_OF_CACHE = "the timestamp on the message is earlier than all the data in the transform cache"
 QUEUE_LABEL = "Topic/Filter size"
 FILTER_PROPERTIES = (*topic_properties(), Property(QUEUE_LABEL, 10, integer(1)))
 

@@ -92,6 +92,10 @@ class Frames:
             return f"For frame [{frame}]: Frame [{frame}] does not exist"
         return f"No transform to fixed frame [{self.fixed_frame}]. TF error: [{error}]"
 
+    def is_too_old(self, frame: str, stamp_ns: int) -> bool:
+        """Return whether tf2 has discarded the transforms of a time [ns], and RViz its message."""
+        return self.buffer.is_too_old(self.fixed_frame, frame.removeprefix("/"), stamp_ns)
+
     def global_status(self) -> tuple[Level, str]:
         """Return RViz's status of the fixed frame."""
         frames = self.buffer.frames()

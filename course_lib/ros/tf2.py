@@ -354,6 +354,17 @@ class BufferCore:
         translation, rotation = self._walk(target, source, time_ns)
         return Transform(target, source, time_ns, translation, normalized(rotation))
 
+    def is_too_old(self, target: str, source: str, time_ns: int) -> bool:
+        """Return whether a time is further back than the caches reach, so that it can never be looked up.
+
+        As in tf2, this is asked for times at which the transform is unknown.
+        """
+        try:
+            latest_ns = self._latest_common_time(target, source)
+        except TransformException:
+            return False
+        return latest_ns != 0 and time_ns + self._cache_ns < latest_ns
+
     def lookup_full(
         self,
         target: str,

@@ -85,6 +85,34 @@ def test_number_of_waiting_markers_is_limited() -> None:
     assert bench.marker_names() == sorted(f"n/{number}" for number in range(2, 12))
 
 
+def test_marker_older_than_the_cache_of_tf2_is_dropped_as_in_rviz() -> None:
+    bench = Bench()
+    for at in (1.0, 12.0, 12.5):
+        bench.transform("map", "base", at=at, static=False)
+    bench.publish(TOPIC, stamped(1.5), at=12.5)
+    reason = "for reason 'the timestamp on the message is earlier than all the data in the transform cache'"
+    assert any(one.endswith(reason) for one in bench.hints(bench.marker))
+
+
+def test_waiting_marker_is_dropped_when_the_cache_of_tf2_moves_past_it() -> None:
+    bench = Bench()
+    bench.transform("map", "base", at=5.0, static=False)
+    bench.publish(TOPIC, stamped(4.0), at=5.0)
+    bench.update(5.0)
+    assert not any("transform cache" in one for one in bench.hints(bench.marker))
+    bench.transform("map", "base", at=14.5, static=False)
+    bench.update(14.5)
+    assert any("transform cache" in one for one in bench.hints(bench.marker))
+
+
+def test_old_marker_in_the_fixed_frame_is_drawn_as_in_rviz() -> None:
+    bench = Bench()
+    bench.transform("map", "base", at=20.0, static=False)
+    bench.publish(TOPIC, stamped(1.0, frame="map"), at=20.0)
+    bench.update(20.0)
+    assert bench.marker_names() == ["n/0"]
+
+
 def test_marker_without_a_frame_is_dropped_with_the_text_of_the_rviz_log() -> None:
     bench = Bench()
     bench.publish(TOPIC, marker(frame=""))
