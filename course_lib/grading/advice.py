@@ -86,6 +86,7 @@ def _slips(function: _Function, attributes: set[str]) -> Iterator[str]:
         yield from _sleeps(function)
         yield from _spins(function)
         yield from _idle_lambdas(function)
+    yield from _other_files(function)
     yield from _lost_locals(function, attributes)
     yield from _plain_strings(function)
     yield from _whole_quotients(function)
@@ -320,6 +321,21 @@ def _idle_lambdas(function: _Function) -> Iterator[str]:
                     if isinstance(one, ast.Lambda) and isinstance(one.body, ast.Attribute):
                         name = ast.unparse(one.body)
                         yield f"{_quote(one)} names {one.body.attr} and does not call it: pass {name} alone."
+
+
+def _other_files(function: _Function) -> Iterator[str]:
+    """Yield a sentence about a layout that is saved under one name, while another file is returned."""
+    saved: list[str] = []
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="save_rviz"), args=[ast.Constant(value=str(name))]):
+                saved.append(name)
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(attr="read_text", value=ast.Call(args=[ast.Constant(value=str(name))]))
+            ) if saved and name not in saved:
+                yield f"The layout is saved as {saved[0]}, and the text is that of {name}: use one name."
 
 
 def _renewed_endpoints(cls: ast.ClassDef) -> Iterator[str]:

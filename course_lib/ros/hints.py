@@ -285,6 +285,8 @@ def _number_hint(value: object, kind: str, text: str) -> str:
     if isinstance(value, tuple) and all(isinstance(one, int | float) for one in value):
         if len(value) == 1:
             return "remove the comma at the end of the line: it makes a tuple of one item."
+        if len(value) > 2 or not all(isinstance(one, int) for one in value):
+            return f"this is {len(value)} numbers, {value!r}, and the field takes one: select it, like [0]."
         return f"this is {len(value)} numbers, {value!r}: a decimal number has a point, 0.8, not a comma."
     if isinstance(value, np.generic):
         return f"this is the {name} of numpy: convert it with {kind}(…)."

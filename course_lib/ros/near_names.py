@@ -58,6 +58,7 @@ _IMPORTS = {
     "ActionClient": "from rclpy.action import ActionClient",
     "ActionServer": "from rclpy.action import ActionServer",
     "CvBridge": "from cv_bridge import CvBridge",
+    "tf_transformations": "import tf_transformations",
     "math": "import math",
     "pi": "from math import pi",
     "np": "import numpy as np",
@@ -107,6 +108,7 @@ _STDLIB = ("time", "os", "sys", "random", "json", "copy", "re", "datetime", "thr
 _SYNONYMS = {
     "size": ("scale", "dimensions"),
     "scale": ("size",),
+    "dimensions": ("size", "scale"),
     "red": ("r",),
     "green": ("g",),
     "blue": ("b",),

@@ -66,9 +66,14 @@ SLIPS = [
     (("share = (self.count - 1) // (b - a)", "return share"), '"(self.count - 1) // (b - a)" leaves out'),
     (("self.create_timer(1.0, lambda: self.tick)",), '"lambda: self.tick" names tick and does not call it'),
     (("rate = 5", 'return """\na: {rate}\n"""'), "the string '{rate}' has names in { }"),
+    (
+        ("viewer.save_rviz('a.rviz')", "return Path('b.rviz').read_text()"),
+        "The layout is saved as a.rviz, and the text is that of b.rviz",
+    ),
     (("marker.text = '{found.score:.2f} m'",), "the string '{found.score:.2f} m' has names in { }"),
 ]
 RIGHT = [
+    ("viewer.save_rviz('a.rviz')", "return Path('a.rviz').read_text()"),
     ("row = index // width", "return image[row]"),
     ("return range(count // 2)",),
     ("half = items[: len(items) // 2]", "return half"),

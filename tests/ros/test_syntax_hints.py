@@ -22,6 +22,16 @@ NOT = "the operator ! is called not: `not (a == b)`."
 LAMBDA = "a function in an expression is `lambda x: x + 1`."
 # Code of a student, and the hint.
 SYNTAX = [
+    (
+        "def area(width height):\n    pass",
+        "the names in ( ) have commas between them: `def area(width, height): return width * height`.",
+    ),
+    (
+        "$ ros2 topic list",
+        "the $ is the prompt of a terminal: leave it out. In a cell a command of ROS begins with a percent "
+        "sign, %ros2 ….",
+    ),
+    ("my-node = 3", "a name contains no -: if this is one name, write my_node."),
     ("a = \u201cmap\u201d", f"instead of \u201c {QUOTES}"),
     ("a = \u2018map\u2019", f"instead of \u2018 {QUOTES}"),
     ("a = \u20131.0", "instead of \u2013 write the minus sign of the keyboard, -."),

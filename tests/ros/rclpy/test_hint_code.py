@@ -69,6 +69,7 @@ FIELDS = {
     "results[0].hypothesis.score",
     "data",
     "self.last.data",
+    "size",
     "scale",
     "pose.position",
     "CUBE",

@@ -3,6 +3,16 @@
 # (program, last line of the error, hint below it)
 MESSAGES = [
     (
+        "Marker('a', 1)",
+        "TypeError: Marker.__init__() takes 1 positional argument but 3 were given",
+        "pass each value with the name of its field, as in `Marker(ns='a_name', id=1)`.",
+    ),
+    (
+        "Marker().id = (1.0, 0.0, 0.0)",
+        "AssertionError: The 'id' field must be of type 'int'",
+        "this is 3 numbers, (1.0, 0.0, 0.0), and the field takes one: select it, like [0].",
+    ),
+    (
         "PoseStamped().header.seq",
         "AttributeError: 'Header' object has no attribute 'seq'",
         "seq is from ROS 1. To count messages, write `self.count += 1` in the callback.",

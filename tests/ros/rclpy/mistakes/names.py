@@ -18,6 +18,16 @@ def undefined(name: str) -> str:
 # (program, last line of the error, hint below it)
 NAMES = [
     (
+        "from vision_msgs.msg import BoundingBox3D\nBoundingBox3D().dimensions",
+        "AttributeError: 'BoundingBox3D' object has no attribute 'dimensions'",
+        "did you mean `size`? `%ros2 interface show vision_msgs/msg/BoundingBox3D` lists its fields.",
+    ),
+    (
+        "tf_transformations.quaternion_from_euler(0, 0, 1.5)",
+        "NameError: name 'tf_transformations' is not defined",
+        "import it: `import tf_transformations`; in a notebook run the first cells again.",
+    ),
+    (
         ROBOT.format(line="self.last = String()\n        self.data"),
         "AttributeError: 'Robot' object has no attribute 'data'",
         "did you mean `self.last.data`?",
