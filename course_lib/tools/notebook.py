@@ -20,6 +20,7 @@ from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.hints import add_hint
 from course_lib.ros.time.time_lock import time_lock
 from course_lib.ros.tracebacks import hide_kit_frames, line_of_traceback, shorten_causes
+from course_lib.tools.resume import line_that_defines
 from course_lib.tools.ros2 import ros2
 from course_lib.tools.sources import GraphSource
 from course_lib.tools.verb import Write
@@ -339,6 +340,8 @@ def _show_error(
         message = str(error) or f"the cell was stopped{line and f' in {line}'}."
         shell._showtraceback(kind, error, [f"{kind.__name__}: {message}"])
     else:
+        if isinstance(error, NameError) and (line := line_that_defines(shell, error.name or "")):
+            error.add_note(f"hint: a cell above has {line!r}: run it first.")
         add_hint(error)
         own_trace, hidden_count = hide_kit_frames(trace)
         shorten_causes(error)

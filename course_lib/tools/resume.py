@@ -7,6 +7,7 @@ the cells stay hidden.
 
 import ast
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -76,6 +77,22 @@ def resume() -> None:
     for run in live_runs(graph):
         run.show()
         drive_between_cells(graph)
+
+
+def line_that_defines(shell: "InteractiveShell", name: str) -> str:
+    """Return the line of a cell above the running one that defines a name, as last saved, or ""."""
+    if "JPY_SESSION_NAME" not in os.environ:
+        return ""
+    try:
+        cells = _cells_above(shell)
+    except CourseError:
+        return ""
+    names = rf"(?:\w+, *)*{re.escape(name)}(?:, *\w+)*"
+    definition = re.compile(
+        rf"^(?:(?:class|def) {re.escape(name)}\b|{names} *(?::[^=\n]+)?=(?!=)).*", re.MULTILINE
+    )
+    found = (definition.search(cell.source) for cell in cells)
+    return next((match[0] for match in found if match), "")
 
 
 def _cells_above(shell: "InteractiveShell") -> list[_Cell]:

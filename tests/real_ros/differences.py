@@ -171,6 +171,7 @@ MISTAKES = {
             "DiagnosticStatus(level=0)",
             "String(dta='hello')",
             "Marker(type='CUBE')",
+            "Marker().id = (1.0, 0.0, 0.0)",
             "PoseStamped().pose.position = (1.0, 2.0, 3.0)",
             "PoseStamped().pose.orientation = 1.57",
             "PoseStamped().pose.orientation = [0.0, 0.0, 0.3826834, 0.9238795]",
