@@ -9,7 +9,7 @@ import itertools
 import struct
 from _queue import SimpleQueue
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import ParamSpec
 
@@ -63,8 +63,7 @@ class DdsPublisher:
 
     def __init__(self, link: "DdsLink", entity: DdsEntity) -> None:
         self._link, self.topic = link, entity.topic
-        topic, type_name = f"rt{entity.topic}", names.dds_type(entity.type_name)
-        self._writer = link.add_writer(entity, topic, type_name, entity.qos)
+        self._writer = link.add_writer(entity, *names.topic_names(entity.topic, entity.type_name), entity.qos)
         guid = self._writer.endpoint.guid
         self._listing = DdsDeclaration(partial(link.set_owner, entity, guid, is_owned=False))
         self._declaration = DdsDeclaration(partial(link.participant.remove, self._writer.endpoint))
@@ -90,7 +89,7 @@ class DdsPublisher:
         self._declaration.withdraw()
 
 
-class DdsClient:
+class DdsClient(DdsDeclaration):
     """A service client of the kit on the network.
 
     Both endpoints of a service are volatile: a request is lost if the server's reader does not know
@@ -103,12 +102,10 @@ class DdsClient:
         self._open: dict[int, OnReply] = {}
         # Requests that wait, with the end of the wait [s].
         self._waiting: deque[tuple[float, bytes, OnReply]] = deque(maxlen=MAX_OPEN)
-        topic, type_name = names.reply_names(entity.topic, entity.type_name)
-        self._replies = link.add_reader(entity, topic, type_name, SERVICE_QOS, self._on_reply)
-        topic, type_name = names.request_names(entity.topic, entity.type_name)
-        self._requests = link.add_writer(entity, topic, type_name, SERVICE_QOS)
+        self._replies = link.add_reader(entity, *names.reply_names(entity), SERVICE_QOS, self._on_reply)
+        self._requests = link.add_writer(entity, *names.request_names(entity), SERVICE_QOS)
         self._requests.on_matched = self._replies.on_matched = self._send_waiting
-        self._declaration = link.declaration(entity, self._replies.endpoint, self._requests.endpoint)
+        super().__init__(*link.removals(entity, self._replies.endpoint, self._requests.endpoint))
 
     def is_matched(self) -> bool:
         """Return whether a request would reach a server now, and its reply this client."""
@@ -124,10 +121,6 @@ class DdsClient:
         with self._participant.lock:
             self._waiting.append((wall.monotonic() + MATCH_SECONDS, cdr, on_reply))
             self._send_waiting()
-
-    def withdraw(self) -> None:
-        """Remove the client from the network."""
-        self._declaration.withdraw()
 
     def _send_waiting(self) -> None:
         while self._waiting and self.is_matched():
@@ -152,33 +145,27 @@ class DdsClient:
             self._actions.put(partial(on_reply, sample.data))
 
 
-class DdsServer:
+class DdsServer(DdsDeclaration):
     """A service of the kit on the network.
 
     A reply waits until the client's reader has been matched.
     """
 
     def __init__(self, link: "DdsLink", entity: DdsEntity, on_request: OnRequest) -> None:
-        self._participant, self._actions, self._on_request = link.participant, link.actions, on_request
+        self._participant, self._actions, self._serve = link.participant, link.actions, on_request
         # Replies that wait, with the client and the end of the wait [s].
         self._waiting: deque[tuple[float, RequestId, bytes]] = deque(maxlen=MAX_OPEN)
-        topic, type_name = names.reply_names(entity.topic, entity.type_name)
-        self._replies = link.add_writer(entity, topic, type_name, SERVICE_QOS)
+        self._replies = link.add_writer(entity, *names.reply_names(entity), SERVICE_QOS)
         self._replies.on_matched = self._send_waiting
-        topic, type_name = names.request_names(entity.topic, entity.type_name)
-        requests = link.add_reader(entity, topic, type_name, SERVICE_QOS, self._on_sample)
-        self._declaration = link.declaration(entity, requests.endpoint, self._replies.endpoint)
+        requests = link.add_reader(entity, *names.request_names(entity), SERVICE_QOS, self._on_request)
+        super().__init__(*link.removals(entity, requests.endpoint, self._replies.endpoint))
 
-    def withdraw(self) -> None:
-        """Remove the service from the network."""
-        self._declaration.withdraw()
-
-    def _on_sample(self, sample: ReceivedSample) -> None:
+    def _on_request(self, sample: ReceivedSample) -> None:
         # Fast DDS sends the reader that waits for the reply; otherwise the writer identifies the
         # client.
         client = sample.related.guid if sample.related else sample.writer
         send_reply = partial(self._send_reply, RequestId(client, sample.sequence))
-        self._actions.put(partial(self._on_request, sample.data, send_reply))
+        self._actions.put(partial(self._serve, sample.data, send_reply))
 
     def _send_reply(self, request: RequestId, cdr: bytes) -> None:
         with self._participant.lock:
@@ -319,7 +306,7 @@ class DdsLink:
         return DdsPublisher(self, entity)
 
     def subscriber(
-        self, topic: str, type_name: str, qos: Qos, kept: int, on_packet: OnPacket
+        self, topic: str, type_name: str, qos: Qos, latched_count: int, on_packet: OnPacket
     ) -> DdsDeclaration:
         """Subscribe to a topic. DDS itself requests the messages of latched publishers."""
 
@@ -328,8 +315,7 @@ class DdsLink:
 
         # A gateway passes types on that are not known on its computer.
         data = names.user_data(type_hash(type_name)) if is_known(type_name) else b""
-        dds_type = names.dds_type(type_name)
-        reader = self.participant.add_reader(f"rt{topic}", dds_type, qos, on_sample, data)
+        reader = self.participant.add_reader(*names.topic_names(topic, type_name), qos, on_sample, data)
         self._own_readers[topic, type_name] = reader.endpoint.guid
         return DdsDeclaration(partial(self.participant.remove, reader.endpoint))
 
@@ -362,13 +348,11 @@ class DdsLink:
         self.set_owner(entity, reader.endpoint.guid)
         return reader
 
-    def declaration(self, entity: DdsEntity, *endpoints: Endpoint) -> DdsDeclaration:
-        """Return a declaration whose withdrawal removes endpoints of a node of the kit."""
-        removals: list[Callable[[], None]] = []
+    def removals(self, entity: DdsEntity, *endpoints: Endpoint) -> Iterator[Callable[[], None]]:
+        """Yield functions that remove endpoints of a node of the kit from the network."""
         for endpoint in endpoints:
-            removals.append(partial(self.set_owner, entity, endpoint.guid, is_owned=False))
-            removals.append(partial(self.participant.remove, endpoint))
-        return DdsDeclaration(*removals)
+            yield partial(self.set_owner, entity, endpoint.guid, is_owned=False)
+            yield partial(self.participant.remove, endpoint)
 
     def set_owner(self, entity: DdsEntity, guid: bytes, *, is_owned: bool = True) -> None:
         """Announce that an endpoint belongs, or no longer belongs, to a node of the kit."""

@@ -69,14 +69,19 @@ def ros_type(dds: str) -> str:
     return dds.replace("::dds_::", "::").replace("::", "/").removesuffix("_")
 
 
-def request_names(service: str, type_name: str) -> tuple[str, str]:
-    """Return topic and type of a service's requests."""
-    return f"rq{service}Request", dds_type(f"{type_name}_Request")
+def topic_names(topic: str, type_name: str) -> tuple[str, str]:
+    """Return the DDS names of a topic and its type."""
+    return f"rt{topic}", dds_type(type_name)
 
 
-def reply_names(service: str, type_name: str) -> tuple[str, str]:
-    """Return topic and type of a service's replies."""
-    return f"rr{service}Reply", dds_type(f"{type_name}_Response")
+def request_names(service: DdsEntity) -> tuple[str, str]:
+    """Return the DDS names of the topic of a service's requests and their type."""
+    return f"rq{service.topic}Request", dds_type(f"{service.type_name}_Request")
+
+
+def reply_names(service: DdsEntity) -> tuple[str, str]:
+    """Return the DDS names of the topic of a service's replies and their type."""
+    return f"rr{service.topic}Reply", dds_type(f"{service.type_name}_Response")
 
 
 def user_data(type_hash: str) -> bytes:
