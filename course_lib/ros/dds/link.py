@@ -1,6 +1,7 @@
 """The link over DDS: one participant in the domain of a robot, and the entities of the kit in it.
 
-The participant's thread only queues actions and fills inboxes; see `course_lib.ros.robot.link`.
+The thread that receives, which may be the graph's, only queues actions and fills inboxes; see
+`course_lib.ros.robot.link`.
 """
 
 import contextlib
@@ -377,7 +378,7 @@ class DdsLink:
     # The following methods run in the graph's thread and handle remote entities.
 
     def _enqueue(self, action: Callable[P, None]) -> Callable[P, None]:
-        """Return a function that queues the action, to be called in the participant's thread."""
+        """Return a function that queues the action, to be called in the thread that receives."""
 
         def queue(*args: P.args, **kwargs: P.kwargs) -> None:
             self.actions.put(partial(action, *args, **kwargs))

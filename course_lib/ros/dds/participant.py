@@ -158,8 +158,8 @@ class Participant:
     Args:
         domain: ROS_DOMAIN_ID.
         peer: IPv4 address of the robot.
-        on_endpoint: Called with each remote endpoint that joins or leaves, in the participant's
-            thread.
+        on_endpoint: Called with each remote endpoint that joins or leaves, in the thread that
+            receives.
 
     Raises:
         CourseError: No port is free, or no network leads to the robot.
@@ -248,7 +248,7 @@ class Participant:
         on_sample: Callable[[ReceivedSample], None],
         user_data: bytes = b"",
     ) -> Reader:
-        """Create a reader and announce it. `on_sample` is called in the participant's thread."""
+        """Create a reader and announce it. `on_sample` is called in the thread that receives."""
         with self.lock:
             endpoint = self._new_endpoint(USER_READER, topic, type_name, qos, user_data)
             reader = self._readers[endpoint.guid[PREFIX_SIZE:]] = Reader(self, endpoint, on_sample)
