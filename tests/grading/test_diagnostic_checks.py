@@ -112,10 +112,11 @@ def test_fact_must_have_the_expected_value_and_type(
 
 
 def test_missing_fact_is_reported(evidence: MakeEvidence) -> None:
-    given: tuple[tuple[Any, ...], ...] = ((), (None,), ({},))
-    for returns in given:
-        message = expect_fact("threshold", serial=26).judge(evidence(returns=returns)).message
-        assert message == "the returned dict has no key 'threshold'"
+    check = expect_fact("threshold", serial=26)
+    assert check.judge(evidence(returns=({},))).message == "the returned dict has no key 'threshold'"
+    for returns in ((), (None,)):
+        message = check.judge(evidence(returns=returns)).message
+        assert message == "nothing was returned, expected a dict with the key 'threshold'"
 
 
 @pytest.mark.parametrize(

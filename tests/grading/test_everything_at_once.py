@@ -7,6 +7,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from course_lib.grading import (
@@ -65,8 +66,8 @@ def test_trajectories_to_every_position_fail_the_check(evidence: MakeEvidence) -
 
 def test_path_properties_must_be_satisfied_by_a_single_path(evidence: MakeEvidence) -> None:
     def path(length: float, frame: str = "map") -> Any:
-        message = Path(poses=[PoseStamped(), PoseStamped()])
-        message.header.frame_id = frame
+        header = Header(frame_id=frame)
+        message = Path(header=header, poses=[PoseStamped(header=header), PoseStamped(header=header)])
         message.poses[1].pose.position.x = length
         return message
 

@@ -215,7 +215,7 @@ def test_traceback_shows_program_lines_and_not_kit_lines(
         assert run_files([program], seed=1) == 1
     errors = capsys.readouterr().err
     assert errors.count("  File ") == errors.count(str(program)) == 2
-    last = "ParameterNotDeclaredException: Invalid access to undeclared parameter(s): y\nhint: declare it"
+    last = "ParameterNotDeclaredException: Invalid access to undeclared parameter(s): y\nhint: declare y"
     assert last in errors
 
 
