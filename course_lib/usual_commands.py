@@ -134,7 +134,10 @@ _ROS2: dict[str, tuple[str, Callable[[str], Any] | bool]] = {
 
 
 def _parse(
-    words: Sequence[str], table: dict[str, tuple[str, Callable[[str], Any] | bool]], *, is_mixed: bool
+    words: Sequence[str],
+    table: dict[str, tuple[str, Callable[[str], Any] | bool]],
+    *,
+    is_mixed: bool,
 ) -> tuple[dict[str, Any], list[str]] | None:
     """Split arguments into options and others.
 

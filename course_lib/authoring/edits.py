@@ -436,7 +436,8 @@ class _Statement:
     # Names that it binds, and global names that it refers to.
     provided: frozenset[str]
     names: frozenset[str]
-    # Attributes that it reads, and attributes that it assigns or defines as methods or nested classes.
+    # Attributes that it reads, and attributes that it assigns
+    # or defines as methods or nested classes.
     read_attributes: frozenset[str]
     assigned: frozenset[str]
 

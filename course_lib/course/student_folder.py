@@ -696,7 +696,11 @@ def can_open_browser() -> bool:
 
 
 def lab(
-    folder: Path = DEFAULT_FOLDER, *, port: int | None = None, browser: bool = True, serves: bool = True
+    folder: Path = DEFAULT_FOLDER,
+    *,
+    port: int | None = None,
+    browser: bool = True,
+    serves: bool = True,
 ) -> None:
     """Update the student's folder and serve it until Ctrl+C, or SIGTERM when a container is stopped.
 

@@ -82,7 +82,12 @@ class MarkerClient:
     """
 
     def __init__(
-        self, context: Context, namespace: str, statuses: Statuses, actions: Actions, transparent: bool
+        self,
+        context: Context,
+        namespace: str,
+        statuses: Statuses,
+        actions: Actions,
+        transparent: bool,
     ) -> None:
         self._context, self._namespace, self._statuses = context, namespace, statuses
         self._actions, self._transparent = actions, transparent

@@ -349,7 +349,8 @@ class RobotModelDisplay(TopicDisplay):
             return
         self._updated_ns = now_ns
         before = self._problems()
-        # The properties of all links are read only if one of them has changed, because frames are many.
+        # The properties of all links are read only if one of them
+        # has changed, because frames are many.
         state = self.context.is_seen, dict(self._values)
         is_changed, self._shown_state = state != self._shown_state, state
         for link in self._links:

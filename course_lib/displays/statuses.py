@@ -154,7 +154,10 @@ class contained:  # noqa: N801  # a context manager, named like those of context
         self._statuses.clear_failure(self._name)
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> bool:
         self._numpy.__exit__(kind, error, trace)
         if not isinstance(error, Exception) or isinstance(error, DisplayFaultWarning):

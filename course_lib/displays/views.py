@@ -480,7 +480,8 @@ class Framing:
             visible_paths = [node.path for node in nodes if node.object and self._scene.visible(node.path)]
             bounds = bounds_of(self._scene, visible_paths)
         if bounds is None:
-            # Only overlays were drawn before, so the next drawable is the first one with a position.
+            # Only overlays were drawn before, so the next
+            # drawable is the first one with a position.
             self._known_paths.difference_update(new)
             return False
         corners = _corners(_with_origin(bounds))

@@ -135,7 +135,10 @@ def _modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[s
 
 
 def _module(
-    root: Statement, roots: Sequence[Statement], exported: Sequence[Statement], left_out: Sequence[Statement]
+    root: Statement,
+    roots: Sequence[Statement],
+    exported: Sequence[Statement],
+    left_out: Sequence[Statement],
 ) -> NodeModule:
     assert isinstance(root.node, ast.ClassDef)
     parts = collect_needed(root, exported, left_out)

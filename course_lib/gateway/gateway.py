@@ -169,7 +169,11 @@ class Gateway:
     """
 
     def __init__(
-        self, settings: Settings, users: Sequence[Access], passwords: Path, report: Callable[[str], None]
+        self,
+        settings: Settings,
+        users: Sequence[Access],
+        passwords: Path,
+        report: Callable[[str], None],
     ) -> None:
         self.settings, self.users = settings, users
         self.driver: Access | None = None

@@ -352,8 +352,8 @@ def _renewed_endpoints(cls: ast.ClassDef) -> Iterator[str]:
                 match node:
                     case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _KEPT:
                         yield (
-                            f"{_quote(node)} is in {function.name}: each call creates a new one, which has "
-                            "received nothing yet. Create it once, in __init__."
+                            f"{_quote(node)} is in {function.name}: each call creates a new one, "
+                            "which has received nothing yet. Create it once, in __init__."
                         )
 
 
@@ -691,7 +691,8 @@ def _first_cause(result: TaskResult) -> list[str]:
 def _hint_by_cause(task: Task, mistake: str) -> str:
     """Return the task's hint for a kind of mistake, else the general hint, else ""."""
     table = hints_by_mistake()
-    # A kind that ends with a part of the value, "a value is wrong: the gap", may have a hint of its own.
+    # A kind that ends with a part of the value, "a value is
+    # wrong: the gap", may have a hint of its own.
     if mistake not in task.mistakes and ": the " in mistake:
         mistake = mistake.partition(": the ")[0]
     general = table.get(mistake) or next((table[kind] for kind in table if fnmatchcase(mistake, kind)), "")
@@ -718,8 +719,8 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
             ):
                 call = ast.unparse(target)
                 return [
-                    f"{task.name} returned None: {call}(…) returns nothing. Call it on a line of its own, "
-                    "then return the value."
+                    f"{task.name} returned None: {call}(…) returns nothing. Call it on a line of "
+                    "its own, then return the value."
                 ]
         calls = [
             one.func.attr

@@ -161,7 +161,10 @@ def _client(address: str) -> Any:
 
 
 def flow(
-    executor: Executor, function: Callable[..., Any], calls: Iterable[tuple[Tag, Sequence[Any]]], window: int
+    executor: Executor,
+    function: Callable[..., Any],
+    calls: Iterable[tuple[Tag, Sequence[Any]]],
+    window: int,
 ) -> Iterator[tuple[Tag, "Future[Any]"]]:
     """Submit calls for (tag, arguments), `window` at a time, and yield (tag, future) as they end."""
     pending: dict[Future[Any], Tag] = {}

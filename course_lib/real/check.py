@@ -34,8 +34,8 @@ from course_lib.ros.programs import import_path
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.time import wall
 
-# One recording may begin later than the other by this number of messages, or by this time. On a busy
-# computer, the first hundreds of messages of a fast topic are missed.
+# One recording may begin later than the other by this number of messages, or by this time. On
+# a busy computer, the first hundreds of messages of a fast topic are missed.
 MAX_OFFSET, MAX_OFFSET_NS = 30, 1_500_000_000
 # Stamps closer than this to the start of a run belong to the run [ns].
 NEAR_NS = 86_400 * 10**9

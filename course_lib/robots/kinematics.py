@@ -287,7 +287,10 @@ STEP = 0.1
 
 
 def joints_for(
-    robot: Robot, link: str, transform_link_to_root: npt.ArrayLike, start: Mapping[str, float] | None = None
+    robot: Robot,
+    link: str,
+    transform_link_to_root: npt.ArrayLike,
+    start: Mapping[str, float] | None = None,
 ) -> dict[str, float]:
     """Return joint positions that bring a link to a pose.
 

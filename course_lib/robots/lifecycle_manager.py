@@ -38,7 +38,8 @@ _COMMANDS = {
         "have been shut down",
     ),
 }
-# Interval between checks whether the nodes are there, and between lines that say which one is not [s].
+# Interval between checks whether the nodes are there, and
+# between lines that say which one is not [s].
 _LOOK, _REPORT = 0.05, 2.0
 
 
@@ -134,6 +135,10 @@ class LifecycleManager(Node):
             response.success = await self._execute(request.command)
         return response
 
-    def _on_is_active(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _on_is_active(
+        self,
+        request: Trigger.Request,
+        response: Trigger.Response,
+    ) -> Trigger.Response:
         response.success = self._is_active
         return response

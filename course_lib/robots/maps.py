@@ -248,7 +248,12 @@ def _write_together(contents: Mapping[Path, bytes]) -> None:
             draft.unlink(missing_ok=True)
 
 
-def _gray_levels(cells: np.ndarray, mode: str, occupied_thresh: float, free_thresh: float) -> np.ndarray:
+def _gray_levels(
+    cells: np.ndarray,
+    mode: str,
+    occupied_thresh: float,
+    free_thresh: float,
+) -> np.ndarray:
     """Return the picture of cells: gray levels, in the mode `scale` with an alpha channel."""
     is_known = (cells >= 0) & (cells <= _OCCUPIED)
     if mode == "raw":
@@ -358,7 +363,11 @@ class MapServer(LifecycleNode):
         response.map = self._grid or OccupancyGrid()
         return response
 
-    def _on_load_map(self, request: LoadMap.Request, response: LoadMap.Response) -> LoadMap.Response:
+    def _on_load_map(
+        self,
+        request: LoadMap.Request,
+        response: LoadMap.Response,
+    ) -> LoadMap.Response:
         if not self._is_active:
             self.get_logger().warning("Received LoadMap request but not in ACTIVE state, ignoring!")
             response.result = LoadMap.Response.RESULT_UNDEFINED_FAILURE
@@ -455,7 +464,11 @@ class MapSaver(LifecycleNode):
             self.destroy_timer(timer)
             self.destroy_subscription(subscription)
 
-    async def _on_save_map(self, request: SaveMap.Request, response: SaveMap.Response) -> SaveMap.Response:
+    async def _on_save_map(
+        self,
+        request: SaveMap.Request,
+        response: SaveMap.Response,
+    ) -> SaveMap.Response:
         response.result = await self.save(
             request.map_topic,
             request.map_url,

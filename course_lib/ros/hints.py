@@ -70,7 +70,8 @@ _NONE_VALUE = (
 )
 # The fields of messages that consist of a few numbers.
 _NUMBERS_OF = {"Point": "xyz", "Vector3": "xyz", "Quaternion": "xyzw", "ColorRGBA": "rgba"}
-# The table of attributes that rclpy lacks: its patterns match "rclpy.time.Time.now", not an exception's text.
+# The table of attributes that rclpy lacks: its patterns match
+# "rclpy.time.Time.now", not an exception's text.
 _OF_RCLPY = "OfRclpy"
 
 
@@ -479,8 +480,8 @@ def _program_arguments_hint(error: BaseException) -> str:
     if not is_short or "sys.argv" not in line_of_student(error):
         return ""
     return (
-        "the program needs arguments: course run FILE -- VALUES, or in a launch file, for its Node, "
-        "`arguments=['1.0', '2.0']`."
+        "the program needs arguments: course run FILE -- VALUES, or in a launch file, for its "
+        "Node, `arguments=['1.0', '2.0']`."
     )
 
 

@@ -689,8 +689,8 @@ def module_hint(error: ModuleNotFoundError) -> str:
         return f"it is not part of ROS 2 for Python: pip install {_FROM_PIP[package]}"
     if package in _ON_A_ROBOT:
         return (
-            f"{package} drives devices of the robot's own computer: run this program there. Here a node of "
-            "your own can publish the same messages."
+            f"{package} drives devices of the robot's own computer: run this program there. Here a "
+            "node of your own can publish the same messages."
         )
     if package in _ROS_1:
         return f"there is no module {package} in ROS 2: {_ROS_1[package]}."
@@ -710,8 +710,8 @@ def module_hint(error: ModuleNotFoundError) -> str:
         submodules = [p.stem for folder in folders for p in folder.iterdir() if p.suffix in ("", ".py")]
         similar = nearest(last, submodules)
         return f"did you mean `import {holder}.{similar}`?" if similar else ""
-    # A package like my_msgs is more likely a student's own than a misspelled one. The standard library
-    # has hundreds of short names.
+    # A package like my_msgs is more likely a student's own than a misspelled
+    # one. The standard library has hundreds of short names.
     cutoff = 0.85 if package.endswith(("_msgs", "_srvs", "_interfaces")) else 0.8
     similar = nearest(package, _packages(), cutoff) or nearest(package, sys.stdlib_module_names, 0.85)
     return f"did you mean {similar}?" if similar else ""

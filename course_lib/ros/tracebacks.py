@@ -20,7 +20,8 @@ from course_lib.ros.notices import say
 
 KIT = str(Path(__file__).resolve().parent.parent)
 OTHERS = (KIT, *sysconfig.get_paths().values())
-# Frames between an import and the module, which Python does not show either, and those of context managers.
+# Frames between an import and the module, which Python does not
+# show either, and those of context managers.
 _HIDDEN = (KIT, "<frozen importlib", importlib.__file__, contextlib.__file__)
 # Number of frames at each end of a very long traceback.
 SHOWN_FRAMES = 6

@@ -354,7 +354,11 @@ class World:
         self.colors = np.array([*(thing.color for thing in things), SKY], float)
 
     def cast(
-        self, transform_sensor_to_world: ArrayLike, rays: ArrayLike, seconds: float, far: float = np.inf
+        self,
+        transform_sensor_to_world: ArrayLike,
+        rays: ArrayLike,
+        seconds: float,
+        far: float = np.inf,
     ) -> Hits:
         """Return the first hits of rays from one point, after checking the arguments.
 

@@ -155,7 +155,11 @@ def ros2_over(
 
 
 def run_with_tool(
-    files: Sequence[Path], tool: Callable[[Graph], None], *, seconds: float | None, graph: Graph | None = None
+    files: Sequence[Path],
+    tool: Callable[[Graph], None],
+    *,
+    seconds: float | None,
+    graph: Graph | None = None,
 ) -> int:
     """Run programs, and a tool as soon as each of them waits. The programs end with the tool.
 

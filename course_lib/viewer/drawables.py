@@ -398,7 +398,10 @@ def load_mesh(path: Path) -> Mesh:
 
 @lru_cache(maxsize=128)
 def parse_mesh(
-    data: bytes, file_format: str, color: tuple[float, ...] | None = None, folder: Path | None = None
+    data: bytes,
+    file_format: str,
+    color: tuple[float, ...] | None = None,
+    folder: Path | None = None,
 ) -> Mesh:
     """Parse the content of a file, see `load_mesh`; textures are read from the folder.
 

@@ -171,7 +171,11 @@ def _page(
 
 
 def scene_fragment(
-    scene: Scene | SceneRecording, *, height: str = "300px", label: str = "3D view", alone: bool = False
+    scene: Scene | SceneRecording,
+    *,
+    height: str = "300px",
+    label: str = "3D view",
+    alone: bool = False,
 ) -> str:
     """Return the element that shows a scene in a page; put `bundle_code` once after the last one.
 

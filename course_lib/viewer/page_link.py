@@ -41,8 +41,9 @@ Sight: TypeAlias = Literal["ready", "away", "hide"]
 INTERVAL, COLLECTING = 1 / 40, 1 / 100
 # The time after which an unresponsive page counts as disconnected [s].
 MAX_SILENCE = 10.0
-# An acknowledgement is requested after this many batches or bytes, whichever comes first. Each one
-# makes the kernel busy and idle again, for which JupyterLab draws its indicators and loads two icons.
+# An acknowledgement is requested after this many batches or bytes, whichever
+# comes first. Each one makes the kernel busy and idle again, for which
+# JupyterLab draws its indicators and loads two icons.
 _ACK_BATCHES, _ACK_BYTES = 12, 1 << 18
 _MAX_PENDING_ACKS = 3
 
@@ -179,7 +180,10 @@ class PageLink:
     """
 
     def __init__(
-        self, scene: Scene, send: Send, turn: Callable[[], AbstractContextManager[Any]] = nullcontext
+        self,
+        scene: Scene,
+        send: Send,
+        turn: Callable[[], AbstractContextManager[Any]] = nullcontext,
     ) -> None:
         self.scene = scene
         # Number of the last batch.

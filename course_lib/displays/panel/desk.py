@@ -106,7 +106,13 @@ class Rows(dict[str, RowEntry]):
     """Rows by their key, parents first."""
 
     def put(
-        self, key: str, parent: str, label: str, edit: Edit | None = None, member: Any = None, **shown: Any
+        self,
+        key: str,
+        parent: str,
+        label: str,
+        edit: Edit | None = None,
+        member: Any = None,
+        **shown: Any,
     ) -> None:
         """Add a row."""
         self[key] = RowEntry(PanelRow(key, parent, label, **shown), edit, member)
@@ -446,7 +452,8 @@ class Desk:
         self._orders = OrderDesk(session)
         self._sent_state: PanelState | None = None
         self._sent_rows: dict[str, PanelRow] = {}
-        # The pages with an open panel. To find the rows takes longest, so others do without new ones.
+        # The pages with an open panel. To find the rows takes
+        # longest, so others do without new ones.
         self._row_watchers: set[str] = set()
         # Wall-clock time of the last message [s].
         self._posted = 0.0
@@ -534,7 +541,12 @@ class Desk:
             return self.full_state()
         return self._state(sent.tree, sent.view, sent.tools), self._sent_rows
 
-    def _state(self, tree: tuple[str, ...], view: tuple[str, ...], tools: tuple[str, ...]) -> PanelState:
+    def _state(
+        self,
+        tree: tuple[str, ...],
+        view: tuple[str, ...],
+        tools: tuple[str, ...],
+    ) -> PanelState:
         """Return the state of the panels.
 
         Args:

@@ -34,7 +34,12 @@ class RestingView(SceneWidget):
     """
 
     def __init__(
-        self, session: RvizSession, recording: SceneRecording, seconds: float, *, plays: bool = False
+        self,
+        session: RvizSession,
+        recording: SceneRecording,
+        seconds: float,
+        *,
+        plays: bool = False,
     ) -> None:
         self._words = str(StatusTable(session.rows()))
         panels = json.dumps(_panels(session, REPLAY if plays else RECORDED))

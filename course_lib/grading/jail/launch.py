@@ -563,7 +563,11 @@ def _place_arguments(files: Readable, off: Collection[str]) -> dict[str, Any]:
 
 
 def _start(
-    control: socket.socket, place: dict[str, Any], bubblewrap: str, files: Readable, off: Collection[str]
+    control: socket.socket,
+    place: dict[str, Any],
+    bubblewrap: str,
+    files: Readable,
+    off: Collection[str],
 ) -> "subprocess.Popen[bytes]":
     environment = {
         "PATH": os.defpath,

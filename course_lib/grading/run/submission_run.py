@@ -262,7 +262,11 @@ class ScenarioGraph:
     """
 
     def __init__(
-        self, task: Task, scenario: Scenario, personal: Mapping[str, Any], room: float = MOST_EVIDENCE
+        self,
+        task: Task,
+        scenario: Scenario,
+        personal: Mapping[str, Any],
+        room: float = MOST_EVIDENCE,
     ) -> None:
         self._task, self._scenario, self._personal = task, scenario, personal
         self.seconds = scenario.seconds
@@ -334,7 +338,10 @@ class ScenarioGraph:
             self._rejections += texts[: MOST_REJECTIONS - len(self._rejections)]
 
     def _outcomes_of_sets(self, outcome: Outcome) -> list[str]:
-        """Return the lines about parameters that were not set. A node that has failed is missing anyway."""
+        """Return the lines about parameters that were not set.
+
+        A node that has failed is missing anyway.
+        """
         return [text for text in self._rejections if not outcome.errors or NO_NODE not in text]
 
     def _record_rejections(self, service: str) -> None:

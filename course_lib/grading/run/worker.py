@@ -114,7 +114,14 @@ class Worker:
         self._channel.send(["ran", errors])
 
     def run_scenario(
-        self, task: str, name: str, kind: str, seed: int, calls: list[Any], end_ns: int, last_id: int
+        self,
+        task: str,
+        name: str,
+        kind: str,
+        seed: int,
+        calls: list[Any],
+        end_ns: int,
+        last_id: int,
     ) -> None:
         """Run one scenario. Nodes run in a fork, so that they cannot affect the next scenario."""
         part, before = Instructions(kind, seed, calls), cpu_seconds()

@@ -510,7 +510,11 @@ class Block:
 
 
 def copies_page(
-    exercise: str, comparison: Comparison, works: Mapping[str, Work], released: ReleasedCode, zone: ZoneInfo
+    exercise: str,
+    comparison: Comparison,
+    works: Mapping[str, Work],
+    released: ReleasedCode,
+    zone: ZoneInfo,
 ) -> str:
     """Return the page of one exercise, with all student texts escaped, and times in a zone."""
     clusters = [
@@ -581,7 +585,11 @@ class SimilarSubmission:
 
 
 def compare_class(
-    submissions: Iterable[Submission], out: Path, exercises: Path, zone: ZoneInfo, tasks: Iterable[Task]
+    submissions: Iterable[Submission],
+    out: Path,
+    exercises: Path,
+    zone: ZoneInfo,
+    tasks: Iterable[Task],
 ) -> None:
     """Compare all submissions of each exercise, including those graded before, and write the pages.
 

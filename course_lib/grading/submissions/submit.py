@@ -60,7 +60,12 @@ class NotebookReview:
     """
 
     def __init__(
-        self, path: Path, notebook: Notebook, tasks: Sequence[Task], state: State, identity: str | None
+        self,
+        path: Path,
+        notebook: Notebook,
+        tasks: Sequence[Task],
+        state: State,
+        identity: str | None,
     ) -> None:
         self._path, self._notebook, self._tasks, self._identity = path, notebook, tasks, identity
         pairs = zip(notebook.cells, notebook.ran, strict=True)

@@ -277,7 +277,8 @@ def expect_circling_frame(
         return ambiguous
     poses = [(seconds, pose) for seconds, pose in _iter_transforms(evidence, "/tf") if pose.child == frame]
     if len(poses) > 1 and not any(pose.stamp_ns for _, pose in poses):
-        # Such a frame answers requests for the latest time only, and displays ask for the stamps of messages.
+        # Such a frame answers requests for the latest time only, and
+        # displays ask for the stamps of messages.
         message = f"every transform of {frame!r} has the stamp 0: tf2 knows it at no other time"
         return [Problem(message, "a transform has wrong stamps")]
     if not poses:

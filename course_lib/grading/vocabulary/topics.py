@@ -299,7 +299,12 @@ def _stamped_messages(evidence: Evidence, topic: str) -> list[tuple[float, Any]]
 
 @check_function("the last message on {topic}")
 def expect_message(
-    evidence: Evidence, topic: str, fields: dict[str, Any], *, tolerance: float = 1e-3, unit: str = ""
+    evidence: Evidence,
+    topic: str,
+    fields: dict[str, Any],
+    *,
+    tolerance: float = 1e-3,
+    unit: str = "",
 ) -> Iterator[Problem]:
     """Expect fields of the last message, given by dotted paths: `{"header.frame_id": "map"}`.
 

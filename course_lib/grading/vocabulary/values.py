@@ -76,7 +76,12 @@ def _are_rows(rows: Any, parts: Sequence[str]) -> bool:
 
 
 def _compare_parts(
-    row: list[Any], expected: list[Any], parts: Sequence[str], tolerance: float, unit: str, name: str
+    row: list[Any],
+    expected: list[Any],
+    parts: Sequence[str],
+    tolerance: float,
+    unit: str,
+    name: str,
 ) -> Iterator[Problem]:
     if problem := _order_problem(row, expected, tolerance, name):
         yield problem
@@ -177,7 +182,12 @@ def _compare_lists(
             yield from compare(*pair, tolerance, unit, _item_name(name, index))
 
 
-def _order_problem(value: list[Any], expected: list[Any], tolerance: float, name: str) -> Problem | None:
+def _order_problem(
+    value: list[Any],
+    expected: list[Any],
+    tolerance: float,
+    name: str,
+) -> Problem | None:
     """Return the problem of a list that has the expected numbers or strings in another order."""
     if not {type(one) for one in (*value, *expected)} <= {int, float, str}:
         return None
@@ -201,7 +211,8 @@ def _is_permutation(value: list[Any], expected: list[Any], tolerance: float) -> 
         if place is None:
             return False
         del left[place]
-    # Equal values, such as the zeros of a color, are more often computed so than returned in another order.
+    # Equal values, such as the zeros of a color, are more often
+    # computed so than returned in another order.
     return len({str(one) for one in expected}) == len(expected)
 
 

@@ -286,7 +286,13 @@ class DdsLink:
         return DdsEntity("node", key, namespace, name, gid=gid)
 
     def endpoint(
-        self, node: DdsEntity, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
+        self,
+        node: DdsEntity,
+        kind: EntityKind,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        known_hash: str = "",
     ) -> DdsEntity:
         """Return an endpoint of a node of the kit that is not announced yet."""
         names_of_it = (node.namespace, node.node, topic, type_name, known_hash or type_hash(type_name))
@@ -470,8 +476,8 @@ def silence_message(address: str, domain: int, error: int) -> str:
 def moved_message(address: str, host: str) -> str:
     """Return a message for a robot that sends from a new address."""
     return (
-        f"The robot {address} now has the address {host}, and the link follows it. Next time connect to "
-        f"dds/{host}."
+        f"The robot {address} now has the address {host}, and the link follows it. Next time "
+        f"connect to dds/{host}."
     )
 
 

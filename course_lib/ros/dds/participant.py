@@ -346,7 +346,15 @@ class Participant:
         body = data_submessage(writer, next(self._announcements), data, inline_qos, SPDP_READER)
         self.send((timestamp(wall.time_ns()), *body), locators)
 
-    def _on_spdp(self, payload: bytes, source: bytes, key: bytes, sender: str, *, is_disposed: bool) -> None:
+    def _on_spdp(
+        self,
+        payload: bytes,
+        source: bytes,
+        key: bytes,
+        sender: str,
+        *,
+        is_disposed: bool,
+    ) -> None:
         """Process the announcement or departure of a participant, from the address `sender`."""
         if is_disposed:
             self._remove_participant(
@@ -676,7 +684,10 @@ class Participant:
 
 
 def _locators_at(host: str, locators: tuple[Locator, ...]) -> tuple[Locator, ...]:
-    """Return the locator at a host. If none is announced there, the first one's port at that host."""
+    """Return the locator at a host.
+
+    If none is announced there, the first one's port at that host.
+    """
     if not locators:
         return ()
     return (next((locator for locator in locators if locator[0] == host), (host, locators[0][1])),)

@@ -237,7 +237,13 @@ class LaunchProgram(Process):
                 lines.append(f"        (default: {default!r})")
         return "\n".join(lines if len(lines) > 1 else [*lines, "", "    No arguments."])
 
-    def start(self, action: Action, package: str, executable: str, arguments: Iterable[str]) -> None:
+    def start(
+        self,
+        action: Action,
+        package: str,
+        executable: str,
+        arguments: Iterable[str],
+    ) -> None:
         """Start an executable. Raise a CourseError if there is none."""
         arguments = list(arguments)
         if reason := reason_in(" ".join(arguments)):
@@ -392,7 +398,10 @@ class LaunchProgram(Process):
             self._due_actions.append(partial(self._context.complete, action))
 
     def _run_until_done(self) -> None:
-        """Handle events until all processes and timers have ended. An error of the launch file ends them."""
+        """Handle events until all processes and timers have ended.
+
+        An error of the launch file ends them.
+        """
 
         def has_events() -> bool:
             return bool(self._due_actions) or len(self._processes.ended) > self._reported_ends
@@ -467,7 +476,11 @@ class _LaunchedProcess(Function):
     """A process of a launch, whose output is prefixed with its name."""
 
     def __init__(
-        self, name: str, function: Callable[[], object], args: Sequence[str], prefixes: OutputPrefixes
+        self,
+        name: str,
+        function: Callable[[], object],
+        args: Sequence[str],
+        prefixes: OutputPrefixes,
     ) -> None:
         super().__init__(name, function, args)
         self._prefixes = prefixes

@@ -57,7 +57,11 @@ class RunProgram(Function):
             sys.stdout.write(f"[ros2run]: Process exited with failure {self.exit_code}\n")
 
 
-def find_executable(package: str, executable: str, kit_executables: Executables) -> Callable[[], object]:
+def find_executable(
+    package: str,
+    executable: str,
+    kit_executables: Executables,
+) -> Callable[[], object]:
     """Find an executable of a package or of the kit.
 
     Raise a CourseError that lists the executables.

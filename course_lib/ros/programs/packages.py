@@ -453,7 +453,10 @@ def _create_links(sources: Path, relocated: tuple[tuple[str, Path], ...]) -> Pat
 
 
 def _link(place: Path, file: Path) -> None:
-    """Create a link to a file or folder. A folder that is there already gets links to the new files."""
+    """Create a link to a file or folder.
+
+    A folder that is there already gets links to the new files.
+    """
     if not place.exists():
         place.symlink_to(file.resolve())
     elif place.is_dir() and file.is_dir() and not place.samefile(file):

@@ -214,7 +214,8 @@ class Processes:
 
         # A kernel exits without waiting for these threads.
         daemon = graph.notebook
-        # With a copy of the context, output goes to this cell even if pages send messages during the run.
+        # With a copy of the context, output goes to this cell even
+        # if pages send messages during the run.
         context = contextvars.copy_context()
         self._threads.append(
             threading.Thread(target=context.run, args=(run,), name=process.file.name, daemon=daemon)

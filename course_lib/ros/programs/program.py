@@ -126,7 +126,12 @@ def run_files(
     return next((p.exit_code for p in programs if p.exit_code), 0)
 
 
-def _program(file: Path, args: Sequence[str], kit_executables: Executables, is_strict: bool) -> Process:
+def _program(
+    file: Path,
+    args: Sequence[str],
+    kit_executables: Executables,
+    is_strict: bool,
+) -> Process:
     if file.suffix == ".ipynb":
         return NotebookProgram(file)
     folder, _, executable = str(file).rpartition(":")

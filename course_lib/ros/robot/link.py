@@ -187,7 +187,13 @@ class Link(Protocol):
         """Return a node of the kit that is not announced yet."""
 
     def endpoint(
-        self, node: Any, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
+        self,
+        node: Any,
+        kind: EntityKind,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        known_hash: str = "",
     ) -> Any:
         """Return an endpoint of a node of the kit, not announced yet.
 

@@ -263,11 +263,18 @@ def type_warning(entity: Entity) -> str:
     )
 
 
-def qos_warning(topic: str, policy: str, publisher: str, subscriber: str, *, is_enforced: bool) -> str:
+def qos_warning(
+    topic: str,
+    policy: str,
+    publisher: str,
+    subscriber: str,
+    *,
+    is_enforced: bool,
+) -> str:
     """Return a message about a publisher and a subscription, of two nodes, with incompatible QoS."""
     line = (
-        f"{topic}: the publisher of {publisher} and the subscription of {subscriber} have incompatible "
-        f"QoS ({policy})."
+        f"{topic}: the publisher of {publisher} and the subscription of {subscriber} have "
+        f"incompatible QoS ({policy})."
     )
     if is_enforced:
         return f"{line} DDS does not connect them, so no message arrives. Give both the same {policy}."

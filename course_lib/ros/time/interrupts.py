@@ -29,7 +29,8 @@ PATIENCE = 3.0
 LOOK = 0.25
 # Time that a callback has to end by itself after Stop was clicked [s].
 A_MOMENT = 0.5
-# Module of the kernel's signal handler for awaiting cells, which only sets an event of the event loop.
+# Module of the kernel's signal handler for awaiting cells,
+# which only sets an event of the event loop.
 KERNELS = "ipykernel.ipkernel"
 # Number of interrupts that are raised at the callback's current line.
 DIRECTLY = 2

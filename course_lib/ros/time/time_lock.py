@@ -206,7 +206,8 @@ class TimeLock:
     def __init__(self) -> None:
         # By thread identifier.
         self._threads: dict[int, ProgramThread] = {}
-        # Number of polling calls. It survives between calls, because a cell may call the kit in a loop.
+        # Number of polling calls. It survives between calls,
+        # because a cell may call the kit in a loop.
         self._polls_in_cells = 0
         self._waiting: list[ProgramThread] = []
         self._holder: ProgramThread | None = None
@@ -327,7 +328,12 @@ class TimeLock:
             self._pass_lock(me, heir)
 
     def wait(
-        self, ready: Callable[[], bool], *, until_ns: int | None, awaited: str, events_help: bool = True
+        self,
+        ready: Callable[[], bool],
+        *,
+        until_ns: int | None,
+        awaited: str,
+        events_help: bool = True,
     ) -> bool:
         """Block the calling program thread until `ready()` or `until_ns` [ns], while other threads run.
 

@@ -139,7 +139,10 @@ def _place_cells(
 
 
 def _route(
-    edge: Edge, chain: Sequence[tuple[str, int]], positions: Mapping[str, Point], widths: Mapping[str, float]
+    edge: Edge,
+    chain: Sequence[tuple[str, int]],
+    positions: Mapping[str, Point],
+    widths: Mapping[str, float],
 ) -> list[Point]:
     """Return the points of an edge from border to border. An edge to the left is drawn lower."""
     is_reversed = chain[0][0] != edge[0]

@@ -183,7 +183,11 @@ class RqtView:
         self.add(Text(value, description=name, placeholder=hint, layout={"width": "190px"}))
 
     def add_choice(
-        self, name: str, options: Sequence[str], value: str | None, action: Callable[[], None] | None = None
+        self,
+        name: str,
+        options: Sequence[str],
+        value: str | None,
+        action: Callable[[], None] | None = None,
     ) -> None:
         """Add a list of options. The value None selects none of them."""
         from ipywidgets import Dropdown

@@ -36,7 +36,13 @@ class ExecutionComplete(Event):
 class Runner(Protocol):
     """The interface that actions use to the program that runs the launch."""
 
-    def start(self, action: "Action", package: str, executable: str, arguments: Iterable[str]) -> None:
+    def start(
+        self,
+        action: "Action",
+        package: str,
+        executable: str,
+        arguments: Iterable[str],
+    ) -> None:
         """Start an executable."""
 
     def has_executable(self, package: str, executable: str) -> bool:
@@ -256,7 +262,11 @@ class BaseEventHandler:
     """
 
     def __init__(
-        self, *, matcher: Callable[[Event], bool], entities: Reaction = None, handle_once: bool = False
+        self,
+        *,
+        matcher: Callable[[Event], bool],
+        entities: Reaction = None,
+        handle_once: bool = False,
     ) -> None:
         self.matches = matcher
         self.handle_once = handle_once

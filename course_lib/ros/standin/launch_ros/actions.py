@@ -285,7 +285,14 @@ class LifecycleNode(Node):
         options: The options of Node.
     """
 
-    def __init__(self, *, name: Some, namespace: Some, autostart: bool = False, **options: Any) -> None:
+    def __init__(
+        self,
+        *,
+        name: Some,
+        namespace: Some,
+        autostart: bool = False,
+        **options: Any,
+    ) -> None:
         super().__init__(name=name, namespace=namespace, **options)
         self._autostart = autostart
         # The fully qualified name, once the node was started.

@@ -156,7 +156,11 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
     """Combines messages of several filters whose stamps differ by less than `slop` [s] into one call."""
 
     def __init__(
-        self, fs: Sequence[SimpleFilter], queue_size: int, slop: float, allow_headerless: bool = False
+        self,
+        fs: Sequence[SimpleFilter],
+        queue_size: int,
+        slop: float,
+        allow_headerless: bool = False,
     ) -> None:
         super().__init__(fs, queue_size)
         self.slop, self.allow_headerless = Duration(seconds=slop), allow_headerless

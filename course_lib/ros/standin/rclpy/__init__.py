@@ -125,7 +125,10 @@ def spin_once(
 
 
 def spin_until_future_complete(
-    node: Node, future: Future[Any], executor: Executor | None = None, timeout_sec: float | None = None
+    node: Node,
+    future: Future[Any],
+    executor: Executor | None = None,
+    timeout_sec: float | None = None,
 ) -> None:
     """Run the node's callbacks until a future is done or `timeout_sec` [s] have passed."""
     with _with_node(executor, node, keep=True) as used_executor, used_executor._course_beside_live():

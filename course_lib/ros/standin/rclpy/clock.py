@@ -38,7 +38,11 @@ class JumpThreshold:
     """
 
     def __init__(
-        self, *, min_forward: Duration | None, min_backward: Duration | None, on_clock_change: bool = True
+        self,
+        *,
+        min_forward: Duration | None,
+        min_backward: Duration | None,
+        on_clock_change: bool = True,
     ) -> None:
         if min_forward is not None and min_forward.nanoseconds <= 0:
             raise ValueError("min_forward must be a positive non-zero duration")

@@ -36,7 +36,11 @@ class Context(AbstractContextManager["Context"]):
         self._callbacks: list[Callable[[], object]] = []
 
     def init(
-        self, args: list[str] | None = None, *, initialize_logging: bool = True, domain_id: int | None = None
+        self,
+        args: list[str] | None = None,
+        *,
+        initialize_logging: bool = True,
+        domain_id: int | None = None,
     ) -> None:
         """Initialize the context. `args` is the command line, by default `sys.argv`."""
         if domain_id is not None and domain_id < 0:

@@ -763,7 +763,10 @@ class Node:
         self.__parameter_store.undeclare(name)
 
     def set_descriptor(
-        self, name: str, descriptor: ParameterDescriptor, alternative_value: ParameterValue | None = None
+        self,
+        name: str,
+        descriptor: ParameterDescriptor,
+        alternative_value: ParameterValue | None = None,
     ) -> ParameterValue:
         """Replace a parameter's descriptor and return the resulting value.
 

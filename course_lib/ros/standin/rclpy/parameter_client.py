@@ -73,7 +73,10 @@ class AsyncParameterClient:
         return wait_for_partner(self.node.handle, self.__are_ready, timeout_sec, awaited)
 
     def list_parameters(
-        self, prefixes: list[str] | None = None, depth: int | None = None, callback: OnDone | None = None
+        self,
+        prefixes: list[str] | None = None,
+        depth: int | None = None,
+        callback: OnDone | None = None,
     ) -> Future[Any]:
         """Request the names below `prefixes`, at most `depth` tokens deep."""
         return self.__call("list_parameters", callback, prefixes=prefixes or [], depth=depth or 0)

@@ -21,7 +21,11 @@ class Time:
     """
 
     def __init__(
-        self, *, seconds: float = 0, nanoseconds: int = 0, clock_type: ClockType = ClockType.SYSTEM_TIME
+        self,
+        *,
+        seconds: float = 0,
+        nanoseconds: int = 0,
+        clock_type: ClockType = ClockType.SYSTEM_TIME,
     ) -> None:
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")

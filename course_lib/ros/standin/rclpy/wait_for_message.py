@@ -9,7 +9,12 @@ from rclpy.qos import QoSProfile
 
 
 def wait_for_message(
-    msg_type: Any, node: Node, topic: str, *, qos_profile: QoSProfile | int = 1, time_to_wait: float = -1
+    msg_type: Any,
+    node: Node,
+    topic: str,
+    *,
+    qos_profile: QoSProfile | int = 1,
+    time_to_wait: float = -1,
 ) -> tuple[bool, Any]:
     """Return (True, message) for the next message on a topic, (False, None) after the timeout.
 

@@ -79,7 +79,10 @@ def get_interface_path(interface_name: str) -> str:
     return str(path)
 
 
-def _interface_names(package_names: Collection[str], kinds: Collection[str]) -> dict[str, list[str]]:
+def _interface_names(
+    package_names: Collection[str],
+    kinds: Collection[str],
+) -> dict[str, list[str]]:
     if package_names:
         for package in package_names:
             definitions.find_package(package)

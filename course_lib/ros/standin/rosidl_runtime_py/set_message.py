@@ -7,7 +7,10 @@ from course_lib.ros.messages.conversions import set_fields
 
 
 def set_message_fields(
-    msg: Any, values: dict[str, Any], expand_header_auto: bool = False, expand_time_now: bool = False
+    msg: Any,
+    values: dict[str, Any],
+    expand_header_auto: bool = False,
+    expand_time_now: bool = False,
 ) -> list[Callable[[Any], None]]:
     """Set fields by name.
 

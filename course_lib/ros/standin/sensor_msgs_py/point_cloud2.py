@@ -109,7 +109,10 @@ def dtype_from_fields(
 
 
 def create_cloud(
-    header: Header, fields: Sequence[PointField], points: Iterable[Any], point_step: int | None = None
+    header: Header,
+    fields: Sequence[PointField],
+    points: Iterable[Any],
+    point_step: int | None = None,
 ) -> PointCloud2:
     """Create a cloud from an array (points, fields), a structured array, or rows of values."""
     kind = dtype_from_fields(fields, point_step)

@@ -10,7 +10,10 @@ from tf2_ros.transform_listener import TransformListener
 
 
 class StaticTransformListener(TransformListener):
-    """Stores received static transforms in a buffer while its node is spun. See TransformListener."""
+    """Stores received static transforms in a buffer while its node is spun.
+
+    See TransformListener.
+    """
 
     def __init__(
         self,

@@ -72,7 +72,8 @@ def description_of(file: Path) -> LaunchDescription:
             description = LaunchDescription(inner_actions(root), deprecated_reason=reason)
         finally:
             _file.reset(token)
-        # As in ROS, other attributes of the root are ignored: many files have <launch version="0.1.1">.
+        # As in ROS, other attributes of the root are ignored:
+        # many files have <launch version="0.1.1">.
     except EntityError as error:
         text = str(error) if str(error).endswith((".", "?")) else f"{error}."
         raise InvalidFrontendLaunchFileError(f"{file}, line {error.line}: {text}") from error

@@ -95,7 +95,12 @@ def _on_remote_endpoint(graph: Graph, remote: EndpointInfo, has_joined: bool) ->
             _report_pair(graph, info, remote, change)
 
 
-def _report_pair(graph: Graph, publisher: EndpointInfo, subscription: EndpointInfo, change: int) -> None:
+def _report_pair(
+    graph: Graph,
+    publisher: EndpointInfo,
+    subscription: EndpointInfo,
+    change: int,
+) -> None:
     """Report a pair that has formed (1) or ends (-1) to the events of both sides."""
     policy = graph.incompatible_policy(publisher, subscription)
     for side in _sides(graph, publisher, subscription):

@@ -220,7 +220,11 @@ def _typed(
 
 
 def _refusal(
-    parameter: Parameter, descriptor: ParameterDescriptor, *, is_declared: bool, new_descriptor: bool
+    parameter: Parameter,
+    descriptor: ParameterDescriptor,
+    *,
+    is_declared: bool,
+    new_descriptor: bool,
 ) -> str:
     """Return why a value is rejected, or "" if it is accepted. Sets the descriptor's name and type.
 

@@ -97,7 +97,9 @@ class SimpleManagedEntity(ManagedEntity):
 
     @staticmethod
     def when_enabled(
-        wrapped: Method[SelfT, P] | None = None, *, when_not_enabled: Callable[[], object] | None = None
+        wrapped: Method[SelfT, P] | None = None,
+        *,
+        when_not_enabled: Callable[[], object] | None = None,
     ) -> Any:
         """Decorate a method so that it runs only while enabled; otherwise `when_not_enabled` is called."""
 

@@ -371,7 +371,11 @@ class LifecycleNode(LifecycleNodeMixin, Node):
     """
 
     def __init__(
-        self, node_name: str, *, enable_communication_interface: bool = True, **kwargs: "Unpack[NodeOptions]"
+        self,
+        node_name: str,
+        *,
+        enable_communication_interface: bool = True,
+        **kwargs: "Unpack[NodeOptions]",
     ) -> None:
         Node.__init__(self, node_name, **kwargs)
         LifecycleNodeMixin.__init__(self, enable_communication_interface=enable_communication_interface)
