@@ -105,6 +105,7 @@ def hint(error: BaseException) -> str:
         or _callback_hint(error)
         or _loop_hint(error, text)
         or _order_hint(error, text)
+        or _executor_hint(error)
         or _operand_hint(error, text)
         or _request_hint(error)
         or _list_hint(error, text)
@@ -380,6 +381,14 @@ def _order_hint(error: BaseException, text: str) -> str:
     return f"pass the type first, then the name in quotes: `{call}`."
 
 
+def _executor_hint(error: BaseException) -> str:
+    """Return the hint for a MultiThreadedExecutor that gets a node as the number of threads, or ""."""
+    frame = frame_of(error)
+    if frame is None or not hasattr(frame.f_locals.get("num_threads"), "create_publisher"):
+        return ""
+    return "the argument is the number of threads. Add the node: `executor.add_node(node)`."
+
+
 # What Python says about an operand or argument that has to be a number or a string.
 _OPERANDS = (
     r"unsupported operand type\(s\) for [^:]+: '(\w+)' and '(\w+)'",
@@ -397,9 +406,6 @@ def _operand_hint(error: BaseException, text: str) -> str:
     """Return the hint for a message with which a program computes, or ""."""
     if not isinstance(error, TypeError):
         return ""
-    frame = frame_of(error)
-    if frame is not None and hasattr(frame.f_locals.get("num_threads"), "create_publisher"):
-        return "the argument is the number of threads. Add the node: `executor.add_node(node)`."
     match = next((found for one in _OPERANDS if (found := re.search(one, text))), None)
     # Two objects of one type that are compared have a hint of their own, in the table.
     names = match.groups() if match else ()
