@@ -105,6 +105,9 @@ def router(
     folder: Annotated[Path, typer.Option(help="The folder that stores the tokens.")] = Path("course_router"),
 ) -> None:
     """Run a gateway: all students receive a robot's messages, and one at a time drives the robot."""
+    from course_lib.ros.robot.connect import require_zenoh
+
+    require_zenoh("A gateway needs them, because students connect to it over Zenoh.")
     from course_lib.gateway.access import relative_names
     from course_lib.gateway.gateway import Settings
     from course_lib.gateway.gateway import router as run

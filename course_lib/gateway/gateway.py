@@ -16,6 +16,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import zenoh
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 from tornado.web import Application, RequestHandler
@@ -37,17 +38,15 @@ from course_lib.gateway.access import (
 )
 from course_lib.ros.robot.connect import full_address, is_over_dds
 from course_lib.ros.robot.sending import is_motion, stop_message
-from course_lib.ros.zenoh.session import PRESENCE, ROBOT, STUDENTS, gateway_key
+from course_lib.ros.zenoh.session import PRESENCE, ROBOT, STUDENTS, Handlers, gateway_key
 from course_lib.ros.zenoh.tokens import ZenohEntity, encode_attachment, ros_name
 from course_lib.third_party import read_json
 
 if TYPE_CHECKING:
-    import zenoh
-
     from course_lib.gateway.dds_bridge import DdsBridge
 
 
-def open_router(settings: dict[str, Any], option: str = "--listen") -> "zenoh.Session":
+def open_router(settings: dict[str, Any], option: str = "--listen") -> zenoh.Session:
     """Open a router in this process. If a connection fails, it tries again.
 
     Args:
@@ -55,12 +54,8 @@ def open_router(settings: dict[str, Any], option: str = "--listen") -> "zenoh.Se
         option: The option for another port, for the error message.
 
     Raises:
-        CourseError: Zenoh is missing, or rejects an address or a file.
+        CourseError: Zenoh rejects an address or a file.
     """
-    try:
-        import zenoh
-    except ImportError as error:
-        raise CourseError("Robots need Zenoh. Type: pip install 'course-lib[robot]'") from error
     config = zenoh.Config()
     common = {
         "mode": "router",
@@ -213,9 +208,6 @@ class Gateway:
                 **({} if settings.certificate is None else tls),
             }
         )
-        # Not at the head, because open_router reports a missing Zenoh.
-        from course_lib.ros.zenoh.session import Handlers
-
         self._handlers = Handlers()
         self._bridge = _bridge(settings, inner, report) if is_over_dds(settings.robot) else None
         self._node = ZenohEntity(settings.domain, str(self.robot_side.zid()), 0, 0, "NN", "/", "gateway")
@@ -302,7 +294,7 @@ class Gateway:
             return _links(self.class_side, own_ids), [self.settings.robot] * self._bridge.is_up()
         return _links(self.class_side, own_ids), _links(self.robot_side, own_ids)
 
-    def _on_command(self, sample: "zenoh.Sample") -> None:
+    def _on_command(self, sample: zenoh.Sample) -> None:
         """Forward a command of the driver, and count all others. Called by Zenoh's threads."""
         # A put may have wildcards in its key.
         match = COMMAND.fullmatch(str(sample.key_expr))
@@ -367,7 +359,7 @@ def _bridge(settings: Settings, inner: str, report: Callable[[str], None]) -> "D
     return DdsBridge(settings.robot, inner, settings.domain, *names, report)
 
 
-def _links(session: "zenoh.Session", own_ids: set[str]) -> list[str]:
+def _links(session: zenoh.Session, own_ids: set[str]) -> list[str]:
     """Return the remote addresses of a router's links from its admin space."""
     addresses = []
     for reply in session.get(f"@/{session.zid()}/router", timeout=1.0):

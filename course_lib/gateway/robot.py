@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from course_lib.errors import CourseError
-from course_lib.ros.robot.connect import DDS, RobotAddress
+from course_lib.ros.robot.connect import DDS, RobotAddress, require_zenoh
 
 FOLDER = Path(__file__).parent
 PROGRAMS = {"driving": "driving_robot.py", "unknown": "unknown_robot.py"}
@@ -22,6 +22,7 @@ THIS_COMPUTER = f"{DDS}127.0.0.1"
 POLL = 0.05
 START_SECONDS = 120.0  # [s] in which a robot's process is ready, also on a busy computer
 END_SECONDS = 30.0  # [s] in which a robot's process ends after its input
+WITHOUT_ZENOH = "course robot --dds and start_robot('dds') run a robot that needs none."
 # The program logs this when the robot is ready.
 READY = "The robot is ready"
 
@@ -74,6 +75,7 @@ def robot(
         domain = f" --domain {place.domain}" if place.domain else ""
         write(f"It is reached over DDS. Connect with: %ros2 connect {place.address}{domain} --send /cmd_vel")
     else:
+        require_zenoh(WITHOUT_ZENOH)
         # Imported here, because the sandbox, in which this module is imported too, has no zenoh.
         from course_lib.gateway.gateway import open_router
 
@@ -179,6 +181,7 @@ def start_robot(link: Literal["zenoh", "dds"] = "zenoh") -> RobotProcess:
     software = "the kit's own rclpy"
     options = []
     if link == "zenoh":
+        require_zenoh(WITHOUT_ZENOH)
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             place = RobotPlace(f"tcp/127.0.0.1:{free.getsockname()[1]}")

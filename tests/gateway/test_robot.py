@@ -14,6 +14,7 @@ from course_lib import CourseError, start_robot
 from course_lib.gateway.robot import RobotPlace, RobotProcess
 from tests.gateway.conftest import ROSTER, wait_for
 from tests.gateway.test_router import Started, course, says, started, users_in
+from tests.patience import PATIENCE
 from tests.ports import free_port
 from tests.processes import Program
 
@@ -96,6 +97,27 @@ def test_nonexistent_robot_is_reported_in_one_line(tmp_path: Path) -> None:
     assert course(tmp_path, "robot", "flying").endswith(
         "There is no robot 'flying': start one of driving, unknown.\n"
     )
+
+
+@pytest.mark.parametrize(
+    ("command", "instead"), [("robot", "course robot --dds"), ("router", "A gateway needs")]
+)
+def test_command_without_zenoh_is_rejected_in_one_line(command: str, instead: str) -> None:
+    script = "import sys; sys.modules['zenoh'] = None; from course_lib.__main__ import main; main()"
+    process = subprocess.run(
+        [sys.executable, "-c", script, command], capture_output=True, text=True, timeout=PATIENCE
+    )
+    assert process.stderr.startswith('error: A link over Zenoh needs two more packages: pip install "course')
+    assert instead in process.stderr
+    assert process.stderr.count("\n") == 1
+
+
+def test_robot_over_zenoh_is_not_started_without_its_packages(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("course_lib.ros.robot.connect.find_spec", lambda name: None)
+    with pytest.raises(
+        CourseError, match=r"^A link over Zenoh needs two more packages: .*start_robot\('dds'\)"
+    ):
+        start_robot()
 
 
 def test_robot_process_that_does_not_end_is_killed(monkeypatch: pytest.MonkeyPatch) -> None:

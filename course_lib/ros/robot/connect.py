@@ -107,14 +107,27 @@ def _open_link(address: str, domain: int) -> "Link":
     if is_over_dds(address):
         return open_dds_link(address, domain)
     router = full_address(address)
-    if find_spec("zenoh") is None or find_spec("xxhash") is None:
-        raise CourseError(
-            'A link over Zenoh needs two more packages: pip install "course-lib[robot]". A link over DDS, '
-            f"like {DDS}192.168.1.5, needs none."
-        )
+    require_zenoh(f"A link over DDS, like {DDS}192.168.1.5, needs none.")
     from course_lib.ros.zenoh.link import ZenohLink
 
     return ZenohLink(router, domain)
+
+
+def require_zenoh(instead: str) -> None:
+    """Check that the optional packages of links over Zenoh are installed.
+
+    Call it before an import of `course_lib.ros.zenoh`, whose modules need them.
+
+    Args:
+        instead: What works without them, for the error message.
+
+    Raises:
+        CourseError: One of the two packages is missing.
+    """
+    if find_spec("zenoh") is None or find_spec("xxhash") is None:
+        raise CourseError(
+            f'A link over Zenoh needs two more packages: pip install "course-lib[robot]". {instead}'
+        )
 
 
 def full_address(address: str) -> str:
