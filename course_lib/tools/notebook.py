@@ -279,19 +279,18 @@ def catch_shell(shell: "InteractiveShell") -> None:
 
     vars(shell).update(system=run, getoutput=capture_output)
     for name in ("bash", "sh"):
-        # IPython's table may hold a placeholder that looks the name up again, and would find
-        # `_script`.
-        shell_magic = shell.find_cell_magic(name)  # type: ignore[no-untyped-call]  # IPython does not annotate it
-        if shell_magic is not None:
-            shell.register_magic_function(partial(_script, shell_magic), "cell", name)  # type: ignore[arg-type]  # as above
+        shell.register_magic_function(partial(_script, shell, name), "cell", name)  # type: ignore[arg-type]  # as above
 
 
-def _script(shell_magic: Callable[[str, str], Any], line: str, cell: str) -> Any:
+def _script(shell: "InteractiveShell", program: str, line: str, cell: str) -> Any:
     """Run a cell of shell script. If it calls `ros2`, print a hint to the magic first."""
     match = re.search(r"^\s*((?:timeout\s+\S+\s+)?ros2\s.+)", cell, re.MULTILINE)
     if match:
         sys.stderr.write(f"A shell can't see this notebook's nodes. In a cell write %{match[1].strip()}\n")
-    return shell_magic(line, cell)
+    # IPython's own %%bash does the same. It is looked up as late as here, because IPython then
+    # imports its magics for scripts, which takes most of the time of `%load_ext course_lib`.
+    script = shell.find_cell_magic("script")  # type: ignore[no-untyped-call]  # IPython does not annotate it
+    return script(f"{program} {line}", cell)
 
 
 def _magic_for(command: str) -> Callable[[], None] | None:

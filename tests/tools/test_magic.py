@@ -22,6 +22,20 @@ def test_magic_is_imported_before_the_standin_is_installed() -> None:
     subprocess.run([sys.executable, "-c", "import course_lib.tools.notebook"], check=True, timeout=PATIENCE)
 
 
+LOAD = """
+import sys
+from IPython.core.interactiveshell import InteractiveShell
+shell = InteractiveShell.instance()
+before = set(sys.modules)
+shell.run_line_magic("load_ext", "course_lib")
+sys.exit("IPython.core.magics.script" in set(sys.modules) - before)
+"""
+
+
+def test_extension_is_loaded_without_the_script_magics_of_ipython() -> None:
+    subprocess.run([sys.executable, "-c", LOAD], check=True, timeout=PATIENCE)
+
+
 def run(shell: InteractiveShell, line: str) -> bool:
     """Run a cell. Return whether it succeeded."""
     return bool(shell.run_cell(line).success)  # type: ignore[no-untyped-call]  # IPython does not annotate it
