@@ -868,7 +868,7 @@ def main() -> None:
 
 
 def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Split the arguments into those of the command and of its programs.
+    """Split the arguments into the command's own and those of its programs.
 
     The latter follow `--` or begin at `--ros-args`.
     """

@@ -83,7 +83,7 @@ def _read(path: Path) -> tuple[Operator, ...]:
         operators = tuple(Operator(**row) for row in rows)
         for operator in operators:
             re.compile(operator.names)
-            # This raises an error for an invalid pattern, and for an invalid reference in the
+            # Raise an error for an invalid pattern, or an invalid group reference in the
             # replacement.
             re.sub(operator.pattern, operator.replacement, "")
     except (TypeError, ValueError, LookupError, re.error) as error:
@@ -433,11 +433,11 @@ Key = tuple[int, int]
 class _Statement:
     """The names and attributes that a top-level statement of a cell defines and uses."""
 
-    # Names that it binds, and global names that it refers to.
+    # Names that the statement binds, and global names that it refers to.
     provided: frozenset[str]
     names: frozenset[str]
-    # Attributes that it reads, and attributes that it assigns
-    # or defines as methods or nested classes.
+    # Attributes that the statement reads, and attributes that it assigns or defines as methods or
+    # nested classes.
     read_attributes: frozenset[str]
     assigned: frozenset[str]
 
@@ -674,7 +674,7 @@ def _global_names(code: str) -> frozenset[str]:
 
 @dataclass(frozen=True)
 class _Part:
-    """A part of a program that can be deleted: its range in the source and its replacement."""
+    """A deletable part of a program: its range in the source, and its replacement."""
 
     name: str
     first: int

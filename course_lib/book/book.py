@@ -127,7 +127,7 @@ def _add_viewer(app: Any, page: str, template: str, context: dict[str, Any], tre
         app.add_js_file(f"../{VIEWER}", loading_method="defer")
 
 
-# The book's folder for lessons.
+# Name of the folder for lessons in a book.
 LESSONS = "lessons"
 LINK = re.compile(r'(?P<before>!?\[[^\]\n]*\]\(|<img src=")(?P<path>[\w./-]+)(?P<after>(?:#[\w-]+)?[)"])')
 CONTENTS = """
@@ -213,7 +213,7 @@ SECONDS = 120
 HERE = "…/.venv"
 # Time limit [s] for starting a kernel on a busy machine.
 START = 180
-# The book's folder for scenes.
+# Name of the folder for scenes in a book.
 SCENES = "_scenes"
 KERNEL = "__import__('course_lib.book.kernel', fromlist=['begin'])"
 SHOWN_BY_SCRIPTS = "application/vnd.jupyter.widget-view+json"

@@ -234,7 +234,7 @@ class _Playing:
     def follow(self) -> None:
         """Extend the scene to the current time, unless it has its maximum duration already."""
         recording = self.viewer.film
-        # Robot time was reset.
+        # The robot time was reset in between.
         if recording.time < self.since:
             self.since = self.until = recording.time
         if recording.time - self.since <= SECONDS:

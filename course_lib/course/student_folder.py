@@ -108,9 +108,9 @@ class Refresh:
     """The changes made by a call of `prepare`, as names relative to the folder."""
 
     added: tuple[str, ...] = ()
-    # Not edited by the student, so they were replaced by the new release.
+    # Files that the student has not edited, so they were replaced by the new release.
     updated: tuple[str, ...] = ()
-    # Edited by the student, so the new version was written next to the file.
+    # Files that the student has edited, so the new version was written next to each of them.
     beside: tuple[str, ...] = ()
 
     def lines(self) -> list[str]:
@@ -359,7 +359,7 @@ How far you are now: `course status`.
 HEADINGS = ("week", "public checks", "points", "packed", "hand in by")
 # Displayed instead of a deadline.
 FAULTY = "unknown, as course.toml has a fault"
-# Below this number of hours, the time left is displayed in hours, otherwise in days.
+# Below this number of hours, the remaining time is displayed in hours, otherwise in days.
 HOURS_SHOWN = 72
 
 
@@ -569,7 +569,7 @@ FIRST_PORT = 8888
 PORTS_TO_TRY = 100
 # Time limit [s]. A first start compiles Python files, perhaps on a slow disk.
 START_SECONDS = 180.0
-# Without pop-ups about news; Markdown files are opened as pages.
+# These settings disable pop-ups about news, and open Markdown files as rendered pages.
 JUPYTER_SETTINGS = Path(__file__).parent / "jupyter"
 # JupyterLab finds the extension of an installed wheel automatically, but not in a checkout.
 LAB_EXTENSIONS = JUPYTER_SETTINGS / "labextensions"

@@ -33,7 +33,8 @@ from course_lib.ros.graph.topics import Qos
 from course_lib.ros.tf2 import Transform, TransformException, interpolate
 from course_lib.viewer.drawables import Points, Spot
 
-# By the constants of sensor_msgs/msg/PointField. RViz interprets signed integers as unsigned ones.
+# numpy types by the constants of sensor_msgs/msg/PointField. RViz reads signed integers as
+# unsigned.
 _TYPES = {1: "u1", 2: "u1", 3: "u2", 4: "u2", 5: "u4", 6: "u4", 7: "f4", 8: "f8"}
 _XYZ = ("x", "y", "z")
 AXES = ("X", "Y", "Z")

@@ -431,7 +431,8 @@ class TopicDisplay(Display):
         self._since_ns = 0
         # Messages without a transform, with the times of their reception, [ns].
         self._waiting: deque[tuple[int, Any]] = deque()
-        # When the latest message that was processed was received, and when one was dropped, [ns].
+        # Times at which the last processed message was received, and at which the last message was
+        # dropped, [ns].
         self._processed_ns = self._dropped_ns = 0
 
     def load(self, config: Mapping[str, Any]) -> list[str]:

@@ -262,9 +262,9 @@ class SceneControl:
     """A control in the scene."""
 
     message: Message
-    # The path of its scene node.
+    # The path of the control's scene node.
     path: str
-    # Its own orientation: columns are x, y and z.
+    # The orientation of the control: columns are x, y and z.
     axes: Matrix
     # Rotation about x by dragging [rad].
     turned: float = 0.0
@@ -309,7 +309,7 @@ class SceneMarker:
         self.shows_aids = False
         # The reference frame.
         self._frame = ""
-        # Whether it moves with its frame.
+        # Whether the marker moves with its frame.
         self._locked = False
         # Transform from the reference frame to the fixed frame.
         self._reference: Matrix = np.eye(4)
@@ -319,7 +319,7 @@ class SceneMarker:
         self._camera: Matrix = np.eye(3)
         self._pressed_control: SceneControl | None = None
         self._drag: Drag | None = None
-        # The reference and the camera of the last frame.
+        # The reference frame's transform and the camera of the last frame.
         self._last_view: tuple[Matrix | None, Camera] | None = None
         # Header and pose received during a drag.
         self._requested: tuple[Message, Message] | None = None

@@ -18,7 +18,7 @@ _NULLS = ("", "~", "null", "Null", "NULL")
 _NULL = "tag:yaml.org,2002:null"
 # Limit on path components in a file with expanded aliases: 100,000 values ten levels deep.
 _MAX_COMPONENTS = 1_000_000
-# The keys and indices that lead to an entry.
+# The path of an entry: its keys and indices.
 _Place: TypeAlias = tuple[str | int, ...]
 
 

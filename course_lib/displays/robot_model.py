@@ -149,7 +149,7 @@ class LinkSettings:
     alpha: float
     # Whether its transform is unknown.
     lost: bool = False
-    # If this is False, nothing is drawn, and only the files are checked.
+    # If False, nothing is drawn, and only the files are checked.
     seen: bool = True
 
 
@@ -158,7 +158,7 @@ class DrawnLink:
 
     def __init__(self, scene: Scene, path: str, link: Link, file: Path | None) -> None:
         self.name = link.name
-        # Whether it has anything to draw.
+        # Whether the link has anything to draw.
         self.has_geometry = bool(link.visuals or link.collisions)
         self.shapes = LinkShapes(link, file)
         self._scene = scene
@@ -473,5 +473,5 @@ def _poses_by_pinocchio(robot: Robot, configuration: Floats) -> dict[str, Floats
     body_poses = {frame.name: pose.homogeneous for frame, pose in frames if frame.type == body}
     rest_poses = link_poses(robot, robot.rest.positions)
     root = body_poses.get(robot.tree.root, np.eye(4))
-    # Models may lack links.
+    # The models may not contain all links.
     return {link: root @ pose for link, pose in rest_poses.items()} | body_poses

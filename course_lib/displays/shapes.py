@@ -297,7 +297,7 @@ def _discs(pose: UncertainPose, holder: PropertyHolder) -> Iterator[Matrix]:
 
 
 def _orientation_frame(pose: UncertainPose, holder: PropertyHolder) -> Matrix:
-    """Return the frame of discs or cone: the pose, or its position with the axes of the reference frame."""
+    """Return the frame of the discs or cone: the pose, or its position with reference axes."""
     if holder[f"{_ORIENTATION}/Frame"] == "Local":
         return pose.pose
     return placement(pose.transform_frame_to_fixed[:3, :3], 1.0, pose.pose[:3, 3])
@@ -312,7 +312,7 @@ def _deviations(covariance: Matrix) -> tuple[Matrix, Matrix]:
     variances, axes = np.linalg.eigh(covariance)
     if variances[0] < -_ROUNDING * variances[-1]:
         return np.zeros(len(variances)), np.eye(len(variances))
-    # The axes become right-handed.
+    # Make the axes right-handed.
     axes[:, 0] *= np.sign(np.linalg.det(axes))
     return 2 * np.sqrt(variances.clip(0)), axes
 

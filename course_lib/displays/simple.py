@@ -477,7 +477,7 @@ class JointEffort:
 
     @property
     def share(self) -> float:
-        """The fraction of the limit, if there is one, plus a minimum."""
+        """The effort as a fraction of its limit (the effort itself without one), plus a minimum."""
         share = min(abs(self.effort) / self.limit, 1.0) if self.limit else abs(self.effort)
         return share + _MIN_EFFORT
 

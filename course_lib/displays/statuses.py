@@ -90,7 +90,7 @@ class Statuses:
         self._failures.clear()
 
     def rows(self, display: str) -> list[StatusRow]:
-        """Return everything as rows, hints last."""
+        """Return the statuses and hints of a display as rows, hints last."""
         own_rows = [StatusRow(display, name, *status) for name, status in self._texts.items()]
         hints = ((name, text) for name, texts in self._hints.items() for text in texts)
         failed = [StatusRow(display, name, "error", text) for name, text in self._failures.items()]

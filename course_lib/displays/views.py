@@ -451,11 +451,11 @@ class Framing:
         self._known_paths: set[str] = set()
 
     def choose(self, view: Orbit, camera: Camera, references: set[str], *, is_opened: bool) -> bool:
-        """Move a view if the rule requires it.
+        """Move a view to the drawn objects if one of the conditions of this class is met.
 
         Args:
             view: The view to move.
-            camera: What it shows now.
+            camera: The current camera of the view.
             references: Paths of grids and axes, which have no place of their own.
             is_opened: Whether a cell is about to show the view.
 

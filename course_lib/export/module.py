@@ -20,7 +20,7 @@ from course_lib.ros.programs.import_path import provided_packages
 from course_lib.third_party import parse_python
 
 _MARK = re.compile(r"\s*#\s*\|?\s*export\s*$", re.MULTILINE)
-# Names of scopes that run immediately, unlike functions.
+# Names of scopes whose code runs immediately, unlike functions.
 _IMMEDIATE_SCOPES = ("listcomp", "genexpr", "dictcomp", "setcomp")
 
 

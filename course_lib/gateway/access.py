@@ -120,7 +120,7 @@ def _student_keys(domain: int, name: str) -> list[str]:
     ]
 
 
-# The files of the folder.
+# Names of the files in the gateway's folder.
 TOKENS, PASSWORDS, DRIVER = "tokens.csv", "passwords.txt", "driver.txt"
 PRIVATE = 0o600
 # The user's name if the gateway has no roster.

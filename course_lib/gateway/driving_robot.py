@@ -36,7 +36,7 @@ URDF = f"""<robot name="driving_robot">
 HALF_ROOM = 3.9
 # x, y and radius of the columns [m].
 COLUMNS = ((2.0, 1.5, 0.3), (-1.5, -2.0, 0.3))
-# Ranges and noise are in [m].
+# Number of beams, maximum range and noise [m].
 BEAMS, RANGE_MAX, NOISE = 360, 10.0, 0.005
 # In [m/s] and [rad/s].
 MAX_LINEAR, MAX_ANGULAR = 1.0, 2.0

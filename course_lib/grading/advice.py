@@ -37,7 +37,7 @@ IN_PLACE = {"append", "extend", "insert", "remove", "reverse", "sort", "clear", 
 # Functions and methods that only return a value.
 _PURE = {"sorted", "reversed", "round", "abs", "replace", "strip", "lower", "upper", "format", "split"}
 _SENDING = ("publish", "sendTransform")
-# Objects of a node that receive or send, and are created once.
+# Communication objects of a node, which should be created only once.
 _KEPT = {
     *("Buffer", "TransformListener", "TransformBroadcaster", "StaticTransformBroadcaster"),
     *("create_publisher", "create_subscription"),

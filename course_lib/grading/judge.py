@@ -56,8 +56,8 @@ class ProcessPool(Threads):
     """
 
     def __init__(self, count: int) -> None:
-        # New processes inherit the blocked SIGINT, until they are ready to end on Ctrl+C without a
-        # traceback.
+        # New processes inherit the blocked SIGINT, and unblock it once they can end on Ctrl+C
+        # without a traceback.
         super().__init__(count, initializer=_mask_interrupts, initargs=(signal.SIG_BLOCK,))
         # Start multiprocessing's tracker of semaphores here: a thread that starts it unblocks
         # Ctrl+C, and the first process would print a traceback. It would also warn about
@@ -150,7 +150,8 @@ def _client(address: str) -> Any:
     except ImportError as error:
         raise CourseError("--dask needs an extra package: pip install 'course-lib[dask]'") from error
     try:
-        # Checked first: a Client with an invalid address prints a traceback when it is destroyed.
+        # Check the address first: a Client with an invalid one prints a traceback when it is
+        # destroyed.
         get_address_host_port(address)
         return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:

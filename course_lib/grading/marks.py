@@ -183,7 +183,7 @@ def apply_marks(result: TaskResult, marks: Iterable[HandMark], sha256: str) -> T
 
 
 def task_mark(marks: Iterable[HandMark]) -> HandMark | None:
-    """Return the last mark that a grader entered for a whole exercise without a file, or None."""
+    """Return the last mark that a grader entered for an exercise without a submission, or None."""
     standing = reversed(standing_marks(marks))
     return next((one for one in standing if not one.task and one.points is not None), None)
 

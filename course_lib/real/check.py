@@ -141,7 +141,7 @@ def _compare_topic(
         # An offset must not be selected because it leaves few messages to compare.
         is_long = 2 * len(pairs) >= min(len(kit_messages), len(ros_messages))
         unequal = [pair for pair in pairs if pair[0] != pair[1]]
-        # The share of different pairs, because later offsets have fewer pairs.
+        # Compare the fraction of unequal pairs, because later offsets have fewer pairs.
         if pairs and is_long and (not best or len(unequal) * len(best) < len(different) * len(pairs)):
             best, different = pairs, unequal
     field = _different_field(*different[0], in_kit[0].type_name) if different else ""

@@ -276,11 +276,11 @@ def match_matrix_signs(quaternions: Floats) -> Floats:
     return signed
 
 
-# Of a solution, in [m] and [rad].
+# Accuracy of a solution, in [m] and [rad].
 ACCURACY = 1e-10
 # Maximum number of steps, and the longest step [rad].
 STEPS, LONGEST_STEP = 200, 0.5
-# The given start, then random ones, which are the same in every call.
+# Number of starts: the given one, then random ones, which are the same in every call.
 STARTS = 20
 # Time between two points of the trajectory [s].
 STEP = 0.1

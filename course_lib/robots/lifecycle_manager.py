@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import current_graph
 
-# The transitions with the state that each of them leads to, and what the log says.
+# The transitions, with the resulting state and the log message of each.
 _TRANSITIONS = {
     Transition.TRANSITION_CONFIGURE: (State.PRIMARY_STATE_INACTIVE, "Configuring"),
     Transition.TRANSITION_CLEANUP: (State.PRIMARY_STATE_UNCONFIGURED, "Cleaning up"),
@@ -24,7 +24,7 @@ _TRANSITIONS = {
 }
 _UP = (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE)
 _DOWN = (Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_CLEANUP)
-# The transitions of each command, and what the log says before and after them.
+# The transitions of each command, with the log messages before and after them.
 _COMMANDS = {
     ManageLifecycleNodes.Request.STARTUP: (_UP, "Starting managed nodes bringup...", "are active"),
     ManageLifecycleNodes.Request.CONFIGURE: (_UP[:1], "Configuring managed nodes...", "are now configured"),
@@ -38,8 +38,8 @@ _COMMANDS = {
         "have been shut down",
     ),
 }
-# Interval between checks whether the nodes are there, and
-# between lines that say which one is not [s].
+# Interval between checks whether the nodes are available, and between log messages about missing
+# ones [s].
 _LOOK, _REPORT = 0.05, 2.0
 
 
@@ -69,7 +69,7 @@ class LifecycleManager(Node):
                 "parameters=[{'node_names': ['map_server'], 'autostart': True}]"
             ) from None
         self._is_active = False
-        # Reentrant, because its callbacks wait for answers of the managed nodes.
+        # Reentrant, because its callbacks wait for responses of the managed nodes.
         group = ReentrantCallbackGroup()
         name = self.get_name()
         manage, is_active = f"{name}/manage_nodes", f"{name}/is_active"

@@ -1,4 +1,4 @@
-"""Map files of nav2_map_server, a YAML file beside an image, and the nodes that load and save them."""
+"""Map files of nav2_map_server, a YAML file and an image, and nodes that load and save them."""
 
 import array
 import io
@@ -199,7 +199,7 @@ def write_map(
     occupied_thresh: float = 0.65,
     free_thresh: float = 0.25,
 ) -> list[Path]:
-    """Write a map as `NAME.yaml` and an image beside it, as map_saver_cli does.
+    """Write a map as `NAME.yaml` and an image in the same folder, as map_saver_cli does.
 
     Returns:
         The paths of the image and of the YAML file.

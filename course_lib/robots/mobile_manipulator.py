@@ -31,7 +31,7 @@ START = {f"{PREFIX}shoulder_lift_joint": -1.2, f"{PREFIX}elbow_joint": 0.5}
 # is mounted so far ahead and so high that, stretched downwards, it touches neither the ground nor
 # the base.
 MOUNT = (0.9, 0.0, 1.2)
-# Parts of the base: shape, position, rotation.
+# The shapes of the base, with position and rotation.
 _SHAPES = [
     ('<box size="0.8 0.6 0.25"/>', "0 0 0.2", "0 0 0"),
     ('<box size="0.14 0.14 0.875"/>', "0.2 0 0.7625", "0 0 0"),

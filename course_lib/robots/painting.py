@@ -25,7 +25,7 @@ THICK = 0.1
 Points = npt.ArrayLike
 # Width of a stripe [m].
 WIDTH = 0.2
-# Of the node's timer [s].
+# Period of the node's timer [s].
 PERIOD = 0.1
 # Minimum change of the wrist's height per period, and its minimum height above the ground [m].
 LEAST_RISE, LEAST_HEIGHT = 0.01, 0.5

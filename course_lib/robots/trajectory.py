@@ -41,7 +41,8 @@ _FIELDS = ("positions", "velocities", "accelerations")
 # The limit of joint_trajectory_controller.
 _SMALLEST_SPEED = float(np.finfo(np.float32).eps)
 Result = FollowJointTrajectory.Result
-# A negative tolerance means no limit. 0 selects the controller's default, which is no limit here.
+# A negative tolerance means no limit. 0 selects the controller's default, which has no limit here
+# either.
 ERASED = -1.0
 
 

@@ -272,7 +272,7 @@ def _normalize_angle(angle: float) -> float:
     return angle - math.tau * math.floor((angle + math.pi) / math.tau)
 
 
-# Of the simulation [s].
+# Period of the simulation [s].
 PERIOD = 0.016
 WATER = {"r": 0x45, "g": 0x56, "b": 0xFF}
 
@@ -355,7 +355,7 @@ class TurtlesimNode(Node):
         return response
 
 
-# Of the timers [s].
+# Period of the timers [s].
 MIMIC_PERIOD = 0.016
 # Side of the square [m].
 EDGE = 2.0

@@ -274,7 +274,7 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
     if kind == "ColorRGBA" and len(numbers) == 3:
         numbers.append(1.0)
     texts = [repr(float(one)) for one in numbers]
-    # Values of a computation have many digits.
+    # Computed values have many digits.
     if len(numbers) != len(names) or max(map(len, texts)) > len("-10.25"):
         return by_index
     arguments = ", ".join(f"{name}={text}" for name, text in zip(names, texts, strict=True))
@@ -355,7 +355,7 @@ def _loop_hint(error: BaseException, text: str) -> str:
     return f"a {match[1]} is a single object: read its fields by their names." if types else ""
 
 
-# What each method of a node takes, in this order.
+# The parameters of each method of a node, in their order.
 _CREATE_CALLS = {
     "create_service": "self.create_service(AddTwoInts, '/a_service', self.answer)",
     "create_client": "self.create_client(AddTwoInts, '/a_service')",
@@ -389,7 +389,7 @@ def _executor_hint(error: BaseException) -> str:
     return "the argument is the number of threads. Add the node: `executor.add_node(node)`."
 
 
-# What Python says about an operand or argument that has to be a number or a string.
+# Python's messages about an operand or argument that must be a number or a string.
 _OPERANDS = (
     r"unsupported operand type\(s\) for [^:]+: '(\w+)' and '(\w+)'",
     r"not supported between instances of '(\w+)' and '(\w+)'",

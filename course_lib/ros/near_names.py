@@ -461,7 +461,7 @@ def attribute_hint(error: AttributeError) -> str:
         names = _attributes(error.obj)
     similar = nearest(error.name, names)
     if own_classes:
-        # The name `self.publish` resembles `publisher` more than its intended meaning.
+        # `self.publish` resembles `publisher` more than the name that is probably meant.
         values = getattr(error.obj, "__dict__", {}).items()
         holders = [
             key

@@ -90,8 +90,8 @@ def print_error(error: BaseException) -> None:
     _shorten(trace)
     module = sys.modules.get(type(error).__module__)
     is_of_standin = str(getattr(module, "__file__", "")).startswith(os.path.join(KIT, "ros", "standin", ""))
-    # An error of the kit or the stand-in that no line of the user's code has caused, for example
-    # for wrong arguments of a program of the kit, needs no traceback.
+    # An error of the kit or the stand-in, like a wrong argument of one of the kit's programs, needs
+    # no traceback unless a line of the user's code has caused it.
     if (isinstance(error, CourseError) or is_of_standin) and not line_of_traceback(error.__traceback__):
         sys.stderr.write("".join(trace.format_exception_only()).replace(f"{CourseError.__module__}.", ""))
         return

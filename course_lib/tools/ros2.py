@@ -103,7 +103,7 @@ VERBS = (
     *DOCTOR_VERBS,
     *LINK_VERBS,
     *pkg_verbs(EXECUTABLES),
-    # These verbs need the executables, some of which are verbs themselves.
+    # These verbs need the executables, some of which call verbs themselves.
     *launch_verbs(EXECUTABLES),
 )
 # The descriptions are from ros2cli.

@@ -607,7 +607,7 @@ def _publication_counts(
 
 
 def _sleep_by_clock(source: Source, node: "Node", seconds: float) -> None:
-    """Wait for a time that is measured by /clock."""
+    """Sleep for a duration that is measured by /clock."""
     calls = list[None]()
     timer = node.create_timer(seconds, lambda: calls.append(None))
     source.wait(lambda: bool(calls), source.limit())

@@ -21,9 +21,9 @@ Types = Mapping[str, list[str]]
 MOST = 1e9
 # Options of `course ros2` itself, which end where the words of ros2 begin.
 COURSE_OPTIONS = frozenset({"--run", "--bag", "--seconds", "--robot"})
-# Further ones that a program may also have.
+# Further options of `course ros2`, which a program may also have.
 LINK_OPTIONS = frozenset({"--domain", "--send", "--call"})
-# The second argument includes hidden names.
+# Called with a source, and True to include hidden names.
 FindTypes = Callable[[Source, bool], Types]
 
 

@@ -46,7 +46,7 @@ class Frame:
 
     def add(self, kind: ChangeKind, path: str, value: Any) -> int:
         """Add a change, and return an estimate of the additional bytes."""
-        # Changes are replayed in the order of the last ones.
+        # A repeated change moves to the end, because changes are replayed in order.
         before = self.changes.pop((kind, path), None)
         self.changes[kind, path] = value
         size = _size(value) - (0 if before is None else _size(before))

@@ -235,7 +235,8 @@ def _editor(prop: Property, holder: PropertyHolder) -> Editor:
     if isinstance(prop.convert, Limited):
         low, high = (limit if isfinite(limit) else None for limit in (prop.convert.low, prop.convert.high))
         return Editor(prop.convert.editor, low, high, tuple(prop.convert.options))
-    # Of the class: an object looks for a similar name of an attribute that it lacks, which is slow.
+    # The attribute is read from the class, because an instance without it would search for similar
+    # names, which is slow.
     type_name = getattr(type(holder), "type_name", None)
     if prop.path[-1].endswith("Topic") and type_name:
         return Editor("topic", type=type_name)
@@ -452,8 +453,7 @@ class Desk:
         self._orders = OrderDesk(session)
         self._sent_state: PanelState | None = None
         self._sent_rows: dict[str, PanelRow] = {}
-        # The pages with an open panel. To find the rows takes
-        # longest, so others do without new ones.
+        # The pages with an open panel. Only these receive new rows, because computing them is slow.
         self._row_watchers: set[str] = set()
         # Wall-clock time of the last message [s].
         self._posted = 0.0

@@ -733,7 +733,7 @@ def _store(
     *folders, name = download_name.place
     if item.kind == "notebook":
         name = re.sub(r"(\.ipynb)?\.(txt|json)$", ".ipynb", name, flags=re.IGNORECASE)
-    # A file never replaces one with other content.
+    # Never overwrite a file that has different content.
     path = preferred_path = out.joinpath(*filter(None, (student, *folders, name)))
     number = 1
     while path.exists() and path.read_bytes() != arrival.data:

@@ -57,7 +57,7 @@ def resolve_ids(submissions: Sequence[Submission], top: Path) -> list[Submission
 def _resolve_id(
     one: Submission, top: Path, numbers: frozenset[str], owners: dict[str, set[str]]
 ) -> Submission:
-    # An unreadable file is not judged.
+    # An unreadable file has no ID to verify.
     if not one.sha256:
         return one
     is_number = one.student in numbers or PLATFORM_NAME.fullmatch(one.student)
@@ -368,7 +368,7 @@ def read_times(path: Path, zone: ZoneInfo, numbers: Collection[str]) -> Times | 
             columns[column] = times
     if not columns:
         return _find_unreadable(file, path, rows)
-    # The column of submission has its heading, or is the first one without a predominant date:
+    # The submission column has the heading, or is the first column without a predominant date:
     # platforms put the time of grading after it, and a due date is the same for most students.
     submission_columns = [place for place in columns if SUBMISSION.search(file.headings[place])]
     varied = [

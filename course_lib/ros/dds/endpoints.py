@@ -272,7 +272,7 @@ class PartialMessage:
         if begin < 0 or not 0 < size <= len(payload):
             raise ValueError("a fragment outside of its message")
         if size < memoryview(payload.obj).nbytes // 2:
-            # Otherwise a small fragment would keep a large datagram in memory.
+            # Copy a small fragment, which would otherwise keep a large datagram in memory.
             payload = memoryview(bytes(payload[:size]))
         for at in range(0, size, self._fragment_size):
             end = min(at + self._fragment_size, size)

@@ -109,7 +109,7 @@ SEDP = (
     (SUBSCRIPTIONS_WRITER, SUBSCRIPTIONS_READER),
 )
 
-# The flag is False if the endpoint was removed.
+# Called with an endpoint, and False if it was removed.
 OnEndpoint = Callable[[Endpoint, bool], None]
 
 
@@ -179,7 +179,7 @@ class Participant:
         base = PORT_BASE + PORTS_PER_DOMAIN * domain + FIRST_UNICAST
         self._probe, self._probe_error = socket_towards(peer, base), 0
         self._address = self._probe.getsockname()[0]
-        # Without submessages it only shows whether the first participant's port is open.
+        # A datagram without submessages only probes whether the first participant's port is open.
         self._probe.send(PROTOCOL + VENDOR_ID + self.prefix)
         self._socket = self._bind(base)
         self._own_locator: Locator = (self._address, self._socket.getsockname()[1])
@@ -588,7 +588,7 @@ class Participant:
 
     def receive(self, data: bytes, host: str = "") -> None:
         """Process a datagram that `host` has sent. A malformed datagram is dropped and counted."""
-        # Its own announcement arrives here if the robot is this computer.
+        # The participant receives its own announcement if the robot runs on this computer.
         self.datagrams += data[HEADER_SIZE - PREFIX_SIZE : HEADER_SIZE] != self.prefix
         try:
             with self.lock:
@@ -664,7 +664,7 @@ class Participant:
             writer.on_nack_frag(reader, number, read_bitmap(body, 20, base, order))
 
     def _on_writer_state(self, received: Submessage) -> None:
-        """Process a remote writer's report of the messages that it has or no longer has."""
+        """Process a remote writer's heartbeat, or its gap of messages that it no longer has."""
         body, order = received.body, received.order
         writer = received.source + body[4:8]
         first, second = (read_sequence_number(body, at, order) for at in (8, 16))

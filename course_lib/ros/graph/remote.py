@@ -66,7 +66,8 @@ class Channel:
         self.deadline: float | None = None
         # Returns how long [s] the deadline is extended when it is reached.
         self.overtime: Callable[[], float] = lambda: 0.0
-        # The deadline that the socket's timeout was computed from, and when.
+        # The deadline from which the socket's timeout was computed, and the time of this
+        # computation.
         self._socket_deadline: tuple[float | None, float] = (None, 0.0)
         self._unsent: list[bytes] = []
         self._unsent_bytes = 0
@@ -146,8 +147,8 @@ class Channel:
             if not chunk:
                 raise ChannelClosedError("The other process is gone.")
             self._received += chunk
-        # Avoids copying a message of many megabytes twice: a slice of a bytearray is a copy, and so
-        # is bytes() of it.
+        # A memoryview avoids a second copy of a large message: slicing a bytearray copies it, and
+        # so does bytes().
         with memoryview(self._received) as buffer, buffer[:size] as first_bytes:
             data = bytes(first_bytes)
         del self._received[:size]

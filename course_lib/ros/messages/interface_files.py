@@ -211,7 +211,7 @@ def check_interface(path: Path) -> None:
 
 
 def _check_field(place: str, name: str, names: set[str]) -> None:
-    """Raise a CourseError for the name of a field that is invalid or in `names`; add it to them."""
+    """Add a field's name to `names`. Raise a CourseError if it is invalid or a duplicate."""
     if not re.fullmatch(_FIELD_NAME, name):
         raise CourseError(
             f"{place}: '{name}' is an invalid field name. It should have the pattern "

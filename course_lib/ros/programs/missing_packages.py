@@ -74,7 +74,7 @@ def why_not_offered(package: str) -> str:
 
 
 def how_to_clone(package: str) -> str:
-    """Return how to get the sources of a package in Python that pip does not have; "" for other packages."""
+    """Return instructions to clone a Python package that is not on PyPI; "" for other packages."""
     if package not in _SOURCES:
         return ""
     return f"it is a source package: clone it into the workspace's src, with git clone {_SOURCES[package]}"

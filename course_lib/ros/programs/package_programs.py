@@ -107,7 +107,7 @@ def find_executable(
 
 
 def _is_built_by_other_macros(package: Package) -> bool:
-    """Return whether a package only has programs in C++ whose names its CMake files do not show."""
+    """Return whether a package has only C++ programs whose names are not in its CMake files."""
     if package.executables or package.compiled or not (package.share / "CMakeLists.txt").is_file():
         return False
     return any(file.suffix in (".cpp", ".cc", ".cxx") for file in package.share.rglob("*.c*"))

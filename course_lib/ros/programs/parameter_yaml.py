@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-# The package has no type information.
+# PyYAML has no type information.
 import yaml  # type: ignore[import-untyped]
 
 PARAMETERS = "ros__parameters"

@@ -20,7 +20,7 @@ Actions = SimpleQueue[Action]
 # Prints a line for the user.
 Report = Callable[[str], None]
 OnPacket = Callable[["Packet"], None]
-# The flag is False if the entity was removed.
+# Called with an entity, and False if it was removed.
 OnEntity = Callable[["Entity", bool], None]
 # Called with None if the call received no reply.
 OnReply = Callable[[bytes | None], None]

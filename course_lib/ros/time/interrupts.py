@@ -94,7 +94,7 @@ class Watch:
 
     @property
     def is_stop_pending(self) -> bool:
-        """True if an interrupt comes from the watch because of a click on Stop, not from the user's ■."""
+        """True if an interrupt was raised because of a click on Stop, not by the user's ■."""
         callback = self.running_callback
         return bool(self._clicks) or (callback is not None and callback.stop_requested_since is not None)
 

@@ -94,7 +94,7 @@ class Wait:
 
 
 class ProgramThread:
-    """A thread's position in the order of threads, and its wait.
+    """The scheduling state of one program thread.
 
     Args:
         index: The position in the order.
@@ -117,7 +117,7 @@ class ProgramThread:
         self.wait: Wait | None = None
         self.depth = 1
         self.polls = 0
-        # Describes what the last poll waits for, or returns "" once it is there.
+        # Describes the condition that the last poll waits for, or returns "" once it is met.
         self.describe_unmet: Callable[[], str] | None = None
         self.at_end = AtEnd.RETURN
         # Signal handlers that the thread's program has set.
@@ -464,7 +464,7 @@ class TimeLock:
                 self.on_stall()
                 self._hand_over(me, None)
             else:
-                # Usually an event can end the calling thread's own wait, which is checked first.
+                # Usually an event can end the calling thread's own wait, so that is checked first.
                 can_events_help = me.wait is not None and me.wait.events_help
                 if not can_events_help:
                     waits = [t.wait for t in self._waiting if t.wait is not None and t.waits_in(graph)]

@@ -234,7 +234,7 @@ class ZenohLink:
         return [] if self._driver_lock is None else self._driver_lock.status_rows()
 
     def warnings(self) -> Iterable[tuple[str, str]]:
-        """Yield a warning if messages come from an rmw_zenoh whose attachments the kit cannot read."""
+        """Yield a warning if a robot's rmw_zenoh sends attachments that the kit cannot read."""
         if self._old_attachments:
             yield (
                 "old rmw",

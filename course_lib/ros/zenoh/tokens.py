@@ -9,7 +9,7 @@ from course_lib.ros.graph.topics import Qos
 from course_lib.ros.robot.link import EntityKind
 
 ADMIN = "@ros2_lv"  # the first part of every liveliness token
-# Stands for an empty depth and for a depth of 0.
+# The depth that an empty field, or a depth of 0, stands for.
 DEFAULT_DEPTH = 42
 DEFAULT_QOS = Qos()
 INFINITE = (9_223_372_036, 854_775_807)  # RMW_DURATION_INFINITE, [s] and [ns]

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
-# OpenCV's depths in the order of their numbers, with the names of numpy's types.
+# OpenCV's depths in numeric order, with the corresponding numpy types.
 DEPTHS = {
     "8U": "uint8", "8S": "int8", "16U": "uint16", "16S": "int16", "32S": "int32", "32F": "float32",
     "64F": "float64",
@@ -75,7 +75,7 @@ Pixels = npt.NDArray[Any]  # shape (rows, columns) or (rows, columns, channels)
 
 # OpenCV's weights of the channels for a gray value, in units of 2**-15.
 _GRAY = {"r": 9798, "g": 19235, "b": 3735}
-# The same for Bayer patterns, in units of 2**-14.
+# OpenCV's weights for Bayer patterns, in units of 2**-14.
 _BAYER_GRAY = {"r": 4899, "g": 9617, "b": 1868}
 # BT.601 in units of 2**-20: the weight of Y - 16, and for each color the weights of U - 128 and V
 # - 128.

@@ -135,7 +135,7 @@ class Updater:
     @period.setter
     def period(self, period: float) -> None:
         self._period = period
-        # In ROS, too, the previous timer continues along with the new one.
+        # As in ROS, the previous timer continues to run in addition to the new one.
         self.timer.reset()
         self.timer = self.node.create_timer(period, self.update)
 

@@ -12,7 +12,7 @@ from sensor_msgs.msg import CameraInfo
 from course_lib.arrays import Matrix
 from course_lib.errors import CourseError
 
-# The numbers of distortion coefficients that OpenCV accepts.
+# The possible numbers of distortion coefficients in OpenCV.
 _COUNTS = (4, 5, 8, 12, 14)
 # The number of iterations in OpenCV's undistortion.
 _STEPS = 5

@@ -1,6 +1,6 @@
 """Conditions of actions."""
 
-# The package has no type information.
+# PyYAML has no type information.
 import yaml  # type: ignore[import-untyped]
 
 from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, SubstitutionFailure, text_of

@@ -143,7 +143,7 @@ def text_of(context: LaunchContext, parts: SomeSubstitutionsType) -> str:
     if isinstance(parts, str | Path):
         return str(parts)
     if not isinstance(parts, Iterable):
-        # The text begins as in ROS.
+        # The message begins like the one of ROS.
         kind = type(parts).__name__
         is_value = isinstance(parts, bool | int | float)
         in_quotes = f"; write it in quotes, '{str(parts).lower()}'" if is_value else ""
@@ -179,7 +179,7 @@ class Action(LaunchDescriptionEntity):
     visit next.
     """
 
-    # Whether the action is still running after `execute`; otherwise it is complete then.
+    # Whether the action is still running after `execute` returns.
     goes_on = False
     # The name, pid and cmd of its last process, or None.
     process_details: dict[str, Any] | None = None
@@ -197,7 +197,7 @@ class Action(LaunchDescriptionEntity):
     def visit(self, context: LaunchContext) -> Entities | None:
         """Execute the action unless its condition is false."""
         if self.condition is not None and not hasattr(self.condition, "evaluate"):
-            # The text begins as in ROS.
+            # The message begins like the one of ROS.
             raise AttributeError(
                 f"'{type(self.condition).__name__}' object has no attribute 'evaluate': condition "
                 f"takes a condition such as IfCondition(…), not {self.condition!r:.60}"

@@ -104,7 +104,7 @@ class SetROSLogDir(Action):
 
 def _add(context: LaunchContext, setting: str, entry: Any) -> None:
     settings = context.launch_configurations
-    # A new list, so that the previous one can be restored at the end of the group.
+    # Create a new list, so that the previous one can be restored at the end of the group.
     settings[setting] = [*settings.get(setting, ()), entry]
 
 
@@ -266,7 +266,7 @@ class Node(Action):
         try:
             context.runner.start(self, text_of(context, self._package), executable, arguments)
         except NotHereError:
-            # Executables of ROS usually have the names of their nodes.
+            # The executables of ROS usually have the same names as their nodes.
             name = executable if common.name is None else text_of(context, common.name)
             current_graph().left_out_nodes.add(name)
             raise

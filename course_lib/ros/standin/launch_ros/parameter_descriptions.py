@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Any
 
-# The package has no type information.
+# PyYAML has no type information.
 import yaml  # type: ignore[import-untyped]
 from launch.conditions import as_bool
 from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, text_of

@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-# The package has no type information.
+# PyYAML has no type information.
 import yaml  # type: ignore[import-untyped]
 from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, Substitution, text_of
 from launch.substitutions import LaunchConfiguration

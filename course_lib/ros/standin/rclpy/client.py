@@ -40,7 +40,7 @@ class Client(ServiceEnd):
         """
         if not isinstance(request, self.srv_type.Request):
             raise marked(TypeError(), Mistake.REQUEST)
-        # A thread that sends requests in a loop without a pause would stop robot time otherwise.
+        # Without this call, a thread that sends requests in a tight loop would stop robot time.
         time_lock.poll()
         self.__requests += 1
         self._course_send(self._course_id, self.__requests, request)

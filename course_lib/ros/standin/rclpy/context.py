@@ -151,7 +151,7 @@ class Context(AbstractContextManager["Context"]):
     def on_shutdown(self, callback: Callable[[], object]) -> None:
         """Call `callback()` at the shutdown, or immediately if the context is already shut down."""
         if not callable(callback):
-            # The placeholder is not filled in rclpy either.
+            # rclpy passes the placeholder unfilled as well.
             raise TypeError("callback should be a callable, got {}", type(callback))
         if self.__shut_down:
             callback()

@@ -57,7 +57,7 @@ class CallbackTask(Task):
 
 async def _run_callback(turn: Turn, call: Callable[[], object], graph: Graph) -> None:
     entity, start_ns = turn.entity, graph.now_ns
-    # Measured only for listeners, because it takes a microsecond.
+    # CPU time is measured for listeners only, because reading it takes a microsecond.
     start = time.thread_time() if graph.callback_listeners else 0.0
     try:
         result = call()
@@ -600,7 +600,7 @@ class MultiThreadedExecutor(Executor):
         with time_lock.hold(), time_lock.at_end(AtEnd.STOP):
             try:
                 super()._course_execute(task)
-            # Kept for the thread that spins, which raises it.
+            # The spinning thread raises the exception later.
             except Exception as error:
                 self.__failed.append(error)
             finally:

@@ -406,7 +406,7 @@ class Node:
         try:
             return self._course_resolve(name, kind, only_expand)
         except (ValueError, NameValidationException) as error:
-            raise RCLError(f"failed to resolve name: {names.complaint_of(error)}") from None
+            raise RCLError(f"failed to resolve name: {names.reason_without_name(error)}") from None
 
     def _course_resolve(self, name: str, kind: names.Kind, only_expand: bool = False) -> str:
         """Return the full name for a new entity.

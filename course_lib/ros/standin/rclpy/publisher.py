@@ -21,7 +21,7 @@ class Publisher(TopicEnd[MsgT]):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
         if not handle.node.context.is_valid:
             raise RCLError("Failed to publish: publisher's context is invalid")
-        # A thread that publishes in a loop without a pause would stop robot time otherwise.
+        # Without this call, a thread that publishes in a tight loop would stop robot time.
         time_lock.poll()
         handle.node.graph.publish(handle.id, msg if isinstance(msg, bytes) else serialize(msg))
         if self._course_deadline is not None:

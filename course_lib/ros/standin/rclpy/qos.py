@@ -33,8 +33,8 @@ _DOUBTS = {
     ),
 }  # fmt: skip
 _OPEN = ("SYSTEM_DEFAULT", "UNKNOWN")
-# The duration that is compared after each policy: its name, the text if the publisher has none, and
-# the text if the subscription's is shorter.
+# The duration that is compared after each policy: its name, the message if the publisher has none,
+# and the message if the subscription's duration is shorter.
 _TIMES = {
     "durability": (
         "deadline",

@@ -132,7 +132,7 @@ class ServiceEnd(Entity):
     def _course_send(self, client: int, number: int, message: RosMessage) -> None:
         """Send a request of a client, or the response to it."""
         self.__ends[0].require()
-        # In ROS the middleware accepts the message, but no one receives it.
+        # In ROS, the middleware accepts the response, but does not deliver it.
         if not self._course_node.context.is_valid:
             return
         self._course_node.graph.publish(

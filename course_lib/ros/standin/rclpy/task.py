@@ -79,7 +79,7 @@ class Future(Generic[T]):
         self._state = FutureState.PENDING
         self._result: T | None = None
         self._exception: BaseException | None = None
-        # Describes why it is not done, for a program that polls it until the run ends.
+        # Describes why the future is not done, for a program that polls it until the run ends.
         self._course_unmet: Callable[[], str] | None = None
         self._exception_fetched: _UnretrievedException | None = None
         self._callbacks: list[Callable[[Future[T]], object]] = []
@@ -229,8 +229,8 @@ class Task(_AnyFuture):
                 self._handler.send(None)
                 self._course_awaited = _awaiting.future
                 if self._course_awaited is None:
-                    # It awaits something other than an rclpy future. The executor polls such a task
-                    # repeatedly, and robot time has to advance for it.
+                    # The task awaits something other than an rclpy future. The executor polls such
+                    # a task repeatedly, so robot time must be able to advance.
                     time_lock.poll()
         except StopIteration as end:
             self.set_result(end.value)

@@ -64,7 +64,7 @@ class Timer(Entity):
         self.__next_ns = clock.handle.now_ns + timer_period_ns
         # Time until the next call, measured before a jump; 0 if the clock showed no time yet.
         self.__left_ns = 0
-        # The part of it that is kept when the time source of the clock changes.
+        # The part of the remaining time that is kept when the clock's time source changes.
         self.__credit_ns = 0
         self.__jumps: JumpHandle | None = None
         if clock.clock_type is ClockType.ROS_TIME:

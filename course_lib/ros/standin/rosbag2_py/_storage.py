@@ -54,7 +54,7 @@ class StorageOptions:
     custom_data: dict[str, str] = field(default_factory=dict)
 
 
-# Storage -> preset profile -> what is compressed.
+# Compressed parts by storage and preset profile.
 PRESETS = {
     "mcap": {"none": "none", "fastwrite": "none", "zstd_fast": "storage", "zstd_small": "storage"},
     "sqlite3": {"none": "none", "resilient": "none"},

@@ -55,7 +55,7 @@ class SequentialWriter:
             )
         self._folder, self._types, self._options = folder, {}, storage_options
         self._cache.clear()
-        # Closes the bag when Python exits, too.
+        # Also closes the bag when Python exits.
         self._close = weakref.finalize(self, _complete, self._writer, folder)
 
     def create_topic(self, topic_with_type: TopicMetadata) -> None:

@@ -255,7 +255,7 @@ class _XmlReader:
         raise EntityError(line, f"the file declares the entity '{name}', which launch files do not need")
 
 
-# The package has no type information.
+# PyYAML has no type information.
 class _Loader(yaml.SafeLoader):  # type: ignore[misc]
     """Records the line of each mapping."""
 
@@ -289,14 +289,14 @@ def _yaml_root(data: bytes) -> Entity:
 
 def _yaml_error(error: Any, data: bytes) -> EntityError:
     mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
-    # The data before a character that is not allowed in YAML.
+    # The data that precede a character which YAML does not allow.
     before = data[: getattr(error, "position", 0)]
     problem = getattr(error, "problem", None) or str(error).splitlines()[0]
     return EntityError(mark.line + 1 if mark else before.count(b"\n") + 1, f"not YAML: {problem}")
 
 
 def _check_size(root: Any) -> None:
-    """Raise an EntityError if there are too many nodes, or too deep ones, with aliases expanded."""
+    """Raise an EntityError if a file with expanded aliases is too large or too deeply nested."""
     waiting, count = [(root, 1)], 0
     while waiting:
         node, depth = waiting.pop()

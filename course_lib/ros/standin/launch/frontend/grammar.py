@@ -47,7 +47,7 @@ def load_extensions() -> None:
 def parse_substitution(text: str) -> Parts:
     """Parse a string with `$(…)`. Raise a ValueError that shows the position of an error."""
     if "$(" in text:
-        # Parameter files of Python launch files have substitutions, too.
+        # A Python launch file does not load the extensions, but its parameter files may need them.
         load_extensions()
     if not text:
         return [TextSubstitution(text="")]

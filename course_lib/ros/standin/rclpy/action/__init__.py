@@ -6,5 +6,5 @@ from rclpy.action.server import ActionServer as ActionServer
 from rclpy.action.server import CancelResponse as CancelResponse
 from rclpy.action.server import GoalResponse as GoalResponse
 
-# As in rclpy, `rclpy.node.Node` is there after `from rclpy.action import ActionClient`.
+# As in rclpy, `from rclpy.action import ActionClient` makes `rclpy.node.Node` available.
 from rclpy.node import Node as _Node  # noqa: F401

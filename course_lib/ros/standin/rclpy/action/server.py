@@ -84,7 +84,8 @@ class ServerGoalHandle:
 
     def execute(self, execute_callback: Callable[[ServerGoalHandle], Any] | None = None) -> None:
         """Schedule `execute_callback` for this goal, or the server's callback by default."""
-        # Otherwise the execute callback sees `is_cancel_requested` and ends the goal.
+        # A goal that is being cancelled keeps its state: its callback checks `is_cancel_requested`
+        # and ends it.
         if not self.is_cancel_requested:
             self._update_state(GoalEvent.EXECUTE)
         self._action_server.notify_execute(self, execute_callback)

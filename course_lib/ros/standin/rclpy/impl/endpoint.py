@@ -1,4 +1,4 @@
-"""Publishers and subscriptions on the side of the graph, and their matching."""
+"""The graph endpoints of publishers and subscriptions, and their matching."""
 
 from typing import Any, Generic, Literal, TypeVar
 from weakref import WeakKeyDictionary

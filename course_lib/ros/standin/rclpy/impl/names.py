@@ -139,7 +139,7 @@ def expand_name(topic: str, node_name: str, namespace: str, kind: Kind = "topic"
     return full
 
 
-def complaint_of(error: ValueError | NameValidationException) -> str:
+def reason_without_name(error: ValueError | NameValidationException) -> str:
     """Return the reason why a name is invalid, without the name."""
     if isinstance(error, NameValidationException):
         return error.error_msg
@@ -170,7 +170,7 @@ def require_action_name(
         expand_name(f"{name}/_action/send_goal", node_name, namespace)
         _refuse(name, _ACTION_TOKENS, InvalidTopicNameException)
     except (ValueError, NameValidationException) as error:
-        raise ValueError(f"{prefix}{complaint_of(error)}") from None
+        raise ValueError(f"{prefix}{reason_without_name(error)}") from None
 
 
 def topic_or_service_is_hidden(name: str) -> bool:

@@ -1,4 +1,4 @@
-"""A node on the side of the graph, and its entities that are ready for an executor."""
+"""The handle of a node in the graph, with the entities that are ready for an executor."""
 
 import weakref
 from collections import deque

@@ -67,7 +67,7 @@ class ParameterStore:
         self.events, self.overrides = events, overrides
         self.values: dict[str, Parameter] = {}
         self.descriptors: dict[str, ParameterDescriptor] = {}
-        # All three lists have the newest callback first.
+        # In all three lists, the newest callback comes first.
         self.pre_set_callbacks: list[Pre] = []
         self.on_set_callbacks: list[On] = []
         self.post_set_callbacks: list[Post] = []
@@ -86,7 +86,7 @@ class ParameterStore:
         already = [parameter.name for parameter, _ in declared if parameter.name in self.values]
         if already:
             raise ParameterAlreadyDeclaredException(already)
-        # The last descriptor of a name counts.
+        # If a name is repeated, its last descriptor is used.
         descriptors = {parameter.name: descriptor for parameter, descriptor in declared}
         for parameter, _ in declared:
             name, descriptor = parameter.name, descriptors[parameter.name]
