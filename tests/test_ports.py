@@ -12,6 +12,6 @@ def test_free_ports_differ() -> None:
 
 
 @pytest.mark.skipif(not OUTGOING.exists(), reason="the range is read from Linux's /proc")
-def test_free_ports_are_never_those_of_outgoing_connections() -> None:
+def test_free_ports_are_outside_the_range_of_outgoing_connections() -> None:
     first, last = map(int, OUTGOING.read_text().split())
     assert [port for port in free_ports(100) if first <= port <= last] == []

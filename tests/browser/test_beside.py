@@ -146,7 +146,7 @@ def test_next_viewer_takes_the_panel_and_the_first_one_takes_it_back(notebook: N
     assert notebook.errors() == []
 
 
-def test_closed_panel_gives_the_file_browser_its_place_back_and_later_views_stay_in_cells(
+def test_closed_panel_restores_the_file_browser_and_later_views_stay_in_cells(
     notebook: Notebook,
 ) -> None:
     ask_for_view_beside(notebook)
@@ -160,7 +160,7 @@ def test_closed_panel_gives_the_file_browser_its_place_back_and_later_views_stay
 
 
 @pytest.mark.parametrize("reason", ["narrow window", "simple mode"])
-def test_view_stays_in_its_cell_where_a_panel_has_no_place(notebook: Notebook, reason: str) -> None:
+def test_view_stays_in_its_cell_without_room_for_a_panel(notebook: Notebook, reason: str) -> None:
     notebook.kernel("from course_lib.viewer.widget import side_panel; side_panel.close()")
     expect(panel(notebook)).to_have_count(0)
     if reason == "narrow window":

@@ -192,7 +192,7 @@ def test_static_page_shows_image_and_answers(reopened: Notebook) -> None:
     page.close()
 
 
-def test_save_during_another_save_waits_for_it_and_asks_nothing(reopened: Notebook) -> None:
+def test_save_during_another_save_waits_without_a_dialog(reopened: Notebook) -> None:
     assert reopened.ask(SAVE_TWICE) == "saved"
 
 

@@ -95,7 +95,7 @@ KEEP_WIDTHS = """() => {
     } }"""
 
 
-def test_first_picture_of_a_turn_by_hand_is_coarse_and_the_last_one_at_rest_is_not(host: Host) -> None:
+def test_first_image_of_a_drag_is_coarse_and_the_last_image_at_rest_is_fine(host: Host) -> None:
     host.page.evaluate(KEEP_WIDTHS)
     shown(host, box=Solids("box", [np.eye(4)], (1, 0, 0, 1)))
     canvas = host.page.locator("canvas")

@@ -119,7 +119,7 @@ def test_only_changed_rows_are_sent(page: Page, viewer: Viewer, monkeypatch: pyt
     assert (posted[-1]["changed"], list(posted[-1]["rows"])) == ({}, ["displays/Grid#Alpha"])
 
 
-def test_rows_are_made_without_a_search_for_similar_names(
+def test_creating_rows_does_not_search_for_similar_names(
     page: Page, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("course_lib.displays.properties.nearest", lambda name, *_: pytest.fail(name))

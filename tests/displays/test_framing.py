@@ -171,7 +171,7 @@ def test_another_fixed_frame_fits_the_view_again(graph: Graph, viewer: Viewer) -
     assert view_of(viewer)[0] < far[0] / 3
 
 
-def test_object_without_a_place_waits_for_the_next_one(graph: Graph, viewer: Viewer) -> None:
+def test_empty_object_does_not_move_the_view(graph: Graph, viewer: Viewer) -> None:
     viewer.scene.set_object("mine/nowhere", Points(np.zeros((0, 3)), (1.0, 1.0, 1.0, 1.0), (1.0, 1.0)))
     assert view_of(viewer) == RVIZ
     publish(graph, "/m", cube_at(0.0))

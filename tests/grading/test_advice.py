@@ -243,18 +243,18 @@ def test_hint_for_a_part_of_a_value_precedes_that_of_its_kind() -> None:
         ("def half(x):\n    y = x / 2", "is there a return?"),
     ],
 )
-def test_cause_of_a_missing_return_value_is_named(source: str, sentence: str) -> None:
+def test_cause_of_a_missing_return_value_is_reported(source: str, sentence: str) -> None:
     (line,) = missing_return_hint(TASK, [Evidence("week01.half", "public", 5.0, returns=(None,))], source)
     assert sentence in line
 
 
-def test_return_in_a_loop_is_named_before_the_missing_return_value() -> None:
+def test_return_in_a_loop_is_reported_before_the_missing_return_value() -> None:
     source = "def half(items):\n    for item in items:\n        return item / 2"
     evidence = [Evidence("week01.half", "public", 5.0, returns=(None,))]
     assert missing_return_hint(TASK, evidence, source) == []
 
 
-def test_node_that_parameters_are_set_on_and_that_does_not_exist_is_named() -> None:
+def test_hint_names_the_missing_node_whose_parameters_are_set() -> None:
     output = "At 3.00 s: Node not found: /lamp\n"
     source = 'class Lamp(Node):\n    def __init__(self):\n        super().__init__("lamp_node")'
     (line,) = missing_node_hint([Evidence("week01.half", "public", 5.0, output=output)], source)

@@ -293,7 +293,7 @@ def test_invalid_source_or_destination_is_an_error(tmp_path: Path, make: str, me
 
 
 @pytest.mark.parametrize("kind", ["UTF-8 that is not declared", "backslashes"])
-def test_names_in_a_student_archive_are_those_of_its_author(tmp_path: Path, kind: str) -> None:
+def test_file_names_in_a_student_archive_are_decoded(tmp_path: Path, kind: str) -> None:
     inner: Bytes = {"sub/week01_exercise.ipynb": notebook(), "sub/Größe.yaml": b"a: 1"}
     data = zipped(inner)
     if kind == "backslashes":
@@ -330,7 +330,7 @@ def test_backslashes_in_a_student_archive_do_not_lead_elsewhere(tmp_path: Path, 
         (b"7z\xbc\xaf\x27\x1c", "a 7z archive"),
     ],
 )
-def test_file_that_is_not_a_notebook_is_rejected_by_what_it_is(data: bytes, reason: str) -> None:
+def test_rejection_states_the_type_of_a_file_that_is_not_a_notebook(data: bytes, reason: str) -> None:
     with pytest.raises(CourseError, match=reason):
         parse_notebook(data, "week01_exercise.ipynb")
 
@@ -350,7 +350,7 @@ def test_file_that_is_not_a_notebook_is_rejected_by_what_it_is(data: bytes, reas
         ("myweek01_exercise.ipynb", 'check("week01.red_cube", Node)', None),
     ],
 )
-def test_exercise_without_metadata_is_known_by_its_name_and_checks(
+def test_exercise_without_metadata_is_identified_by_its_name_and_checks(
     name: str, code: str, exercise: str | None
 ) -> None:
     assert parse_notebook(notebook(code), name).exercise == exercise

@@ -32,7 +32,7 @@ def test_correct_path_passes(evidence: MakeEvidence) -> None:
     ("end", "cause"),
     [((0.0, 1.0, 0.0), "x and y are exchanged"), ((-1.0, 0.0, 0.0), "each sign is reversed")],
 )
-def test_exchanged_or_reversed_coordinates_of_a_path_are_named(
+def test_exchanged_or_reversed_coordinates_of_a_path_are_reported(
     evidence: MakeEvidence, end: tuple[float, float, float], cause: str
 ) -> None:
     check = expect_path("/way", count=2, frame="map", ends=((0, 0, 0), end))
@@ -78,7 +78,7 @@ def test_mirrored_pose_is_a_kind_of_its_own(evidence: MakeEvidence) -> None:
     assert check.judge(evidence(way(count=2))).mistake == "a pose of a path is mirrored"
 
 
-def test_quaternion_that_is_not_a_unit_quaternion_is_named(evidence: MakeEvidence) -> None:
+def test_quaternion_without_unit_length_is_reported(evidence: MakeEvidence) -> None:
     wrong = way(yaw=1.2)
     check = expect_path("/way", count=3, frame="map", ends=((0, 0, 0), (2, 0, 0)), yaw=1.2)
     assert check.judge(evidence(wrong)).score == 1

@@ -54,7 +54,7 @@ def test_inputs_are_received_and_only_student_messages_are_evidence() -> None:
     assert evidence.topics.keys() == {"/out"}
 
 
-def test_best_effort_input_reaches_no_reliable_subscription_and_its_hint_says_so() -> None:
+def test_best_effort_input_does_not_reach_a_reliable_subscription_and_causes_a_hint() -> None:
     inputs = (Message("/in", NUMBER, {"data": 1.0}, at=0.5, best_effort=True),)
     evidence = run(Doubler, inputs=inputs, seconds=1.0)
     assert numbers(evidence) == []
@@ -214,7 +214,7 @@ def test_process_exit_is_an_error_of_the_student() -> None:
         (lambda: None, "<lambda>() has made no node, expected a class: class <lambda>(Node): …"),
     ],
 )
-def test_subject_that_makes_no_node_is_explained(subject: Any, error: str) -> None:
+def test_error_explains_a_subject_that_is_not_a_node(subject: Any, error: str) -> None:
     assert run(subject).errors == (error,)
 
 

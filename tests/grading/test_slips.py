@@ -94,17 +94,17 @@ RIGHT = [
 
 
 @pytest.mark.parametrize(("lines", "sentence"), SLIPS)
-def test_slip_is_named(lines: tuple[str, ...], sentence: str) -> None:
+def test_slip_is_reported(lines: tuple[str, ...], sentence: str) -> None:
     assert find_slip(method(*lines)).startswith(sentence)
 
 
-def test_buffer_that_a_callback_creates_is_named() -> None:
+def test_buffer_created_in_a_callback_is_reported() -> None:
     source = method("self.buffer = Buffer()").replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")
     assert find_slip(source).startswith('"Buffer()" is in tick: each call creates a new one')
     assert find_slip(source.replace("self.create_timer(1.0, self.tick)", "self.tick()")) == ""
 
 
-def test_default_that_the_function_changes_is_named() -> None:
+def test_mutated_default_argument_is_reported() -> None:
     source = "def collect(item, found=[]):\n    found.append(item)\n    return found\n"
     assert find_slip(source).startswith("the default found=[] is created once")
     assert find_slip("def collect(item, found=[]):\n    return [*found, item]\n") == ""

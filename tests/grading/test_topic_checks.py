@@ -131,7 +131,7 @@ def test_header_stamps_must_equal_the_publishing_time(
         (-START_NS / 1e9, "header.stamp on /m is not set"),
     ],
 )
-def test_header_stamps_must_equal_those_of_a_delayed_input(
+def test_header_stamps_must_equal_the_stamps_of_a_delayed_input(
     evidence: MakeEvidence, cube: MakeCube, stamp_s: float, message: str
 ) -> None:
     marker = cube(header__stamp__sec=int(START_NS // 10**9 + stamp_s))

@@ -56,7 +56,9 @@ TABLE = expect_value(ROWS, name="the table", parts=("topic", "rate", "size"))
         ),
     ],
 )
-def test_part_of_a_row_is_named(evidence: MakeEvidence, row: list[Any], message: str, mistake: str) -> None:
+def test_message_states_the_wrong_part_of_a_row(
+    evidence: MakeEvidence, row: list[Any], message: str, mistake: str
+) -> None:
     verdict = TABLE.judge(evidence(returns=([row, ROWS[1]],)))
     assert (verdict.message, verdict.mistake) == (message, mistake)
 

@@ -28,7 +28,7 @@ def _exists(kind: str, name_of_evidence: str) -> bool:
 
 
 @pytest.mark.parametrize("subject", FINDINGS)
-def test_finding_is_shown_by_what_exists(subject: str) -> None:
+def test_evidence_of_each_finding_exists(subject: str) -> None:
     assert FINDINGS[subject]
     for shown_by in FINDINGS[subject]:
         assert _exists(*shown_by.split(" ", 1)), shown_by

@@ -133,7 +133,7 @@ def test_xacro_arguments_are_passed_as_keywords(file: str, tmp_path: Path) -> No
         (list("abcdef"), r"only defines macros, a, b, c, d, e, …: load"),
     ],
 )
-def test_xacro_file_with_nothing_but_macros_is_reported_with_what_to_load(
+def test_error_about_a_macro_only_xacro_file_suggests_a_file_to_load(
     names: list[str], advice: str, tmp_path: Path
 ) -> None:
     macros = "".join(

@@ -183,7 +183,7 @@ def test_launched_map_server_publishes_and_the_saver_copies_the_map(
     assert "[manager]: Managed nodes are active" in output
 
 
-def test_map_server_without_its_file_stays_unconfigured_and_says_why(
+def test_map_server_without_its_file_stays_unconfigured_and_logs_the_reason(
     launch: Callable[[Path], Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     missing = tmp_path / "none.yaml"

@@ -77,7 +77,7 @@ def test_existing_commands_have_no_reason_for_being_absent() -> None:
     assert both == [], "remove these from _NOT_OFFERED in course_lib/tools/ros2.py"
 
 
-def test_options_of_course_ros2_are_known_where_they_come_too_late() -> None:
+def test_misplaced_options_of_course_ros2_are_recognized() -> None:
     command = get_command(app).commands["ros2"]  # type: ignore[attr-defined]  # a group
     options = {flag for parameter in command.params for flag in parameter.opts if flag.startswith("--")}
     assert options == COURSE_OPTIONS | LINK_OPTIONS, "course_lib/tools/verb.py lists the options"

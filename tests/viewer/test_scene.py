@@ -73,7 +73,7 @@ def test_transform_is_copied_so_that_later_array_changes_do_not_move_the_node() 
     assert scene.transform("a")[0, 3] == 1.0
 
 
-def test_equal_transform_and_visibility_are_no_changes_for_listeners() -> None:
+def test_equal_transform_and_visibility_do_not_notify_listeners() -> None:
     scene = Scene()
     scene.set_transform("a", moved(1.0))
     scene.set_visible("a", False)
@@ -93,7 +93,7 @@ def test_equal_transform_and_visibility_are_no_changes_for_listeners() -> None:
         (Points([(0, 0, 0), (1, 0, 0)], (1, 0, 0, 1), (0.1, 0.1)), [("object", "a")]),
     ],
 )
-def test_equal_object_is_no_change_for_listeners(
+def test_equal_object_does_not_notify_listeners(
     following: Lines | Points, changes: list[tuple[str, str]]
 ) -> None:
     scene = Scene()

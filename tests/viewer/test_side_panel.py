@@ -50,7 +50,7 @@ def test_automatically_docked_view_keeps_an_open_panel_and_a_button_opens_it_aga
     assert dock(widget, "open") is not first
 
 
-def test_next_view_takes_the_open_panel_if_the_notebook_wants_one(
+def test_next_view_uses_the_open_panel_if_the_notebook_requests_one(
     widget: SceneWidget, other: SceneWidget
 ) -> None:
     side_panel.take(widget)

@@ -51,7 +51,7 @@ def test_map_is_placed_at_its_origin_with_rows_along_y() -> None:
     assert bench.scene.world_transform(PATH)[:3, 3].tolist() == [3, 0, 0]
 
 
-def test_statuses_and_dimensions_have_rviz_text() -> None:
+def test_statuses_and_dimensions_have_the_texts_of_rviz() -> None:
     bench = Bench()
     display = add(bench)
     assert bench.status(display, "Message") == ("warn", "No map received")

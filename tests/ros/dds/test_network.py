@@ -171,7 +171,7 @@ def nodes_and_errors(robot: RemoteRobot) -> tuple[str, str]:
     ],
     ids=["localhost", "localhost_only", "off", "discovery_server"],
 )
-def test_discovery_settings_of_the_robot_are_no_protection_or_are_named(
+def test_discovery_settings_of_the_robot_have_no_effect_or_are_reported(
     robot: RemoteRobot, tmp_path: Path, variables: dict[str, str], is_found: bool
 ) -> None:
     (tmp_path / "robot.py").write_text(ROBOT)
@@ -182,7 +182,7 @@ def test_discovery_settings_of_the_robot_are_no_protection_or_are_named(
     assert (message in err) != is_found
 
 
-def test_network_that_lets_nothing_in_is_explained(robot: RemoteRobot) -> None:
+def test_error_explains_a_network_that_blocks_incoming_packets(robot: RemoteRobot) -> None:
     route = ("-n", robot.robots_namespace, "route")
     assert ip(*route, "add", "blackhole", KITS_ADDRESS)
     try:

@@ -77,7 +77,7 @@ def test_wrong_generate_launch_description_is_reported_with_its_file(
         ("from launch import IfCondition", "`from launch.conditions import IfCondition`"),
     ],
 )
-def test_import_from_the_wrong_launch_module_names_the_right_one(
+def test_hint_suggests_the_right_module_for_a_wrong_launch_import(
     line: str, expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "robot.launch.py"

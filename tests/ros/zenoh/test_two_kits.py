@@ -257,7 +257,7 @@ def test_blocked_parts_of_an_action_name_the_option_that_allows_the_action() -> 
     assert allowed.is_topic_allowed("/arm/fib/_action/status")
 
 
-def test_services_that_are_not_offered_are_reported_once_except_those_of_every_node() -> None:
+def test_services_that_are_not_offered_are_reported_once_except_the_services_of_every_node() -> None:
     lines: list[str] = []
     blocked = BlockedTraffic(lines.append, notebook=True)
     for _ in range(2):
