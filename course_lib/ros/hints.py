@@ -147,7 +147,7 @@ def _field_hint(types: Sequence[str], attribute: str) -> str:
     if is_angle(attribute) and {"x", "y", "z", "w"} <= set(names):
         turn = "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`"
         back = "back it is `yaw = 2 * atan2(q.z, q.w)`"
-        return f"a quaternion holds no angle: a turn by yaw about z is {turn}, and {back}."
+        return f"a quaternion does not contain an angle: a rotation by yaw about z is {turn}, and {back}."
     lists = [f.name for one in definitions for f in one.fields if f.container != "scalar"]
     if attribute in dir(list) and len(lists) == 1:
         return f"did you mean `{lists[0]}.{attribute}`? {show}"

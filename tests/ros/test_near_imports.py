@@ -45,7 +45,7 @@ IMPORTS = [
     ("import maths", "did you mean math?"),
     ("from PIL import Imge", "did you mean Image? `from PIL import Image`"),
     ("import math; math.sqr(2.0)", "did you mean `sqrt`?"),
-    ("import math; math.atan(1.0, 2.0)", "the function of two numbers is `math.atan2(1.0, 2.0)`: y, then x."),
+    ("import math; math.atan(1.0, 2.0)", "for two numbers, use `math.atan2(1.0, 2.0)`: y, then x."),
 ]
 
 

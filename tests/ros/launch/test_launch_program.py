@@ -187,7 +187,7 @@ simulated = IncludeLaunchDescription(os.path.join(simulator, "launch", "gz_sim.l
          "package 'nowhere' not found"),
         ("IncludeLaunchDescription([ThisLaunchFileDir(), '/moveit.launch.py'])", "MoveIt plans in"),
         ("Node(package='my_robot', executable='driver')", "'driver' of package 'my_robot' is a compiled"),
-        ("Node(package='rplidar_ros', executable='rplidar_node')", "a driver runs beside its device"),
+        ("Node(package='rplidar_ros', executable='rplidar_node')", "a driver needs its device"),
         ("LifecycleNode(package='nav2_amcl', executable='amcl', name='m', namespace='')",
          "navigation runs in compiled servers"),
         ("ExecuteProcess(cmd=['gz', 'sim'])", "`gz sim` cannot run here"),

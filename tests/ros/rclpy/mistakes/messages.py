@@ -121,7 +121,7 @@ MESSAGES = [
     (
         "PoseStamped().pose.orientation = 1.57",
         "AssertionError: The 'orientation' field must be a sub message of type 'Quaternion'",
-        "a turn by yaw about z is `Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`.",
+        "a rotation by yaw about z is `Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`.",
     ),
     (
         "Marker().lifetime = Duration(seconds=1.0)",
@@ -226,7 +226,7 @@ MESSAGES = [
     (
         "PoseStamped().pose.orientation.yaw",
         "AttributeError: 'Quaternion' object has no attribute 'yaw'",
-        "a quaternion holds no angle: a turn by yaw about z is `Quaternion(z=sin(yaw / 2), "
+        "a quaternion does not contain an angle: a rotation by yaw about z is `Quaternion(z=sin(yaw / 2), "
         "w=cos(yaw / 2))`, and back it is `yaw = 2 * atan2(q.z, q.w)`.",
     ),
 ]

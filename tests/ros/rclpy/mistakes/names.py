@@ -134,8 +134,8 @@ NAMES = [
     (
         "Marker().pose.orientation.yaw = 1.0",
         "AttributeError: 'Quaternion' object has no attribute 'yaw'",
-        "a quaternion holds no angle: a turn by yaw about z is `Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, "
-        "and back it is `yaw = 2 * atan2(q.z, q.w)`.",
+        "a quaternion does not contain an angle: a rotation by yaw about z is "
+        "`Quaternion(z=sin(yaw / 2), w=cos(yaw / 2))`, and back it is `yaw = 2 * atan2(q.z, q.w)`.",
     ),
     (
         ROBOT.format(line="self.publish(String())"),

@@ -5,7 +5,7 @@ PARAMETERS = [
     (
         "Parameter('speed', value=1.0).value = 2.0",
         "AttributeError: property 'value' of 'Parameter' object has no setter",
-        "a parameter cannot be changed so: in a callback accept or reject it, elsewhere call "
+        "a parameter cannot be changed this way: in a callback accept or reject it, elsewhere call "
         "self.set_parameters([…]).",
     ),
     (

@@ -151,8 +151,8 @@ PLAIN_PYTHON = [
     (
         "import math\nmath.radians([30.0, 60.0])",
         "TypeError: must be real number, not list",
-        "functions of math take one number. Each of a list: `[math.radians(angle) for angle in (30.0, "
-        "60.0)]`.",
+        "functions of math take one number. For each number of a list: "
+        "`[math.radians(angle) for angle in (30.0, 60.0)]`.",
     ),
     (
         "import math\nmath.sin('1.0')",
@@ -167,7 +167,7 @@ PLAIN_PYTHON = [
     (
         "from sensor_msgs.msg import JointState\nJointState().position['elbow_joint'] = 1.0",
         "TypeError: array indices must be integers",
-        "an index is a whole number: // instead of /, or int(…). A name is no index: "
+        "an index is a whole number: // instead of /, or int(…). A name is not an index: "
         "`state.position = [0.1, 0.2]` sets the whole field.",
     ),
     (
@@ -270,7 +270,7 @@ PLAIN_PYTHON = [
         "import numpy as np\nnp.eye(4) @ [1.0, 2.0, 3.0]",
         "ValueError: matmul: Input operand 1 has a mismatch in its core dimension 0, with gufunc signature "
         "(n?,k),(k,m?)->(n?,m?) (size 3 is different from 4)",
-        "a matrix of 4 by 4 takes points of four numbers: x, y, z and a 1.",
+        "a 4 x 4 matrix needs points with four numbers: x, y, z and 1.",
     ),
     (
         "import numpy as np\nnp.eye(3) @ np.eye(4)",
@@ -283,7 +283,7 @@ PLAIN_PYTHON = [
         "ValueError: matmul: Input operand 0 does not have enough dimensions (has 0, gufunc core with "
         "signature "
         "(n?,k),(k,m?)->(n?,m?) requires 1)",
-        "one side of @ is a number: @ multiplies matrices, and begins with `np.eye(4)`.",
+        "one side of @ is a number, but @ multiplies arrays: begin the product with `np.eye(4)`.",
     ),
     (
         "import numpy as np\nnp.array([[1.0, 2.0], 1.0])",
