@@ -27,7 +27,7 @@ class TimeLock:
         """Do nothing during a `with` block."""
         yield
 
-    def wait(self, ready: Callable[[], bool], *, until_ns: int, what: str) -> None:
+    def wait(self, ready: Callable[[], bool], *, until_ns: int, awaited: str) -> None:
         """Wait until `ready()` is true or the monotonic clock reaches a time."""
         while not ready() and time.monotonic_ns() < until_ns:
             time.sleep(WAIT)
