@@ -18,8 +18,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from course_lib.errors import CourseError
-from course_lib.ros.dds.link import SILENT_SECONDS, DdsClient, DdsPublisher
-from course_lib.ros.dds.names import DdsEntity
+from course_lib.ros.dds.link import SILENT_SECONDS, DdsClient, DdsEntity, DdsPublisher
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.robot.connect import open_dds_link

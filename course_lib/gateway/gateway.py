@@ -37,9 +37,10 @@ from course_lib.gateway.access import (
     load_users,
 )
 from course_lib.ros.robot.connect import full_address, is_over_dds
+from course_lib.ros.robot.link import ros_type
 from course_lib.ros.robot.sending import is_motion, stop_message
 from course_lib.ros.zenoh.session import PRESENCE, ROBOT, STUDENTS, Handlers, gateway_key
-from course_lib.ros.zenoh.tokens import ZenohEntity, encode_attachment, ros_name
+from course_lib.ros.zenoh.tokens import ZenohEntity, encode_attachment
 from course_lib.third_party import read_json
 
 if TYPE_CHECKING:
@@ -325,11 +326,11 @@ class Gateway:
         type.
         """
         key = f"{topic}/{dds}/{type_hash}"
-        if self._bridge is not None and not self._bridge.is_command(f"/{topic}", ros_name(dds), type_hash):
+        if self._bridge is not None and not self._bridge.is_command(f"/{topic}", ros_type(dds), type_hash):
             return None
         if key not in self._streams and len(self._streams) < MOST_KEYS:
             head = (self._node.domain, self._node.zid, 0, len(self._streams) + 1)
-            publisher = ZenohEntity(*head, "MP", "/", "gateway", f"/{topic}", ros_name(dds), type_hash)
+            publisher = ZenohEntity(*head, "MP", "/", "gateway", f"/{topic}", ros_type(dds), type_hash)
             self._streams[key] = _Stream(publisher, self._announce_driver(publisher))
         return self._streams.get(key)
 

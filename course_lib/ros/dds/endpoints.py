@@ -10,30 +10,10 @@ import struct
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import takewhile
-from typing import NamedTuple, Protocol
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
-from course_lib.ros.dds.wire import (
-    ACKNACK,
-    DATA,
-    DATA_FRAG,
-    FAST_DDS,
-    GAP,
-    HEARTBEAT,
-    MAX_MESSAGE,
-    MAX_SET,
-    NACK_FRAG,
-    PREFIX_SIZE,
-    UNKNOWN_ENTITY,
-    Buffer,
-    Endpoint,
-    Locator,
-    RequestId,
-    number_bitmap,
-    sequence_number,
-    submessage,
-    submessage_parts,
-    timestamp,
-)
+from course_lib.ros.dds import wire
+from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Locator, RequestId, sequence_number
 
 FRAGMENT_SIZE = 60_000  # [B]
 # Messages that a writer with history KEEP_ALL keeps.
@@ -45,7 +25,7 @@ MAX_PENDING = 256
 # Limit on messages of a writer whose fragments are incomplete.
 MAX_PARTIAL = 8
 # Limit on the bytes of all incomplete messages of a reader.
-MAX_PARTIAL_BYTES = 2 * MAX_MESSAGE
+MAX_PARTIAL_BYTES = 2 * wire.MAX_MESSAGE
 # Memory that a fragment needs in addition to its data [B].
 FRAGMENT_OVERHEAD = 350
 
@@ -67,6 +47,9 @@ class ReceivedSample(NamedTuple):
     source_ns: int
     related: RequestId | None = None
     is_disposed: bool = False
+
+
+OnSample = Callable[[ReceivedSample], None]
 
 
 class Sender(Protocol):
@@ -100,8 +83,11 @@ class MatchedReader:
     acknowledged: int
 
 
-class Writer:
-    """A writer of this participant.
+Matched = TypeVar("Matched", "MatchedReader", "MatchedWriter")
+
+
+class OwnEndpoint(Generic[Matched]):
+    """An endpoint of this participant, with the remote endpoints that DDS connects to it.
 
     Args:
         sender: Sends its datagrams.
@@ -110,13 +96,31 @@ class Writer:
 
     def __init__(self, sender: Sender, endpoint: Endpoint) -> None:
         self._sender, self.endpoint = sender, endpoint
-        # Called when a reader has been matched.
-        self.on_matched: Callable[[], None] | None = None
+        # Remote endpoints by GUID.
+        self.matched: dict[bytes, Matched] = {}
+        # Called when a remote endpoint has been matched.
+        self.on_matched: Callable[[], None] = lambda: None
+        self._counts = itertools.count(1)
+
+    def _is_reliable(self, remote: Matched) -> bool:
+        return self.endpoint.is_reliable and remote.endpoint.is_reliable
+
+    def _send_to(self, remote: Endpoint, kind: int, flags: int, body: bytes) -> None:
+        """Send a submessage that begins with the entities of its reader and its writer."""
+        own, other = self.endpoint.guid[PREFIX_SIZE:], remote.guid[PREFIX_SIZE:]
+        entities = own + other if self.endpoint.kind == "reader" else other + own
+        submessage = wire.submessage(kind, flags, entities, body)
+        self._sender.send(submessage, remote.locators, remote.guid[:PREFIX_SIZE])
+
+
+class Writer(OwnEndpoint[MatchedReader]):
+    """A writer of this participant."""
+
+    def __init__(self, sender: Sender, endpoint: Endpoint) -> None:
+        super().__init__(sender, endpoint)
         # Sequence number of the last message.
         self.last = 0
-        self.readers: dict[bytes, MatchedReader] = {}
         self._history: dict[int, Change] = {}
-        self._counts = itertools.count(1)
         qos = endpoint.qos
         self._depth = KEEP_ALL_DEPTH if qos.history == "keep_all" else max(1, qos.depth)
 
@@ -129,7 +133,7 @@ class Writer:
             if len(self._history) > self._depth:
                 del self._history[next(iter(self._history))]
         reached = set[Locator]()
-        for reader in self.readers.values():
+        for reader in self.matched.values():
             unreached = [address for address in reader.endpoint.locators if address not in reached]
             reached.update(unreached)
             if unreached:
@@ -138,115 +142,109 @@ class Writer:
 
     def match(self, endpoint: Endpoint) -> None:
         """Add a remote reader."""
-        if endpoint.guid in self.readers:
+        if endpoint.guid in self.matched:
             return
         gets_history = self.endpoint.is_latched and endpoint.is_latched
         first = next(iter(self._history), self.last + 1) if gets_history else self.last + 1
-        self.readers[endpoint.guid] = MatchedReader(endpoint, first, first - 1)
-        if self.endpoint.is_reliable and endpoint.is_reliable:
-            self._send_heartbeat(self.readers[endpoint.guid])
-        if self.on_matched is not None:
-            self.on_matched()
+        reader = self.matched[endpoint.guid] = MatchedReader(endpoint, first, first - 1)
+        if self._is_reliable(reader):
+            self._send_heartbeat(reader)
+        self.on_matched()
 
     def on_acknack(self, guid: bytes, base: int, missing: list[int], *, is_final: bool) -> None:
         """Process a reader's report of received messages, and resend the missing ones."""
-        reader = self.readers.get(guid)
+        reader = self.matched.get(guid)
         if reader is None:
             return
         reader.acknowledged = max(reader.acknowledged, min(base - 1, self.last))
-        lost = [number for number in missing if number < reader.first or number not in self._history]
+        lost: list[int] = []
         for number in missing:
-            if number not in lost and number <= self.last:
+            if number >= reader.first and number in self._history:
                 locators = reader.endpoint.locators
-                self._send(number, self._history[number], locators, entity=guid[PREFIX_SIZE:])
-        lost = [number for number in lost if number <= self.last]
+                self._send(number, self._history[number], locators, guid[PREFIX_SIZE:])
+            elif number <= self.last:
+                lost.append(number)
         if lost:
-            body = guid[PREFIX_SIZE:] + self.endpoint.guid[PREFIX_SIZE:] + sequence_number(lost[0])
-            body += sequence_number(lost[0] + 1) + number_bitmap(lost[0] + 1, lost[1:])
-            self._sender.send([submessage(GAP, 0, body)], reader.endpoint.locators, guid[:PREFIX_SIZE])
+            base = lost[0] + 1
+            body = sequence_number(lost[0]) + sequence_number(base) + wire.number_bitmap(base, lost[1:])
+            self._send_to(reader.endpoint, wire.GAP, 0, body)
         if not is_final:
             self._send_heartbeat(reader)
 
     def on_nack_frag(self, guid: bytes, number: int, fragments: list[int]) -> None:
         """Resend fragments of a message."""
-        reader, change = self.readers.get(guid), self._history.get(number)
+        reader, change = self.matched.get(guid), self._history.get(number)
         if reader is None or change is None or number < reader.first:
             return
-        count = -(-len(change.data) // FRAGMENT_SIZE)
         for fragment in fragments:
-            if 1 <= fragment <= count:
-                parts = self._fragment(number, change, fragment, guid[PREFIX_SIZE:])
+            if 1 <= fragment <= -(-len(change.data) // FRAGMENT_SIZE):
+                parts = self._data(number, change, guid[PREFIX_SIZE:], fragment)
                 self._sender.send(parts, reader.endpoint.locators)
 
     def tick(self) -> None:
         """Send a heartbeat to reliable readers that have not acknowledged everything."""
-        for reader in self._unacknowledged_readers():
+        for reader in self.unacknowledged_readers():
             self._send_heartbeat(reader)
 
     def request_acknowledgements(self) -> None:
         """Send a heartbeat to all readers, which each of them has to answer."""
-        for reader in self.readers.values():
+        for reader in self.matched.values():
             self._send_heartbeat(reader)
 
-    def is_acknowledged(self) -> bool:
-        """Return whether all reliable readers have received everything."""
-        return not self._unacknowledged_readers()
-
-    def _unacknowledged_readers(self) -> list[MatchedReader]:
-        if not self.endpoint.is_reliable:
-            return []
-        readers = [reader for reader in self.readers.values() if reader.endpoint.is_reliable]
-        return [reader for reader in readers if reader.acknowledged < self.last]
+    def unacknowledged_readers(self) -> list[MatchedReader]:
+        """Return the reliable readers that have not received everything."""
+        readers = self.matched.values()
+        return [one for one in readers if self._is_reliable(one) and one.acknowledged < self.last]
 
     def _send_heartbeat(self, reader: MatchedReader) -> None:
-        guid = reader.endpoint.guid
         first = max(reader.first, next(iter(self._history), self.last + 1))
-        body = self._heartbeat(guid[PREFIX_SIZE:], first, self.last)
-        self._sender.send([body], reader.endpoint.locators, guid[:PREFIX_SIZE])
+        self._send_to(reader.endpoint, wire.HEARTBEAT, 0, self._heartbeat_body(first, self.last))
 
-    def _heartbeat(self, entity: bytes, first: int, last: int) -> bytes:
-        body = entity + self.endpoint.guid[PREFIX_SIZE:] + sequence_number(first) + sequence_number(last)
-        return submessage(HEARTBEAT, 0, body + struct.pack("<I", next(self._counts)))
+    def _heartbeat_body(self, first: int, last: int) -> bytes:
+        return sequence_number(first) + sequence_number(last) + struct.pack("<I", next(self._counts))
 
     def _send(
         self,
         number: int,
         change: Change,
         locators: Iterable[Locator],
-        entity: bytes = UNKNOWN_ENTITY,
+        entity: bytes = wire.UNKNOWN_ENTITY,
         *,
         with_heartbeat: bool = False,
     ) -> None:
         count = -(-len(change.data) // FRAGMENT_SIZE)
         for fragment in range(1, count):
-            self._sender.send(self._fragment(number, change, fragment, entity), locators)
-        if count > 1:
-            parts = self._fragment(number, change, count, entity)
-        else:
-            data = data_submessage(self.endpoint.guid, number, change.data, change.inline_qos, entity)
-            parts = [timestamp(change.at_ns), *data]
+            self._sender.send(self._data(number, change, entity, fragment), locators)
+        parts = self._data(number, change, entity, count if count > 1 else 0)
         if with_heartbeat:
-            parts.append(self._heartbeat(UNKNOWN_ENTITY, next(iter(self._history), number), number))
+            entities = wire.UNKNOWN_ENTITY + self.endpoint.guid[PREFIX_SIZE:]
+            body = self._heartbeat_body(next(iter(self._history), number), number)
+            parts += wire.submessage(wire.HEARTBEAT, 0, entities, body)
         self._sender.send(parts, locators)
 
-    def _fragment(self, number: int, change: Change, fragment: int, entity: bytes) -> list[Buffer]:
-        """Encode a fragment, counted from 1."""
-        begin = (fragment - 1) * FRAGMENT_SIZE
-        # 28 bytes lie between the field itself and the inline QoS.
-        head = struct.pack("<HH", 0, 28) + entity + self.endpoint.guid[PREFIX_SIZE:] + sequence_number(number)
-        head += struct.pack("<IHHI", fragment, 1, FRAGMENT_SIZE, len(change.data)) + change.inline_qos
-        data = memoryview(change.data)[begin : begin + FRAGMENT_SIZE]
-        flags = 0x02 if change.inline_qos else 0
-        return [timestamp(change.at_ns), *submessage_parts(DATA_FRAG, flags, head, data)]
+    def _data(self, number: int, change: Change, entity: bytes, fragment: int) -> list[Buffer]:
+        data = data_submessage(self.endpoint.guid, number, change.data, change.inline_qos, entity, fragment)
+        return [*wire.timestamp(change.at_ns), *data]
 
 
 def data_submessage(
-    writer: bytes, number: int, data: bytes, inline_qos: bytes = b"", entity: bytes = UNKNOWN_ENTITY
+    writer: bytes,
+    number: int,
+    data: bytes,
+    inline_qos: bytes = b"",
+    entity: bytes = wire.UNKNOWN_ENTITY,
+    fragment: int = 0,
 ) -> tuple[Buffer, ...]:
-    """Encode a DATA submessage, in parts."""
-    # 16 bytes lie between the field itself and the inline QoS.
-    head = struct.pack("<HH", 0, 16) + entity + writer[PREFIX_SIZE:] + sequence_number(number)
-    return submessage_parts(DATA, 0x04 | (0x02 if inline_qos else 0), head, inline_qos, data)
+    """Encode a DATA submessage, or the DATA_FRAG submessage of a fragment, counted from 1."""
+    flags = 0x02 if inline_qos else 0
+    # 16 or 28 bytes lie between the field itself and the inline QoS.
+    head = struct.pack("<HH", 0, 28 if fragment else 16) + entity + writer[PREFIX_SIZE:]
+    head += sequence_number(number)
+    if not fragment:
+        return wire.submessage(wire.DATA, flags | 0x04, head, inline_qos, data)
+    head += struct.pack("<IHHI", fragment, 1, FRAGMENT_SIZE, len(data))
+    part = memoryview(data)[(fragment - 1) * FRAGMENT_SIZE : fragment * FRAGMENT_SIZE]
+    return wire.submessage(wire.DATA_FRAG, flags, head, inline_qos, part)
 
 
 class PartialMessage:
@@ -305,7 +303,6 @@ class MatchedWriter:
     due: int | None = None
     pending: dict[int, ReceivedSample | None] = field(default_factory=dict)
     partial: dict[int, PartialMessage] = field(default_factory=dict)
-    counts: Iterator[int] = field(default_factory=lambda: itertools.count(1))
     requests: int = FIRST_REQUESTS
     last_heartbeat: int | None = None
     is_ack_due: bool = False
@@ -315,26 +312,26 @@ class MatchedWriter:
         """Whether the writer has matched the reader as well, or has not answered in time."""
         return self.requests == 0
 
+    def skip_to(self, number: int) -> None:
+        """Give up the messages before a number."""
+        self.due = number
+        self.pending = {at: sample for at, sample in self.pending.items() if at >= number}
+        self.partial = {at: partial for at, partial in self.partial.items() if at >= number}
 
-class Reader:
+
+class Reader(OwnEndpoint[MatchedWriter]):
     """A reader of this participant.
 
     Args:
-        sender: Sends its datagrams.
-        endpoint: Its description.
         on_sample: Called with each message, in the thread that receives. It must not raise.
     """
 
-    def __init__(
-        self, sender: Sender, endpoint: Endpoint, on_sample: Callable[[ReceivedSample], None]
-    ) -> None:
-        self._sender, self.endpoint, self._on_sample = sender, endpoint, on_sample
+    def __init__(self, sender: Sender, endpoint: Endpoint, on_sample: OnSample) -> None:
+        super().__init__(sender, endpoint)
+        self._on_sample = on_sample
         qos = endpoint.qos
         # Number of latched messages that a late joiner receives; None is all of them.
         self._latched_depth = max(1, qos.depth) if qos.history == "keep_last" else None
-        self.writers: dict[bytes, MatchedWriter] = {}
-        # Called when a writer has answered.
-        self.on_matched: Callable[[], None] | None = None
         # Number of dropped messages whose fragments did not all arrive, and the size of the newest
         # [B].
         self.incomplete, self.incomplete_size = 0, 0
@@ -342,10 +339,10 @@ class Reader:
         self.complete = 0
 
     def match(self, endpoint: Endpoint) -> None:
-        """Add a remote writer."""
-        if endpoint.guid in self.writers:
+        """Add a remote writer. `on_matched` is called when it has answered."""
+        if endpoint.guid in self.matched:
             return
-        writer = self.writers[endpoint.guid] = MatchedWriter(endpoint)
+        writer = self.matched[endpoint.guid] = MatchedWriter(endpoint)
         if self._is_reliable(writer):
             takes_all = self.endpoint.is_latched and self._latched_depth is None
             writer.due = 1 if takes_all else None
@@ -353,17 +350,17 @@ class Reader:
 
     def tick(self) -> None:
         """Send acknowledgements, and request the first heartbeats that have not arrived yet."""
-        for writer in self.writers.values():
+        for writer in self.matched.values():
             if writer.is_ack_due:
                 self._send_acknack(writer, writer.due or 1, [], is_final=True)
             if writer.requests and self._is_reliable(writer):
                 self._request_heartbeat(writer)
-                if writer.has_answered and self.on_matched is not None:
+                if writer.has_answered:
                     self.on_matched()
 
     def on_data(self, sample: ReceivedSample) -> None:
         """Deliver a message, or keep it until its predecessors have arrived."""
-        writer = self.writers.get(sample.writer)
+        writer = self.matched.get(sample.writer)
         if writer is None:
             return
         self.complete += 1
@@ -387,10 +384,10 @@ class Reader:
         payload: memoryview,
     ) -> None:
         """Collect fragments of a message; `sample` describes it without its data."""
-        writer, number = self.writers.get(sample.writer), sample.sequence
+        writer, number = self.matched.get(sample.writer), sample.sequence
         if writer is None or (writer.due is not None and number < writer.due) or number in writer.pending:
             return
-        if not (fragment_size > 0 and 0 < size <= MAX_MESSAGE and size // fragment_size < 2**16):
+        if not (fragment_size > 0 and 0 < size <= wire.MAX_MESSAGE and size // fragment_size < 2**16):
             raise ValueError("a fragmented message with an impossible size")
         if number not in writer.partial:
             partial = PartialMessage(size, fragment_size)
@@ -407,82 +404,70 @@ class Reader:
         while len(writer.partial) >= MAX_PARTIAL:
             del writer.partial[min(writer.partial)]
             self.incomplete += 1
-        for other in (writer, *self.writers.values()):
+        for other in (writer, *self.matched.values()):
             used = sum(
-                message.memory for matched in self.writers.values() for message in matched.partial.values()
+                message.memory for matched in self.matched.values() for message in matched.partial.values()
             )
             if used + size <= MAX_PARTIAL_BYTES:
                 return
             self.incomplete += len(other.partial)
             other.partial.clear()
 
-    def on_heartbeat(
-        self,
-        guid: bytes,
-        first: int,
-        last: int,
-        count: int,
-        *,
-        is_final: bool,
-    ) -> None:
+    def on_heartbeat(self, guid: bytes, first: int, last: int, count: int, *, is_final: bool) -> None:
         """Process a heartbeat, and request the missing messages that the writer still has.
 
         If none is missing, the acknowledgement is sent with the next tick, for all messages until
         then.
         """
-        writer = self.writers.get(guid)
+        writer = self.matched.get(guid)
         if writer is None or not self._is_reliable(writer) or count == writer.last_heartbeat:
             return
         writer.last_heartbeat = count
         was_open, writer.requests = writer.requests > 0, 0
         if writer.due is None and self.endpoint.is_latched and self._latched_depth is not None:
-            # As in Fast DDS, a late joiner keeps only the newest
-            # messages, even if the writer has more.
+            # As in Fast DDS, a late joiner keeps only the newest messages, even if the writer has more.
             first = max(first, last - self._latched_depth + 1)
         if writer.due is None or first > writer.due:
             # The writer no longer keeps the messages before `first`. It skips those from before the
             # match by a GAP.
-            writer.due = first
-            writer.pending = {number: sample for number, sample in writer.pending.items() if number >= first}
-            writer.partial = {
-                number: partial for number, partial in writer.partial.items() if number >= first
-            }
-        self._deliver(writer)
-        end = min(last, writer.due + MAX_SET - 1) + 1
-        missing = [number for number in range(writer.due, end) if number not in writer.pending]
+            writer.skip_to(first)
+        due = self._deliver(writer)
+        end = min(last, due + wire.MAX_SET - 1) + 1
+        missing = [number for number in range(due, end) if number not in writer.pending]
         for number in [number for number in missing if number in writer.partial]:
             self._request_fragments(writer, number)
         whole = [number for number in missing if number not in writer.partial]
         writer.is_ack_due = not is_final
         if missing:
-            self._send_acknack(writer, writer.due, whole, is_final=True)
-        if was_open and self.on_matched is not None:
+            self._send_acknack(writer, due, whole, is_final=True)
+        if was_open:
             self.on_matched()
 
     def on_gap(self, guid: bytes, first: int, base: int, others: list[int]) -> None:
         """Skip messages that will not arrive: [first, base) and `others`."""
-        writer = self.writers.get(guid)
+        writer = self.matched.get(guid)
         if writer is None or writer.due is None:
             return
         if first <= writer.due < base:
-            writer.due = base
-            writer.pending = {number: sample for number, sample in writer.pending.items() if number >= base}
+            writer.skip_to(base)
         for number in others:
             if number >= writer.due and len(writer.pending) < MAX_PENDING:
                 writer.pending.setdefault(number, None)
         self._deliver(writer)
 
-    def _is_reliable(self, writer: MatchedWriter) -> bool:
-        return self.endpoint.is_reliable and writer.endpoint.is_reliable
-
-    def _deliver(self, writer: MatchedWriter) -> None:
-        while writer.due is not None and writer.due in writer.pending:
-            sample = writer.pending[writer.due]
+    def _deliver(self, writer: MatchedWriter) -> int:
+        """Deliver the messages that are due. Return the number of the next one."""
+        if writer.due is None:
+            return 0
+        due = writer.due
+        while due in writer.pending:
+            sample = writer.pending[due]
             if sample is not None:
                 self._on_sample(sample)
-            writer.partial.pop(writer.due, None)
-            del writer.pending[writer.due]
-            writer.due += 1
+            writer.partial.pop(due, None)
+            del writer.pending[due]
+            due = writer.due = due + 1
+        return due
 
     def _request_heartbeat(self, writer: MatchedWriter) -> None:
         """Request the first heartbeat of a writer.
@@ -491,30 +476,18 @@ class Reader:
         base 0.
         """
         writer.requests -= 1
-        is_fast_dds = writer.endpoint.guid[:2] == FAST_DDS
+        is_fast_dds = writer.endpoint.guid[:2] == wire.FAST_DDS
         self._send_acknack(writer, 0 if is_fast_dds else writer.due or 1, [], is_final=False)
 
     def _request_fragments(self, writer: MatchedWriter, number: int) -> None:
         missing = writer.partial[number].missing()
         first = next(missing)
-        fragments = [first, *takewhile(lambda fragment: fragment < first + MAX_SET, missing)]
-        guid = writer.endpoint.guid
-        body = self.endpoint.guid[PREFIX_SIZE:] + guid[PREFIX_SIZE:] + sequence_number(number)
-        body += struct.pack("<I", first) + number_bitmap(first, fragments)
-        body += struct.pack("<I", next(writer.counts))
-        self._sender.send([submessage(NACK_FRAG, 0, body)], writer.endpoint.locators, guid[:PREFIX_SIZE])
+        fragments = [first, *takewhile(lambda fragment: fragment < first + wire.MAX_SET, missing)]
+        body = sequence_number(number) + struct.pack("<I", first) + wire.number_bitmap(first, fragments)
+        self._send_to(writer.endpoint, wire.NACK_FRAG, 0, body + struct.pack("<I", next(self._counts)))
 
-    def _send_acknack(
-        self,
-        writer: MatchedWriter,
-        base: int,
-        missing: list[int],
-        *,
-        is_final: bool,
-    ) -> None:
+    def _send_acknack(self, writer: MatchedWriter, base: int, missing: list[int], *, is_final: bool) -> None:
         writer.is_ack_due = False
-        guid = writer.endpoint.guid
-        body = self.endpoint.guid[PREFIX_SIZE:] + guid[PREFIX_SIZE:] + sequence_number(base)
-        body += number_bitmap(base, missing) + struct.pack("<I", next(writer.counts))
-        flags = 0x02 if is_final else 0
-        self._sender.send([submessage(ACKNACK, flags, body)], writer.endpoint.locators, guid[:PREFIX_SIZE])
+        body = sequence_number(base) + wire.number_bitmap(base, missing)
+        body += struct.pack("<I", next(self._counts))
+        self._send_to(writer.endpoint, wire.ACKNACK, 0x02 if is_final else 0, body)

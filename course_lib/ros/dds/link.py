@@ -7,19 +7,22 @@ The thread that receives, which may be the graph's, only queues actions and fill
 import contextlib
 import errno
 import itertools
-import struct
+import re
 from _queue import SimpleQueue
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from functools import partial
-from typing import ParamSpec
+from typing import Any
 
-from course_lib.ros.dds import names
-from course_lib.ros.dds.endpoints import Reader, ReceivedSample, Writer
-from course_lib.ros.dds.names import DdsEntity, NodeEndpoints
+import numpy as np
+
+from course_lib.errors import CourseError
+from course_lib.ros.dds.endpoints import OnSample, Reader, ReceivedSample, Writer
 from course_lib.ros.dds.participant import Participant, resolve
 from course_lib.ros.dds.wire import PARTICIPANT_ENTITY, PREFIX_SIZE, Endpoint, RequestId, related_request
 from course_lib.ros.graph.topics import Qos
+from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.messages.hashes import is_known, type_hash
 from course_lib.ros.robot.link import (
     Action,
@@ -31,10 +34,11 @@ from course_lib.ros.robot.link import (
     OnRequest,
     Packet,
     Report,
+    dds_type,
+    ros_type,
 )
 from course_lib.ros.time import wall
 
-P = ParamSpec("P")
 # Limit on calls without a reply, and on requests and replies that wait for a match.
 MAX_OPEN = 1000
 # Time that a request or a reply waits for its receiver to be matched [s].
@@ -44,12 +48,132 @@ SERVICE_QOS = Qos()
 INCOMPLETE_MESSAGES = 5
 # Time after which a robot that has not answered is reported [s].
 SILENT_SECONDS = 3.0
+DISCOVERY_TOPIC = "ros_discovery_info"
+DISCOVERY_TYPE = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"
+DISCOVERY_QOS = Qos(depth=1, durability="transient_local")
+DISCOVERY_MESSAGE, NODE_INFO, GID = (
+    f"rmw_dds_common/msg/{name}" for name in ("ParticipantEntitiesInfo", "NodeEntitiesInfo", "Gid")
+)
+TYPE_HASH = re.compile(rb"typehash=(RIHS01_[0-9a-f]{64});")
+
+
+@dataclass(frozen=True, slots=True)
+class DdsEntity:
+    """A node or an endpoint on the network.
+
+    Args:
+        node_key: GUID of the participant, and the node's full name there.
+        gid: GUID of the endpoint; for a node of the kit a number that only the kit uses.
+    """
+
+    kind: EntityKind
+    node_key: tuple[bytes, str]
+    namespace: str
+    node: str
+    topic: str = ""
+    type_name: str = ""
+    type_hash: str = ""
+    qos: Qos = field(default_factory=Qos)
+    gid: bytes = b""
+
+    @property
+    def key(self) -> tuple[tuple[bytes, str], bytes]:
+        """The key that identifies the entity."""
+        return self.node_key, self.gid
+
+
+@dataclass
+class NodeEndpoints:
+    """A node in a discovery message, with the GUIDs of its endpoints."""
+
+    namespace: str
+    name: str
+    readers: list[bytes] = field(default_factory=list)
+    writers: list[bytes] = field(default_factory=list)
+
+    @property
+    def full_name(self) -> str:
+        """The fully qualified name."""
+        return f"{self.namespace.rstrip('/')}/{self.name}"
+
+
+def topic_names(topic: str, type_name: str) -> tuple[str, str]:
+    """Return the DDS names of a topic and its type."""
+    return f"rt{topic}", dds_type(type_name)
+
+
+def request_names(service: DdsEntity) -> tuple[str, str]:
+    """Return the DDS names of the topic of a service's requests and their type."""
+    return f"rq{service.topic}Request", dds_type(f"{service.type_name}_Request")
+
+
+def reply_names(service: DdsEntity) -> tuple[str, str]:
+    """Return the DDS names of the topic of a service's replies and their type."""
+    return f"rr{service.topic}Reply", dds_type(f"{service.type_name}_Response")
+
+
+def user_data(type_hash: str) -> bytes:
+    """Return the user data of an endpoint."""
+    return f"typehash={type_hash};".encode()
+
+
+def read_names(endpoint: Endpoint) -> tuple[EntityKind, str, str] | None:
+    """Return kind, name and type of a topic or service endpoint, None for other endpoints.
+
+    The reply endpoints of a service are left out, because its request endpoints already represent
+    it.
+    """
+    is_writer = endpoint.kind == "writer"
+    if endpoint.topic.startswith("rt/"):
+        return "publisher" if is_writer else "subscription", endpoint.topic[2:], ros_type(endpoint.type_name)
+    if endpoint.topic.startswith("rq/") and endpoint.topic.endswith("Request"):
+        service = endpoint.topic[2 : -len("Request")]
+        return "client" if is_writer else "server", service, ros_type(endpoint.type_name)[: -len("_Request")]
+    return None
+
+
+def read_discovery(cdr: bytes) -> tuple[bytes, list[NodeEndpoints]]:
+    """Decode a discovery message into the participant's GUID and its nodes.
+
+    Raises:
+        CourseError: The message is malformed.
+    """
+    message: Any = deserialize(cdr, message_class(DISCOVERY_MESSAGE))
+    nodes = [
+        NodeEndpoints(
+            info.node_namespace,
+            info.node_name,
+            [bytes(gid.data) for gid in info.reader_gid_seq],
+            [bytes(gid.data) for gid in info.writer_gid_seq],
+        )
+        for info in message.node_entities_info_seq
+    ]
+    return bytes(message.gid.data), nodes
+
+
+def write_discovery(participant: bytes, nodes: Iterable[NodeEndpoints]) -> bytes:
+    """Encode the discovery message of a participant."""
+    message_type, node_type, gid_type = map(message_class, (DISCOVERY_MESSAGE, NODE_INFO, GID))
+
+    def gids(guids: Iterable[bytes]) -> list[Any]:
+        return [gid_type(data=np.frombuffer(guid, np.uint8)) for guid in guids]
+
+    infos = [
+        node_type(
+            node_namespace=node.namespace,
+            node_name=node.name,
+            reader_gid_seq=gids(node.readers),
+            writer_gid_seq=gids(node.writers),
+        )
+        for node in nodes
+    ]
+    return serialize(message_type(gid=gids([participant])[0], node_entities_info_seq=infos))
 
 
 class DdsDeclaration:
     """The endpoints of one entity, which `withdraw` removes."""
 
-    def __init__(self, *removals: Callable[[], None]) -> None:
+    def __init__(self, *removals: Callable[[], object]) -> None:
         self._removals = removals
 
     def withdraw(self) -> None:
@@ -59,128 +183,136 @@ class DdsDeclaration:
             remove()
 
 
-class DdsPublisher:
+class DdsPublisher(DdsDeclaration):
     """A publisher of the kit on the network."""
 
     def __init__(self, link: "DdsLink", entity: DdsEntity) -> None:
-        self._link, self.topic = link, entity.topic
-        self._writer = link.add_writer(entity, *names.topic_names(entity.topic, entity.type_name), entity.qos)
-        guid = self._writer.endpoint.guid
-        self._listing = DdsDeclaration(partial(link.set_owner, entity, guid, is_owned=False))
-        self._declaration = DdsDeclaration(partial(link.participant.remove, self._writer.endpoint))
-        self._is_declared = True
+        self._participant, self.topic = link.participant, entity.topic
+        topic, type_name = topic_names(entity.topic, entity.type_name)
+        self._writer = link.add_writer(entity, topic, type_name, entity.qos)
+        endpoint = self._writer.endpoint
+        self._listing = DdsDeclaration(partial(link.set_owner, entity, endpoint.guid, is_owned=False))
+        super().__init__(self.hide, partial(self._participant.remove, endpoint))
 
     def put(self, cdr: bytes) -> None:
         """Publish a message; may be called from any thread."""
-        if self._is_declared:
-            self._link.participant.write(self._writer, cdr)
+        if self._removals:
+            self._participant.write(self._writer, cdr)
 
     def is_matched(self) -> bool:
         """Return whether a message would reach a subscription now."""
-        return bool(self._writer.readers)
+        return bool(self._writer.matched)
 
     def hide(self) -> None:
         """Leave the graph of the network, while messages can still be published."""
         self._listing.withdraw()
 
-    def withdraw(self) -> None:
-        """Remove the publisher from the network."""
-        self._is_declared = False
-        self.hide()
-        self._declaration.withdraw()
 
+class ServiceEndpoints(DdsDeclaration):
+    """The writer and the reader of a service client or server.
 
-class DdsClient(DdsDeclaration):
-    """A service client of the kit on the network.
-
-    Both endpoints of a service are volatile: a request is lost if the server's reader does not know
-    the client's writer, and so is a reply if the server's writer does not know the client's reader.
-    So requests wait until a server has been matched with both.
+    Both are volatile: a message is lost if its receiver does not know the sender yet. So requests
+    and replies wait until both sides have been matched.
     """
 
-    def __init__(self, link: "DdsLink", entity: DdsEntity) -> None:
+    def __init__(
+        self, link: "DdsLink", entity: DdsEntity, writer: tuple[str, str], reader: tuple[str, str]
+    ) -> None:
         self._participant, self._actions = link.participant, link.actions
+        # Messages that wait: the end of the wait [s], the test of the match, and the function that
+        # sends the message.
+        self._waiting: deque[tuple[float, Callable[[], bool], Callable[[], object]]] = deque(maxlen=MAX_OPEN)
+        with link.participant.lock:
+            self._writer = link.add_writer(entity, *writer, SERVICE_QOS)
+            self._reader = link.add_reader(entity, *reader, SERVICE_QOS, self._on_sample)
+        self._writer.on_matched = self._reader.on_matched = self._send_waiting
+        removals: list[Callable[[], object]] = []
+        for endpoint in (self._reader.endpoint, self._writer.endpoint):
+            removals.append(partial(link.set_owner, entity, endpoint.guid, is_owned=False))
+            removals.append(partial(link.participant.remove, endpoint))
+        super().__init__(*removals)
+
+    def _on_sample(self, sample: ReceivedSample) -> None:
+        raise NotImplementedError
+
+    def _send_when(self, is_matched: Callable[[], bool], send: Callable[[], object]) -> None:
+        with self._participant.lock:
+            self._waiting.append((wall.monotonic() + MATCH_SECONDS, is_matched, send))
+            self._send_waiting()
+
+    def _send_waiting(self) -> None:
+        waiting, self._waiting = self._waiting, deque(maxlen=MAX_OPEN)
+        for end, is_matched, send in waiting:
+            if wall.monotonic() < end:
+                if is_matched():
+                    send()
+                else:
+                    self._waiting.append((end, is_matched, send))
+
+
+class DdsClient(ServiceEndpoints):
+    """A service client of the kit on the network."""
+
+    def __init__(self, link: "DdsLink", entity: DdsEntity) -> None:
         self._open: dict[int, OnReply] = {}
-        # Requests that wait, with the end of the wait [s].
-        self._waiting: deque[tuple[float, bytes, OnReply]] = deque(maxlen=MAX_OPEN)
-        self._replies = link.add_reader(entity, *names.reply_names(entity), SERVICE_QOS, self._on_reply)
-        self._requests = link.add_writer(entity, *names.request_names(entity), SERVICE_QOS)
-        self._requests.on_matched = self._replies.on_matched = self._send_waiting
-        super().__init__(*link.removals(entity, self._replies.endpoint, self._requests.endpoint))
+        super().__init__(link, entity, request_names(entity), reply_names(entity))
 
     def is_matched(self) -> bool:
         """Return whether a request would reach a server now, and its reply this client."""
         with self._participant.lock:
-            servers = {guid[:PREFIX_SIZE] for guid in self._requests.readers}
+            servers = {guid[:PREFIX_SIZE] for guid in self._writer.matched}
             return any(
                 guid[:PREFIX_SIZE] in servers and writer.has_answered
-                for guid, writer in self._replies.writers.items()
+                for guid, writer in self._reader.matched.items()
             )
 
     def call(self, cdr: bytes, on_reply: OnReply) -> None:
         """Send a request. `on_reply` is queued when its reply arrives."""
-        with self._participant.lock:
-            self._waiting.append((wall.monotonic() + MATCH_SECONDS, cdr, on_reply))
-            self._send_waiting()
 
-    def _send_waiting(self) -> None:
-        while self._waiting and self.is_matched():
-            end, cdr, on_reply = self._waiting.popleft()
-            if wall.monotonic() < end:
-                # The server sends its reply to the reader that is named here.
-                related = related_request(RequestId(self._replies.endpoint.guid, 0))
-                self._open[self._participant.write(self._requests, cdr, related)] = on_reply
-                if len(self._open) > MAX_OPEN:
-                    del self._open[next(iter(self._open))]
+        def send() -> None:
+            # The server sends its reply to the reader that is named here.
+            related = related_request(RequestId(self._reader.endpoint.guid, 0))
+            self._open[self._participant.write(self._writer, cdr, related)] = on_reply
+            if len(self._open) > MAX_OPEN:
+                del self._open[next(iter(self._open))]
 
-    def _on_reply(self, sample: ReceivedSample) -> None:
+        self._send_when(self.is_matched, send)
+
+    def _on_sample(self, sample: ReceivedSample) -> None:
         """Queue a reply if it belongs to a request of this client.
 
         All clients of a service receive all replies.
         """
         if sample.related is None:
             return
-        own = (self._replies.endpoint.guid, self._requests.endpoint.guid)
+        own = (self._reader.endpoint.guid, self._writer.endpoint.guid)
         if sample.related.guid in own and sample.related.sequence in self._open:
             on_reply = self._open.pop(sample.related.sequence)
             self._actions.put(partial(on_reply, sample.data))
 
 
-class DdsServer(DdsDeclaration):
-    """A service of the kit on the network.
-
-    A reply waits until the client's reader has been matched.
-    """
+class DdsServer(ServiceEndpoints):
+    """A service of the kit on the network."""
 
     def __init__(self, link: "DdsLink", entity: DdsEntity, on_request: OnRequest) -> None:
-        self._participant, self._actions, self._serve = link.participant, link.actions, on_request
-        # Replies that wait, with the client and the end of the wait [s].
-        self._waiting: deque[tuple[float, RequestId, bytes]] = deque(maxlen=MAX_OPEN)
-        self._replies = link.add_writer(entity, *names.reply_names(entity), SERVICE_QOS)
-        self._replies.on_matched = self._send_waiting
-        requests = link.add_reader(entity, *names.request_names(entity), SERVICE_QOS, self._on_request)
-        super().__init__(*link.removals(entity, requests.endpoint, self._replies.endpoint))
+        self._serve = on_request
+        super().__init__(link, entity, reply_names(entity), request_names(entity))
 
-    def _on_request(self, sample: ReceivedSample) -> None:
+    def _on_sample(self, sample: ReceivedSample) -> None:
         # Fast DDS sends the reader that waits for the reply; otherwise the writer identifies the
         # client.
         client = sample.related.guid if sample.related else sample.writer
-        send_reply = partial(self._send_reply, RequestId(client, sample.sequence))
+        is_reader = Endpoint(client, "", "").kind == "reader"
+        related = related_request(RequestId(client, sample.sequence))
+
+        def is_matched() -> bool:
+            return not is_reader or client in self._writer.matched
+
+        def send_reply(cdr: bytes) -> None:
+            send = partial(self._participant.write, self._writer, cdr, related)
+            self._send_when(is_matched, send)
+
         self._actions.put(partial(self._serve, sample.data, send_reply))
-
-    def _send_reply(self, request: RequestId, cdr: bytes) -> None:
-        with self._participant.lock:
-            self._waiting.append((wall.monotonic() + MATCH_SECONDS, request, cdr))
-            self._send_waiting()
-
-    def _send_waiting(self) -> None:
-        waiting, self._waiting = self._waiting, deque(maxlen=MAX_OPEN)
-        for end, request, cdr in waiting:
-            is_reader = Endpoint(request.guid, "", "").kind == "reader"
-            if not is_reader or request.guid in self._replies.readers:
-                self._participant.write(self._replies, cdr, related_request(request))
-            elif wall.monotonic() < end:
-                self._waiting.append((end, request, cdr))
 
 
 class DdsLink:
@@ -205,7 +337,7 @@ class DdsLink:
         self._own_nodes: dict[tuple[bytes, str], NodeEndpoints] = {}
         # The newest GUID by topic and type.
         self._own_readers: dict[tuple[str, str], bytes] = {}
-        self._on_entity: OnEntity | None = None
+        self._on_entity: OnEntity = lambda entity, has_joined: None
         # Remote endpoints by GUID.
         self._endpoints: dict[bytes, Endpoint] = {}
         # The node of each remote endpoint, by its GUID.
@@ -215,10 +347,10 @@ class DdsLink:
         # Remote endpoints that the graph contains.
         self._listed: dict[bytes, DdsEntity] = {}
         self._host = resolve(host)
-        self.participant = Participant(domain, self._host, self._enqueue(self._on_endpoint))
-        topic, type_name, qos = names.DISCOVERY_TOPIC, names.DISCOVERY_TYPE, names.DISCOVERY_QOS
+        self.participant = Participant(domain, self._host, partial(self._enqueue, self._on_endpoint))
+        topic, type_name, qos = DISCOVERY_TOPIC, DISCOVERY_TYPE, DISCOVERY_QOS
         self._discovery = self.participant.add_writer(topic, type_name, qos)
-        self.participant.add_reader(topic, type_name, qos, self._enqueue(self._on_discovery))
+        self.participant.add_reader(topic, type_name, qos, partial(self._enqueue, self._on_discovery))
 
     @property
     def is_open(self) -> bool:
@@ -274,10 +406,19 @@ class DdsLink:
             yield "silent", self.no_nodes_message()
         host = self.participant.current_peer
         if host != self._host:
-            yield f"moved {host}", moved_message(self.address, host)
+            yield (
+                f"moved {host}",
+                f"The robot {self.address} now has the address {host}, and the link follows it. "
+                f"Next time connect to dds/{host}.",
+            )
         for topic, count, size in self.participant.incomplete_topics():
             if count >= INCOMPLETE_MESSAGES:
-                yield f"incomplete {topic}", incomplete_message(topic.removeprefix("rt"), count, size)
+                yield (
+                    f"incomplete {topic}",
+                    f"{topic.removeprefix('rt')}: {count} messages of {size / 1e6:.1f} MB have arrived "
+                    "only in part, more than whole ones. They are too large for this network: use a "
+                    "compressed topic, a smaller image or a reliable publisher.",
+                )
 
     def node(self, name: str, namespace: str) -> DdsEntity:
         """Return a node of the kit that is not announced yet."""
@@ -286,13 +427,7 @@ class DdsLink:
         return DdsEntity("node", key, namespace, name, gid=gid)
 
     def endpoint(
-        self,
-        node: DdsEntity,
-        kind: EntityKind,
-        topic: str,
-        type_name: str,
-        qos: Qos,
-        known_hash: str = "",
+        self, node: DdsEntity, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
     ) -> DdsEntity:
         """Return an endpoint of a node of the kit that is not announced yet."""
         names_of_it = (node.namespace, node.node, topic, type_name, known_hash or type_hash(type_name))
@@ -303,7 +438,9 @@ class DdsLink:
         if entity.kind == "node":
             self._own_nodes[entity.node_key] = NodeEndpoints(entity.namespace, entity.node)
             self._publish_discovery()
-            return DdsDeclaration(partial(self._remove_node, entity))
+            return DdsDeclaration(
+                partial(self._own_nodes.pop, entity.node_key, None), self._publish_discovery
+            )
         guid = self._own_readers[entity.topic, entity.type_name]
         self.set_owner(entity, guid)
         return DdsDeclaration(partial(self.set_owner, entity, guid, is_owned=False))
@@ -321,8 +458,8 @@ class DdsLink:
             on_packet(Packet(sample.data, sample.sequence, sample.source_ns, sample.writer, wall.time_ns()))
 
         # A gateway passes types on that are not known on its computer.
-        data = names.user_data(type_hash(type_name)) if is_known(type_name) else b""
-        reader = self.participant.add_reader(*names.topic_names(topic, type_name), qos, on_sample, data)
+        data = user_data(type_hash(type_name)) if is_known(type_name) else b""
+        reader = self.participant.add_reader(*topic_names(topic, type_name), qos, on_sample, data)
         self._own_readers[topic, type_name] = reader.endpoint.guid
         return DdsDeclaration(partial(self.participant.remove, reader.endpoint))
 
@@ -336,30 +473,19 @@ class DdsLink:
 
     def add_writer(self, entity: DdsEntity, topic: str, type_name: str, qos: Qos) -> Writer:
         """Create a writer that belongs to a node of the kit."""
-        data = names.user_data(entity.type_hash)
+        data = user_data(entity.type_hash)
         writer = self.participant.add_writer(topic, type_name, qos, data)
         self.set_owner(entity, writer.endpoint.guid)
         return writer
 
     def add_reader(
-        self,
-        entity: DdsEntity,
-        topic: str,
-        type_name: str,
-        qos: Qos,
-        on_sample: Callable[[ReceivedSample], None],
+        self, entity: DdsEntity, topic: str, type_name: str, qos: Qos, on_sample: OnSample
     ) -> Reader:
         """Create a reader that belongs to a node of the kit."""
-        data = names.user_data(entity.type_hash)
+        data = user_data(entity.type_hash)
         reader = self.participant.add_reader(topic, type_name, qos, on_sample, data)
         self.set_owner(entity, reader.endpoint.guid)
         return reader
-
-    def removals(self, entity: DdsEntity, *endpoints: Endpoint) -> Iterator[Callable[[], None]]:
-        """Yield functions that remove endpoints of a node of the kit from the network."""
-        for endpoint in endpoints:
-            yield partial(self.set_owner, entity, endpoint.guid, is_owned=False)
-            yield partial(self.participant.remove, endpoint)
 
     def set_owner(self, entity: DdsEntity, guid: bytes, *, is_owned: bool = True) -> None:
         """Announce that an endpoint belongs, or no longer belongs, to a node of the kit."""
@@ -373,32 +499,20 @@ class DdsLink:
             guids.remove(guid)
         self._publish_discovery()
 
-    def _remove_node(self, entity: DdsEntity) -> None:
-        self._own_nodes.pop(entity.node_key, None)
-        self._publish_discovery()
-
     def _publish_discovery(self) -> None:
-        data = names.write_discovery(self.participant.guid, list(self._own_nodes.values()))
+        data = write_discovery(self.participant.guid, list(self._own_nodes.values()))
         self.participant.write(self._discovery, data)
 
     # The following methods run in the graph's thread and handle remote entities.
 
-    def _enqueue(self, action: Callable[P, None]) -> Callable[P, None]:
-        """Return a function that queues the action, to be called in the thread that receives."""
-
-        def queue(*args: P.args, **kwargs: P.kwargs) -> None:
-            self.actions.put(partial(action, *args, **kwargs))
-
-        return queue
-
-    def _change(self, entity: DdsEntity, *, has_joined: bool) -> None:
-        if self._on_entity is not None:
-            self._on_entity(entity, has_joined)
+    def _enqueue(self, action: Callable[..., None], *args: object) -> None:
+        """Queue an action. Called in the thread that receives."""
+        self.actions.put(partial(action, *args))
 
     def _on_discovery(self, sample: ReceivedSample) -> None:
         """Process the list of nodes of a participant."""
-        with contextlib.suppress(ValueError, IndexError, struct.error):
-            participant, infos = names.read_discovery(sample.data)
+        with contextlib.suppress(CourseError):
+            participant, infos = read_discovery(sample.data)
             if participant[:PREFIX_SIZE] == self.participant.prefix:
                 return
             before, now = self._nodes.get(participant, {}), dict[str, DdsEntity]()
@@ -407,13 +521,13 @@ class DdsLink:
                 node = before.get(info.full_name) or DdsEntity("node", key, info.namespace, info.name)
                 now[info.full_name] = node
                 if info.full_name not in before:
-                    self._change(node, has_joined=True)
+                    self._on_entity(node, True)
                 for guid in info.readers + info.writers:
                     self._owners[guid] = node
                     self._list(guid)
             self._nodes[participant] = now
             for full_name in before.keys() - now.keys():
-                self._change(before[full_name], has_joined=False)
+                self._on_entity(before[full_name], False)
 
     def _on_endpoint(self, endpoint: Endpoint, has_joined: bool) -> None:
         """Process a remote endpoint that has joined or left."""
@@ -425,20 +539,21 @@ class DdsLink:
         self._owners.pop(endpoint.guid, None)
         entity = self._listed.pop(endpoint.guid, None)
         if entity is not None:
-            self._change(entity, has_joined=False)
-        if endpoint.topic == names.DISCOVERY_TOPIC and endpoint.kind == "writer":
+            self._on_entity(entity, False)
+        if endpoint.topic == DISCOVERY_TOPIC and endpoint.kind == "writer":
             # The participant has no nodes left without this writer.
             for node in self._nodes.pop(endpoint.guid[:PREFIX_SIZE] + PARTICIPANT_ENTITY, {}).values():
-                self._change(node, has_joined=False)
+                self._on_entity(node, False)
 
     def _list(self, guid: bytes) -> None:
         """Add a remote endpoint to the graph as soon as its description and its node are known."""
         endpoint, node = self._endpoints.get(guid), self._owners.get(guid)
-        ros_names = names.read_names(endpoint) if endpoint is not None else None
+        ros_names = read_names(endpoint) if endpoint is not None else None
         if endpoint is None or node is None or ros_names is None or guid in self._listed:
             return
         kind, topic, type_name = ros_names
-        remote_hash = names.read_type_hash(endpoint.user_data)
+        match = TYPE_HASH.search(endpoint.user_data)
+        remote_hash = match[1].decode() if match else ""
         if kind in ("server", "client") and is_known(type_name):
             # DDS transmits the hash of the request, from which the service's own hash cannot be
             # derived.
@@ -447,7 +562,7 @@ class DdsLink:
             kind, node.node_key, node.namespace, node.node, topic, type_name, remote_hash, endpoint.qos, guid
         )
         self._listed[guid] = entity
-        self._change(entity, has_joined=True)
+        self._on_entity(entity, True)
 
 
 def silence_message(address: str, domain: int, error: int) -> str:
@@ -470,21 +585,4 @@ def silence_message(address: str, domain: int, error: int) -> str:
         "and are both in the same network? Firewalls and WSL2 often let no UDP in. A robot with a "
         "Fast DDS discovery server, or with ROS_AUTOMATIC_DISCOVERY_RANGE=OFF, does not answer. A "
         "link over Zenoh (tcp/HOST:7447) needs only an outgoing TCP connection."
-    )
-
-
-def moved_message(address: str, host: str) -> str:
-    """Return a message for a robot that sends from a new address."""
-    return (
-        f"The robot {address} now has the address {host}, and the link follows it. Next time "
-        f"connect to dds/{host}."
-    )
-
-
-def incomplete_message(topic: str, count: int, size: int) -> str:
-    """Return a message for a topic whose messages of so many bytes mostly arrive in part."""
-    return (
-        f"{topic}: {count} messages of {size / 1e6:.1f} MB have arrived only in part, more than "
-        "whole ones. They are too large for this network: use a compressed topic, a smaller image "
-        "or a reliable publisher."
     )

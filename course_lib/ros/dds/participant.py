@@ -21,64 +21,13 @@ import select
 import socket
 import struct
 from collections import Counter, deque
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 
 from course_lib.errors import CourseError
-from course_lib.ros.dds.endpoints import (
-    MatchedReader,
-    MatchedWriter,
-    Reader,
-    ReceivedSample,
-    Writer,
-    data_submessage,
-)
-from course_lib.ros.dds.wire import (
-    ACKNACK,
-    BUILTIN_ENDPOINTS,
-    DATA,
-    DATA_FRAG,
-    DISPOSED,
-    GAP,
-    HEADER_SIZE,
-    HEARTBEAT,
-    INFO_DST,
-    NACK_FRAG,
-    PARTICIPANT_ENTITY,
-    PL_CDR_LE,
-    PREFIX_SIZE,
-    PROTOCOL,
-    PUBLICATIONS_READER,
-    PUBLICATIONS_WRITER,
-    SPDP_READER,
-    SPDP_WRITER,
-    SUBSCRIPTIONS_READER,
-    SUBSCRIPTIONS_WRITER,
-    UNKNOWN_ENTITY,
-    USER_READER,
-    USER_WRITER,
-    VENDOR_ID,
-    Buffer,
-    Endpoint,
-    Locator,
-    ParameterList,
-    Pid,
-    RequestId,
-    Submessage,
-    describe,
-    disposal,
-    duration,
-    locator,
-    octets,
-    parameter_list,
-    read_bitmap,
-    read_datagram,
-    read_parameters,
-    read_sequence_number,
-    string,
-    submessage,
-    timestamp,
-)
+from course_lib.ros.dds import wire
+from course_lib.ros.dds.endpoints import OnSample, Reader, ReceivedSample, Writer, data_submessage
+from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Kind, Locator, ParameterList, Pid
 from course_lib.ros.graph.topics import Qos, find_incompatible_policy
 from course_lib.ros.time import wall
 
@@ -104,10 +53,11 @@ SOCKET_BUFFER = 2**23  # [B]
 DISCOVERY_QOS = Qos(history="keep_all", durability="transient_local")
 # Errors that malformed datagrams raise.
 MALFORMED = (struct.error, IndexError, ValueError, MemoryError)
-SEDP = (
-    (PUBLICATIONS_WRITER, PUBLICATIONS_READER),
-    (SUBSCRIPTIONS_WRITER, SUBSCRIPTIONS_READER),
-)
+# Entities of the writer and the reader that transmit the descriptions of writers and of readers.
+SEDP: Mapping[Kind, tuple[bytes, bytes]] = {
+    "writer": (wire.PUBLICATIONS_WRITER, wire.PUBLICATIONS_READER),
+    "reader": (wire.SUBSCRIPTIONS_WRITER, wire.SUBSCRIPTIONS_READER),
+}
 
 # Called with an endpoint, and False if it was removed.
 OnEndpoint = Callable[[Endpoint, bool], None]
@@ -152,6 +102,21 @@ def socket_towards(host: str, port: int) -> socket.socket:
     return probe
 
 
+@dataclass
+class RemoteParticipant:
+    """A remote participant.
+
+    Args:
+        host: Its present address.
+        locators: The locators of endpoints that have none of their own.
+        lease_end: Wall time at which it counts as absent if nothing is received [s].
+    """
+
+    host: str
+    locators: tuple[Locator, ...]
+    lease_end: float
+
+
 class Participant:
     """A participant of a domain, with its own thread.
 
@@ -167,8 +132,8 @@ class Participant:
 
     def __init__(self, domain: int, peer: str, on_endpoint: OnEndpoint) -> None:
         self.domain, self._on_endpoint = domain, on_endpoint
-        self.prefix = VENDOR_ID + os.urandom(PREFIX_SIZE - len(VENDOR_ID))
-        self.guid = self.prefix + PARTICIPANT_ENTITY
+        self.prefix = wire.VENDOR_ID + os.urandom(PREFIX_SIZE - len(wire.VENDOR_ID))
+        self.guid = self.prefix + wire.PARTICIPANT_ENTITY
         self.lock = _thread.RLock()
         # Malformed datagrams by the kind of error.
         self.dropped = Counter[str]()
@@ -180,20 +145,18 @@ class Participant:
         self._probe, self._probe_error = socket_towards(peer, base), 0
         self._address = self._probe.getsockname()[0]
         # A datagram without submessages only probes whether the first participant's port is open.
-        self._probe.send(PROTOCOL + VENDOR_ID + self.prefix)
+        self._probe.send(wire.PROTOCOL + wire.VENDOR_ID + self.prefix)
         self._socket = self._bind(base)
         self._own_locator: Locator = (self._address, self._socket.getsockname()[1])
         # The given address of the robot, and the address from which it sends now.
         self._peer = self.current_peer = peer
         self._entities = itertools.count(1)
-        # Own writers by entity id.
-        self._writers: dict[bytes, Writer] = {}
-        self._readers: dict[bytes, Reader] = {}
-        # End of the lease in wall time [s], by the GUID prefix of a remote participant.
-        self._leases: dict[bytes, float] = {}
-        # Its present address, and the locators of endpoints that have none of their own.
-        self._hosts: dict[bytes, str] = {}
-        self._default_locators: dict[bytes, tuple[Locator, ...]] = {}
+        # Own endpoints by entity id.
+        self._own: dict[bytes, Writer | Reader] = {}
+        # Own writers that announce endpoints.
+        self._announcers: dict[Kind, Writer] = {}
+        # Remote participants by GUID prefix.
+        self._remotes: dict[bytes, RemoteParticipant] = {}
         # Remote endpoints by GUID.
         self._endpoints: dict[bytes, Endpoint] = {}
         self._announcements = itertools.count(1)
@@ -204,10 +167,11 @@ class Participant:
         self._covered_until = 0.0
         # Datagrams whose processing was interrupted, and their senders' addresses.
         self._interrupted: deque[tuple[bytes, str]] = deque(maxlen=MAX_DATAGRAMS)
-        for writer, reader in SEDP:
-            self._writers[writer] = Writer(self, Endpoint(self.prefix + writer, "", "", DISCOVERY_QOS))
+        for kind, (writer, reader) in SEDP.items():
+            announcer = Writer(self, Endpoint(self.prefix + writer, "", "", DISCOVERY_QOS))
+            self._own[writer] = self._announcers[kind] = announcer
             endpoint = Endpoint(self.prefix + reader, "", "", DISCOVERY_QOS)
-            self._readers[reader] = Reader(self, endpoint, self._on_sedp)
+            self._own[reader] = Reader(self, endpoint, self._on_sedp)
         self.is_open = True
         self._ended = _thread.allocate_lock()
         self._ended.acquire()
@@ -222,49 +186,49 @@ class Participant:
 
     def has_peers(self) -> bool:
         """Return whether a remote participant is present now."""
-        return bool(self._leases)
+        return bool(self._remotes)
 
     def silent_seconds(self) -> float:
         """Return for how long no remote participant has sent anything [s]; 0 if none is present."""
         with self.lock:
-            return wall.monotonic() - self._heard_at if self._leases else 0.0
+            return wall.monotonic() - self._heard_at if self._remotes else 0.0
 
     def add_writer(self, topic: str, type_name: str, qos: Qos, user_data: bytes = b"") -> Writer:
         """Create a writer and announce it."""
         with self.lock:
-            endpoint = self._new_endpoint(USER_WRITER, topic, type_name, qos, user_data)
-            writer = self._writers[endpoint.guid[PREFIX_SIZE:]] = Writer(self, endpoint)
-            self._announce_endpoint(endpoint)
-            for remote in tuple(self._endpoints.values()):
-                if remote.kind == "reader" and _is_match(writer.endpoint, remote):
-                    writer.match(remote)
+            guid = self._new_guid(wire.USER_WRITER)
+            writer = Writer(self, Endpoint(guid, topic, type_name, qos, user_data))
+            self._add(writer)
             return writer
 
     def add_reader(
-        self,
-        topic: str,
-        type_name: str,
-        qos: Qos,
-        on_sample: Callable[[ReceivedSample], None],
-        user_data: bytes = b"",
+        self, topic: str, type_name: str, qos: Qos, on_sample: OnSample, user_data: bytes = b""
     ) -> Reader:
         """Create a reader and announce it. `on_sample` is called in the thread that receives."""
         with self.lock:
-            endpoint = self._new_endpoint(USER_READER, topic, type_name, qos, user_data)
-            reader = self._readers[endpoint.guid[PREFIX_SIZE:]] = Reader(self, endpoint, on_sample)
-            self._announce_endpoint(endpoint)
-            for remote in tuple(self._endpoints.values()):
-                if remote.kind == "writer" and _is_match(remote, reader.endpoint):
-                    reader.match(remote)
+            guid = self._new_guid(wire.USER_READER)
+            reader = Reader(self, Endpoint(guid, topic, type_name, qos, user_data), on_sample)
+            self._add(reader)
             return reader
+
+    def _new_guid(self, kind: int) -> bytes:
+        return self.prefix + next(self._entities).to_bytes(3, "big") + bytes([kind])
+
+    def _add(self, own: Writer | Reader) -> None:
+        endpoint = own.endpoint
+        self._own[endpoint.guid[PREFIX_SIZE:]] = own
+        description = wire.describe(endpoint, self.guid, self._own_locator)
+        self._announcers[endpoint.kind].write(description, b"", wall.time_ns())
+        for remote in tuple(self._endpoints.values()):
+            _match(own, remote)
 
     def incomplete_topics(self) -> list[tuple[str, int, int]]:
         """Return topic, number and size [B] of messages that arrived in part, where these are most."""
         with self.lock:
             return [
                 (reader.endpoint.topic, reader.incomplete, reader.incomplete_size)
-                for reader in self._readers.values()
-                if reader.incomplete > reader.complete
+                for reader in self._own.values()
+                if isinstance(reader, Reader) and reader.incomplete > reader.complete
             ]
 
     def write(self, writer: Writer, data: bytes, inline_qos: bytes = b"") -> int:
@@ -275,11 +239,10 @@ class Participant:
     def remove(self, endpoint: Endpoint) -> None:
         """Remove a writer or a reader from the network."""
         with self.lock:
-            self._writers.pop(endpoint.guid[PREFIX_SIZE:], None)
-            self._readers.pop(endpoint.guid[PREFIX_SIZE:], None)
-            announcer = PUBLICATIONS_WRITER if endpoint.kind == "writer" else SUBSCRIPTIONS_WRITER
+            self._own.pop(endpoint.guid[PREFIX_SIZE:], None)
             if self.is_open:
-                self._writers[announcer].write(*disposal(Pid.ENDPOINT, endpoint.guid), wall.time_ns())
+                disposal = wire.disposal(Pid.ENDPOINT, endpoint.guid)
+                self._announcers[endpoint.kind].write(*disposal, wall.time_ns())
 
     def close(self) -> None:
         """Leave the domain as soon as reliable messages have been acknowledged.
@@ -287,12 +250,16 @@ class Participant:
         Further calls have no effect.
         """
         deadline = wall.monotonic() + LINGER_SECONDS
-        while self.is_open and wall.monotonic() < deadline and not self._is_acknowledged():
+        while self.is_open and wall.monotonic() < deadline:
+            with self.lock:
+                writers = [own for own in self._own.values() if isinstance(own, Writer)]
+                if not any(writer.unacknowledged_readers() for writer in writers):
+                    break
             wall.sleep(POLL_SECONDS)
         with self.lock:
             if not self.is_open:
                 return
-            data, inline_qos = disposal(Pid.PARTICIPANT, self.guid)
+            data, inline_qos = wire.disposal(Pid.PARTICIPANT, self.guid)
             self._send_spdp(self._ports_of_robot(), data, inline_qos)
             self.is_open = False
         # The thread may be ending at this moment, so the waits have a timeout.
@@ -301,16 +268,12 @@ class Participant:
         self._socket.close()
         self._probe.close()
 
-    def _is_acknowledged(self) -> bool:
-        with self.lock:
-            return all(writer.is_acknowledged() for writer in self._writers.values())
-
     def send(
         self, submessages: Iterable[Buffer], locators: Iterable[Locator], destination: bytes = b""
     ) -> None:
         """Send submessages to addresses, for one participant or for all participants there."""
-        info = submessage(INFO_DST, 0, destination) if destination else b""
-        datagram = b"".join((PROTOCOL, VENDOR_ID, self.prefix, info, *submessages))
+        info = wire.submessage(wire.INFO_DST, 0, destination) if destination else ()
+        datagram = b"".join((wire.PROTOCOL, wire.VENDOR_ID, self.prefix, *info, *submessages))
         for address in locators:
             # If the buffer is full or an address unreachable, the datagram is lost, and the
             # protocol resends it.
@@ -326,68 +289,60 @@ class Participant:
         return [(host, base + 2 * i) for host in hosts for i in range(ASKED_PARTICIPANTS)]
 
     def _announce(self, locators: Iterable[Locator]) -> None:
-        here = locator(self._own_locator)
-        data = PL_CDR_LE + parameter_list(
-            (Pid.VERSION, PROTOCOL[4:]),
-            (Pid.VENDOR, VENDOR_ID),
+        here = wire.locator(self._own_locator)
+        data = wire.PL_CDR_LE + wire.parameter_list(
+            (Pid.VERSION, wire.PROTOCOL[4:]),
+            (Pid.VENDOR, wire.VENDOR_ID),
             (Pid.DOMAIN, struct.pack("<I", self.domain)),
             (Pid.PARTICIPANT, self.guid),
             (Pid.METATRAFFIC, here),
             (Pid.DEFAULT_UNICAST, here),
-            (Pid.LEASE, duration(round(LEASE_SECONDS * 1e9))),
-            (Pid.BUILTIN, struct.pack("<I", BUILTIN_ENDPOINTS)),
-            (Pid.NAME, string("/")),
-            (Pid.USER_DATA, octets(b"enclave=/;")),
+            (Pid.LEASE, wire.duration(round(LEASE_SECONDS * 1e9))),
+            (Pid.BUILTIN, struct.pack("<I", wire.BUILTIN_ENDPOINTS)),
+            (Pid.NAME, wire.string("/")),
+            (Pid.USER_DATA, wire.octets(b"enclave=/;")),
         )
         self._send_spdp(locators, data)
 
     def _send_spdp(self, locators: Iterable[Locator], data: bytes, inline_qos: bytes = b"") -> None:
-        writer = self.prefix + SPDP_WRITER
-        body = data_submessage(writer, next(self._announcements), data, inline_qos, SPDP_READER)
-        self.send((timestamp(wall.time_ns()), *body), locators)
+        writer = self.prefix + wire.SPDP_WRITER
+        body = data_submessage(writer, next(self._announcements), data, inline_qos, wire.SPDP_READER)
+        self.send((*wire.timestamp(wall.time_ns()), *body), locators)
 
-    def _on_spdp(
-        self,
-        payload: bytes,
-        source: bytes,
-        key: bytes,
-        sender: str,
-        *,
-        is_disposed: bool,
-    ) -> None:
+    def _on_spdp(self, payload: bytes, source: bytes, key: bytes, sender: str, *, is_disposed: bool) -> None:
         """Process the announcement or departure of a participant, from the address `sender`."""
         if is_disposed:
-            self._remove_participant(
-                key[:PREFIX_SIZE] or ParameterList(payload).first(Pid.PARTICIPANT)[:PREFIX_SIZE]
-            )
+            guid = key or ParameterList(payload).first(Pid.PARTICIPANT)
+            self._remove_participant(guid[:PREFIX_SIZE])
             return
         parameters = ParameterList(payload)
         prefix = parameters.first(Pid.PARTICIPANT)[:PREFIX_SIZE] or source
         if prefix == self.prefix or parameters.number(Pid.DOMAIN, self.domain) != self.domain:
             return
         lease_ns = parameters.duration(Pid.LEASE, default=round(LEASE_SECONDS * 1e9))
-        is_new = prefix not in self._leases
-        if is_new and len(self._leases) >= MAX_PARTICIPANTS:
-            self.dropped["too many participants"] += 1
-            return
+        lease_end = wall.monotonic() + (1e9 if lease_ns is None else lease_ns * 1e-9)
         locators = parameters.locators(Pid.METATRAFFIC)
         host = self._choose_host(locators, sender)
-        if is_new:
+        remote = self._remotes.get(prefix)
+        if remote is not None:
+            self._move(prefix, remote, host)
+            remote.lease_end = lease_end
+        elif len(self._remotes) >= MAX_PARTICIPANTS:
+            self.dropped["too many participants"] += 1
+        else:
+            self._answer(prefix, _locators_at(host, locators))
             default_locators = parameters.locators(Pid.DEFAULT_UNICAST) or locators
-            self._default_locators[prefix] = _locators_at(host, default_locators)
-            self._add_participant(prefix, _locators_at(host, locators))
-        self._update_host(prefix, host)
-        self._leases[prefix] = wall.monotonic() + (1e9 if lease_ns is None else lease_ns * 1e-9)
+            endpoint_locators = _locators_at(host, default_locators)
+            self._remotes[prefix] = RemoteParticipant(host, endpoint_locators, lease_end)
 
-    def _add_participant(self, prefix: bytes, locators: tuple[Locator, ...]) -> None:
-        """Answer a participant, and exchange endpoints with it."""
+    def _answer(self, prefix: bytes, locators: tuple[Locator, ...]) -> None:
+        """Announce this participant to another one, and exchange endpoints with it."""
         self._announce(locators)
         self._eager = EAGER_ANNOUNCEMENTS
-        for writer, reader in SEDP:
-            remote_reader = Endpoint(prefix + reader, "", "", DISCOVERY_QOS, locators=locators)
-            remote_writer = Endpoint(prefix + writer, "", "", DISCOVERY_QOS, locators=locators)
-            self._writers[writer].match(remote_reader)
-            self._readers[reader].match(remote_writer)
+        for pair in SEDP.values():
+            for own, remote in (pair, pair[::-1]):
+                endpoint = Endpoint(prefix + remote, "", "", DISCOVERY_QOS, locators=locators)
+                self._own[own].match(endpoint)
 
     def _choose_host(self, locators: tuple[Locator, ...], sender: str) -> str:
         """Choose one address of a remote participant.
@@ -399,56 +354,36 @@ class Participant:
         hosts = [host for host, _ in locators]
         if sender not in ("", self._peer, *hosts):
             return sender
-        return max(
-            hosts or [self._peer], key=lambda host: (host == self._peer, common_bits(host, self._address))
-        )
 
-    def _update_host(self, prefix: bytes, host: str) -> None:
+        def fitness(host: str) -> tuple[bool, int]:
+            return host == self._peer, common_bits(host, self._address)
+
+        return max(hosts or [self._peer], key=fitness)
+
+    def _move(self, prefix: bytes, remote: RemoteParticipant, host: str) -> None:
         """Send to a participant at its present address."""
-        if self._hosts.get(prefix, host) != host:
-            # Its endpoints keep their state, so that no message is lost or delivered twice.
-            matched: list[MatchedReader | MatchedWriter] = []
-            for writer in self._writers.values():
-                matched.extend(writer.readers.values())
-            for reader in self._readers.values():
-                matched.extend(reader.writers.values())
-            for remote in matched:
-                if remote.endpoint.guid[:PREFIX_SIZE] == prefix:
-                    locators = _locators_at(host, remote.endpoint.locators)
-                    remote.endpoint = replace(remote.endpoint, locators=locators)
-            self._default_locators[prefix] = _locators_at(host, self._default_locators[prefix])
-            if self._hosts[prefix] == self.current_peer:
-                self.current_peer = host
-        self._hosts[prefix] = host
+        if remote.host == host:
+            return
+        # Its endpoints keep their state, so that no message is lost or delivered twice.
+        for matched in [one for own in self._own.values() for one in own.matched.values()]:
+            if matched.endpoint.guid[:PREFIX_SIZE] == prefix:
+                locators = _locators_at(host, matched.endpoint.locators)
+                matched.endpoint = replace(matched.endpoint, locators=locators)
+        remote.locators = _locators_at(host, remote.locators)
+        if remote.host == self.current_peer:
+            self.current_peer = host
+        remote.host = host
 
     def _remove_participant(self, prefix: bytes) -> None:
         """Remove a participant and its endpoints."""
-        if prefix not in self._leases:
+        if prefix not in self._remotes:
             return
-        builtin = [prefix + entity for pair in SEDP for entity in pair]
+        builtin = [prefix + entity for pair in SEDP.values() for entity in pair]
         for guid in [guid for guid in self._endpoints if guid[:PREFIX_SIZE] == prefix] + builtin:
             self._remove_endpoint(guid)
-        self._hosts.pop(prefix, None)
-        self._default_locators.pop(prefix, None)
-        self._leases.pop(prefix, None)
+        del self._remotes[prefix]
 
     # Discovery of endpoints.
-
-    def _new_endpoint(
-        self,
-        kind: int,
-        topic: str,
-        type_name: str,
-        qos: Qos,
-        user_data: bytes,
-    ) -> Endpoint:
-        guid = self.prefix + next(self._entities).to_bytes(3, "big") + bytes([kind])
-        return Endpoint(guid, topic, type_name, qos, user_data)
-
-    def _announce_endpoint(self, endpoint: Endpoint) -> None:
-        announcer = PUBLICATIONS_WRITER if endpoint.kind == "writer" else SUBSCRIPTIONS_WRITER
-        data = describe(endpoint, self.guid, self._own_locator)
-        self._writers[announcer].write(data, b"", wall.time_ns())
 
     def _on_sedp(self, sample: ReceivedSample) -> None:
         """Process the announcement or departure of an endpoint, unless it is malformed."""
@@ -468,35 +403,27 @@ class Participant:
         if guid not in self._endpoints and len(self._endpoints) >= MAX_ENDPOINTS:
             self.dropped["too many endpoints"] += 1
             return
-        host = self._hosts.get(guid[:PREFIX_SIZE], self._peer)
-        own_locators = _locators_at(host, parameters.locators(Pid.UNICAST))
+        remote = self._remotes.get(guid[:PREFIX_SIZE])
+        host, default_locators = (remote.host, remote.locators) if remote else (self._peer, ())
         endpoint = Endpoint(
             guid,
             parameters.string(Pid.TOPIC),
             parameters.string(Pid.TYPE),
             parameters.qos("writer" if guid[15] & 0x0F in (2, 3) else "reader"),
             parameters.octets(Pid.USER_DATA),
-            own_locators or self._default_locators.get(guid[:PREFIX_SIZE], ()),
+            _locators_at(host, parameters.locators(Pid.UNICAST)) or default_locators,
             # An empty sequence of partitions has the length 0.
             has_partition=parameters.number(Pid.PARTITION, 0) > 0,
         )
         if guid not in self._endpoints:
             self._on_endpoint(endpoint, True)
             self._endpoints[guid] = endpoint
-        if endpoint.kind == "writer":
-            for reader in tuple(self._readers.values()):
-                if _is_match(endpoint, reader.endpoint):
-                    reader.match(endpoint)
-        else:
-            for writer in tuple(self._writers.values()):
-                if _is_match(writer.endpoint, endpoint):
-                    writer.match(endpoint)
+        for own in tuple(self._own.values()):
+            _match(own, endpoint)
 
     def _remove_endpoint(self, guid: bytes) -> None:
-        for writer in self._writers.values():
-            writer.readers.pop(guid, None)
-        for reader in self._readers.values():
-            reader.writers.pop(guid, None)
+        for own in self._own.values():
+            own.matched.pop(guid, None)
         if guid in self._endpoints:
             self._on_endpoint(self._endpoints[guid], False)
             del self._endpoints[guid]
@@ -535,20 +462,20 @@ class Participant:
                 self._eager = max(0, self._eager - 1)
                 with self.lock:
                     self._announce(self._ports_of_robot())
-                    for prefix in [prefix for prefix, end in self._leases.items() if end < now]:
-                        self._remove_participant(prefix)
+                    for prefix, remote in tuple(self._remotes.items()):
+                        if remote.lease_end < now:
+                            self._remove_participant(prefix)
             if now >= next_heartbeat:
                 next_heartbeat = now + HEARTBEAT_SECONDS
                 with self.lock:
-                    for writer in self._writers.values():
-                        writer.tick()
-                    for reader in self._readers.values():
-                        reader.tick()
+                    for own in self._own.values():
+                        own.tick()
                     if self.silent_seconds() > ASK_SECONDS:
                         # An idle robot announces itself only every few seconds.
-                        self._writers[PUBLICATIONS_WRITER].request_acknowledgements()
-            while self._interrupted:
-                self.receive(*self._interrupted.popleft())
+                        self._announcers["writer"].request_acknowledgements()
+            with self.lock:
+                while self._interrupted:
+                    self.receive(*self._interrupted.popleft())
             now = wall.monotonic()
             wait = max(0.0, min(next_announcement, next_heartbeat) - now)
             if now < self._covered_until:
@@ -589,12 +516,12 @@ class Participant:
     def receive(self, data: bytes, host: str = "") -> None:
         """Process a datagram that `host` has sent. A malformed datagram is dropped and counted."""
         # The participant receives its own announcement if the robot runs on this computer.
-        self.datagrams += data[HEADER_SIZE - PREFIX_SIZE : HEADER_SIZE] != self.prefix
+        self.datagrams += data[wire.HEADER_SIZE - PREFIX_SIZE : wire.HEADER_SIZE] != self.prefix
         try:
             with self.lock:
                 if self.is_open:
                     self._process(data, host)
-                    if data[HEADER_SIZE - PREFIX_SIZE : HEADER_SIZE] in self._leases:
+                    if data[wire.HEADER_SIZE - PREFIX_SIZE : wire.HEADER_SIZE] in self._remotes:
                         self._heard_at = wall.monotonic()
         except MALFORMED as error:
             self.dropped[type(error).__name__] += 1
@@ -603,84 +530,83 @@ class Participant:
             raise
 
     def _process(self, data: bytes, host: str) -> None:
-        for received in read_datagram(data, self.prefix):
+        for received in wire.read_datagram(data, self.prefix):
             if not received.is_for or received.source == self.prefix:
                 continue
-            if received.kind in (DATA, DATA_FRAG):
+            if received.kind in (wire.DATA, wire.DATA_FRAG):
                 self._on_data(received, host)
-            elif received.kind in (ACKNACK, NACK_FRAG):
+            elif received.kind in (wire.ACKNACK, wire.NACK_FRAG):
                 self._on_nack(received)
-            elif received.kind in (HEARTBEAT, GAP):
+            elif received.kind in (wire.HEARTBEAT, wire.GAP):
                 self._on_writer_state(received)
 
-    def _on_data(self, received: Submessage, host: str) -> None:
+    def _on_data(self, received: wire.Submessage, host: str) -> None:
         body, order = received.body, received.order
         reader_entity, writer_entity = bytes(body[4:8]), bytes(body[8:12])
-        number = read_sequence_number(body, 12, order)
+        number = wire.read_sequence_number(body, 12, order)
         begin = 4 + struct.unpack_from(f"{order}H", body, 2)[0]
         related, status, key = None, 0, b""
         if received.flags & 0x02:
-            inline, begin = read_parameters(body, order, begin)
+            inline, begin = wire.read_parameters(body, order, begin)
             for pid, value in inline:
                 if pid in (Pid.RELATED, Pid.RELATED_OLD):
-                    related = RequestId(value[:16], read_sequence_number(value, 16, order))
+                    related = wire.RequestId(value[:16], wire.read_sequence_number(value, 16, order))
                 elif pid == Pid.STATUS:
                     status = value[3]
                 elif pid == Pid.KEY_HASH:
                     key = value
-        is_disposed = bool(status & DISPOSED[3])
-        if writer_entity == SPDP_WRITER:
+        is_disposed = bool(status & wire.DISPOSED[3])
+        if writer_entity == wire.SPDP_WRITER:
             self._on_spdp(bytes(body[begin:]), received.source, key, host, is_disposed=is_disposed)
             return
         payload = b""
-        if received.kind == DATA:
+        if received.kind == wire.DATA:
             payload = (
                 bytes(body[begin:])
                 if received.flags & 0x0C
-                else PL_CDR_LE + parameter_list((Pid.KEY_HASH, key))
+                else wire.PL_CDR_LE + wire.parameter_list((Pid.KEY_HASH, key))
             )
         sample = ReceivedSample(
             payload, received.source + writer_entity, number, received.stamp_ns, related, is_disposed
         )
         for reader in self._readers_of(reader_entity, sample.writer):
-            if received.kind == DATA:
+            if received.kind == wire.DATA:
                 reader.on_data(sample)
             else:
                 first, count, fragment_size, size = struct.unpack_from(f"{order}IHHI", body, 20)
                 reader.on_fragment(sample, first, count, fragment_size, size, body[begin:])
 
-    def _on_nack(self, received: Submessage) -> None:
+    def _on_nack(self, received: wire.Submessage) -> None:
         """Process a remote reader's report of missing messages."""
         body, order = received.body, received.order
-        reader, writer = received.source + body[:4], self._writers.get(bytes(body[4:8]))
-        if writer is None:
+        reader, writer = received.source + body[:4], self._own.get(bytes(body[4:8]))
+        if not isinstance(writer, Writer):
             return
-        number = read_sequence_number(body, 8, order)
-        if received.kind == ACKNACK:
-            missing = read_bitmap(body, 16, number, order)
+        number = wire.read_sequence_number(body, 8, order)
+        if received.kind == wire.ACKNACK:
+            missing = wire.read_bitmap(body, 16, number, order)
             writer.on_acknack(reader, number, missing, is_final=bool(received.flags & 0x02))
         else:
             (base,) = struct.unpack_from(f"{order}I", body, 16)
-            writer.on_nack_frag(reader, number, read_bitmap(body, 20, base, order))
+            writer.on_nack_frag(reader, number, wire.read_bitmap(body, 20, base, order))
 
-    def _on_writer_state(self, received: Submessage) -> None:
+    def _on_writer_state(self, received: wire.Submessage) -> None:
         """Process a remote writer's heartbeat, or its gap of messages that it no longer has."""
         body, order = received.body, received.order
         writer = received.source + body[4:8]
-        first, second = (read_sequence_number(body, at, order) for at in (8, 16))
+        first, second = (wire.read_sequence_number(body, at, order) for at in (8, 16))
         for reader in self._readers_of(bytes(body[:4]), writer):
-            if received.kind == HEARTBEAT:
+            if received.kind == wire.HEARTBEAT:
                 (count,) = struct.unpack_from(f"{order}i", body, 24)
                 reader.on_heartbeat(writer, first, second, count, is_final=bool(received.flags & 0x02))
             else:
-                reader.on_gap(writer, first, second, read_bitmap(body, 24, second, order))
+                reader.on_gap(writer, first, second, wire.read_bitmap(body, 24, second, order))
 
     def _readers_of(self, entity: bytes, writer: bytes) -> list[Reader]:
         """Return the readers to which a submessage of a remote writer is addressed."""
-        if entity == UNKNOWN_ENTITY:
-            return [reader for reader in self._readers.values() if writer in reader.writers]
-        reader = self._readers.get(entity)
-        return [] if reader is None or writer not in reader.writers else [reader]
+        to_all = entity == wire.UNKNOWN_ENTITY
+        addressed = self._own.values() if to_all else (self._own.get(entity),)
+        return [own for own in addressed if isinstance(own, Reader) and writer in own.matched]
 
 
 def _locators_at(host: str, locators: tuple[Locator, ...]) -> tuple[Locator, ...]:
@@ -693,11 +619,15 @@ def _locators_at(host: str, locators: tuple[Locator, ...]) -> tuple[Locator, ...
     return (next((locator for locator in locators if locator[0] == host), (host, locators[0][1])),)
 
 
-def _is_match(writer: Endpoint, reader: Endpoint) -> bool:
-    """Return whether DDS connects two endpoints."""
-    return (
-        bool(writer.topic)
+def _match(own: Writer | Reader, remote: Endpoint) -> None:
+    """Match two endpoints if DDS connects them."""
+    is_writer = own.endpoint.kind == "writer"
+    writer, reader = (own.endpoint, remote) if is_writer else (remote, own.endpoint)
+    if (
+        (writer.kind, reader.kind) == ("writer", "reader")
+        and writer.topic
         and (writer.topic, writer.type_name) == (reader.topic, reader.type_name)
         and not (writer.has_partition or reader.has_partition)
         and find_incompatible_policy(writer.qos, reader.qos) is None
-    )
+    ):
+        own.match(remote)

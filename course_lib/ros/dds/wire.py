@@ -43,6 +43,7 @@ USER_WRITER, USER_READER = 0x03, 0x04  # last byte of the entities of ROS, which
 PL_CDR_LE = b"\0\3\0\0"
 DISPOSED = b"\0\0\0\3"  # status of an instance that was disposed and unregistered
 INFINITE = (0x7FFFFFFF, 0xFFFFFFFF)
+INFINITE_NS = 2**31 * 10**9
 Kind = Literal["writer", "reader"]
 
 
@@ -139,12 +140,7 @@ class Endpoint:
         return self.qos.durability == "transient_local"
 
 
-def submessage(kind: int, flags: int, body: bytes) -> bytes:
-    """Encode a submessage."""
-    return b"".join(submessage_parts(kind, flags, body))
-
-
-def submessage_parts(kind: int, flags: int, *body: Buffer) -> tuple[Buffer, ...]:
+def submessage(kind: int, flags: int, *body: Buffer) -> tuple[Buffer, ...]:
     """Encode a submessage in parts, so that its data is copied only once, into the datagram.
 
     A submessage of 64 KiB or more must be the last of its datagram; its length field is then 0.
@@ -178,15 +174,15 @@ def read_datagram(data: bytes, own_prefix: bytes) -> Iterator[Submessage]:
             yield Submessage(kind, flags, order, body, source, is_for, stamp_ns)
 
 
-def timestamp(at_ns: int) -> bytes:
+def timestamp(at_ns: int) -> tuple[Buffer, ...]:
     """Encode an INFO_TS submessage with a time, [ns] since 1970."""
     seconds, rest = divmod(at_ns, 10**9)
     return submessage(INFO_TS, 0, struct.pack("<II", seconds & 0xFFFFFFFF, rest * 2**32 // 10**9))
 
 
-def read_time(data: Buffer, order: str) -> int:
-    """Decode a time, [ns] since 1970."""
-    seconds, fraction = struct.unpack_from(f"{order}II", data)
+def read_time(data: Buffer, order: str, at: int = 0) -> int:
+    """Decode a time since 1970 or a duration [ns]."""
+    seconds, fraction = struct.unpack_from(f"{order}II", data, at)
     value_ns: int = seconds * 10**9 + round(fraction * 1e9 / 2**32)
     return value_ns
 
@@ -303,11 +299,8 @@ class ParameterList:
         """Return a duration [ns]; None is infinite."""
         if pid not in self:
             return default
-        seconds, fraction = struct.unpack_from(f"{self.order}iI", self.first(pid), at)
-        if (seconds, fraction) == INFINITE:
-            return None
-        value_ns: int = seconds * 10**9 + round(fraction * 1e9 / 2**32)
-        return value_ns
+        value_ns = read_time(self.first(pid), self.order, at)
+        return None if value_ns == INFINITE_NS else value_ns
 
     def locators(self, pid: int) -> tuple[Locator, ...]:
         """Return the UDPv4 locators. Shared memory, TCP and IPv6 are ignored."""

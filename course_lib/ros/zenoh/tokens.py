@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, cast
 
 from course_lib.ros.graph.topics import Qos
-from course_lib.ros.robot.link import EntityKind
+from course_lib.ros.robot.link import EntityKind, dds_type, ros_type
 
 ADMIN = "@ros2_lv"  # the first part of every liveliness token
 # The depth that an empty field, or a depth of 0, stands for.
@@ -81,7 +81,7 @@ class ZenohEntity:
         parts = [ADMIN, str(self.domain), self.zid, str(self.node_id), str(self.id), self.code]
         parts += [_mangle(self.enclave), _mangle(self.namespace), self.node]
         if self.code != "NN":
-            parts += [_mangle(self.topic), dds_name(self.type_name), self.type_hash, encode_qos(self.qos)]
+            parts += [_mangle(self.topic), dds_type(self.type_name), self.type_hash, encode_qos(self.qos)]
         return "/".join(parts)
 
     @property
@@ -100,7 +100,7 @@ class ZenohEntity:
 
 def key_expr_of(domain: int, topic: str, type_name: str, type_hash: str) -> str:
     """Return the key expression of a topic or service."""
-    return f"{domain}/{topic.strip('/')}/{dds_name(type_name)}/{type_hash}"
+    return f"{domain}/{topic.strip('/')}/{dds_type(type_name)}/{type_hash}"
 
 
 def read_token(key: str) -> ZenohEntity | None:
@@ -120,7 +120,7 @@ def read_token(key: str) -> ZenohEntity | None:
             _demangle(parts[7]),
             parts[8],
             _demangle(topic),
-            ros_name(type_name),
+            ros_type(type_name),
             type_hash,
             decode_qos(qos),
             _demangle(parts[6]),
@@ -180,17 +180,6 @@ def decode_attachment(data: bytes) -> tuple[int, int, bytes]:
         raise ValueError(f"the attachment has {len(data)} bytes instead of {ATTACHMENT.size}")
     sequence, source_ns, _, gid = ATTACHMENT.unpack(data)
     return sequence, source_ns, gid
-
-
-def dds_name(type_name: str) -> str:
-    """Return `std_msgs::msg::dds_::String_` for `std_msgs/msg/String`."""
-    package, folder, name = type_name.split("/")
-    return f"{package}::{folder}::dds_::{name}_"
-
-
-def ros_name(dds: str) -> str:
-    """Return `std_msgs/msg/String` for `std_msgs::msg::dds_::String_`."""
-    return dds.replace("::dds_::", "::").replace("::", "/").removesuffix("_")
 
 
 def _mangle(name: str) -> str:

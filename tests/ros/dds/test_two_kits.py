@@ -21,7 +21,6 @@ from course_lib.displays.viewer import Viewer
 from course_lib.errors import CourseError
 from course_lib.ros.dds import participant, wire
 from course_lib.ros.dds.endpoints import FRAGMENT_SIZE, Writer
-from course_lib.ros.dds.names import CDR_LE
 from course_lib.ros.dds.wire import Buffer, Locator
 from course_lib.ros.graph.graph import use_graph
 from course_lib.ros.graph.topics import Qos, Sample
@@ -86,7 +85,7 @@ def test_reliable_messages_arrive_once_and_in_order_despite_lost_datagrams(
     out = talker(robot, "/chatter", qos=qos)
     received = listener(student, "/chatter", qos=qos)
     # From here on, the publisher is matched, but the subscription does not have its state yet.
-    kits.until(lambda: writer_of(robot, "rt/chatter").readers, "the subscription")
+    kits.until(lambda: writer_of(robot, "rt/chatter").matched, "the subscription")
     expected = [f"message {number}" for number in range(100)]
     for text in expected:
         say(robot, out, text)
@@ -96,8 +95,8 @@ def test_reliable_messages_arrive_once_and_in_order_despite_lost_datagrams(
 
 def writer_of(graph: RobotGraph, topic: str) -> Writer:
     """Return the GUID of a link's writer on a topic."""
-    writers = dds_link(graph).participant._writers.values()
-    return next(one for one in writers if one.endpoint.topic == topic)
+    own = dds_link(graph).participant._own.values()
+    return next(one for one in own if isinstance(one, Writer) and one.endpoint.topic == topic)
 
 
 class Service:
@@ -116,6 +115,7 @@ class Service:
         send_reply(cdr)
 
 
+CDR_LE = b"\0\1\0\0"
 REQUESTS = [CDR_LE + bytes([number, 0, 0, 0]) for number in range(40)]
 
 
@@ -178,7 +178,7 @@ def has_items(items: list[bytes | None], count: int) -> bool:
 def test_thread_that_waits_receives_by_itself_and_another_one_while_it_is_busy(kits: DdsKits) -> None:
     robot, student = kits.join(send="/chatter"), kits.join()
     out, received = talker(robot, "/chatter"), listener(student, "/chatter")
-    kits.until(lambda: writer_of(robot, "rt/chatter").readers, "the subscription")
+    kits.until(lambda: writer_of(robot, "rt/chatter").matched, "the subscription")
     participant, threads = dds_link(student).participant, set[int]()
     process: Callable[..., None] = participant.receive
 
@@ -194,7 +194,7 @@ def test_thread_that_waits_receives_by_itself_and_another_one_while_it_is_busy(k
     threads.clear()
     say(robot, out, "to a busy kit")
     received.clear()
-    while not writer_of(robot, "rt/chatter").is_acknowledged() and wall.monotonic() < deadline:
+    while writer_of(robot, "rt/chatter").unacknowledged_readers() and wall.monotonic() < deadline:
         robot.advance()
     assert threads
     assert _thread.get_ident() not in threads
@@ -230,7 +230,7 @@ def test_topic_with_mostly_incomplete_messages_is_reported(kits: DdsKits) -> Non
     participant.send = lose_last_fragments  # type: ignore[method-assign]  # the network loses them
     out = talker(robot, "/image", IMAGE, BEST_EFFORT)
     received = listener(student, "/image", IMAGE, BEST_EFFORT)
-    kits.until(lambda: writer_of(robot, "rt/image").readers, "the subscription")
+    kits.until(lambda: writer_of(robot, "rt/image").matched, "the subscription")
     image = serialize(Image(height=100, width=1000, step=1000, encoding="mono8", data=bytes(100_000)))
 
     def is_reported() -> bool:
@@ -319,13 +319,15 @@ def ends_with(received: list[bytes], text: str) -> bool:
 def test_robot_with_several_networks_is_discovered_in_the_network_of_its_given_address(
     kits: DdsKits, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    encode = wire.parameter_list
+
     def list_with_two_networks(*parameters: tuple[int, bytes]) -> bytes:
         # Nothing listens at this address of the robot's first network.
         other = wire.locator(("127.7.7.7", 7400))
         addresses = (wire.Pid.METATRAFFIC, wire.Pid.DEFAULT_UNICAST)
-        return wire.parameter_list(*[(pid, other) for pid, _ in parameters if pid in addresses], *parameters)
+        return encode(*[(pid, other) for pid, _ in parameters if pid in addresses], *parameters)
 
-    monkeypatch.setattr(participant, "parameter_list", list_with_two_networks)
+    monkeypatch.setattr(wire, "parameter_list", list_with_two_networks)
     robot, student = kits.join(send="/chatter"), kits.join()
     talker(robot, "/chatter")
     kits.until(lambda: "/chatter" in topics(student, "pub"), "the robot")
@@ -456,14 +458,13 @@ def test_endpoints_of_a_robot_have_the_gids_that_its_discovery_transmits(kits: D
     kits.until(lambda: {"/chatter", "/orders"} <= {e.topic for e in student.endpoints()}, "the robot")
     gids = {info.topic: info.gid for info in student.endpoints()}
     participant = dds_link(robot).participant
-    endpoints = [writer.endpoint for writer in participant._writers.values()]
-    endpoints += [reader.endpoint for reader in participant._readers.values()]
+    endpoints = [own.endpoint for own in participant._own.values()]
     guids = {endpoint.topic: endpoint.guid for endpoint in endpoints}
     assert (gids["/chatter"], gids["/orders"]) == (guids["rt/chatter"], guids["rt/orders"])
 
 
 def written_topics(participant: Any) -> list[str]:
-    return [writer.endpoint.topic for writer in participant._writers.values()]
+    return [own.endpoint.topic for own in participant._own.values() if isinstance(own, Writer)]
 
 
 def test_closed_port_is_reported_once_as_a_computer_without_a_program(
