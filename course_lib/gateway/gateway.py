@@ -235,33 +235,27 @@ class Gateway:
                 before, self._peer_addresses = self._peer_addresses, self._show_driver()
                 before.undeclare()
 
-    def stop_if_silent(self) -> None:
-        """Stop the robot if its driver sends no more commands.
-
-        Must be called every TURN seconds.
-        """
-        with self._lock:
-            now = time.monotonic()
-            for stream in self._streams.values():
-                if stream.moving and now - stream.last > SILENCE:
-                    self._send_stop(stream)
-
     def wait(self, seconds: float) -> None:
-        """Wait between two calls of `turn`.
-
-        The link to a robot over DDS is served during the wait.
-        """
+        """Wait, and serve the link to a robot over DDS during the wait."""
         if self._bridge is None:
             time.sleep(seconds)
         else:
             self._bridge.run(seconds)
 
-    def stop(self) -> None:
-        """Send a stop command on each topic that moves the robot."""
+    def stop(self, older_than: float = 0.0) -> None:
+        """Send a stop on each topic that moves the robot.
+
+        Args:
+            older_than: Topics with a newer command are left alone [s]. With SILENCE, call it every
+                TURN seconds, so that the robot stops when its driver sends no more commands.
+        """
         with self._lock:
             for stream in self._streams.values():
-                if stream.moving:
-                    self._send_stop(stream)
+                if stream.moving and time.monotonic() - stream.last >= older_than:
+                    stream.moving = False
+                    payload = stop_message(stream.entity.type_name, time.time_ns())
+                    if payload is not None:
+                        self._put(stream, payload)
 
     def close(self) -> None:
         """Stop the robot and close both routers."""
@@ -336,12 +330,6 @@ class Gateway:
 
     def _announce_driver(self, entity: ZenohEntity) -> Any:
         return self.robot_side.liveliness().declare_token(entity.token)
-
-    def _send_stop(self, stream: _Stream) -> None:
-        stream.moving = False
-        payload = stop_message(stream.entity.type_name, time.time_ns())
-        if payload is not None:
-            self._put(stream, payload)
 
     def _put(self, stream: _Stream, payload: bytes) -> None:
         if self._bridge is not None:
@@ -549,7 +537,7 @@ def _serve(gateway: Gateway, driver_file: Path, write: Write) -> None:
     robot = "robot" if is_over_dds(gateway.settings.robot) else "robot's router"
     try:
         while True:
-            gateway.stop_if_silent()
+            gateway.stop(older_than=SILENCE)
             text = driver_file.read_text(encoding="utf-8").strip() if driver_file.exists() else driver_text
             if text != driver_text:
                 driver_text = text

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
@@ -292,7 +292,11 @@ def run_on_ros(
             with _recording(graph, bag), use_graph(graph):
                 for file in files:
                     programs.start(file, arguments)
-                _follow(graph, programs, seconds, shows=shows)
+                try:
+                    _follow(graph, programs, seconds, shows=shows)
+                except KeyboardInterrupt:
+                    # As on a robot, Ctrl+C ends the programs.
+                    _report("")
                 code = programs.end(graph.advance)
         finally:
             programs.end(graph.advance)
@@ -314,16 +318,10 @@ def _recording(graph: RobotGraph, bag: Path | None) -> AbstractContextManager[ob
     return recorded(graph, bag)
 
 
-def _follow(
-    graph: RobotGraph,
-    programs: RealProcesses,
-    seconds: float | None,
-    *,
-    shows: bool,
-) -> None:
-    """Run the graph until the programs end, the time is over or Ctrl+C."""
-    advance: Callable[[], object] = graph.advance
-    try:
+def _follow(graph: RobotGraph, programs: RealProcesses, seconds: float | None, *, shows: bool) -> None:
+    """Run the graph until the programs end or the time is over."""
+    first_node: float | None = None
+    with ExitStack() as stack:
         if shows:
             from course_lib.displays.viewer import Viewer
 
@@ -332,27 +330,16 @@ def _follow(
             viewer.add("TF", show_names=True)
             viewer.open()
             _report("Ctrl+C ends the programs.")
-            with time_lock.hold():
-                _drive(
-                    graph, programs, seconds, lambda: time_lock.sleep_until(graph.now_ns + STEP_NS, "Ctrl+C")
-                )
-        else:
-            _drive(graph, programs, seconds, advance)
-    except KeyboardInterrupt:
-        # As on a robot, Ctrl+C ends the programs.
-        _report("")
-
-
-def _drive(
-    graph: RobotGraph, programs: RealProcesses, seconds: float | None, advance: Callable[[], object]
-) -> None:
-    first_node: float | None = None
-    while programs.are_running():
-        advance()
-        if first_node is None and graph.nodes():
-            first_node = wall.monotonic()
-        if seconds is not None and first_node is not None and wall.monotonic() - first_node >= seconds:
-            return
+            stack.enter_context(time_lock.hold())
+        while programs.are_running():
+            if shows:
+                time_lock.sleep_until(graph.now_ns + STEP_NS, "Ctrl+C")
+            else:
+                graph.advance()
+            if first_node is None and graph.nodes():
+                first_node = wall.monotonic()
+            if seconds is not None and first_node is not None and wall.monotonic() - first_node >= seconds:
+                return
 
 
 def _report(line: str) -> None:

@@ -10,7 +10,7 @@ import zenoh
 from zenoh.handlers import Callback
 
 from course_lib.gateway.access import PASSWORDS, Access, load_users
-from course_lib.gateway.gateway import TURN, Gateway, Settings
+from course_lib.gateway.gateway import SILENCE, TURN, Gateway, Settings
 from tests.patience import PATIENCE, join
 from tests.ports import free_port
 
@@ -77,7 +77,7 @@ class Classroom:
 
     def _look_after(self) -> None:
         while not self._ended.wait(TURN):
-            self.gateway.stop_if_silent()
+            self.gateway.stop(older_than=SILENCE)
 
     def student(self, user: Access, mode: str = "client") -> zenoh.Session:
         session = self._opened(self.place, user, mode)

@@ -13,7 +13,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.gateway.access import PASSWORDS, Access, load_users
-from course_lib.gateway.gateway import TURN, Gateway, Settings
+from course_lib.gateway.gateway import SILENCE, TURN, Gateway, Settings
 from course_lib.ros.dds.link import DdsLink
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.hashes import type_hash
@@ -106,7 +106,7 @@ class DdsClassroom:
 
     def _look_after(self) -> None:
         while not self._ended.is_set():
-            self.gateway.stop_if_silent()
+            self.gateway.stop(older_than=SILENCE)
             self.gateway.wait(TURN)
 
     def student(self, user: Access) -> RobotGraph:
