@@ -23,6 +23,7 @@ from course_lib.real.types import missing_packages
 from course_lib.ros.dds.link import DdsLink
 from course_lib.ros.graph.graph import Sample, use_graph
 from course_lib.ros.graph.topics import OWN_TOPICS
+from course_lib.ros.notices import print_to_stderr
 from course_lib.ros.programs import import_path
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import Permissions
@@ -284,9 +285,9 @@ def run_on_ros(
             traffic.setdefault(sample.topic, TopicTraffic(sample.type_name)).times_ns.append(sample.stamp_ns)
 
     with temporary_folder() as folder:
-        programs = RealProcesses(environment, folder, files, _report, is_timed=seconds is not None)
-        graph = linked_graph(programs, _report)
-        _report(f"{environment}, domain {programs.domain} on this computer's loopback.")
+        programs = RealProcesses(environment, folder, files, print_to_stderr, is_timed=seconds is not None)
+        graph = linked_graph(programs, print_to_stderr)
+        print_to_stderr(f"{environment}, domain {programs.domain} on this computer's loopback.")
         graph.tap(count)
         try:
             with _recording(graph, bag), use_graph(graph):
@@ -296,17 +297,17 @@ def run_on_ros(
                     _follow(graph, programs, seconds, shows=shows)
                 except KeyboardInterrupt:
                     # As on a robot, Ctrl+C ends the programs.
-                    _report("")
+                    print_to_stderr("")
                 code = programs.end(graph.advance)
         finally:
             programs.end(graph.advance)
             graph.close()
         for topic, one in sorted(traffic.items()):
-            _report(f"  {topic} [{one.type_name}]: {one}")
+            print_to_stderr(f"  {topic} [{one.type_name}]: {one}")
         if not traffic:
-            _report("  Nothing was published.")
+            print_to_stderr("  Nothing was published.")
         kits = programs.packages_of_the_kit()
-        _report(f"{NOT_ROS_OWN}: {', '.join(kits)}." if kits else "All packages were ROS's own.")
+        print_to_stderr(f"{NOT_ROS_OWN}: {', '.join(kits)}." if kits else "All packages were ROS's own.")
     return code
 
 
@@ -329,7 +330,7 @@ def _follow(graph: RobotGraph, programs: RealProcesses, seconds: float | None, *
             viewer = Viewer()
             viewer.add("TF", show_names=True)
             viewer.open()
-            _report("Ctrl+C ends the programs.")
+            print_to_stderr("Ctrl+C ends the programs.")
             stack.enter_context(time_lock.hold())
         while programs.are_running():
             if shows:
@@ -340,9 +341,3 @@ def _follow(graph: RobotGraph, programs: RealProcesses, seconds: float | None, *
                 first_node = wall.monotonic()
             if seconds is not None and first_node is not None and wall.monotonic() - first_node >= seconds:
                 return
-
-
-def _report(line: str) -> None:
-    """Print a line of the kit to standard error, apart from the output of the programs."""
-    sys.stderr.write(f"{line}\n")
-    sys.stderr.flush()

@@ -11,6 +11,12 @@ def say(line: str) -> None:
     sys.stdout.write(f"{line}\n")
 
 
+def print_to_stderr(line: str) -> None:
+    """Print a line to stderr, separately from the output of a program or tool."""
+    sys.stderr.write(f"{line}\n")
+    sys.stderr.flush()
+
+
 class ReplacedNodes:
     """Reports nodes that were replaced by new nodes of the same name, as one line at the end of the cell.
 

@@ -27,7 +27,11 @@ from course_lib.ros.messages.hashes import is_known, type_hash
 from course_lib.ros.robot.link import (
     Action,
     Actions,
+    Declaration,
     EntityKind,
+    Link,
+    NetworkClient,
+    NetworkPublisher,
     OnEntity,
     OnPacket,
     OnReply,
@@ -170,20 +174,7 @@ def write_discovery(participant: bytes, nodes: Iterable[NodeEndpoints]) -> bytes
     return serialize(message_type(gid=gids([participant])[0], node_entities_info_seq=infos))
 
 
-class DdsDeclaration:
-    """The endpoints of one entity, which `withdraw` removes."""
-
-    def __init__(self, *removals: Callable[[], object]) -> None:
-        self._removals = removals
-
-    def withdraw(self) -> None:
-        """Remove the entity from the network."""
-        removals, self._removals = self._removals, ()
-        for remove in removals:
-            remove()
-
-
-class DdsPublisher(DdsDeclaration):
+class DdsPublisher(NetworkPublisher):
     """A publisher of the kit on the network."""
 
     def __init__(self, link: "DdsLink", entity: DdsEntity) -> None:
@@ -191,7 +182,7 @@ class DdsPublisher(DdsDeclaration):
         topic, type_name = topic_names(entity.topic, entity.type_name)
         self._writer = link.add_writer(entity, topic, type_name, entity.qos)
         endpoint = self._writer.endpoint
-        self._listing = DdsDeclaration(partial(link.set_owner, entity, endpoint.guid, is_owned=False))
+        self._listing = Declaration(partial(link.set_owner, entity, endpoint.guid, is_owned=False))
         super().__init__(self.hide, partial(self._participant.remove, endpoint))
 
     def put(self, cdr: bytes) -> None:
@@ -208,7 +199,7 @@ class DdsPublisher(DdsDeclaration):
         self._listing.withdraw()
 
 
-class ServiceEndpoints(DdsDeclaration):
+class ServiceEndpoints(Declaration):
     """The writer and the reader of a service client or server.
 
     Both are volatile: a message is lost if its receiver does not know the sender yet. So requests
@@ -250,7 +241,7 @@ class ServiceEndpoints(DdsDeclaration):
                     self._waiting.append((end, is_matched, send))
 
 
-class DdsClient(ServiceEndpoints):
+class DdsClient(ServiceEndpoints, NetworkClient):
     """A service client of the kit on the network."""
 
     def __init__(self, link: "DdsLink", entity: DdsEntity) -> None:
@@ -315,7 +306,7 @@ class DdsServer(ServiceEndpoints):
         self._actions.put(partial(self._serve, sample.data, send_reply))
 
 
-class DdsLink:
+class DdsLink(Link):
     """A participant in the domain of a robot, which is found by unicast.
 
     Args:
@@ -374,7 +365,7 @@ class DdsLink:
         deadline = wall.monotonic() + seconds
         while seconds > 0 and self.actions.empty() and self.participant.receive_for(seconds):
             seconds = deadline - wall.monotonic()
-        return self.actions.get(timeout=seconds) if seconds > 0 else self.actions.get_nowait()
+        return super().next_action(seconds)
 
     def watch(self, on_entity: OnEntity, report: Report) -> None:
         """Queue a callback for each remote entity that joins or leaves."""
@@ -386,13 +377,6 @@ class DdsLink:
             return f"There are no nodes in domain {self.domain} yet."
         self._is_silence_reported = True
         return silence_message(self.address, self.domain, self.participant.peer_error())
-
-    def network_topic(self, topic: str) -> str:
-        """Return the topic itself."""
-        return topic
-
-    def on_sent(self, topic: str) -> None:
-        """Do nothing: DDS has no gateway."""
 
     def status_rows(self) -> list[tuple[str, object]]:
         """Return the malformed datagrams as a row of `ros2 doctor`."""
@@ -433,17 +417,15 @@ class DdsLink:
         names_of_it = (node.namespace, node.node, topic, type_name, known_hash or type_hash(type_name))
         return DdsEntity(kind, node.node_key, *names_of_it, qos)
 
-    def announce(self, entity: DdsEntity) -> DdsDeclaration:
+    def announce(self, entity: DdsEntity) -> Declaration:
         """Announce a node, or a subscription that shares a reader."""
         if entity.kind == "node":
             self._own_nodes[entity.node_key] = NodeEndpoints(entity.namespace, entity.node)
             self._publish_discovery()
-            return DdsDeclaration(
-                partial(self._own_nodes.pop, entity.node_key, None), self._publish_discovery
-            )
+            return Declaration(partial(self._own_nodes.pop, entity.node_key, None), self._publish_discovery)
         guid = self._own_readers[entity.topic, entity.type_name]
         self.set_owner(entity, guid)
-        return DdsDeclaration(partial(self.set_owner, entity, guid, is_owned=False))
+        return Declaration(partial(self.set_owner, entity, guid, is_owned=False))
 
     def publisher(self, entity: DdsEntity) -> DdsPublisher:
         """Declare a publisher."""
@@ -451,7 +433,7 @@ class DdsLink:
 
     def subscriber(
         self, topic: str, type_name: str, qos: Qos, latched_count: int, on_packet: OnPacket
-    ) -> DdsDeclaration:
+    ) -> Declaration:
         """Subscribe to a topic. DDS itself requests the messages of latched publishers."""
 
         def on_sample(sample: ReceivedSample) -> None:
@@ -461,7 +443,7 @@ class DdsLink:
         data = user_data(type_hash(type_name)) if is_known(type_name) else b""
         reader = self.participant.add_reader(*topic_names(topic, type_name), qos, on_sample, data)
         self._own_readers[topic, type_name] = reader.endpoint.guid
-        return DdsDeclaration(partial(self.participant.remove, reader.endpoint))
+        return Declaration(partial(self.participant.remove, reader.endpoint))
 
     def service(self, entity: DdsEntity, on_request: OnRequest) -> DdsServer:
         """Offer a service; `on_request(cdr, send_reply)` is queued for each request."""

@@ -3,7 +3,6 @@
 import atexit
 import os
 import re
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from course_lib.errors import CourseError, format_count
 from course_lib.ros.graph.graph import Graph, current_graph, set_graph
-from course_lib.ros.notices import say
+from course_lib.ros.notices import print_to_stderr, say
 from course_lib.ros.time import wall
 
 if TYPE_CHECKING:
@@ -67,8 +66,8 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     from course_lib.ros.robot.robot_graph import RobotGraph
     from course_lib.ros.robot.sending import Permissions
 
-    report = say if notebook else _write_to_stderr
-    link = _open_link(robot.router, _domain(robot.domain))
+    report = say if notebook else print_to_stderr
+    link = _open_link(robot.router, _read_domain(robot.domain))
     allowed = (
         Permissions(allows_everything=True)
         if robot.everything
@@ -178,12 +177,7 @@ def _dds_advice(address: str) -> str:
     return f"write it like {DDS}192.168.1.5."
 
 
-def _write_to_stderr(line: str) -> None:
-    """Print a line to stderr, separately from the output of a program or tool."""
-    sys.stderr.write(f"{line}\n")
-
-
-def _domain(domain: int | None) -> int:
+def _read_domain(domain: int | None) -> int:
     text = os.environ.get("ROS_DOMAIN_ID", "0") if domain is None else str(domain)
     if not text.isdigit() or int(text) > MAX_DOMAIN:
         raise CourseError(f"{text!r} is not a domain: give a number from 0 to {MAX_DOMAIN}.")

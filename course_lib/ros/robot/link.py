@@ -6,6 +6,7 @@ a queue (`actions`) and messages into inboxes; the graph processes both when it 
 """
 
 from _queue import SimpleQueue
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
@@ -109,36 +110,50 @@ class Entity(Protocol):
         """The QoS. Policies that the network does not transmit have their defaults."""
 
 
-class Declaration(Protocol):
-    """An entity of the kit on the network."""
+class Declaration:
+    """An entity of the kit on the network.
+
+    Args:
+        removals: Functions that remove it from the network.
+    """
+
+    def __init__(self, *removals: Callable[[], object]) -> None:
+        self._removals = removals
 
     def withdraw(self) -> None:
         """Remove the entity from the network. Further calls have no effect."""
+        removals, self._removals = self._removals, ()
+        for remove in removals:
+            remove()
 
 
-class NetworkPublisher(Declaration, Protocol):
+class NetworkPublisher(Declaration, ABC):
     """A publisher of the kit on the network. All methods may be called from any thread."""
 
     topic: str
 
+    @abstractmethod
     def put(self, cdr: bytes) -> None:
         """Publish a message."""
 
+    @abstractmethod
     def is_matched(self) -> bool:
         """Return whether a message would reach a subscription now."""
 
+    @abstractmethod
     def hide(self) -> None:
         """Leave the network's graph, but remain able to publish a stop command that may still be needed."""
 
 
-class NetworkClient(Declaration, Protocol):
+class NetworkClient(Declaration, ABC):
     """A service client of the kit on the network."""
 
+    @abstractmethod
     def call(self, cdr: bytes, on_reply: OnReply) -> None:
         """Send a request. `on_reply` is queued with the reply, or with None if there is none."""
 
 
-class Link(Protocol):
+class Link(ABC):
     """A connection to a robot.
 
     `peer` describes the other side, "router" or "robot". `is_qos_enforced` states whether the
@@ -153,15 +168,19 @@ class Link(Protocol):
     is_qos_enforced: bool
 
     @property
+    @abstractmethod
     def is_open(self) -> bool:
         """True until `close`."""
 
+    @abstractmethod
     def is_up(self) -> bool:
         """Return whether the robot's side can be reached now."""
 
     def silent_seconds(self) -> float:
         """Return for how long the robot has not answered [s]; 0 if the link itself notices its loss."""
+        return 0.0
 
+    @abstractmethod
     def close(self) -> None:
         """Close the connection. Further calls have no effect."""
 
@@ -171,67 +190,69 @@ class Link(Protocol):
         Raises:
             Empty: There is none.
         """
+        return self.actions.get(timeout=seconds) if seconds > 0 else self.actions.get_nowait()
 
+    @abstractmethod
     def watch(self, on_entity: OnEntity, report: Report) -> None:
         """Queue a call for each remote entity that joins or leaves.
 
         `report` prints lines for the user.
         """
 
+    @abstractmethod
     def no_nodes_message(self) -> str:
         """Return a message for a domain in which no node was found."""
 
     def network_topic(self, topic: str) -> str:
-        """Return the topic on which messages of a topic leave this kit."""
+        """Return the topic on which messages of a topic leave this kit, by default the topic itself."""
+        return topic
 
-    def on_sent(self, topic: str) -> None:
-        """Record that a message on a topic has been sent."""
+    def on_sent(self, topic: str) -> None:  # noqa: B027  only a gateway needs it
+        """Record that a message on a topic has been sent, for links through a gateway."""
 
+    @abstractmethod
     def status_rows(self) -> list[tuple[str, object]]:
         """Return rows of `ros2 doctor` about this kind of link."""
 
+    @abstractmethod
     def warnings(self) -> Iterable[tuple[str, str]]:
         """Yield (key, message) for each problem of this kind of link. Each key is reported once."""
 
     # The link itself creates the entities of the kit, which the graph only passes back to it.
+    @abstractmethod
     def node(self, name: str, namespace: str) -> Any:
         """Return a node of the kit that is not announced yet."""
 
+    @abstractmethod
     def endpoint(
-        self,
-        node: Any,
-        kind: EntityKind,
-        topic: str,
-        type_name: str,
-        qos: Qos,
-        known_hash: str = "",
+        self, node: Any, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
     ) -> Any:
         """Return an endpoint of a node of the kit, not announced yet.
 
         `known_hash` is the hash of its type, if the definition may be missing on this computer.
         """
 
+    @abstractmethod
     def announce(self, entity: Any) -> Declaration:
         """Announce a node, or a subscription that shares an inbox."""
 
+    @abstractmethod
     def publisher(self, entity: Any) -> NetworkPublisher:
         """Declare a publisher."""
 
+    @abstractmethod
     def subscriber(
-        self,
-        topic: str,
-        type_name: str,
-        qos: Qos,
-        latched_count: int,
-        on_packet: OnPacket,
+        self, topic: str, type_name: str, qos: Qos, latched_count: int, on_packet: OnPacket
     ) -> Declaration:
         """Subscribe to a topic, and request the last `latched_count` messages of latched publishers.
 
         `on_packet` is called with each message in the link's threads.
         """
 
+    @abstractmethod
     def service(self, entity: Any, on_request: OnRequest) -> Declaration:
         """Offer a service. `on_request(cdr, send_reply)` is queued for each request."""
 
+    @abstractmethod
     def client(self, entity: Any) -> NetworkClient:
         """Declare a service client."""

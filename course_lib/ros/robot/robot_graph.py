@@ -69,23 +69,21 @@ class Services:
         self._pending_replies: dict[int, SendReply] = {}
         self._request_numbers = itertools.count()
 
-    def add_client(self, node: Any, info: EndpointInfo) -> None:
-        """Declare a client, identified by the endpoint that publishes its requests."""
+    def add(self, node: Any, info: EndpointInfo) -> None:
+        """Declare the client or server of the endpoint that publishes or receives requests."""
         name, type_name = info.service or ("", "")
-        entity = self._link.endpoint(node, "client", name, type_name, info.qos)
-        self._clients[info.id] = self._link.client(entity)
-
-    def add_server(self, node: Any, info: EndpointInfo) -> None:
-        """Offer a service, identified by the endpoint that receives its requests."""
-        name, type_name = info.service or ("", "")
-        entity = self._link.endpoint(node, "server", name, type_name, info.qos)
-        self._servers[info.id] = self._link.service(entity, partial(self._on_request, info))
+        if info.is_client:
+            entity = self._link.endpoint(node, "client", name, type_name, info.qos)
+            self._clients[info.id] = self._link.client(entity)
+        else:
+            entity = self._link.endpoint(node, "server", name, type_name, info.qos)
+            self._servers[info.id] = self._link.service(entity, partial(self._on_request, info))
 
     def remove(self, endpoint: int) -> None:
         """Withdraw the client or server of an endpoint if there is one."""
-        for declaration in (self._clients.pop(endpoint, None), self._servers.pop(endpoint, None)):
-            if declaration is not None:
-                declaration.withdraw()
+        declaration = self._clients.pop(endpoint, None) or self._servers.pop(endpoint, None)
+        if declaration is not None:
+            declaration.withdraw()
 
     def call(self, info: EndpointInfo, data: bytes) -> bool:
         """Send a request of a client. Return False if the client is not on the network."""
@@ -263,14 +261,7 @@ def type_warning(entity: Entity) -> str:
     )
 
 
-def qos_warning(
-    topic: str,
-    policy: str,
-    publisher: str,
-    subscriber: str,
-    *,
-    is_enforced: bool,
-) -> str:
+def qos_warning(topic: str, policy: str, publisher: str, subscriber: str, *, is_enforced: bool) -> str:
     """Return a message about a publisher and a subscription, of two nodes, with incompatible QoS."""
     line = (
         f"{topic}: the publisher of {publisher} and the subscription of {subscriber} have "
@@ -324,14 +315,7 @@ class RobotGraph(Graph):
 
     keeps_wall_time = True
 
-    def __init__(
-        self,
-        link: Link,
-        allowed: Permissions,
-        report: Report,
-        *,
-        notebook: bool = False,
-    ) -> None:
+    def __init__(self, link: Link, allowed: Permissions, report: Report, *, notebook: bool = False) -> None:
         super().__init__(start_ns=wall.time_ns(), delay_ns=0, notebook=notebook)
         self.link = link
         self.blocked = BlockedTraffic(report, notebook=notebook)
@@ -412,8 +396,8 @@ class RobotGraph(Graph):
                 entity = self.link.endpoint(own_node, "publisher", network_topic, type_name, qos)
                 self._sending.add(endpoint, type_name, self.link.publisher(entity))
                 self._check_qos(topic)
-        elif _is_request_publisher(info) and self._allowed.is_service_allowed(info.service[0]):
-            self._services.add_client(own_node, info)
+        elif info.is_client and self._allowed.is_service_allowed(info.service[0]):
+            self._services.add(own_node, info)
         return endpoint
 
     def add_subscription(
@@ -430,7 +414,7 @@ class RobotGraph(Graph):
             self._announced[endpoint] = self.link.announce(announced)
             self._check_qos(topic)
         elif info.is_service and self._allowed.is_service_allowed(info.service[0]):
-            self._services.add_server(own_node, info)
+            self._services.add(own_node, info)
         elif info.is_service:
             self.blocked.add_service(*info.service)
         return endpoint
@@ -444,11 +428,7 @@ class RobotGraph(Graph):
         if endpoint in self._announced:
             self._announced.pop(endpoint).withdraw()
 
-    def incompatible_policy(
-        self,
-        publisher: EndpointInfo,
-        subscription: EndpointInfo,
-    ) -> str | None:
+    def incompatible_policy(self, publisher: EndpointInfo, subscription: EndpointInfo) -> str | None:
         """Return the QoS policy that makes a pair incompatible.
 
         Over Zenoh, QoS does not separate pairs.
@@ -466,7 +446,7 @@ class RobotGraph(Graph):
                 self.link.on_sent(info.topic)
             else:
                 self.blocked.add(info.topic, "--send")
-        elif not _is_request_publisher(info):
+        elif not info.is_client:
             self._services.send_response(cdr)
         elif self._remote.servers[info.service[0]] > 0 and not self._services.call(info, cdr):
             self.blocked.add(info.service[0], "--call")
@@ -659,8 +639,3 @@ class RobotGraph(Graph):
         if line and key not in self._reported:
             self._reported.add(key)
             self._report(line)
-
-
-def _is_request_publisher(info: EndpointInfo) -> bool:
-    """Return whether an endpoint publishes the requests of a service."""
-    return info.topic.startswith(f"{SERVICE_TOPICS[0][0]}/")

@@ -52,11 +52,6 @@ class Traffic:
         self._last_sequence.clear()
 
     @property
-    def lost_fraction(self) -> float:
-        """The fraction of lost messages, 0 to 1."""
-        return self.lost / max(1, self.lost + self.received)
-
-    @property
     def lag_ns(self) -> int | None:
         """The shortest time from publication to reception [ns]: transport time plus clock offset."""
         return min(tuple(self._lags), default=None)
@@ -143,11 +138,12 @@ class TopicSubscription:
     def warning(self) -> str:
         """Return a message if the link is too slow for the topic, else ""."""
         traffic = self.traffic
-        if traffic.received + traffic.lost < MIN_MESSAGES or traffic.lost_fraction < MAX_LOST:
+        sent = traffic.received + traffic.lost
+        if sent < MIN_MESSAGES or traffic.lost < MAX_LOST * sent:
             return ""
         per_second, size = traffic.rates()
         return (
-            f"{self.topic}: {traffic.lost_fraction:.0%} of the messages are lost on the way, "
+            f"{self.topic}: {traffic.lost / sent:.0%} of the messages are lost on the way, "
             f"{per_second:.1f} Hz and {size / 1e6:.1f} MB/s arrive. The link is too slow for it: "
             "use a compressed topic, a smaller image or a lower rate."
         )

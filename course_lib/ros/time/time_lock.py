@@ -63,11 +63,6 @@ class StoppedThread(SystemExit):
     """Silently ends another thread that continues to wait after the end of the run."""
 
 
-def always() -> bool:
-    """Return True, as the condition of a wait that is over immediately."""
-    return True
-
-
 def never() -> bool:
     """Return False, as the condition of a wait that only its deadline ends."""
     return False
@@ -296,7 +291,7 @@ class TimeLock:
 
     def enqueue(self, thread: ProgramThread) -> None:
         """Queue a thread that is about to start for its first turn."""
-        thread.wait = Wait(current_graph(), always, "its start")
+        thread.wait = Wait(current_graph(), lambda: True, "its start")
         self._waiting.append(thread)
 
     def dequeue(self, thread: ProgramThread) -> None:

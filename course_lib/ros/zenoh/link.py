@@ -17,9 +17,12 @@ from course_lib.errors import format_count
 from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.robot.link import (
-    Action,
     Actions,
+    Declaration,
     EntityKind,
+    Link,
+    NetworkClient,
+    NetworkPublisher,
     OnEntity,
     OnPacket,
     OnReply,
@@ -54,58 +57,40 @@ QUERY_SECONDS = 1.0
 HEARTBEAT = 0.5
 
 
-class ZenohDeclaration:
-    """The Zenoh declarations of one entity, which `withdraw` undeclares."""
-
-    def __init__(self, link: "ZenohLink", *declarations: Any) -> None:
-        self._link, self._declarations = link, declarations
-
-    def withdraw(self) -> None:
-        """Remove the entity from the network."""
-        declarations, self._declarations = self._declarations, ()
-        for declaration in declarations if self._link.is_open else ():
-            declaration.undeclare()
-
-
-class ZenohPublisher(ZenohDeclaration):
+class ZenohPublisher(NetworkPublisher):
     """A publisher of the kit on the network."""
 
     def __init__(
         self, link: "ZenohLink", entity: ZenohEntity, publisher: Any, probe: Any, token: Any
     ) -> None:
-        super().__init__(link, publisher, probe)
-        self._publisher, self._probe, self._gid = publisher, probe, entity.gid
+        super().__init__(self.hide, partial(link.undeclare, publisher, probe))
+        self._link, self._publisher, self._probe, self._gid = link, publisher, probe, entity.gid
         self.topic = entity.topic
-        self._token = ZenohDeclaration(link, token)
+        self._token = Declaration(partial(link.undeclare, token))
         self._sequence = itertools.count(1)
 
     def is_matched(self) -> bool:
         """Return whether a message would reach a subscription now."""
         # Zenoh's matching status outlives the loss of the router, so the link is checked as well.
-        return self._link.is_up() and bool(self._declarations) and bool(self._probe.matching_status.matching)
+        return self._link.is_up() and bool(self._removals) and bool(self._probe.matching_status.matching)
 
     def hide(self) -> None:
         """Leave the graph of the network, but remain able to publish."""
         self._token.withdraw()
 
-    def withdraw(self) -> None:
-        """Remove the publisher from the network."""
-        self.hide()
-        super().withdraw()
-
     def put(self, cdr: bytes, source_ns: int = 0) -> None:
         """Publish a message; may be called from any thread. Its source time is now by default."""
-        if self._link.is_open and self._declarations:
+        if self._link.is_open and self._removals:
             attachment = encode_attachment(next(self._sequence), self._gid, source_ns or wall.time_ns())
             self._publisher.put(cdr, attachment=attachment)
 
 
-class ZenohClient(ZenohDeclaration):
+class ZenohClient(NetworkClient):
     """A service client of the kit on the network."""
 
     def __init__(self, link: "ZenohLink", entity: ZenohEntity, querier: Any, token: Any) -> None:
-        super().__init__(link, token, querier)
-        self._querier, self._gid = querier, entity.gid
+        super().__init__(partial(link.undeclare, token, querier))
+        self._link, self._querier, self._gid = link, querier, entity.gid
         self._sequence = itertools.count(1)
 
     def call(self, cdr: bytes, on_reply: OnReply) -> None:
@@ -128,7 +113,7 @@ class ZenohClient(ZenohDeclaration):
         self._querier.get(handler, payload=cdr, attachment=attachment)
 
 
-class ZenohLink:
+class ZenohLink(Link):
     """A session with a robot's router or a gateway.
 
     Args:
@@ -166,20 +151,12 @@ class ZenohLink:
         """Return whether the router is connected now. Zenoh reconnects automatically."""
         return self.is_open and bool(self._session.info.routers_zid())
 
-    def silent_seconds(self) -> float:
-        """Return 0, because Zenoh closes a session whose router no longer answers."""
-        return 0.0
-
     def close(self) -> None:
         """Close the session. Further calls have no effect."""
         if self.is_open:
             # zenoh does not annotate this method.
             self._session.close()  # type: ignore[no-untyped-call]
         self.handlers.wait()
-
-    def next_action(self, seconds: float) -> Action:
-        """Return the next action of the queue, or wait at most `seconds` for one."""
-        return self.actions.get(timeout=seconds) if seconds else self.actions.get_nowait()
 
     def watch(self, on_entity: OnEntity, report: Report) -> None:
         """Queue a call for each entity of the domain that joins or leaves.
@@ -249,22 +226,16 @@ class ZenohLink:
         return ZenohEntity(self.domain, self._zid, number, number, "NN", namespace, name)
 
     def endpoint(
-        self,
-        node: ZenohEntity,
-        kind: EntityKind,
-        topic: str,
-        type_name: str,
-        qos: Qos,
-        known_hash: str = "",
+        self, node: ZenohEntity, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
     ) -> ZenohEntity:
         """Return an endpoint of a node of the kit that is not announced yet."""
         ids = (self.domain, self._zid, node.id, next(self._ids))
         names = (node.namespace, node.node, topic, type_name, known_hash or type_hash(type_name))
         return ZenohEntity(*ids, CODES[kind], *names, qos)
 
-    def announce(self, entity: ZenohEntity) -> ZenohDeclaration:
+    def announce(self, entity: ZenohEntity) -> Declaration:
         """Announce a node, or a subscription that shares an inbox."""
-        return ZenohDeclaration(self, self._declare_token(entity))
+        return Declaration(partial(self.undeclare, self._declare_token(entity)))
 
     def publisher(self, entity: ZenohEntity) -> ZenohPublisher:
         """Declare a publisher.
@@ -294,7 +265,7 @@ class ZenohLink:
 
     def subscriber(
         self, topic: str, type_name: str, qos: Qos, latched_count: int, on_packet: OnPacket
-    ) -> ZenohDeclaration:
+    ) -> Declaration:
         """Subscribe to a topic, and request the last `latched_count` messages of latched publishers."""
         settings: Mapping[str, Any] = {}
         if latched_count:
@@ -310,9 +281,9 @@ class ZenohLink:
             allowed_origin=zenoh.Locality.REMOTE,
             **settings,
         )
-        return ZenohDeclaration(self, subscriber)
+        return Declaration(partial(self.undeclare, subscriber))
 
-    def service(self, entity: ZenohEntity, on_request: OnRequest) -> ZenohDeclaration:
+    def service(self, entity: ZenohEntity, on_request: OnRequest) -> Declaration:
         """Offer a service. `on_request(cdr, send_reply)` is queued for each request."""
 
         def on_query(query: zenoh.Query) -> None:
@@ -333,7 +304,7 @@ class ZenohLink:
 
         handler = self.handlers.direct(on_query)
         queryable = self._session.declare_queryable(entity.key_expr, handler, complete=True)
-        return ZenohDeclaration(self, self._declare_token(entity), queryable)
+        return Declaration(partial(self.undeclare, self._declare_token(entity), queryable))
 
     def client(self, entity: ZenohEntity) -> ZenohClient:
         """Declare a service client."""
@@ -344,6 +315,11 @@ class ZenohLink:
             timeout=CALL_SECONDS,
         )
         return ZenohClient(self, entity, querier, self._declare_token(entity))
+
+    def undeclare(self, *declarations: Any) -> None:
+        """Undeclare what was declared in the session, unless the session is closed."""
+        for declaration in declarations if self.is_open else ():
+            declaration.undeclare()
 
     def _declare_token(self, entity: ZenohEntity) -> Any:
         return self._session.liveliness().declare_token(entity.token)
