@@ -1,6 +1,6 @@
 """The kit's exception, and phrases shared by many of its messages."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -31,3 +31,8 @@ def location_of(path: Path, text: str) -> str:
         return str(path)
     number = next((number for number, line in enumerate(lines, 1) if text in line), 0) if text else 0
     return f"{path} line {number}" if number else str(path)
+
+
+def join_words(items: Sequence[str]) -> str:
+    """Join strings as in an English sentence: "a, b and c"."""
+    return " and ".join(filter(None, [", ".join(items[:-1]), *items[-1:]]))

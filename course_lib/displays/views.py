@@ -480,16 +480,16 @@ class Framing:
             visible_paths = [node.path for node in nodes if node.object and self._scene.visible(node.path)]
             bounds = bounds_of(self._scene, visible_paths)
         if bounds is None:
-            # Only overlays were drawn before, so the next
-            # drawable is the first one with a position.
+            # Only overlays were drawn before, so the next drawable is the first one with a position.
             self._known_paths.difference_update(new)
             return False
-        corners = _corners(_with_origin(bounds))
-        if not is_first and _distance(
-            corners, camera, np.array(camera.target), filled_share=1.0
-        ) <= _focal_distance(camera):
+        grid = np.meshgrid(*_with_origin(bounds).T, indexing="ij")
+        corners = np.stack(grid, axis=-1).reshape(-1, 3)
+        focal_distance = np.linalg.norm(np.subtract(camera.eye, camera.target))
+        needed_distance = _distance_to_fit(corners, camera, np.array(camera.target), filled_share=1.0)
+        if not is_first and needed_distance <= focal_distance:
             return False
-        values = _values(corners, view)
+        values = _orbit_around(corners, view)
         is_changed = any(view[label] != value for label, value in values.items())
         view.set_quietly(values)
         return is_changed
@@ -504,27 +504,17 @@ def _with_origin(bounds: Floats) -> Floats:
     return np.stack([np.minimum(low, -_AROUND_ORIGIN), np.maximum(high, _AROUND_ORIGIN)])
 
 
-def _corners(bounds: Floats) -> Floats:
-    """Return the corners of a box, shape (8, 3)."""
-    return np.stack(np.meshgrid(*bounds.T, indexing="ij"), axis=-1).reshape(-1, 3)
-
-
-def _values(corners: Floats, view: Orbit) -> dict[str, Any]:
+def _orbit_around(corners: Floats, view: Orbit) -> dict[str, Any]:
     """Return the properties with which an Orbit of the fixed frame shows all corners."""
     focus = np.round((corners.min(axis=0) + corners.max(axis=0)) / 2, 2)
     camera = Camera(tuple(focus + direction(view["Yaw"], view["Pitch"])), tuple(focus))
-    distance = _distance(corners, camera, focus, filled_share=_FILLED_SHARE)
+    distance = _distance_to_fit(corners, camera, focus, filled_share=_FILLED_SHARE)
     x, y, z = (focus + 0.0).tolist()
     return {"Distance": min(max(round(distance, 1), _NEAREST), _FARTHEST), "Focal Point": (x, y, z)}
 
 
-def _distance(corners: Floats, camera: Camera, focus: Floats, filled_share: float) -> float:
+def _distance_to_fit(corners: Floats, camera: Camera, focus: Floats, filled_share: float) -> float:
     """Return the distance [m] to a focal point from which all corners are in the picture."""
     right, up, depths = ((corners - focus) @ camera.view_matrix()[:3, :3].T).T
     distances = np.maximum(np.abs(up), np.abs(right) / _ASPECT) / (_SLOPE * filled_share)
     return float((distances + depths).max())
-
-
-def _focal_distance(camera: Camera) -> float:
-    """Return the distance of a camera to its focal point, [m]."""
-    return float(np.linalg.norm(np.subtract(camera.eye, camera.target)))

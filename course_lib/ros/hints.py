@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from course_lib.errors import join_words
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.mistakes import Mistake, mistake_of
 from course_lib.ros.near_names import (
@@ -27,7 +28,6 @@ from course_lib.ros.near_names import (
     import_hint,
     is_angle,
     is_student_class,
-    join,
     key_hint,
     keyword_hint,
     line_of_student,
@@ -240,7 +240,7 @@ def _value_hint(error: BaseException, text: str) -> str:
         if fitting:
             return f"this is a {name}: take its field {fitting[0]}."
         if is_number and fields:
-            return f"this is a {name}: take one of its fields, {join(list(fields))}."
+            return f"this is a {name}: take one of its fields, {join_words(list(fields))}."
         if set(fields) == {"x", "y", "z"} and kind in ("Point", "Vector3"):
             return f"this is a {name}: `{kind}(x=v.x, y=v.y, z=v.z)` has its numbers, where v is the {name}."
         return ""
@@ -419,7 +419,7 @@ def _operand_hint(error: BaseException, text: str) -> str:
         if len(fields) == 1:
             return f"one side is a message, {name}: use its field {fields[0]}."
         if fields and "between instances" not in text:
-            return f"one side is a message, {name}: use its fields {join(fields)}."
+            return f"one side is a message, {name}: use its fields {join_words(fields)}."
     return ""
 
 

@@ -24,7 +24,7 @@ from traceback import walk_tb
 from types import CodeType, FrameType, FunctionType, MethodType, ModuleType
 from typing import Any
 
-from course_lib.errors import format_count
+from course_lib.errors import format_count, join_words
 from course_lib.ros.messages.definitions import definition, type_names
 from course_lib.ros.programs.missing_packages import how_to_clone
 
@@ -402,7 +402,7 @@ def _constant_of(name: str, names: Mapping[str, object]) -> str:
 def _parameters(code: CodeType) -> str:
     """Return a function's parameters, like "a, b and c", without self; "" outside of a function."""
     names = [name for name in code.co_varnames[: code.co_argcount] if name != "self"]
-    return join(names) if code.co_name.isidentifier() else ""
+    return join_words(names) if code.co_name.isidentifier() else ""
 
 
 def parameter_hint(error: BaseException) -> str:
@@ -474,7 +474,8 @@ def attribute_hint(error: AttributeError) -> str:
         own_names = list(dict.fromkeys(name for name in names if name in attributes))
         in_init = frame is not None and frame.f_code.co_name == "__init__"
         if not similar and own_names and in_init and hasattr(cls, "create_timer"):
-            return f"{cls.__name__} has {join(own_names[:6])}. Which of them do you mean, or is one missing?"
+            known = join_words(own_names[:6])
+            return f"{cls.__name__} has {known}. Which of them do you mean, or is one missing?"
     if not similar and isinstance(error.obj, ModuleType) and error.obj.__name__ in _interfaces():
         similar = nearest(error.name, _interfaces()[error.obj.__name__], 0.6)
     longer = [name for name in names if name.startswith(f"{error.name}_")]
@@ -505,11 +506,6 @@ def _method_outside(name: str, cls: type) -> str:
         first = methods[0].__name__
         return f"def {name} is outside of the class {cls.__name__}: indent it as far as def {first}."
     return ""
-
-
-def join(names: Sequence[str]) -> str:
-    """Return names as in a sentence, "a, b and c"."""
-    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
 # Short or old names of arguments.
@@ -562,7 +558,7 @@ def keyword_hint(error: BaseException) -> str:
         return "queue_size is from ROS 1: write the number alone, like 10, as the last argument."
     if similar:
         return f"did you mean `{similar}`?"
-    return f"{match[1]} takes {join(names)}." if 0 < len(names) <= 8 else ""
+    return f"{match[1]} takes {join_words(names)}." if 0 < len(names) <= 8 else ""
 
 
 def surplus_hint(error: BaseException) -> str:
@@ -584,7 +580,7 @@ def surplus_hint(error: BaseException) -> str:
     passed_text = f"the call passes {format_count(int(match[3]) - 1, 'value')}"
     owner = "self." if isinstance(cls, type) and isinstance(frame.f_locals.get("self"), cls) else ""
     call = f"{owner}{name}({', '.join(names)})"
-    return f"{name} takes {join(names) or 'nothing'} besides self, and {passed_text}: write {call}."
+    return f"{name} takes {join_words(names) or 'nothing'} besides self, and {passed_text}: write {call}."
 
 
 def _reachable_object(frame: FrameType, name: str) -> Any:
@@ -613,7 +609,7 @@ def constructor_hint(error: BaseException) -> str:
     fields = list(instance.get_fields_and_field_types())
     similar = near_field(match[1], fields)
     kind = type(instance).__name__
-    return f"did you mean `{similar}`?" if similar else f"the fields of {kind} are {join(fields)}."
+    return f"did you mean `{similar}`?" if similar else f"the fields of {kind} are {join_words(fields)}."
 
 
 def near_field(missing: str, names: Sequence[str]) -> str:

@@ -515,10 +515,14 @@ class Desk:
         """Send the fields of the state and the rows that have changed."""
         with contained(self._session.statuses, "Panels"):
             self._waiting, self._posted = False, wall.monotonic()
-            state, rows = self.full_state() if with_rows else self._state_with_sent_rows()
+            sent = self._sent_state
+            if with_rows or sent is None:
+                state, rows = self.full_state()
+            else:
+                state, rows = self._state(sent.tree, sent.view, sent.tools), self._sent_rows
             now = msgspec.structs.asdict(state)
             changed_fields = {
-                name: value for name, value in now.items() if value != getattr(self._sent_state, name, None)
+                name: value for name, value in now.items() if value != getattr(sent, name, None)
             }
             changed_rows = {key: row for key, row in rows.items() if row != self._sent_rows.get(key)}
             news = PanelNews(changed_fields, changed_rows, tuple(self._sent_rows.keys() - rows.keys()))
@@ -533,13 +537,6 @@ class Desk:
         self._orders.rows = tree | view | tools
         rows = {key: entry.row for key, entry in self._orders.rows.items()}
         return self._state(tuple(tree), tuple(view), tuple(tools)), rows
-
-    def _state_with_sent_rows(self) -> tuple[PanelState, dict[str, PanelRow]]:
-        """Return the state of the panels with the rows that were sent last."""
-        sent = self._sent_state
-        if sent is None:
-            return self.full_state()
-        return self._state(sent.tree, sent.view, sent.tools), self._sent_rows
 
     def _state(
         self,

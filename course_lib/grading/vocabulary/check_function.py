@@ -17,7 +17,7 @@ from numbers import Integral, Real
 from types import UnionType
 from typing import Any, Concatenate, ParamSpec, get_args
 
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, join_words
 from course_lib.grading.evidence import Check, Evidence, Origin, Verdict, passed
 from course_lib.grading.task import My, resolve
 from course_lib.ros.messages import type_name
@@ -227,8 +227,3 @@ def silent_topic_problem(evidence: Evidence, topic: str) -> Problem:
     if topic in evidence.topics:
         message = f"only empty messages were published on {topic} in {evidence.seconds:g} s"
     return Problem(message, "nothing was published on an expected topic")
-
-
-def join_words(items: Sequence[str]) -> str:
-    """Join strings as in an English sentence: "a, b and c"."""
-    return " and ".join(filter(None, [", ".join(items[:-1]), *items[-1:]]))

@@ -12,12 +12,12 @@ from course_lib.displays.display import GROUP
 from course_lib.displays.layout import Config, Layout, layout_of, text_at
 from course_lib.displays.registry import full_name, short_name
 from course_lib.displays.session import RvizSession
-from course_lib.errors import CourseError
+from course_lib.errors import CourseError, join_words
 from course_lib.grading.evidence import Evidence, LaunchRecord, StartedNode
 from course_lib.grading.inputs import build
 from course_lib.grading.run.outcome import RAISED, plain
 from course_lib.grading.task import Message
-from course_lib.grading.vocabulary.check_function import Problem, check_function, is_close, join_words
+from course_lib.grading.vocabulary.check_function import Problem, check_function, is_close
 from course_lib.grading.vocabulary.markers import ResolvedCheck, resolve_check
 from course_lib.grading.vocabulary.values import compare
 from course_lib.ros.graph.graph import START_NS, Sample

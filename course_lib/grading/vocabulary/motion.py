@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from course_lib.errors import CourseError, format_count
+from course_lib.errors import CourseError, format_count, join_words
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.vocabulary.check_function import (
     Problem,
@@ -17,7 +17,6 @@ from course_lib.grading.vocabulary.check_function import (
     format_number,
     format_numbers,
     is_close,
-    join_words,
     received_messages,
     yaw_of,
 )

@@ -21,7 +21,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.dds.endpoints import OnSample, Reader, ReceivedSample, Writer
 from course_lib.ros.dds.participant import Participant, resolve
 from course_lib.ros.dds.wire import PARTICIPANT_ENTITY, PREFIX_SIZE, Endpoint, RequestId, related_request
-from course_lib.ros.graph.topics import Qos
+from course_lib.ros.graph.topics import Qos, dds_type, ros_type
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.messages.hashes import is_known, type_hash
 from course_lib.ros.robot.link import (
@@ -38,8 +38,6 @@ from course_lib.ros.robot.link import (
     OnRequest,
     Packet,
     Report,
-    dds_type,
-    ros_type,
 )
 from course_lib.ros.time import wall
 

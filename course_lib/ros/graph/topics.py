@@ -11,6 +11,17 @@ TYPE_HASH = re.compile(r"RIHS01_[0-9a-f]{64}")
 _INFINITE = 2**63 - 1  # [ns]
 
 
+def dds_type(type_name: str) -> str:
+    """Return `std_msgs::msg::dds_::String_` for `std_msgs/msg/String`."""
+    package, folder, name = type_name.split("/")
+    return f"{package}::{folder}::dds_::{name}_"
+
+
+def ros_type(dds: str) -> str:
+    """Return `std_msgs/msg/String` for `std_msgs::msg::dds_::String_`."""
+    return dds.replace("::dds_::", "::").replace("::", "/").removesuffix("_")
+
+
 @dataclass(frozen=True, slots=True)
 class Qos:
     """The QoS that a publisher offers or a subscription requests.

@@ -36,17 +36,6 @@ def latched_depth(qos: Qos) -> int:
     return KEEP_ALL_DEPTH if qos.history == "keep_all" else max(1, qos.depth)
 
 
-def dds_type(type_name: str) -> str:
-    """Return `std_msgs::msg::dds_::String_` for `std_msgs/msg/String`."""
-    package, folder, name = type_name.split("/")
-    return f"{package}::{folder}::dds_::{name}_"
-
-
-def ros_type(dds: str) -> str:
-    """Return `std_msgs/msg/String` for `std_msgs::msg::dds_::String_`."""
-    return dds.replace("::dds_::", "::").replace("::", "/").removesuffix("_")
-
-
 @dataclass(frozen=True, slots=True)
 class Packet:
     """A message received from the network.

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, cast
 
-from course_lib.ros.graph.topics import Qos
-from course_lib.ros.robot.link import EntityKind, dds_type, ros_type
+from course_lib.ros.graph.topics import Qos, dds_type, ros_type
+from course_lib.ros.robot.link import EntityKind
 
 ADMIN = "@ros2_lv"  # the first part of every liveliness token
 # The depth that an empty field, or a depth of 0, stands for.

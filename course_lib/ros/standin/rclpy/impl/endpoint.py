@@ -4,7 +4,7 @@ from typing import Any, Generic, Literal, TypeVar
 from weakref import WeakKeyDictionary
 
 from course_lib.ros.graph.graph import Graph
-from course_lib.ros.graph.topics import EndpointInfo
+from course_lib.ros.graph.topics import EndpointInfo, dds_type
 from course_lib.ros.messages import RosMessage
 from course_lib.ros.mistakes import Mistake, marked
 from rclpy.event_handler import Deadline, Events, RmwPolicyKind
@@ -174,7 +174,8 @@ def claim_topic(
     Raise the errors of rcl and Fast DDS if the context has another type for it.
     """
     conflict = (
-        f"create_publisher() called for existing topic name rt{topic} with incompatible type {_idl(type_)}"
+        f"create_publisher() called for existing topic name rt{topic} with incompatible type "
+        f"{dds_type(type_)}"
     )
     reason = conflict if kind == "publisher" else "invalid allocator"
     try:
@@ -190,18 +191,12 @@ def claim_service(
     type_: str,
 ) -> None:
     """Register a service's type. Raise the error of rcl if the context has another type for it."""
-    conflict = f"existing request topic name rq{name}Request with incompatible type {_idl(type_)}"
+    conflict = f"existing request topic name rq{name}Request with incompatible type {dds_type(type_)}"
     failed = f"failed to create {kind}: create_{kind}() called for {conflict}"
     try:
         node.context.claim_type(f"rq{name}", type_, failed)
     except RCLError as error:
         raise marked(error, Mistake.TWO_TYPES) from None
-
-
-def _idl(type_name: str) -> str:
-    """Return the DDS name of a type."""
-    package, kind, name = type_name.split("/")
-    return f"{package}::{kind}::dds_::{name}_"
 
 
 def require_type(given: Any, kind: Literal["message", "service", "action"]) -> None:
