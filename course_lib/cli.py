@@ -671,7 +671,7 @@ def ros2(
 
 
 def _find_packages_of(layout: Path | None) -> None:
-    """Let `package://` find the packages of the layout's workspace, whatever the working folder is."""
+    """Let `package://` find the packages of the layout's workspace from any working folder."""
     from course_lib.ros.programs.packages import source
 
     if layout is not None and layout.is_file():
@@ -868,9 +868,9 @@ def main() -> None:
 
 
 def _split(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Split the arguments into the command's own and those of its programs.
+    """Split the command line into the command's own arguments and the arguments of its programs.
 
-    The latter follow `--` or begin at `--ros-args`.
+    A program's arguments follow `--` or begin at `--ros-args`.
     """
     starts = ("--", "--ros-args") if arguments[:1] == ["run"] else ("--",)
     place = next((at for at, word in enumerate(arguments) if word in starts), len(arguments))

@@ -136,7 +136,10 @@ class WeekRehearsals:
         for (_, look), rehearsal_result in zip(rehearsals, results, strict=True):
             self._record_checks(rehearsal_result.results)
             yield from look(rehearsal_result)
-        yield from self._find_idle_checks()
+        for key, check in self._checks.items():
+            if check.weight and key not in self._failed:
+                text = f"{key[0]}, {_visibility(check)} {check.scenario!r}, {check.title!r}"
+                yield Flaw("can fail", f"{text}: no answer fails it. Add one that does", self._location(key))
         yield from self._find_missing_answers()
         yield from self._find_crashes()
 
@@ -272,12 +275,6 @@ class WeekRehearsals:
         for name, task, why in false_passes:
             text = f"{task}: {name} the solution crashes ({why}), and all public checks pass"
             yield Flaw("wrong", f"{text}. Add a call or an input that needs it", str(self._solution))
-
-    def _find_idle_checks(self) -> Iterator[Flaw]:
-        for key, check in self._checks.items():
-            if check.weight and key not in self._failed:
-                text = f"{key[0]}, {_visibility(check)} {check.scenario!r}, {check.title!r}"
-                yield Flaw("can fail", f"{text}: no answer fails it. Add one that does", self._location(key))
 
     def _find_missing_answers(self) -> Iterator[Flaw]:
         ways = {variant.task for variant in self._answers.variants if variant.way}

@@ -244,9 +244,13 @@ def make_page(lesson: Path, book: Path, work: Path) -> None:
     prepare(work)
     notebook = run_lesson(lesson, book / "_extra" / SCENES, work)
     other_lessons = {path.name for path in lesson.parent.glob("*.ipynb")} - {lesson.name}
+
+    def link(match: re.Match[str]) -> str:
+        return f"[{match[0]}]({match[1]})" if match[1] in other_lessons else match[0]
+
     for cell in notebook["cells"]:
         if cell["cell_type"] == "markdown":
-            cell["source"] = _link_lessons(cell["source"], other_lessons)
+            cell["source"] = NAMED.sub(link, cell["source"])
         if cell["cell_type"] == "code":
             cell["outputs"] = [
                 publishable for output in cell["outputs"] for publishable in _publishable_outputs(output)
@@ -257,26 +261,12 @@ def make_page(lesson: Path, book: Path, work: Path) -> None:
         if "attachments" in cell:
             cell["source"] = ATTACHED.sub(rf"images/{lesson.stem}/\1", cell["source"])
             del cell["attachments"]
-    _insert_banner(notebook["cells"], BANNER.format(name=lesson.name))
+    # The banner is below the title of the lesson.
+    first = next((cell for cell in notebook["cells"] if cell["source"].startswith("# ")), None)
+    if first is not None:
+        title, _, below = first["source"].partition("\n")
+        first["source"] = f"{title}\n{BANNER.format(name=lesson.name)}{below}"
     write_atomically(book / LESSONS / lesson.name, notebook_text(notebook).encode())
-
-
-def _insert_banner(cells: list[Any], banner: str) -> None:
-    """Insert text below the title of a lesson."""
-    for cell in cells:
-        if cell["source"].startswith("# "):
-            title, _, remaining_text = cell["source"].partition("\n")
-            cell["source"] = f"{title}\n{banner}{remaining_text}"
-            return
-
-
-def _link_lessons(text: str, lesson_names: set[str]) -> str:
-    """Turn the names of other lessons in Markdown into links to their pages."""
-
-    def link(match: re.Match[str]) -> str:
-        return f"[{match[0]}]({match[1]})" if match[1] in lesson_names else match[0]
-
-    return NAMED.sub(link, text)
 
 
 def run_lesson(lesson: Path, scenes: Path, work: Path) -> Any:

@@ -221,11 +221,6 @@ def last_packed(state: State, exercise: str) -> Packed | None:
     return None
 
 
-def saved_at(path: Path) -> datetime:
-    """Return the time at which a file was last written."""
-    return datetime.fromtimestamp(path.stat().st_mtime, UTC)
-
-
 PACKAGE = Path(__file__).resolve().parent.parent
 DISTRIBUTION = "course-lib"
 REPAIR = "pip install -e ."

@@ -185,7 +185,7 @@ def _launch_files(
     modules: Sequence[NodeModule],
     given: dict[str, str],
 ) -> dict[str, str]:
-    """Return the launch file, the parameters and the layout by path, except those in `given`.
+    """Return the launch file, the parameters and the layout by path, without the files in `given`.
 
     Args:
         package: The package's name.
@@ -269,7 +269,14 @@ def lacks(folder: Path) -> Report:
         if (folder / file).is_file():
             missing += check(folder / file, name)
     if (folder / "package.xml").is_file():
-        advice += _advise((folder / "package.xml").read_text(encoding="utf-8"))
+        text = (folder / "package.xml").read_text(encoding="utf-8")
+        for tester in _TESTED_BY:
+            if f"<test_depend>{tester}<" not in text:
+                advice.append(f"package.xml: <test_depend>{tester}</test_depend>")
+        if "TODO" in text:
+            advice.append("package.xml: text in place of each TODO")
+        if "@todo" in text or "example.com" in text:
+            advice.append("package.xml: your name and address as maintainer")
     return Report(name, tuple(missing), tuple(advice))
 
 
@@ -321,16 +328,6 @@ def _check_setup_cfg(file: Path, name: str) -> Iterator[str]:
         for line in (f"script_dir=$base/lib/{name}", f"install_scripts=$base/lib/{name}")
         if line not in text
     )
-
-
-def _advise(text: str) -> Iterator[str]:
-    for name in _TESTED_BY:
-        if f"<test_depend>{name}<" not in text:
-            yield f"package.xml: <test_depend>{name}</test_depend>"
-    if "TODO" in text:
-        yield "package.xml: text in place of each TODO"
-    if "@todo" in text or "example.com" in text:
-        yield "package.xml: your name and address as maintainer"
 
 
 def _imports(folder: Path) -> set[str]:

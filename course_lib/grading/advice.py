@@ -83,8 +83,7 @@ def _slips(function: _Function, attributes: set[str]) -> Iterator[str]:
     yield from _odd_operators(function)
     yield from _shared_defaults(function)
     if function.args.args[:1] and function.args.args[0].arg == "self":
-        yield from _sleeps(function)
-        yield from _spins(function)
+        yield from _blocking_calls(function)
         yield from _idle_lambdas(function)
     yield from _other_files(function)
     yield from _lost_locals(function, attributes)
@@ -288,7 +287,7 @@ def _changes(function: _Function, name: str) -> bool:
     return False
 
 
-def _sleeps(function: _Function) -> Iterator[str]:
+def _blocking_calls(function: _Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
             case ast.Call(func=ast.Attribute(value=ast.Name(id="time"), attr="sleep")):
@@ -296,11 +295,6 @@ def _sleeps(function: _Function) -> Iterator[str]:
                     f"time.sleep in {function.name} stops the whole node: no other callback runs "
                     "before it ends. Use a timer."
                 )
-
-
-def _spins(function: _Function) -> Iterator[str]:
-    for node in ast.walk(function):
-        match node:
             case ast.Call(
                 func=ast.Attribute(
                     value=ast.Name(id="rclpy"), attr="spin" | "spin_once" | "spin_until_future_complete"
@@ -499,7 +493,10 @@ class Advice:
             source: The student's code. Hints that only suggest code that it already contains are
                 skipped.
         """
-        causes = [_strip_location(result.errors[0])] if result.errors else _first_cause(result)
+        causes = _first_cause(result)
+        if result.errors:
+            # The cell and the line change from run to run.
+            causes = [re.sub(r" \((cell In\[\d+\], )?line \d+.*", "", result.errors[0], flags=re.DOTALL)]
         passed_count = sum(check.passed for check in result.checks)
         now, before = _Standing(tuple(causes), passed_count, result.fraction), self._before.get(task.id)
         self._before[task.id] = now
@@ -676,11 +673,6 @@ def _why_silent(code: Code) -> str:
     )
 
 
-def _strip_location(error: str) -> str:
-    """Return an error's text without its cell and line, which change from run to run."""
-    return re.sub(r" \((cell In\[\d+\], )?line \d+.*", "", error, flags=re.DOTALL)
-
-
 def _first_cause(result: TaskResult) -> list[str]:
     """Return the kinds of mistakes of the first check that fails for a reason of its own."""
     failing = (check for check in result.checks if not check.passed and check.mistake != NEEDS_ANOTHER)
@@ -754,7 +746,7 @@ def parameter_order_hint(task: Task, source: str) -> list[str]:
 
 
 def _parameters(tree: ast.AST) -> Iterator[tuple[str, list[str]]]:
-    """Yield the name and the positional parameters of each function, and of each method of a class."""
+    """Yield the name and the positional parameters of each function and each method."""
     for node in getattr(tree, "body", ()):
         if isinstance(node, _Function):
             yield node.name, [one.arg for one in (*node.args.posonlyargs, *node.args.args)]

@@ -17,7 +17,6 @@ from course_lib.grading.submissions.copies import (
     FEW,
     Comparison,
     Work,
-    _normalize_cached,
     _shared_weights,
     compare,
     fingerprint,
@@ -186,9 +185,9 @@ def test_each_distinct_cell_of_a_class_of_200_is_tokenized_once() -> None:
     class_of: dict[str, Sequence[str]] = {f"s{n}": chance.sample(parts, 15) for n in range(200)}
     # The course's own cells are read once for all classes.
     released_code(exercises_dir())
-    _normalize_cached.cache_clear()
+    normalize_tokens.cache_clear()
     assert compared(class_of).median is not None
-    assert _normalize_cached.cache_info().misses <= len(set(parts))
+    assert normalize_tokens.cache_info().misses <= len(set(parts))
 
 
 @pytest.mark.parametrize("disguise", DISGUISES[1:], ids=lambda one: one.__name__)

@@ -1,4 +1,4 @@
-"""What IPython runs at the start of each kernel of `course lab`, as PYTHONSTARTUP names this file.
+"""Code that IPython runs at the start of each kernel of `course lab`; PYTHONSTARTUP is its path.
 
 Until a notebook's first cell has loaded the kit, an undefined name or magic is most often a cell that was
 run too early, and the kit's own hints are not there yet. `%load_ext course_lib` replaces this handler.

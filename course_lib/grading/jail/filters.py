@@ -151,14 +151,6 @@ class _PathBeneath(ctypes.Structure):
     _fields_ = (("allowed", ctypes.c_uint64), ("parent", ctypes.c_int32))
 
 
-def landlock_version() -> int:
-    """Return the Landlock version of the kernel, or 0 if it has none."""
-    try:
-        return syscall(CREATE, None, ctypes.c_size_t(0), VERSION)
-    except OSError:
-        return 0
-
-
 def restrict_files(read: Sequence[str], write: Sequence[str], listed: Sequence[str] = ()) -> None:
     """Irrevocably restrict this process and its children to these files; missing paths are skipped.
 
@@ -170,27 +162,23 @@ def restrict_files(read: Sequence[str], write: Sequence[str], listed: Sequence[s
     Raises:
         OSError: The kernel has no Landlock, or the call fails.
     """
-    has = landlock_version()
-    every = (1 << FILE_RIGHTS.get(has, 16)) - 1
-    rules = _Ruleset(every, TCP_RIGHTS if has >= TCP_FROM else 0, SCOPES if has >= SIGNALS_FROM else 0)
+    version = syscall(CREATE, None, ctypes.c_size_t(0), VERSION)
+    has_tcp, has_scopes = version >= TCP_FROM, version >= SIGNALS_FROM
+    every = (1 << FILE_RIGHTS.get(version, 16)) - 1
+    rules = _Ruleset(every, TCP_RIGHTS if has_tcp else 0, SCOPES if has_scopes else 0)
     # [B] size of the structure, by version
-    size = ctypes.c_size_t(24 if has >= SIGNALS_FROM else 16 if has >= TCP_FROM else 8)
+    size = ctypes.c_size_t(24 if has_scopes else 16 if has_tcp else 8)
     ruleset = syscall(CREATE, ctypes.byref(rules), size, 0)
     granted = ((read, EXECUTE | READ_FILE | READ_DIR), (write, every & ~EXECUTE), (listed, READ_DIR))
     for paths, rights in granted:
-        for path in paths:
-            if os.path.exists(path):
-                _allow(ruleset, path, rights & every)
+        for path in filter(os.path.exists, paths):
+            parent = os.open(path, os.O_PATH | os.O_CLOEXEC)
+            allowed = rights & every & (-1 if os.path.isdir(path) else OF_FILES)
+            syscall(ADD_RULE, ruleset, PATH_BENEATH, ctypes.byref(_PathBeneath(allowed, parent)), 0)
+            os.close(parent)
     prctl(NO_NEW_PRIVILEGES, 1)
     syscall(RESTRICT, ruleset, 0)
     os.close(ruleset)
-
-
-def _allow(ruleset: int, path: str, rights: int) -> None:
-    parent = os.open(path, os.O_PATH | os.O_CLOEXEC)
-    rule = _PathBeneath(rights if os.path.isdir(path) else rights & OF_FILES, parent)
-    syscall(ADD_RULE, ruleset, PATH_BENEATH, ctypes.byref(rule), 0)
-    os.close(parent)
 
 
 class _FilterProgram(ctypes.Structure):

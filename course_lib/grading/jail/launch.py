@@ -165,12 +165,20 @@ def readable(refused: tuple[str, ...] = ()) -> Readable:
 @cache
 def _needed_files() -> tuple[list[str], list[str]]:
     """Return the module search path, and all needed files and folders, including refused ones."""
+    files = [path for pattern in SYSTEM for path in glob.iglob(pattern)]
+    # Only Linux has this file.
+    with suppress(OSError):
+        mapped = Path("/proc/self/maps").read_text(errors="surrogateescape").splitlines()
+        files += [line[line.index("/") :] for line in mapped if "/" in line and ".so" in line]
+    files += [sys.executable, os.path.join(sys.prefix, "pyvenv.cfg")]
+    for prefix in {sys.prefix, sys.base_prefix, sys.base_exec_prefix}:
+        files += glob.iglob(os.path.join(glob.escape(prefix), "lib", "*.so*"))
     search_path = [*site.getsitepackages(), site.getusersitepackages(), *sys.path]
     package_folders = [
         path for path in search_path if os.path.basename(path) in ("lib-dynload", *PACKAGE_FOLDERS)
     ]
     folders = list(filter(os.path.isdir, dict.fromkeys([os.path.dirname(os.__file__), *package_folders])))
-    return folders, [*_system_files(), *_interpreter_files(), *folders, *distribution_files(), KIT]
+    return folders, [*files, *folders, *distribution_files(), KIT]
 
 
 def select_readable(
@@ -219,22 +227,6 @@ def symlinks_on(path: str) -> Iterator[tuple[str, str]]:
             yield prefix, target
             prefix, components = os.path.dirname(prefix), [*target.split("/"), *components]
             prefix = "/" if target.startswith("/") else prefix
-
-
-def _system_files() -> Iterator[str]:
-    for pattern in SYSTEM:
-        yield from glob.iglob(pattern)
-    # Only Linux has this file.
-    with suppress(OSError):
-        mapped = Path("/proc/self/maps").read_text(errors="surrogateescape").splitlines()
-        yield from (line[line.index("/") :] for line in mapped if "/" in line and ".so" in line)
-
-
-def _interpreter_files() -> Iterator[str]:
-    yield sys.executable
-    yield os.path.join(sys.prefix, "pyvenv.cfg")
-    for prefix in {sys.prefix, sys.base_prefix, sys.base_exec_prefix}:
-        yield from glob.iglob(os.path.join(glob.escape(prefix), "lib", "*.so*"))
 
 
 def _package_folders(folders: Collection[str]) -> list[str]:
@@ -437,10 +429,20 @@ class TemplateProcess:
         if not hasattr(os, "fork"):
             raise WorkerError("grading needs Linux, macOS or WSL2, because this system can't fork processes")
         files = readable(refused)
+        can_change_user = os.geteuid() == 0 and "process limit" not in off
+        users = ["another", "real", "same"] if can_change_user else ["same"]
         output = ""
         for bubblewrap, roots in _attempts(off):
             scratch = INSIDE if bubblewrap else tempfile.mkdtemp(prefix="course_worker_")
-            place = {**_place_arguments(files, off), "roots": roots, "scratch": scratch}
+            # The arguments of `settle`.
+            place = {
+                "users": users,
+                "read": files.paths,
+                "listed": files.listed,
+                "links": files.links,
+                "roots": roots,
+                "scratch": scratch,
+            }
             self._control, child_end = socket.socketpair()
             with child_end:
                 self._process = _start(child_end, place, bubblewrap, files, off)
@@ -553,13 +555,6 @@ def _attempts(off: Collection[str]) -> list[tuple[str, list[str]]]:
     if not bubblewrap:
         return [("", [*own_root, "host"])]
     return [*([("", own_root)] if own_root else []), (bubblewrap, ["bubblewrap"]), ("", ["host"])]
-
-
-def _place_arguments(files: Readable, off: Collection[str]) -> dict[str, Any]:
-    """Return the arguments of `settle`, except those that differ between attempts."""
-    changes = os.geteuid() == 0 and "process limit" not in off
-    users = ["another", "real", "same"] if changes else ["same"]
-    return {"users": users, "read": files.paths, "listed": files.listed, "links": files.links}
 
 
 def _start(

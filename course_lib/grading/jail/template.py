@@ -40,7 +40,7 @@ from course_lib.third_party import read_json
 
 
 def working_layers(place: JailPlace, off: Collection[str]) -> list[str]:
-    """Return the isolation layers that work here, except those in `off`.
+    """Return the isolation layers that work here, without the layers in `off`.
 
     Each is tried in a forked process.
     """

@@ -93,17 +93,15 @@ class RecordedLaunch(LaunchProgram):
         if self._starts_nodes:
             super().log(level, name, text)
 
-    def declared_arguments(self) -> list[DeclareLaunchArgument]:
-        """Return the declared launch arguments."""
-        return declared(self.describe(), self._context)[:MAX_ARGUMENTS]
-
-    def default_of(self, argument: DeclareLaunchArgument) -> str | None:
-        """Return the default of an argument, and set it for defaults that refer to it."""
-        if argument.default_value is None:
-            return None
-        text = text_of(self._context, argument.default_value)
-        self._context.launch_configurations.setdefault(argument.name, text)
-        return text
+    def declared_arguments(self) -> Iterator[tuple[DeclareLaunchArgument, str | None]]:
+        """Yield the declared launch arguments with their defaults."""
+        for argument in declared(self.describe(), self._context)[:MAX_ARGUMENTS]:
+            default = None
+            if argument.default_value is not None:
+                default = text_of(self._context, argument.default_value)
+                # The defaults of later arguments may refer to it.
+                self._context.launch_configurations.setdefault(argument.name, default)
+            yield argument, default
 
     def run_to_end(self) -> str:
         """Run the launch to its end and return its first error, or ""."""
@@ -126,16 +124,20 @@ def launch(text: Any) -> LaunchRecord:
         file = Path(folder, FILE_NAME + _suffix(text))
         file.write_text(text, encoding="utf-8")
         try:
-            probe = RecordedLaunch(file, starts=False)
-            arguments = [(argument, probe.default_of(argument)) for argument in probe.declared_arguments()]
+            arguments = list(RecordedLaunch(file, starts=False).declared_arguments())
         except Exception as error:
             # The launch file is student code and may raise any exception.
             return LaunchRecord(error=_strip_folder(folder, describe(error)))
-        other_values = tuple(_run_other_values(file, arguments))
+        other_values = []
+        for argument, default in arguments:
+            value = _other_value(default, [str(choice) for choice in argument.choices or ()])
+            other_run = RecordedLaunch(file, [f"{argument.name}:={value}"], starts=False)
+            other_run.run_to_end()
+            other_values.append(OtherValue(argument.name, value, tuple(other_run.nodes)))
         run = RecordedLaunch(file)
         output = _strip_folder(folder, run.run_to_end())
         defaults = {argument.name: default for argument, default in arguments}
-        return LaunchRecord(defaults, tuple(run.nodes), other_values, output)
+        return LaunchRecord(defaults, tuple(run.nodes), tuple(other_values), output)
 
 
 @contextmanager
@@ -165,16 +167,6 @@ def _suffix(text: str) -> str:
 def _strip_folder(folder: str, text: str) -> str:
     """Remove the names of this folder and the current one, which differ from run to run, from a string."""
     return text.replace(f"{folder}{os.sep}", "").replace(os.getcwd(), ".")
-
-
-def _run_other_values(
-    file: Path, arguments: Iterable[tuple[DeclareLaunchArgument, str | None]]
-) -> Iterator[OtherValue]:
-    for argument, default in arguments:
-        value = _other_value(default, [str(choice) for choice in argument.choices or ()])
-        launch_run = RecordedLaunch(file, [f"{argument.name}:={value}"], starts=False)
-        launch_run.run_to_end()
-        yield OtherValue(argument.name, value, tuple(launch_run.nodes))
 
 
 def _other_value(default: str | None, choices: list[str]) -> str:

@@ -303,13 +303,15 @@ class ScenarioGraph:
 
     def evidence(self, outcome: Outcome, *, output: str = "", stopped: str = "") -> Evidence:
         """Return the evidence with the messages recorded so far."""
+        # A node that has failed is missing anyway.
+        rejections = [text for text in self._rejections if not outcome.errors or NO_NODE not in text]
         return Evidence(
             task=self._task.id,
             scenario=self._scenario.name,
             seconds=self._scenario.seconds,
             samples=tuple(self._samples),
             returns=tuple(outcome.returns),
-            output="".join(self._outcomes_of_sets(outcome)) + output,
+            output="".join(rejections) + output,
             errors=tuple(outcome.errors),
             stopped=stopped,
             personal=self._personal,
@@ -336,13 +338,6 @@ class ScenarioGraph:
         if not is_served and service.startswith("set_parameters"):
             texts = [f"At {message.at:.2f} s: {NO_NODE} {node}\n"]
             self._rejections += texts[: MOST_REJECTIONS - len(self._rejections)]
-
-    def _outcomes_of_sets(self, outcome: Outcome) -> list[str]:
-        """Return the lines about parameters that were not set.
-
-        A node that has failed is missing anyway.
-        """
-        return [text for text in self._rejections if not outcome.errors or NO_NODE not in text]
 
     def _record_rejections(self, service: str) -> None:
         """Record the text that `ros2 param set` would print about a rejected parameter."""

@@ -95,12 +95,12 @@ class Arrival:
     """A file of a download or a folder of submissions.
 
     Args:
-        parts: The components of its path, including the names of archives.
+        components: The components of its path, including the names of archives.
         data: Its content.
         time: The time in the file system or the innermost archive, which its author can set.
     """
 
-    parts: tuple[str, ...]
+    components: tuple[str, ...]
     data: bytes
     time: datetime
 
@@ -161,7 +161,7 @@ class Arrivals:
 
     def _open(self, arrival: Arrival, depth: int) -> Iterator[Arrival]:
         """Yield the file, or the contents of an archive unless `course submit` wrote it."""
-        if not arrival.parts[-1].lower().endswith(".zip"):
+        if not arrival.components[-1].lower().endswith(".zip"):
             yield arrival
             return
         try:
@@ -171,10 +171,10 @@ class Arrivals:
                 elif depth >= MAX_DEPTH:
                     raise CourseError("archives are nested too deeply")
                 else:
-                    for inner in self._members(archive, arrival.parts):
+                    for inner in self._members(archive, arrival.components):
                         yield from self._open(inner, depth + 1)
         except CourseError as error:
-            self.refuse("/".join(arrival.parts), str(error))
+            self.refuse("/".join(arrival.components), str(error))
 
     def _members(self, archive: zipfile.ZipFile, above: tuple[str, ...]) -> Iterator[Arrival]:
         names: set[str] = set()

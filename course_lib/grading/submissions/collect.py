@@ -67,7 +67,7 @@ class DownloadedFile:
     """A file of a download, without its content.
 
     Args:
-        parts: Its path in the download.
+        components: The components of its path in the download.
         download_name: Its owner and the data in its name.
         kind: A notebook (also in a zip of `course submit`), or a file that a notebook may refer to.
         exercise: The exercise of a notebook, or "".
@@ -76,7 +76,7 @@ class DownloadedFile:
         problem: The reason why a notebook is not an exercise, or "".
     """
 
-    parts: tuple[str, ...]
+    components: tuple[str, ...]
     download_name: DownloadName
     kind: Kind = "working"
     exercise: str = ""
@@ -87,7 +87,7 @@ class DownloadedFile:
     @property
     def path(self) -> str:
         """The path in the download."""
-        return "/".join(self.parts)
+        return "/".join(self.components)
 
     @property
     def owner(self) -> str:
@@ -111,7 +111,7 @@ class Choice:
 
 
 def inspect_file(arrival: Arrival, download_name: DownloadName) -> DownloadedFile:
-    """Determine the kind, exercise and ID of a file of a download.
+    """Determine the kind, the exercise and the ID of a downloaded file.
 
     Raises:
         CourseError: It is neither a notebook nor a file that a notebook may refer to.
@@ -125,12 +125,16 @@ def inspect_file(arrival: Arrival, download_name: DownloadName) -> DownloadedFil
             data, receipt = read_packed_zip(arrival.data, name)
         except CourseError as error:
             return DownloadedFile(
-                arrival.parts, download_name, "notebook", find_exercise_name(name) or "", problem=str(error)
+                arrival.components,
+                download_name,
+                "notebook",
+                find_exercise_name(name) or "",
+                problem=str(error),
             )
         item = _notebook(arrival, download_name, data, str(receipt.get("exercise", "")))
         claimed = item.claimed or claimed_id(receipt)
         return DownloadedFile(
-            item.parts, download_name, "notebook", item.exercise, claimed, item.is_touched, item.problem
+            item.components, download_name, "notebook", item.exercise, claimed, item.is_touched, item.problem
         )
     if is_notebook_name(name):
         plain = re.sub(r"^\d{8}_?\d{6}_", "", name)
@@ -140,7 +144,7 @@ def inspect_file(arrival: Arrival, download_name: DownloadName) -> DownloadedFil
         return item
     if not name.lower().endswith(WORKING):
         raise CourseError(f"unsupported file type; expected one of {', '.join(ACCEPTED_SUFFIXES)}")
-    return DownloadedFile(arrival.parts, download_name)
+    return DownloadedFile(arrival.components, download_name)
 
 
 def _notebook(arrival: Arrival, download_name: DownloadName, data: bytes, name: str) -> DownloadedFile:
@@ -148,7 +152,7 @@ def _notebook(arrival: Arrival, download_name: DownloadName, data: bytes, name: 
         notebook = parse_notebook(data, name)
     except CourseError as error:
         return DownloadedFile(
-            arrival.parts, download_name, "notebook", find_exercise_name(name) or "", problem=str(error)
+            arrival.components, download_name, "notebook", find_exercise_name(name) or "", problem=str(error)
         )
     exercise, problem = notebook.exercise or "", ""
     if lesson := lesson_of(notebook) if exercise else "":
@@ -157,7 +161,7 @@ def _notebook(arrival: Arrival, download_name: DownloadName, data: bytes, name: 
         problem = "it is not an exercise of this course"
     is_touched = not exercise or notebook.digest != released_digest(exercise)
     return DownloadedFile(
-        arrival.parts, download_name, "notebook", exercise, notebook.student, is_touched, problem
+        arrival.components, download_name, "notebook", exercise, notebook.student, is_touched, problem
     )
 
 
@@ -372,7 +376,7 @@ def _reject_shared_owners(notebooks: Sequence[DownloadedFile], layout: Layout) -
         files = format_count(len(group), "file")
         if len(ids) > 1:
             problem = f"{owner} holds {files} of {exercise} with different student IDs ({', '.join(ids[:3])})"
-        elif is_each and len(groups) == len({item.parts[0] for item in notebooks}):
+        elif is_each and len(groups) == len({item.components[0] for item in notebooks}):
             problem = f"everything is in {owner}" if len(groups) == 1 else f"{owner} is one of {len(groups)}"
             problem += f", with {files} of {exercise} in several folders or under several names"
         else:
@@ -467,7 +471,7 @@ class Download:
     def arrivals(
         self, done: Collection | None = None, refused: list[tuple[str, str]] | None = None
     ) -> Iterator[Arrival]:
-        """Yield the files, including those in archives; unsafe files are recorded and skipped."""
+        """Yield the files, including files in archives; record and skip unsafe files."""
 
         def refuse(name: str, why: str) -> None:
             if done is not None:
@@ -554,7 +558,7 @@ def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
         download_layout = replace(download_layout, records=gradescope_records(metadata_files[0].data, zone))
     if download_layout.name == SAKAI:
         stamps = _read_extras(source, lambda path: bool(sakai_key(path)))
-        times = {sakai_key(one.parts): {"time": sakai_time(one.data)} for one in stamps}
+        times = {sakai_key(one.components): {"time": sakai_time(one.data)} for one in stamps}
         download_layout = replace(download_layout, records=times)
     return Download(source, download_layout)
 
@@ -585,14 +589,14 @@ def _inspect_all(
         if _is_stamp(arrival, download.layout):
             continue
         try:
-            download_name = download.layout.read(arrival.parts)
+            download_name = download.layout.read(arrival.components)
         except CourseError as error:
-            collection.refuse("/".join(arrival.parts), str(error))
+            collection.refuse("/".join(arrival.components), str(error))
             continue
         try:
             items.append(inspect_file(arrival, download_name))
         except CourseError as error:
-            collection.refuse("/".join(arrival.parts), str(error))
+            collection.refuse("/".join(arrival.components), str(error))
             refused.append((download_name, download_name.below[-1], str(error)))
     for name, why in unsafe:
         try:
@@ -608,10 +612,10 @@ def _is_stamp(arrival: Arrival, layout: Layout) -> bool:
 
     On other platforms, a student may use its name.
     """
-    if layout.name != NBGRADER or arrival.parts[-1] != STAMP or any(map(is_zip, arrival.parts)):
+    if layout.name != NBGRADER or arrival.components[-1] != STAMP or any(map(is_zip, arrival.components)):
         return False
     try:
-        return len(layout.read(arrival.parts).below) == STAMP_DEPTH
+        return len(layout.read(arrival.components).below) == STAMP_DEPTH
     except CourseError:
         return False
 
@@ -704,18 +708,18 @@ def _store_all(
     download: Download, choice: Choice, out: Path, zone: ZoneInfo, collection: Collection, exports: Exports
 ) -> None:
     """Read the download again, and store the chosen files."""
-    items_by_parts = {item.parts: item for item in choice.kept}
+    items_by_path = {item.components: item for item in choice.kept}
     for arrival in download.arrivals():
         if _is_stamp(arrival, download.layout):
-            download_name = download.layout.read(arrival.parts)
+            download_name = download.layout.read(arrival.components)
             write_atomically(out.joinpath(download_name.student, *download_name.place), arrival.data)
-        elif item := items_by_parts.get(arrival.parts):
+        elif item := items_by_path.get(arrival.components):
             try:
                 _store(arrival, item, out, zone, collection, exports)
             except OSError as error:
                 if error.errno not in BAD_PATHS:
                     raise
-                collection.refuse("/".join(arrival.parts), f"can't be kept: {error.strerror}")
+                collection.refuse("/".join(arrival.components), f"can't be kept: {error.strerror}")
             else:
                 collection.notes |= set(_platform_notes(item.download_name, exports, download.layout))
 
@@ -755,19 +759,15 @@ def _store(
     if item.kind == "notebook":
         collection.students.add(student or name)
     if item.exercise:
-        _remove_rejection(student, item.exercise, collection)
+        # The student has submitted the exercise since, so the rows of its rejected files are obsolete.
+        collection.rows = {
+            other: row
+            for other, row in collection.rows.items()
+            if not row.get("refused")
+            or row.get("exercise") != item.exercise
+            or other.split("/")[0] != student
+        }
     collection.count += 1
-
-
-def _remove_rejection(student: str, exercise: str, collection: Collection) -> None:
-    """Remove the row of a rejected file, because the student has submitted the exercise since."""
-    obsolete = [
-        file
-        for file, row in collection.rows.items()
-        if row.get("refused") and row.get("exercise") == exercise and file.split("/")[0] == student
-    ]
-    for file in obsolete:
-        del collection.rows[file]
 
 
 def _reject(

@@ -82,12 +82,14 @@ class Fingerprint:
 def fingerprint(cells: Iterable[str]) -> Fingerprint:
     """Return the runs of LENGTH tokens. Runs do not cross cells, so the order of cells is irrelevant.
 
+    Comments, imports and prints are left out, and names that the code defines count as the same.
+
     Args:
         cells: Sources of cells; their lines are counted as in `numbered`.
     """
     runs, lines, first = list[int](), list[tuple[int, ...]](), 0
     for cell in cells:
-        tokens = normalize_tokens(cell)
+        tokens = normalize_tokens(cell) if len(cell) <= MAX_CACHED else normalize_tokens.__wrapped__(cell)
         for start in range(len(tokens) - LENGTH + 1):
             run = tokens[start : start + LENGTH]
             runs.append(hash(tuple(token.text for token in run)))
@@ -101,14 +103,10 @@ def numbered_lines(cell: str) -> list[str]:
     return [*cell.split("\n"), ""]
 
 
-def normalize_tokens(cell: str) -> tuple[Token, ...]:
-    """Return the tokens of a cell without comments, imports and prints, with own names replaced by V."""
-    return _normalize_cached(cell) if len(cell) <= MAX_CACHED else _normalize_cached.__wrapped__(cell)
-
-
 # Most cells of a class are unchanged cells of the course.
 @lru_cache(maxsize=20_000)
-def _normalize_cached(cell: str) -> tuple[Token, ...]:
+def normalize_tokens(cell: str) -> tuple[Token, ...]:
+    """Return the tokens of a cell without comments, imports and prints, with own names replaced by V."""
     raw = list(lex(cell))
     own_names = set(_own_names(raw))
     return tuple(
@@ -189,18 +187,15 @@ def _normalize_statement(statement: Sequence[Raw], own_names: set[str]) -> Itera
                 yield Token(word, line + below)
         elif kind in Number:
             yield Token("N", line)
-        elif kind in Name and not _is_known(value, before, own_names):
+        elif (
+            # Copies do not change the names of Python and of libraries.
+            kind in Name
+            and (value in own_names or (before != "." and value not in BUILT_IN and not value[:1].isupper()))
+        ):
             yield Token("V", line)
         else:
             yield Token(value, line)
         before = value
-
-
-def _is_known(name: str, before: str, own_names: set[str]) -> bool:
-    """Return whether a name belongs to Python or a library, so that copies do not change it."""
-    if name in own_names:
-        return False
-    return before == "." or name in BUILT_IN or name[:1].isupper()
 
 
 @dataclass(frozen=True)

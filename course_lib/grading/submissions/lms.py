@@ -3,7 +3,7 @@
 import csv
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 from course_lib.course.exercise import normalise
@@ -84,12 +84,18 @@ def fill_lms(
         raise CourseError(f"--comment-column {comment_column!r} is the column of the marks or of the IDs.")
     for row, key in ids.items():
         if row not in unfilled and key in comments and comment_place < len(file.rows[row]):
-            file.put_text(row, comment_place, comments[key])
+            quoted = comments[key].replace('"', '""')
+            file.rows[row][comment_place] = f'"{quoted}"'
     write_atomically(target, file.to_bytes())
     rows = (f"row {row + 1}, {file.text(row, id_place) or 'no ID'}: {why}" for row, why in unfilled.items())
     lines = [
         *_points_lines(max_points, marks.values(), mark_column),
-        *_unmatched_lines(lms.name, rows, marks, ids),
+        *(f"{lms.name}: {row}" for row in rows),
+        *(
+            f"gradebook.csv: {mark['student']}: no such ID in {lms.name}"
+            for key, mark in marks.items()
+            if key not in ids.values()
+        ),
     ]
     return [*map(printable, lines), f"Wrote {target}: {len(ids) - len(unfilled)} {KINDS[mark_column]}."]
 
@@ -118,15 +124,6 @@ def _comments(out: Path, exercise: str) -> dict[str, str]:
         if lines := [*exercise_comments, *tasks]:
             comments[_key(result.student)] = str(escape_formula("\n".join(lines)))
     return comments
-
-
-def _unmatched_lines(
-    name: str, rows: Iterable[str], marks: Mapping[str, dict[str, str]], ids: Mapping[int, str]
-) -> Iterator[str]:
-    """Yield a line for each row that is left unchanged, and for each student without a row."""
-    yield from (f"{name}: {row}" for row in rows)
-    missing = (mark["student"] for key, mark in marks.items() if key not in ids.values())
-    yield from (f"gradebook.csv: {student}: no such ID in {name}" for student in missing)
 
 
 def _find_columns(file: LmsFile, column: str, id_column: str) -> tuple[int, int]:

@@ -8,6 +8,7 @@ import re
 import unicodedata
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, tzinfo
 from functools import lru_cache
@@ -122,10 +123,6 @@ class LmsFile:
         quote = '"' if self.rows[row][column].strip().startswith('"') else ""
         self.rows[row][column] = f"{quote}{number}{quote}"
 
-    def put_text(self, row: int, column: int, text: str) -> None:
-        """Change a cell to any text, in quotes."""
-        self.rows[row][column] = '"{}"'.format(text.replace('"', '""'))
-
     def column(self, name: str) -> int:
         """Return the index of a column, by its heading or the part before the number in `Week 1 (12345)`.
 
@@ -185,7 +182,7 @@ def parse_times(cells: Sequence[str], zone: ZoneInfo) -> list[datetime | None]:
     order = "MDY" if any(int(match[3]) > 12 for match in matches) else ""
     if any(int(match[1]) > 12 or match[2] == "." for match in matches):
         order = "DMY"
-    return [_to_utc(_parse_iso(text) or _parse_words(text, order), zone) for text in texts]
+    return [_parse_time(text, order, zone) for text in texts]
 
 
 def looks_like_time(cell: str) -> bool:
@@ -195,12 +192,17 @@ def looks_like_time(cell: str) -> bool:
     return len(text) <= MAX_DATE and digits >= len("8261159") and bool(TIME.search(text))
 
 
-def _parse_words(text: str, order: str) -> datetime | None:
-    if not looks_like_time(text) or (not order and NUMERIC.search(text)):
+def _parse_time(text: str, order: str, zone: ZoneInfo) -> datetime | None:
+    time: datetime | None = None
+    if re.match(r"\d{4}-\d\d-\d\d[T ]\d", text):
+        with suppress(ValueError):
+            time = datetime.fromisoformat(text)
+    if time is None and looks_like_time(text) and (order or not NUMERIC.search(text)):
+        parsed = (parser.get_date_data(FILLERS.sub("", text)).date_obj for parser in _parsers(order))
+        time = next(filter(None, parsed), None)
+    if time is None or time.year not in YEARS:
         return None
-    text = FILLERS.sub("", text)
-    parsed = (parser.get_date_data(text).date_obj for parser in _parsers(order))
-    return next((time for time in parsed if time), None)
+    return (time if time.tzinfo else time.replace(tzinfo=zone)).astimezone(UTC)
 
 
 @lru_cache(maxsize=3)
@@ -209,19 +211,6 @@ def _parsers(order: str) -> "list[DateDataParser]":
 
     settings = SETTINGS | ({"DATE_ORDER": order} if order else {})
     return [DateDataParser(locales=one, settings=settings, try_previous_locales=True) for one in LOCALES]
-
-
-def _parse_iso(text: str) -> datetime | None:
-    try:
-        return datetime.fromisoformat(text) if re.match(r"\d{4}-\d\d-\d\d[T ]\d", text) else None
-    except ValueError:
-        return None
-
-
-def _to_utc(time: datetime | None, zone: ZoneInfo) -> datetime | None:
-    if time is None or time.year not in YEARS:
-        return None
-    return (time if time.tzinfo else time.replace(tzinfo=zone)).astimezone(UTC)
 
 
 def plain_digits(text: str) -> str:
@@ -350,13 +339,15 @@ class Reader:
         folder = re.sub(r"[^\w .-]", "", groups["folder"])
         below = tuple(filter(None, (folder, *groups["below"].split("/"))))
         is_returned = self.layout in ("moodle", "canvas", "anonymous")
+        # In "Poe_Cleo_c_poe_7003", the login is "poe" or "c_poe".
+        logins = _endings(f"{groups['name']}_{groups['login']}") if groups["login"] else ()
         return DownloadName(
             self.layout,
             groups["number"] or name,
             name,
             self._student(groups),
             below,
-            _keys(*_logins(groups), groups["number"], name),
+            _keys(*logins, groups["number"], name),
             find_exercise_title(groups["title"]) if self.layout in (NBGRADER, "teams") else "",
             _platform_time(groups["time"], UTC if self.utc else zone),
             bool(groups.get("late")) if "late" in match.groupdict() else None,
@@ -761,14 +752,9 @@ def _keys(*texts: str) -> tuple[str, ...]:
 
 
 def _endings(text: str) -> tuple[str, ...]:
-    """Return a text and what follows each "_" in it, the longest first: a login may contain "_", too."""
+    """Return a string and all its suffixes after a "_", longest first, because a login may contain "_"."""
     parts = text.split("_")
     return tuple("_".join(parts[first:]) for first in range(len(parts)))
-
-
-def _logins(groups: Mapping[str, str]) -> tuple[str, ...]:
-    """Return possible logins of a student: in "Poe_Cleo_c_poe_7003", the login is "poe" or "c_poe"."""
-    return _endings(f"{groups['name']}_{groups['login']}") if groups["login"] else ()
 
 
 def _own_id(text: str) -> str:

@@ -83,27 +83,21 @@ def find_submissions(
         one = read_submission(path, ledger)
         groups[one.student, one.exercise].append(one)
     ordered = {key: sort_submissions(group, top, counts, is_accepted) for key, group in groups.items()}
-    for one in _refused_submissions(ledger) if with_refused else ():
-        if previous := ordered.get((one.student, one.exercise)):
-            previous[-1] = replace(previous[-1], refused=(*previous[-1].refused, one.named))
-        else:
-            ordered[one.student, one.exercise] = [one]
+    for file, entry in ledger.refused.items() if with_refused else ():
+        folder = file.split("/")[0]
+        student = claimed_id({"student": folder}) or folder
+        if previous := ordered.get((student, entry.exercise)):
+            previous[-1] = replace(previous[-1], refused=(*previous[-1].refused, file))
+            continue
+        path = top / file
+        when, why = ledger.received(path, {}), entry.refused
+        ordered[student, entry.exercise] = [
+            Submission(student, entry.exercise, path, when, problem=why, reason=REFUSED, named=file)
+        ]
     if not ordered:
         raise CourseError(f"{top} contains no submissions: expected STUDENT/week01_exercise.ipynb")
     groups_in_order = [ordered[key] for key in sorted(ordered)]
     return [one for group in groups_in_order for one in (group if counts == "best" else group[-1:])]
-
-
-def _refused_submissions(ledger: Ledger) -> Iterator[Submission]:
-    """Yield a submission without a file for each row that `course collect` rejected."""
-    for file, entry in ledger.refused.items():
-        path = ledger.top / file
-        folder = file.split("/")[0]
-        student = claimed_id({"student": folder}) or folder
-        when = ledger.received(path, {})
-        yield Submission(
-            student, entry.exercise, path, when, problem=entry.refused, reason=REFUSED, named=file
-        )
 
 
 def skipped_files(top: Path) -> list[str]:

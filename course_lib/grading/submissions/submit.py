@@ -21,7 +21,6 @@ from course_lib.course.state import (
     first_lesson,
     last_check,
     save_packed,
-    saved_at,
     state_of,
 )
 from course_lib.course.student_folder import content_hash as digest_of_cells
@@ -88,7 +87,15 @@ class NotebookReview:
             problems.append(f"it was never checked here: run course check {self._path.name} first")
         silent = {"passed"} if self._last_checks else {"passed", "unchecked"}
         problems += [f"{name} {one.text}" for name, one in self.tasks.items() if one.outcome not in silent]
-        return [*problems, *self._unchecked_cells(), *self._unsaved_warning(), *self._id()]
+        problems += [*self._unchecked_cells(), *self._unsaved_warning()]
+        stored_id = self._notebook.student
+        if stored_id and self._identity and stored_id != self._identity:
+            problems.append(
+                f"{self._path.name} has the student ID {stored_id}, but yours is {self._identity}: "
+                f"open {first_lesson()}, or type set_identity('{self._identity}') in a cell, then "
+                "submit again"
+            )
+        return problems
 
     def _assess(self, task: Task) -> Standing:
         cell, last = self._own_cell(task), self._last_checks.get(task.id)
@@ -143,7 +150,8 @@ class NotebookReview:
         """Warn if the last check may have used changes that are not in the saved file."""
         if not self._last_checks:
             return
-        last_check, save_time = max(one.time for one in self._last_checks.values()), saved_at(self._path)
+        last_check = max(one.time for one in self._last_checks.values())
+        save_time = datetime.fromtimestamp(self._path.stat().st_mtime, UTC)
         unseen = any(one.outcome not in ("passed", "failed") for one in self.tasks.values())
         has_digests = all(one.cells for one in self._last_checks.values())
         if save_time < last_check and (unseen or not has_digests):
@@ -153,22 +161,13 @@ class NotebookReview:
                 "again"
             )
 
-    def _id(self) -> Iterator[str]:
-        stored_id = self._notebook.student
-        if stored_id and self._identity and stored_id != self._identity:
-            yield (
-                f"{self._path.name} has the student ID {stored_id}, but yours is {self._identity}: "
-                f"open {first_lesson()}, or type set_identity('{self._identity}') in a cell, then "
-                "submit again"
-            )
-
 
 def _format_time(time: datetime) -> str:
     return f"{time.astimezone():%H:%M:%S on %d %b}"
 
 
 def _released_digests(exercise: str) -> frozenset[str]:
-    """Return the digests of the cells of the unchanged exercise."""
+    """Return the digests of the cells in the unchanged exercise."""
     path = exercises_dir() / f"{exercise}.ipynb"
     try:
         return frozenset(map(cell_digest, parse_notebook(path.read_bytes(), path.name).cells))
@@ -226,24 +225,20 @@ def submit(path: Path, out: Path | None = None) -> Receipt:
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     out = out or path.with_name(f"{notebook.exercise}_{student or 'no_id'}.zip")
-    _write(out, receipt, data, files)
+    try:
+        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr(f"{notebook.exercise}.ipynb", data)
+            archive.writestr(RECEIPT, json.dumps(receipt, indent=1))
+            for name, text in files.items():
+                archive.writestr(WORKING_FOLDER + name, text)
+    except OSError as error:
+        raise CourseError(f"{out} can't be written: {error.strerror}. Choose another: --out FILE") from error
     try:
         warnings = _record_submission(path, notebook, out, str(receipt["time"]))
     except CourseError as error:
         # The file is packed already, so an error in the folder's state is only a warning.
         warnings = [str(error)]
     return Receipt(out, receipt, tuple(warnings))
-
-
-def _write(out: Path, receipt: Mapping[str, Any], data: bytes, files: Mapping[str, str]) -> None:
-    try:
-        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr(f"{receipt['exercise']}.ipynb", data)
-            archive.writestr(RECEIPT, json.dumps(receipt, indent=1))
-            for name, text in files.items():
-                archive.writestr(WORKING_FOLDER + name, text)
-    except OSError as error:
-        raise CourseError(f"{out} can't be written: {error.strerror}. Choose another: --out FILE") from error
 
 
 def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> list[str]:

@@ -399,7 +399,7 @@ def _displays_of_class(layout: Layout, class_name: str) -> list[Config]:
 
 
 def _enabled_displays(configs: Iterable[Config]) -> Iterator[Config]:
-    """Yield the enabled displays, including those in enabled groups."""
+    """Yield the enabled displays, including displays in enabled groups."""
     for config in configs:
         if text_at(config, "Enabled").lower() == "false":
             continue

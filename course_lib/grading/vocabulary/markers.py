@@ -288,7 +288,7 @@ class MarkerScene:
     def shared_checks(self) -> frozenset[int]:
         """Indices of the checks that apply to every subject."""
         indices = range(len(self.asked))
-        clash = [any(self._contradict(i, other) for other in indices) for i in indices]
+        clash = [any(self.asked[i].contradicts(self.asked[other]) for other in indices) for i in indices]
         return frozenset(i for i in indices if any(clash) and not clash[i])
 
     @cached_property
@@ -297,7 +297,11 @@ class MarkerScene:
         groups: list[list[int]] = []
         for index in range(len(self.asked)):
             if index not in self.shared_checks:
-                fitting = (one for one in groups if not any(self._contradict(index, other) for other in one))
+                fitting = (
+                    one
+                    for one in groups
+                    if not any(self.asked[index].contradicts(self.asked[other]) for other in one)
+                )
                 subject = next(fitting, None)
                 if subject is None:
                     groups.append([index])
@@ -372,9 +376,6 @@ class MarkerScene:
             for one in self._counts
             if one.weight > 0
         )
-
-    def _contradict(self, index: int, other: int) -> bool:
-        return self.asked[index].contradicts(self.asked[other])
 
     def _is_missing(self, subject: Iterable[int], marker: int) -> bool:
         """Return whether the bound marker has another ns or id than the subject."""

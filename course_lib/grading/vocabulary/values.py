@@ -88,7 +88,7 @@ def _compare_parts(
         return
     for item, expected_item, part in zip(row, expected, parts, strict=True):
         for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}"):
-            # The hint is that of the kind without the part, unless the task has one for the part.
+            # A task may have a hint for this part. Otherwise the hint for the kind without the part is used.
             kind = f"{problem.mistake}: the {part}"
             yield Problem(problem.message, kind)
 
@@ -198,7 +198,10 @@ def _order_problem(
     )
     if not is_opposite and not _is_permutation(value, expected, tolerance):
         return None
-    actual, expected_text = (_shorten([_round(one) for one in row]) for row in (value, expected))
+    rounded = (
+        [float(f"{one:.4g}") if isinstance(one, float) else one for one in row] for row in (value, expected)
+    )
+    actual, expected_text = map(_shorten, rounded)
     order = "the order is the other way round" if is_opposite else "the order is another one"
     return Problem(f"{name} is {actual}, expected {expected_text}: {order}", WRONG_ORDER)
 
@@ -220,10 +223,6 @@ def _is_different(value: float | str, expected: float | str, tolerance: float) -
     if isinstance(value, str) or isinstance(expected, str):
         return value != expected
     return not is_close(value, expected, tolerance)
-
-
-def _round(value: Any) -> Any:
-    return float(f"{value:.4g}") if isinstance(value, float) else value
 
 
 def _item_name(name: str, index: object) -> str:

@@ -224,19 +224,18 @@ class RobotMonitorView(RqtView):
         if not self._topic:
             return f"<p>{icon('stale')}No diagnostics received yet on {' or '.join(TOPICS)}.</p>"
         age = (self.graph.now_ns - self._heard_ns) * 1e-9
-        stale_text = f"{icon('stale')}STALE: the l" if self._is_stale(self._heard_ns) else "L"
+        is_stale = self.graph.now_ns - self._heard_ns > STALE_NS
+        stale_text = f"{icon('stale')}STALE: the l" if is_stale else "L"
         levels = [self._level(path) for path in self._statuses]
         counts = " · ".join(f"{icon(level)}{levels.count(level)} {level.upper()}" for level in _LEVELS[::-1])
         head = f"<p>{stale_text}ast message on {self._topic} came {age:.1f} s ago. {counts}</p>"
         tree = table(("Device", "Level", "Message"), map(self._row, self.paths()), "Devices")
         return head + self._timeline() + tree + self._details()
 
-    def _is_stale(self, heard_ns: int) -> bool:
-        return self.graph.now_ns - heard_ns > STALE_NS
-
     def _level(self, path: str) -> str:
         heard_ns, status = self._statuses[path]
-        return "stale" if self._is_stale(heard_ns) else _LEVELS[min(status.level[0], 3)]
+        is_stale = self.graph.now_ns - heard_ns > STALE_NS
+        return "stale" if is_stale else _LEVELS[min(status.level[0], 3)]
 
     def worst(self, path: str) -> str:
         """Return the worst level of a branch."""
