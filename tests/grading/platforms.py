@@ -12,6 +12,7 @@ from typing import Any
 
 DOWNLOAD = (2026, 3, 11, 9, 0, 0)  # two days after the deadline
 NAME = "week01_exercise.ipynb"
+Files = Mapping[str, bytes] | Mapping[str | zipfile.ZipInfo, bytes]
 
 
 @dataclass(frozen=True)
@@ -32,14 +33,20 @@ def notebook(code: str = "x = 1", **course: str) -> bytes:
     return json.dumps({"nbformat": 4, "cells": cells, "metadata": {"course": course}}).encode()
 
 
-def zipped(files: Mapping[str, bytes], time: tuple[int, ...] = DOWNLOAD) -> bytes:
-    """Return an archive whose members all have one time."""
+def zipped(files: Files, time: tuple[int, ...] = DOWNLOAD) -> bytes:
+    """Return an archive whose members all have one time, except members that are given as a ZipInfo."""
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():
-            info = zipfile.ZipInfo(name, tuple(time))  # type: ignore[arg-type]
+            info = zipfile.ZipInfo(name, tuple(time)) if isinstance(name, str) else name  # type: ignore[arg-type]
             archive.writestr(info, content, zipfile.ZIP_DEFLATED)
     return data.getvalue()
+
+
+def packed(code: str, student: str, time: str = "2026-03-01T00:00:00+00:00") -> bytes:
+    """Return a file as `course submit` writes it."""
+    receipt = {"exercise": "week01_exercise", "student": student, "time": time}
+    return zipped({"receipt.json": json.dumps(receipt).encode(), NAME: notebook(code, student=student)})
 
 
 def moodle_zip(path: Path, students: Iterable[Handed]) -> None:

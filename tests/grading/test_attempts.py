@@ -1,6 +1,5 @@
 """Several files of one student: the file that counts, and its owner."""
 
-import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,18 +9,13 @@ import pytest
 from course_lib.grading.grade import grade
 from course_lib.grading.store import Course
 from course_lib.grading.submissions.submission import find_submissions
-from tests.grading.platforms import NAME, notebook, zipped
+from tests.grading.platforms import NAME, notebook, packed
 
 
 def put(top: Path, files: Mapping[str, bytes]) -> None:
     for name, data in files.items():
         (top / name).parent.mkdir(parents=True, exist_ok=True)
         (top / name).write_bytes(data)
-
-
-def packed(code: str, student: str, time: str = "2026-03-01T00:00:00+00:00") -> bytes:
-    receipt = {"exercise": "week01_exercise", "student": student, "time": time}
-    return zipped({"receipt.json": json.dumps(receipt).encode(), NAME: notebook(code, student=student)})
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,3 @@
-import json
 import os
 import stat
 import struct
@@ -15,27 +14,11 @@ from course_lib.grading.submissions import archives
 from course_lib.grading.submissions.collect import Collection, collect
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.submissions.submission import find_submissions
+from tests.grading.platforms import notebook, zipped
 
 AMMAN = ZoneInfo("Asia/Amman")
 NAME = "week01_exercise.ipynb"
 Bytes = Mapping[str | zipfile.ZipInfo, bytes]
-
-
-def notebook(code: str = "x = 1") -> bytes:
-    return json.dumps({"nbformat": 4, "cells": [{"cell_type": "code", "source": code}]}).encode()
-
-
-def zipped(files: Bytes | Mapping[str, bytes]) -> bytes:
-    data = BytesIO()
-    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in files.items():
-            info = (
-                name
-                if isinstance(name, zipfile.ZipInfo)
-                else zipfile.ZipInfo(name, (2026, 10, 11, 23, 58, 30))
-            )
-            archive.writestr(info, content, zipfile.ZIP_DEFLATED)
-    return data.getvalue()
 
 
 @pytest.fixture

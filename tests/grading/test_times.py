@@ -22,6 +22,7 @@ from tests.grading.platforms import (
     canvas_zip,
     moodle_zip,
     notebook,
+    packed,
     table,
     zipped,
 )
@@ -183,11 +184,6 @@ def test_corrections_of_the_instructor_are_kept_by_a_repeated_collect(tmp_path: 
     assert any("received.csv keeps 2026-03-01 12:00" in note for note in collection.notes)
 
 
-def packed(time: str) -> bytes:
-    receipt = {"exercise": "week01_exercise", "student": "ada", "time": time}
-    return zipped({"receipt.json": json.dumps(receipt).encode(), NAME: notebook()})
-
-
 DEADLINE = datetime(2026, 3, 8, 23, 59, tzinfo=PARIS)
 
 
@@ -208,7 +204,10 @@ DEADLINE = datetime(2026, 3, 8, 23, 59, tzinfo=PARIS)
 def test_receipt_never_overrides_the_late_marker_of_canvas(
     tmp_path: Path, sort: Collect, late: bool, receipt: str, days: int, remark: str, notes: list[str]
 ) -> None:
-    canvas_zip(tmp_path / "in.zip", [Handed("ada", 11, "", files={"a.zip": packed(receipt)}, late=late)])
+    canvas_zip(
+        tmp_path / "in.zip",
+        [Handed("ada", 11, "", files={"a.zip": packed("x = 1", "ada", receipt)}, late=late)],
+    )
     sort()
     (submission,) = find_submissions(tmp_path / "out")
     assert submission.received.time is None
@@ -232,7 +231,7 @@ def test_late_marker_contradicting_the_submission_time_is_reported() -> None:
 
 def test_receipt_time_is_used_without_other_sources_and_noted_in_the_gradebook(tmp_path: Path) -> None:
     (tmp_path / "ada").mkdir()
-    (tmp_path / "ada/a.zip").write_bytes(packed("2026-03-20T12:00:00+00:00"))
+    (tmp_path / "ada/a.zip").write_bytes(packed("x = 1", "ada", "2026-03-20T12:00:00+00:00"))
     (submission,) = find_submissions(tmp_path)
     assert (submission.received.source, submission.received.is_trusted) == ("receipt", False)
     assert "the student's machine" in submission.received.remark(DEADLINE, Late())
