@@ -21,6 +21,7 @@ from course_lib.export.module import (
     dependencies,
     displays,
     frames,
+    imported_modules,
     node_classes,
     node_name,
     obstacles,
@@ -157,7 +158,7 @@ def _file_texts(
     file: Path, package: str, modules: Sequence[NodeModule], extra: Sequence[Path]
 ) -> dict[str, str]:
     """Return the contents of all files by path, except the extra files."""
-    imports = set[str]().union(*(module.imported() for module in modules))
+    imports = set[str]().union(*(imported_modules(ast.parse(module.text())) for module in modules))
     started = [module for module in modules if module.main is not Main.NONE]
     depends, exec_depends = dependencies(imports, package)
     user = getpass.getuser()
@@ -337,9 +338,5 @@ def _imports(folder: Path) -> set[str]:
             tree = parse_python(file.read_text(encoding="utf-8"))
         except SyntaxError as error:
             raise CourseError(f"{file}, line {error.lineno}: {error.msg}. Correct it first.") from error
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Import):
-                names |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and not node.level:
-                names.add((node.module or "").partition(".")[0])
+        names |= imported_modules(tree)
     return names

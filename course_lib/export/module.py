@@ -175,6 +175,17 @@ def bound_names(node: ast.AST) -> Iterator[str]:
             yield from bound_names(child)
 
 
+def imported_modules(tree: ast.AST) -> frozenset[str]:
+    """Return the top-level names of the modules that code imports, even inside functions and classes."""
+    names = set[str]()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            names.add(node.module or "")
+    return frozenset(name.partition(".")[0] for name in names)
+
+
 def _mutated_names(node: ast.stmt) -> Iterator[str]:
     """Yield the names of objects that a statement mutates by a subscript, an attribute or a method call."""
     targets: list[ast.expr] = []
@@ -282,13 +293,6 @@ class NodeModule:
         """The first line of the class's docstring, or a sentence with its name."""
         text = (ast.get_docstring(self.node) or f"The node {self.class_name}.").splitlines()[0].strip()
         return text if text.endswith((".", "!", "?")) else f"{text}."
-
-    def imported(self) -> set[str]:
-        """Return the top-level packages that the module imports."""
-        tree = ast.parse(self.text())
-        names = {a.name for node in ast.walk(tree) if isinstance(node, ast.Import) for a in node.names}
-        names |= {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-        return {name.partition(".")[0] for name in names}
 
     def text(self) -> str:
         """Return the source of the module."""

@@ -63,7 +63,7 @@ def resume() -> None:
         print("All cells above have been run. Go on below.")  # noqa: T201  the cell's output
         return
     failed = []
-    with _resuming(), _full_speed():
+    with _resuming():
         for cell in waiting:
             fault = _run(shell, cell.source)
             _resumed.add(cell.source)
@@ -175,23 +175,14 @@ def _is_interactive(shell: "InteractiveShell", source: str) -> bool:
 
 @contextmanager
 def _resuming() -> Iterator[None]:
-    """Let calls of `resume` in the cells that it runs return immediately."""
+    """Let robot time pass at full speed, even if a page is open, and nested calls of `resume` do nothing."""
     global _is_resuming
-    _is_resuming = True
+    previous_pace = os.environ.get(_PACE)
+    _is_resuming, os.environ[_PACE] = True, "fast"
     try:
         yield
     finally:
         _is_resuming = False
-
-
-@contextmanager
-def _full_speed() -> Iterator[None]:
-    """Let robot time pass at full speed, although a page is open."""
-    previous_pace = os.environ.get(_PACE)
-    os.environ[_PACE] = "fast"
-    try:
-        yield
-    finally:
         if previous_pace is None:
             del os.environ[_PACE]
         else:

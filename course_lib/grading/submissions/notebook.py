@@ -13,7 +13,7 @@ from typing import Any
 from course_lib.course.exercise import normalise, source
 from course_lib.course.state import cell_digest
 from course_lib.errors import CourseError
-from course_lib.export.module import bound_names, without_magics
+from course_lib.export.module import bound_names, imported_modules, without_magics
 from course_lib.third_party import compile_python, parse_python, read_json
 
 MAX_BYTES = 20_000_000  # [B] limit for a notebook without its outputs, and for any other file
@@ -224,14 +224,8 @@ class CodeCell:
 
     @cached_property
     def modules(self) -> frozenset[str]:
-        """The top-level names of the modules that it imports, also inside functions and classes."""
-        names = set[str]()
-        for node in ast.walk(self.tree):
-            if isinstance(node, ast.Import):
-                names |= {alias.name for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and not node.level:
-                names.add(node.module or "")
-        return frozenset(name.partition(".")[0] for name in names)
+        """The top-level names of the modules that it imports."""
+        return imported_modules(self.tree)
 
 
 def own_modules(path: Path, cells: Sequence[str]) -> list[str]:
