@@ -315,7 +315,10 @@ def _locate(path: Path, text: str, error: _MisfitError) -> str:
 
 
 def _line_of(text: str, keys: tuple[str, ...]) -> int:
-    """Return the line of a key or, if it is missing, of the innermost table that contains it; otherwise 0."""
+    """Return the line of a key or, if it is missing, of the innermost table that contains it.
+
+    Return 0 if neither is found.
+    """
     table: tuple[str, ...] = ()
     # Number of matching keys, and the line.
     best = (0, 0)

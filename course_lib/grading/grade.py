@@ -404,7 +404,10 @@ def _grade_with_progress(work: Pending, jobs: int, dask: str | None) -> list[Gra
 
 
 def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[GradebookRow]:
-    """Run the missing jobs; judge, mark and report each student as soon as their evidence is stored."""
+    """Run the missing jobs.
+
+    Judge, mark and report each student as soon as their evidence is stored.
+    """
     course, out = work.course, work.out
     with executors(jobs, dask if work.missing else None) as (runner, judge_executor, window):
         if work.missing:

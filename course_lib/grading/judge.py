@@ -121,7 +121,9 @@ def _mask_interrupts(how: int) -> None:
 
 @contextmanager
 def executors(jobs: int, dask: str | None) -> Iterator[tuple[Executor, Executor, int]]:
-    """Open the executors for running and judging; yield them with the number of pending submissions allowed.
+    """Open the executors for running and judging.
+
+    The block gets the executors and the number of submissions that may be pending.
 
     Args:
         jobs: Number of processes on this machine.

@@ -280,7 +280,10 @@ def _make_result(
 
 @dataclass(frozen=True)
 class GradebookRow:
-    """The line of the gradebook for one student and exercise; without a mark its numbers are empty."""
+    """The line of the gradebook for one student and exercise.
+
+    Without a mark its numbers are empty.
+    """
 
     student: str
     exercise: str

@@ -162,7 +162,9 @@ def writing(out: Path) -> Iterator[None]:
 
 @contextmanager
 def lock_folder(out: Path, waiting: Callable[[str], None] | None = None) -> Iterator[None]:
-    """Lock the folder of records. The system releases the lock when the process ends for any reason.
+    """Lock the folder of records.
+
+    The system releases the lock when the process ends for any reason.
 
     Args:
         out: The folder.

@@ -302,7 +302,9 @@ def settle(
     roots: Collection[Root], users: Sequence[User], scratch: str, read: Sequence[str], listed: Sequence[str],
     links: Sequence[tuple[str, str]],
 ) -> JailPlace:  # fmt: skip
-    """Move this process to the first root and user that work. Each pair is tried in a forked process.
+    """Move this process to the first root and user that work.
+
+    Each pair is tried in a forked process.
 
     Args:
         roots: Acceptable roots, the best first.

@@ -1,4 +1,6 @@
-"""The tasks of all submissions, for several graders who mark at the same time; `course mark` for one task.
+"""The tasks of all submissions, for several graders who mark at the same time.
+
+It also holds `course mark` for a single task.
 
 Marks appear in gradebook, index and report.
 """
@@ -107,7 +109,10 @@ def submitted_code(submission: Submission, out: Path, task: Task | None) -> dict
 
 
 def _own_line_pattern(task: Task) -> re.Pattern[str]:
-    """Return a pattern for lines that define a task's object or check it; the code need not be valid."""
+    """Return a pattern for lines that define a task's object or check it.
+
+    The code need not be valid.
+    """
     name = re.escape(task.name)
     binds = rf"^(?:class|def|async def)\s+{name}\b|^{name}\s*[:=]"
     return re.compile(rf"{binds}|[\"']{re.escape(task.id)}[\"']", re.MULTILINE)
@@ -392,7 +397,9 @@ def mark_without_file(
     withdraw: bool = False,
     course: Course | None = None,
 ) -> str:
-    """Store a grader's points for work without a gradable file, such as an oral exam; return a line.
+    """Store a grader's points for work without a gradable file, such as an oral exam.
+
+    Return a line for the terminal.
 
     Args:
         out: The folder of records, in which the student may be new.

@@ -114,7 +114,10 @@ def collect_clones(clones: Path, out: Path, roster: Path, pushes: Path | None) -
 def _stage_all(
     clones: Sequence[Path], place: Path, members: ClassList, times: Mapping[str, str]
 ) -> tuple[list[str], dict[str, PlatformTime]]:
-    """Copy changed exercises into PLACE/STUDENT; return a line for each other clone, and the times."""
+    """Copy changed exercises into PLACE/STUDENT.
+
+    Return a line for each other clone, and the times.
+    """
     lines, receipts = list[str](), dict[str, PlatformTime]()
     for clone in clones:
         student = _student(clone.name, members)

@@ -178,7 +178,10 @@ def _runs(result: Result, out: Path, catalog: Catalog) -> tuple[Run, ...]:
 def _sections(
     result: Result, marks: Sequence[HandMark], out: Path, catalog: Catalog, share: int | None = None
 ) -> list[dict[str, Any]]:
-    """Return the template values of the tasks' sections; each scene has at most `share` characters."""
+    """Return the template values of the tasks' sections.
+
+    Each scene has at most `share` characters.
+    """
     judgement = MarkedResult(result, tuple(marks)).displayed_result.judgement
     if judgement is None:
         return []
@@ -421,7 +424,9 @@ OPEN = ("needs_marking", "grader_error")
 def show_hidden_checks(
     out: Path, exercise: str, *, is_final: bool = True, course: Course | None = None
 ) -> str:
-    """Write the reports of an exercise with or without hidden checks, now and in the future; return a line.
+    """Write the reports of an exercise with or without hidden checks, now and in the future.
+
+    Return a line for the terminal.
 
     Args:
         out: The folder that `course grade` wrote.

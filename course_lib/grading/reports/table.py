@@ -80,7 +80,9 @@ Row = tuple[str, str, str, str]  # icon, word, title, reason
 
 
 def rows(checks: Iterable[CheckResult]) -> list[Row]:
-    """Return icon, state, title and reason of each check; a hidden check has only a number and its mistake.
+    """Return icon, state, title and reason of each check.
+
+    A hidden check has only a number and its mistake.
 
     Public checks that fail for the same reason share a row.
     """

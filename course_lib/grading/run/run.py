@@ -88,7 +88,9 @@ class Job:
 
     @property
     def key(self) -> str:
-        """The digest of everything that the evidence depends on. Submissions with equal keys are run once.
+        """The digest of everything that the evidence depends on.
+
+        Submissions with equal keys are run once.
 
         The kit is excluded, so that a corrected check can judge existing evidence.
         """

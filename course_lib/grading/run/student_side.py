@@ -83,7 +83,10 @@ def _actions(part: Instructions, subject: Any, outcome: Outcome) -> list[Callabl
 
 
 def _launch(subject: Any, args: Sequence[Any], kwargs: dict[str, Any], outcome: Outcome) -> None:
-    """Call the function and run the launch file that it returns; the subject may also be the text itself."""
+    """Call the function and run the launch file that it returns.
+
+    The subject may also be the text itself.
+    """
     outcome.returns.append(RAISED)
     text = subject if isinstance(subject, str) else _callable(subject, "a function")(*args, **kwargs)
     if not isinstance(text, str) or not text.strip():

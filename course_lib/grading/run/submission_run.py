@@ -407,7 +407,9 @@ class ImageLimit:
 
 
 def _count_fields(cdr: bytes) -> int:
-    """Return the number of fields of a serialized point cloud. Decoding would take 30 times its size.
+    """Return the number of fields of a serialized point cloud.
+
+    Decoding would take 30 times its size.
 
     The fields follow the encapsulation (4 bytes), the stamp (8), frame_id, padded to 4, and two
     sizes.

@@ -97,7 +97,10 @@ class Worker:
         values: dict[str, dict[str, Any]],
         skip: Sequence[int],
     ) -> None:
-        """Run all cells in order except the cells in `skip`. An error in one does not stop the others."""
+        """Run all cells in order except the cells in `skip`.
+
+        An error in one does not stop the others.
+        """
         set_values(values)
         errors = []
         with time_lock.hold(), seeded(CELLS_SEED):

@@ -213,7 +213,9 @@ class Arrivals:
         *,
         counted: bool,
     ) -> bytes:
-        """Decompress a file within its owner's remaining limit. The platform's own archive is not counted.
+        """Decompress a file within its owner's remaining limit.
+
+        The platform's own archive is not counted.
 
         Raises:
             CourseError: It can't be decompressed, or the owner's limit is exceeded; then the

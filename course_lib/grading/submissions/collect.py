@@ -759,7 +759,7 @@ def _store(
     if item.kind == "notebook":
         collection.students.add(student or name)
     if item.exercise:
-        # The student has submitted the exercise since, so the rows of its rejected files are obsolete.
+        # The student has submitted the exercise since, so rows of rejected files are obsolete.
         collection.rows = {
             other: row
             for other, row in collection.rows.items()

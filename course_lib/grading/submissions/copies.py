@@ -80,7 +80,9 @@ class Fingerprint:
 
 
 def fingerprint(cells: Iterable[str]) -> Fingerprint:
-    """Return the runs of LENGTH tokens. Runs do not cross cells, so the order of cells is irrelevant.
+    """Return the runs of LENGTH tokens.
+
+    Runs do not cross cells, so the order of cells is irrelevant.
 
     Comments, imports and prints are left out, and names that the code defines count as the same.
 
@@ -285,7 +287,10 @@ def _join(students: Sequence[str]) -> list[Pair]:
 
 
 def _shared_weights(solutions: Sequence[frozenset[int]]) -> Floats:
-    """Return the weight of the common runs of each pair; the diagonal contains the weight of all runs."""
+    """Return the weight of the common runs of each pair.
+
+    The diagonal contains the weight of all runs.
+    """
     number = Counter(run for runs in solutions for run in runs)
     full = max(FEW, COMMON * len(solutions))
     weights = {run: min(1.0, full / count) for run, count in number.items()}
@@ -390,7 +395,10 @@ def select_code(
 
 
 def _sort_by_weight(parts: Sequence[str], names: Sequence[str]) -> list[str]:
-    """Sort statements: bindings of a task's object, other definitions, the rest; later ones first."""
+    """Sort statements: bindings of a task's object, other definitions, the rest.
+
+    Within each group, later statements come first.
+    """
     name_pattern = "|".join(map(re.escape, names)) or "(?!)"
     binds = re.compile(
         rf"^(?:class|(?:async )?def)\s+(?:{name_pattern})\b|^(?:{name_pattern})\s*[:=]", re.MULTILINE
@@ -663,7 +671,10 @@ def read_similar(out: Path) -> dict[tuple[str, str], SimilarSubmission]:
 
 
 def page_name(exercise: str) -> str:
-    """Return the file name of an exercise's page in OUT/reports; student folders never end in .html."""
+    """Return the file name of an exercise's page in OUT/reports.
+
+    Student folders never end in .html.
+    """
     return quote(f"copies_{exercise}.html")
 
 

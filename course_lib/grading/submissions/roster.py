@@ -153,7 +153,10 @@ class ClassList:
         return {member.id: member for member in self.members}
 
     def group_of(self, student: str) -> tuple[Member, ...]:
-        """Return the members of a student's group, including the student; () if the student is unknown."""
+        """Return the members of a student's group, including the student.
+
+        The result is () if the student is unknown.
+        """
         member = self.by_id.get(student)
         if member is None or not member.group:
             return (member,) if member else ()

@@ -1,4 +1,6 @@
-"""Find the submissions in a folder: notebooks, and files written by `course submit`; plan their runs.
+"""Find the submissions in a folder: notebooks, and files written by `course submit`.
+
+The runs of the found submissions are planned here, too.
 
 OUT/places.json has the folder of submissions of each student and exercise, relative to OUT. Results
 do not contain folders, so that records can be moved to another machine.

@@ -88,7 +88,7 @@ def _compare_parts(
         return
     for item, expected_item, part in zip(row, expected, parts, strict=True):
         for problem in compare(item, expected_item, tolerance, unit, f"the {part} of {name}"):
-            # A task may have a hint for this part. Otherwise the hint for the kind without the part is used.
+            # A task may have a hint for this part. Otherwise the hint for the kind alone is used.
             kind = f"{problem.mistake}: the {part}"
             yield Problem(problem.message, kind)
 
