@@ -760,13 +760,10 @@ def _store(
         collection.students.add(student or name)
     if item.exercise:
         # The student has submitted the exercise since, so rows of rejected files are obsolete.
-        collection.rows = {
-            other: row
-            for other, row in collection.rows.items()
-            if not row.get("refused")
-            or row.get("exercise") != item.exercise
-            or other.split("/")[0] != student
-        }
+        for other, row in list(collection.rows.items()):
+            is_of_exercise = row.get("refused") and row.get("exercise") == item.exercise
+            if is_of_exercise and other.split("/")[0] == student:
+                del collection.rows[other]
     collection.count += 1
 
 
