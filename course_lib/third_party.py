@@ -1,14 +1,41 @@
-"""Reading of JSON and Python written by others: students, browsers or programs.
+"""Reading of files, JSON and Python written by others: students, browsers or programs.
 
 Files may be incomplete.
 """
 
 import ast
+import errno
 import json
+import os
 from bisect import bisect_left
+from pathlib import Path
 from typing import Any
 
 TOO_DEEP = "it is nested too deeply for Python: split the expression"
+NULL_BYTES = "it contains null bytes: save it as text in UTF-8"
+# Most bytes of a text that a parser for XML or YAML gets, which takes many times its size.
+MOST_TEXT = 32_000_000
+
+
+def read_text(path: Path, errors: str = "strict") -> str:
+    """Return the content of a text file in UTF-8.
+
+    Args:
+        path: The file.
+        errors: What to do with bytes that are not UTF-8, as for `open`.
+
+    Raises:
+        OSError: The file cannot be read, or has more than MOST_TEXT bytes.
+        UnicodeDecodeError: The file is not UTF-8.
+    """
+    check_size(path, MOST_TEXT)
+    return path.read_text(encoding="utf-8", errors=errors)
+
+
+def check_size(path: Path, most: int) -> None:
+    """Raise an OSError if a file cannot be read or has more bytes than a limit."""
+    if path.stat().st_size > most:
+        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
 
 
 def read_json(text: str | bytes) -> Any:
@@ -27,10 +54,14 @@ def compile_python(source: str | bytes, file: str = "<unknown>", flags: int = 0)
     """Compile a program.
 
     Raises:
-        ValueError: The program contains a null byte.
-        SyntaxError: The program is not Python, or is nested more deeply than Python can compile.
-            Python itself would raise a MemoryError or RecursionError.
+        ValueError: The program contains characters that cannot be encoded.
+        SyntaxError: The program is not Python, contains null bytes, or is nested more deeply than Python
+            can compile. Python itself would raise a MemoryError or RecursionError.
     """
+    before, null, _ = source.partition("\0") if isinstance(source, str) else source.partition(b"\0")
+    if null:
+        # Python's own errors differ between versions, and have no line.
+        raise SyntaxError(NULL_BYTES, (file, len(before.splitlines()) or 1, None, None))
     try:
         return compile(source, file, "exec", flags, dont_inherit=True)
     except (MemoryError, RecursionError) as error:

@@ -36,7 +36,9 @@ def find_notebook(path: Path) -> Path:
         return with_suffix
     if not path.exists():
         folder = path.parent
-        candidates = [str(one) for one in (*folder.glob("*.ipynb"), *folder.glob("*/week*_exercise.ipynb"))]
+        notebooks = (*folder.glob("*.ipynb"), *folder.glob("*/week*_exercise.ipynb"))
+        # A broken symbolic link is listed, too.
+        candidates = [str(one) for one in notebooks if one.exists()]
         matches = [one for one in candidates if Path(one).name.startswith(f"{path.name}_exercise.")]
         if suggestion := did_you_mean(matches[0] if matches else str(path), candidates):
             raise CourseError(f"there is no {path}{suggestion}")

@@ -13,6 +13,7 @@ from typing import Any, ClassVar, TypeAlias
 from course_lib.displays.display import GROUP
 from course_lib.displays.properties import Property, PropertyHolder, color, frame, integer, words
 from course_lib.errors import CourseError
+from course_lib.third_party import read_text
 
 _NULLS = ("", "~", "null", "Null", "NULL")
 _NULL = "tag:yaml.org,2002:null"
@@ -206,7 +207,7 @@ def read_layout(path: str | Path) -> Layout:
         CourseError: The file does not exist, or is not YAML; the message has line and column.
     """
     try:
-        return layout_of(Path(path).read_text(encoding="utf-8"), Path(path).name)
+        return layout_of(read_text(Path(path)), Path(path).name)
     except OSError as error:
         raise CourseError(f"Cannot read the layout {path}: {error.strerror}.") from None
     except UnicodeDecodeError:

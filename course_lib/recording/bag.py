@@ -23,6 +23,7 @@ from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
 from course_lib.ros.graph.topics import Qos, read_tick
 from course_lib.ros.messages.definitions import definition, typestore
 from course_lib.ros.messages.hashes import type_hash
+from course_lib.third_party import MOST_TEXT, check_size, read_text
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, QosTime
@@ -223,7 +224,7 @@ def _mcap(data: bytes, path: Path) -> Iterator[Sample]:
 
     types: dict[int, str] = {}
     channels: dict[int, tuple[str, str, Qos]] = {}
-    for opcode, content in _unpack_records(data[len(_MAGIC) :]):
+    for opcode, content in _unpack_records(data, len(_MAGIC)):
         if opcode == _SCHEMA:
             types[struct.unpack_from("<H", content)[0]] = _text(content, 2)[0]
         elif opcode == _CHANNEL:
@@ -235,15 +236,18 @@ def _mcap(data: bytes, path: Path) -> Iterator[Sample]:
             channels[channel] = topic, types[schema], from_bag(get_qos(metadata))
         elif opcode == _MESSAGE:
             channel, _, stamp_ns = struct.unpack_from("<HIQ", content)
+            _check_stamp(stamp_ns)
             topic, type_name, qos = channels[channel]
             yield Sample(stamp_ns, topic, type_name, content[22:], qos, node=0)
 
 
-def _unpack_records(data: bytes) -> Iterator[tuple[int, bytes]]:
+def _unpack_records(data: bytes, at: int = 0) -> Iterator[tuple[int, bytes]]:
     """Yield opcode and content of complete records, also within chunks and in the incomplete last chunk."""
-    at = 0
     while at + 9 <= len(data):
         opcode, size = struct.unpack_from("<BQ", data, at)
+        # No record has this opcode. Space on the disk that was never written consists of zeros.
+        if opcode == 0:
+            return
         content = data[at + 9 : at + 9 + size]
         at += 9 + size
         if opcode == _CHUNK:
@@ -251,6 +255,12 @@ def _unpack_records(data: bytes) -> Iterator[tuple[int, bytes]]:
             yield from _unpack_records(_decompress(compression, content[begin + 8 :]))
         elif len(content) == size:
             yield opcode, content
+
+
+def _check_stamp(stamp_ns: int) -> None:
+    """Raise a ValueError for a time that MCAP can store and ROS, whose times have 63 bits, cannot."""
+    if stamp_ns >= 2**63:
+        raise ValueError(f"a message has the time {stamp_ns} ns, which is beyond the last time of ROS")
 
 
 def _decompress(compression: str, data: bytes) -> bytes:
@@ -349,6 +359,7 @@ def read_bag(folder: str | Path) -> Recording:
     if is_data_file(path):
         return _read_files(path, "")
     try:
+        check_size(path / METADATA, MOST_TEXT)
         with Reader(path) as reader:
             return Recording(tuple(_samples(reader)))
     # A damaged file can cause many kinds of errors in rosbags, its decompressors and SQLite.
@@ -403,12 +414,11 @@ def _samples(reader: "Reader") -> list[Sample]:
     # Connections of rosbag2 bags, whose ext has the QoS.
     connections: list[Any] = reader.connections
     qos_profiles = {one.id: from_bag(one.ext.offered_qos_profiles) for one in connections}
-    return [
-        Sample(
-            stamp_ns, connection.topic, connection.msgtype, bytes(cdr), qos_profiles[connection.id], node=0
-        )
-        for connection, stamp_ns, cdr in reader.messages()
-    ]
+    samples: list[Sample] = []
+    for one, stamp_ns, cdr in reader.messages():
+        _check_stamp(stamp_ns)
+        samples.append(Sample(stamp_ns, one.topic, one.msgtype, bytes(cdr), qos_profiles[one.id], node=0))
+    return samples
 
 
 # Width of the labels, as in rosbag2's formatter.
@@ -458,13 +468,14 @@ def bag_info(folder: str | Path, *, digest: bool = True) -> str:
 
 
 def bag_metadata(folder: Path) -> dict[str, Any]:
-    """Read the metadata, which a recorder writes when it stops; empty if it is missing."""
+    """Read the metadata, which a recorder writes when it stops; empty if it is missing or malformed."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
     try:
-        text = (folder / METADATA).read_text(encoding="utf-8")
-        return dict(yaml.safe_load(text)["rosbag2_bagfile_information"])
-    except (OSError, yaml.YAMLError, KeyError, TypeError):
+        text = read_text(folder / METADATA)
+        about = dict(yaml.safe_load(text)["rosbag2_bagfile_information"])
+        return about | {"relative_file_paths": [str(name) for name in about["relative_file_paths"]]}
+    except (OSError, ValueError, RecursionError, yaml.YAMLError, KeyError, TypeError):
         return {}
 
 
@@ -479,8 +490,8 @@ def _topics_in_metadata(about: dict[str, Any]) -> list[dict[str, Any]]:
 def topic_counts(about: dict[str, Any], recording: Recording) -> dict[tuple[str, str], int]:
     """Count the messages by topic and type, including topics without messages, in the order of the file."""
     counts = {(topic.name, topic.type_name): topic.count for topic in recording.topics()}
-    topic_metadata = [topic["topic_metadata"] for topic in about.get("topics_with_message_count", ())]
-    topics = dict.fromkeys([*((topic["name"], topic["type"]) for topic in topic_metadata), *counts])
+    listed = [(topic.get("name"), topic.get("type")) for topic in _topics_in_metadata(about)]
+    topics = dict.fromkeys([*((str(name), str(kind)) for name, kind in listed if name and kind), *counts])
     return {key: counts.get(key, 0) for key in topics}
 
 

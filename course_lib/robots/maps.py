@@ -23,6 +23,7 @@ from rclpy.task import Future
 from tf_transformations import euler_from_quaternion
 
 from course_lib.errors import CourseError
+from course_lib.third_party import read_text
 
 MODES = ("trinary", "scale", "raw")
 FORMATS = ("pgm", "png", "bmp")
@@ -72,9 +73,11 @@ def read_settings(path: Path) -> MapSettings:
         MapYamlError: The file is missing, or a key of it is missing or has an invalid value.
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = yaml.safe_load(read_text(path))
     except (OSError, UnicodeDecodeError) as error:
         raise MapYamlError(f"{path}: not readable: {getattr(error, 'strerror', None) or error}.") from None
+    except RecursionError:
+        raise MapYamlError(f"{path}: not YAML: it is nested too deeply.") from None
     except yaml.YAMLError as error:
         raise MapYamlError(f"{path}: not YAML: {' '.join(str(error).split())}.") from None
     if not isinstance(content, Mapping):

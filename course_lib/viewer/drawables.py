@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from course_lib.arrays import Bytes, Float32s, Floats, Matrix, Reals, UInt32s, Vector
 from course_lib.errors import CourseError
+from course_lib.third_party import check_size
 
 FAR = 1000.0  # [m]
 
@@ -373,6 +374,8 @@ logging.getLogger("trimesh").addHandler(logging.NullHandler())
 Part: TypeAlias = tuple[Any, Matrix]
 
 FORMATS = ("dae", "stl", "obj")
+# Most bytes of a file, of which the reader and the scene have several copies.
+MOST_BYTES = 300_000_000
 
 # Material bindings of a DAE file. pycollada drops parts with a broken material, RViz does not.
 _PAINT = re.compile(rb"<bind_material>.*?</bind_material>", re.S)
@@ -391,6 +394,7 @@ def load_mesh(path: Path) -> Mesh:
         MeshFileError: It is not such a file, or is damaged.
     """
     try:
+        check_size(path, MOST_BYTES)
         return parse_mesh(path.read_bytes(), path.suffix.lstrip(".").lower(), folder=path.parent)
     except (OSError, MeshFileError) as error:
         raise MeshFileError(f"{path}: {error}") from error
@@ -419,11 +423,15 @@ def parse_mesh(
         if not parts and _PAINT.search(data):
             scene, parts = _read(_PAINT.sub(b"", data), file_format, folder)
         unit = unit_conversion(scene.units or "meters", "meters")  # [m]
+        if any(len(mesh.faces) for mesh, _ in parts):
+            return _merge(parts, unit, color)
     except Exception as error:
-        # trimesh's readers can raise any exception for a damaged file.
+        # trimesh's readers can raise any exception for a damaged file, and return arrays of any shape.
         raise MeshFileError(f"This is not a readable {file_format.upper()} file: {error}") from error
-    if not any(len(mesh.faces) for mesh, _ in parts):
-        raise MeshFileError(f"This is not a readable {file_format.upper()} file: it has no triangles.")
+    raise MeshFileError(f"This is not a readable {file_format.upper()} file: it has no triangles.")
+
+
+def _merge(parts: list[Part], unit: float, color: tuple[float, ...] | None) -> Mesh:
     meshes = [mesh for mesh, _ in parts]
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     # Normals from the file are in the cache; otherwise trimesh would compute them.

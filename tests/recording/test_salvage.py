@@ -1,8 +1,10 @@
 """Bags that were cut off open up to the last whole message, wherever the cut is."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import rosbag2_py
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from course_lib.errors import CourseError
@@ -168,3 +170,44 @@ def test_bag_in_another_serialization_format_is_rejected_with_the_format(
         return
     with pytest.raises(CourseError, match=r"format 'protobuf', on /chatter\. Only 'cdr' is supported"):
         read_bag(path)
+
+
+def test_unwritten_space_of_an_mcap_file_is_not_parsed(tmp_path: Path) -> None:
+    bag = tmp_path / "bag.mcap"
+    with bag.open("wb") as file:
+        file.truncate(300_000_000)
+    # Zeros that were parsed as records without content would take minutes.
+    with pytest.raises(CourseError, match="does not begin and end as a MCAP file does"):
+        read_bag(bag)
+
+
+def test_stamp_beyond_the_times_of_ros_is_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording = make_recording(2)
+    late = replace(recording.samples[1], stamp_ns=2**63)
+    file = write(Recording((recording.samples[0], late)), tmp_path / "bag", StoragePlugin.MCAP)
+    assert len(read_bag(file.parent).samples) == 1
+    assert "9223372036854775808 ns, which is beyond the last time of ROS" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"rosbag2_bagfile_information", b"\xff\xfe"),
+        (b"relative_file_paths:", b"relative_file_paths: 5 #"),
+        (b"    type: std_msgs/msg/String", b"    kind: 5"),
+        (b"  topics_with_message_count:", b"  topics_with_message_count: " + b"[" * 2000),
+    ],
+)
+def test_bag_with_malformed_metadata_is_described_by_its_messages(
+    tmp_path: Path, old: bytes, new: bytes
+) -> None:
+    file = write(make_recording(4), tmp_path / "bag", StoragePlugin.MCAP)
+    metadata = file.parent / "metadata.yaml"
+    assert old in metadata.read_bytes()
+    metadata.write_bytes(metadata.read_bytes().replace(old, new))
+    text = bag_info(file.parent)
+    assert "Messages:          4" in text
+    assert "Topic: /chatter | Type: std_msgs/msg/String | Count: 2" in text
+    assert rosbag2_py.Info().read_metadata(str(file.parent), "").message_count == 4

@@ -9,7 +9,12 @@ from pathlib import Path
 import pytest
 
 from course_lib import load_robot
+from course_lib.displays.layout import read_layout
 from course_lib.errors import CourseError
+from course_lib.robots.maps import read_map
+from course_lib.ros.messages.definitions import add_package
+from course_lib.ros.programs.build_files import executables_of, read_build_files
+from course_lib.viewer.drawables import load_mesh
 from tests.patience import PATIENCE
 
 XACRO = '<robot name="r" xmlns:xacro="http://wiki.ros.org/xacro">'
@@ -189,3 +194,65 @@ def test_launch_file_error_includes_the_line(write: Write, action: str, expected
     output = errors_of("run", "l.launch.py", "--seconds", "1")
     assert re.search(expected, output)
     assert "course_lib/" not in output
+
+
+@pytest.mark.parametrize("file", ["a.urdf", "a.rviz", "a.yaml", "a.stl", "my_msgs/msg/A.msg", "setup.py"])
+def test_huge_file_is_rejected_before_it_is_read(write: Write, file: str) -> None:
+    path = write(file, "")
+    with path.open("wb") as stream:
+        stream.truncate(2**40)
+    read: dict[str, Callable[[], object]] = {
+        ".urdf": lambda: load_robot(path),
+        ".rviz": lambda: read_layout(path),
+        ".yaml": lambda: read_map(path),
+        ".stl": lambda: load_mesh(path),
+        ".msg": lambda: add_package(path.parents[1]),
+        ".py": lambda: executables_of(path),
+    }
+    with pytest.raises(CourseError, match="File too large"):
+        read[path.suffix]()
+
+
+@pytest.mark.parametrize("link", ["setup.py", "setup.cfg", "CMakeLists.txt"])
+def test_build_file_that_is_a_circular_link_is_ignored(write: Write, link: str) -> None:
+    folder = write("robot/package.xml", "<package><name>robot</name></package>").parent
+    (folder / link).symlink_to(link)
+    assert not read_build_files("robot", folder).executables
+
+
+def test_setup_py_with_a_byte_order_mark_is_read(write: Write) -> None:
+    text = "\ufeff" + SETUP % "'talker = robot.talker:main'"
+    assert executables_of(write("setup.py", text)) == {"talker": ("robot.talker", "main")}
+
+
+def test_interface_file_that_is_not_text_is_reported(write: Write) -> None:
+    path = write("my_msgs/msg/A.msg", "")
+    path.write_bytes("float64 x".encode("utf-16"))
+    with pytest.raises(CourseError, match=r"A\.msg cannot be read as a text file in UTF-8"):
+        add_package(path.parents[1])
+
+
+def test_mesh_with_vertices_of_two_coordinates_is_reported(write: Write) -> None:
+    with pytest.raises(CourseError, match=r"m\.obj: This is not a readable OBJ file"):
+        load_mesh(write("m.obj", "v 0 0\nv 1 0\nv 1 1\nf 1 2 3\n"))
+
+
+def test_deeply_nested_map_is_reported(write: Write) -> None:
+    with pytest.raises(CourseError, match="not YAML: it is nested too deeply"):
+        read_map(write("m.yaml", "[" * 2000))
+
+
+@pytest.mark.parametrize("name", ["node.py", "robot.launch.py"])
+def test_program_with_null_bytes_is_reported_with_its_line(write: Write, name: str) -> None:
+    path = write(name, "x = 1\n")
+    path.write_bytes(b"x = 1\ny = '\0'\n")
+    assert f"{name}, line 2: it contains null bytes: save it as text in UTF-8." in errors_of("run", str(path))
+
+
+@pytest.mark.parametrize("words", [("run",), ("check",)])
+def test_notebook_that_is_a_circular_link_is_reported_in_one_line(write: Write, words: tuple[str]) -> None:
+    path = write("package.xml", "").with_name("week01_exercise.ipynb")
+    path.symlink_to(path)
+    errors = errors_of(*words, str(path))
+    assert "Too many levels of symbolic links" in errors
+    assert len(errors.splitlines()) == 1

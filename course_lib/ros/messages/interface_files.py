@@ -25,7 +25,7 @@ from typing import Any
 from zlib import crc32
 
 from course_lib.errors import CourseError
-from course_lib.third_party import read_json
+from course_lib.third_party import read_json, read_text
 
 FILE = Path(__file__).with_name("known_types.json")
 
@@ -184,8 +184,12 @@ def check_interface(path: Path) -> None:
 
     if not re.fullmatch(_TYPE_NAME, path.stem):
         raise CourseError(f"{path}: the file name must be a type name like JointLimit, not {path.stem!r}.")
+    try:
+        text = read_text(path)
+    except (OSError, UnicodeDecodeError) as error:
+        raise CourseError(f"{path} cannot be read as a text file in UTF-8: {error}.") from error
     names = set[str]()
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+    for number, line in enumerate(text.splitlines(), start=1):
         field = _FIELD.fullmatch(line)
         if line.startswith("---"):
             names.clear()
@@ -205,7 +209,7 @@ def check_interface(path: Path) -> None:
             _parse("" if line.startswith("---") else line, "x")
         except TypesysError as error:
             raise CourseError(
-                f"{path}, line {number}: {line.strip()!r} is neither a field, like `float64 "
+                f"{path}, line {number}: {line.strip()!r:.100} is neither a field, like `float64 "
                 "speed`, nor a constant, like `uint8 FAST=1`."
             ) from error
 

@@ -17,7 +17,7 @@ from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from course_lib.errors import CourseError
-from course_lib.third_party import parse_python
+from course_lib.third_party import MOST_TEXT, check_size, parse_python, read_text
 
 # A module and a function in it, or a script.
 Executable = tuple[str, str] | Path
@@ -57,7 +57,12 @@ def read_build_files(name: str, sources: Path) -> BuildFiles:
     """Read a package's build files. Raise a CourseError for a syntax error in setup.py."""
     # The cache key contains the folders, because globs depend on them, and the files.
     with os.scandir(sources) as entries:
-        watched = [entry for entry in entries if entry.is_dir() or entry.name in _FILES]
+        # These functions return False for symbolic links that are broken or form a circle.
+        watched = [
+            entry
+            for entry in entries
+            if os.path.isdir(entry) or (entry.name in _FILES and os.path.isfile(entry))
+        ]
         times = {entry.name: entry.stat().st_mtime_ns for entry in watched}
     return _read(name, sources, tuple(sorted(times.items())))
 
@@ -100,10 +105,12 @@ def _tree_of(setup: Path) -> ast.Module | None:
     if not setup.is_file():
         return None
     try:
-        return parse_python(setup.read_text(encoding="utf-8"))
+        check_size(setup, MOST_TEXT)
+        # Bytes, because Python then follows a byte order mark and a declared encoding.
+        return parse_python(setup.read_bytes())
     except SyntaxError as error:
         raise CourseError(f"{setup}, line {error.lineno}: {error.msg}.") from error
-    except ValueError as error:
+    except (ValueError, OSError) as error:
         raise CourseError(f"{setup}: {error}.") from error
 
 
@@ -256,7 +263,10 @@ def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
     """
     if not cmake.is_file():
         return
-    text = re.sub(r"#.*", "", cmake.read_text("utf-8", errors="replace"))
+    try:
+        text = re.sub(r"#.*", "", read_text(cmake, errors="replace"))
+    except OSError as error:
+        raise CourseError(f"{cmake}: {error}.") from error
     source_folder = cmake.parent
     variables = {
         "PROJECT_NAME": [name],
@@ -407,7 +417,7 @@ def _placed_by_cmake(
         file = source_folder / word
         is_content = kind == "DIRECTORY" and word.endswith("/")
         name = "" if is_content else renamed[0] if renamed else file.name
-        if file.exists() and file.resolve().is_relative_to(source_folder.resolve()):
+        if os.path.exists(file) and file.resolve().is_relative_to(source_folder.resolve()):
             yield os.path.normpath(os.path.join(destination, name)), file
 
 

@@ -26,6 +26,7 @@ from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.ros.programs.build_files import Executable, is_python, read_build_files
 from course_lib.ros.programs.missing_packages import how_to_clone, why_not_offered
 from course_lib.ros.time import wall
+from course_lib.third_party import read_text
 
 # Number of parent folders of a file in which a checkout, or a folder `src`, is looked for.
 SRC_WITHIN = 4
@@ -116,7 +117,7 @@ def _folders_below(root: Path) -> dict[str, list[Path]]:
 def name_of(manifest: Path) -> str | None:
     """Return the package name in a package.xml, or None."""
     try:
-        text = manifest.read_text("utf-8", errors="replace")
+        text = read_text(manifest, errors="replace")
     except OSError:
         return None
     name = _NAME.search(_COMMENT.sub("", text))

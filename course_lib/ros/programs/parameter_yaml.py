@@ -8,6 +8,8 @@ from typing import Any
 # PyYAML has no type information.
 import yaml  # type: ignore[import-untyped]
 
+from course_lib import third_party
+
 PARAMETERS = "ros__parameters"
 # Limit on the nesting of collections.
 DEEPEST = 50
@@ -26,7 +28,7 @@ def read_file(path: str) -> list[tuple[str, dict[str, Any]]]:
         ValueError: The file is not a parameter file; the text is rcl's.
     """
     try:
-        return read_text(Path(path).read_text(encoding="utf-8"))
+        return read_text(third_party.read_text(Path(path)))
     except OSError as error:
         raise ValueError(f"Error opening YAML file: {error.strerror}") from error
 

@@ -2,6 +2,7 @@
 
 import ast
 import contextvars
+import os
 import sys
 import threading
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -155,7 +156,7 @@ class NotebookProgram(Process):
     def __init__(self, file: Path) -> None:
         super().__init__(file)
         # Resolved before the working directory changes.
-        self._folder = str(file.resolve().parent)
+        self._folder = os.path.dirname(os.path.realpath(file))
         try:
             cells = read_json(file.read_bytes())["cells"]
             self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]

@@ -45,7 +45,7 @@ class Info:
 def metadata(folder: Path, recording: Recording) -> BagMetadata:
     """Return a bag's metadata, or compute it from the content if its recorder was killed."""
     about = bag_metadata(folder)
-    files = [str(name) for name in about.get("relative_file_paths", ())]
+    files = [name for name in about.get("relative_file_paths", ()) if (folder / name).is_file()]
     return BagMetadata(
         version=about.get("version", 9),
         bag_size=sum((folder / name).stat().st_size for name in files),
