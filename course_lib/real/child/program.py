@@ -27,7 +27,7 @@ from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import spec_from_loader
 from pathlib import Path
-from types import ModuleType, TracebackType
+from types import FrameType, ModuleType, TracebackType
 from typing import Any
 
 PACKAGES = (
@@ -51,6 +51,8 @@ CONNECT_SECONDS = 3.0
 KINDS = ("msg", "srv", "action")
 # An option of Linux's prctl.
 PARENT_DEATH_SIGNAL = 1
+# Its functions are called by C code, through ctypes.
+CALLBACKS = str(Path(__file__).with_name("late_types.py"))
 NO_COURSE_LIB = "robots do not have course_lib, so `from course_lib import {}` fails there, too"
 
 
@@ -137,6 +139,29 @@ def print_error(
     traceback.print_exception(kind, error, trace)
 
 
+def interrupt(_: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt, outside of the callbacks of `late_types`.
+
+    ctypes discards an exception of a callback, so that the program would miss Ctrl+C. There, the
+    exception is raised when the C function returns to the Python code that called it.
+    """
+    caller = None
+    while frame is not None:
+        if frame.f_code.co_filename == CALLBACKS:
+            caller = frame.f_back
+        frame = frame.f_back
+    if caller is None:
+        raise KeyboardInterrupt
+
+    def raise_interrupt(traced: FrameType, event: str, argument: Any) -> None:
+        sys.settrace(None)
+        traced.f_trace, traced.f_trace_opcodes = None, False
+        raise KeyboardInterrupt
+
+    caller.f_trace, caller.f_trace_opcodes = raise_interrupt, True
+    sys.settrace(lambda *_: None)
+
+
 def execute(file: Path, name: str) -> dict[str, Any]:
     """Execute a file as the module `name` and return its globals."""
     module = sys.modules[name] = ModuleType(name)
@@ -209,6 +234,7 @@ def main() -> None:
     sys.path[0] = str(file.resolve().parent)
     add_kit(Path(settings["kit"]))
     sys.meta_path.insert(0, KitPackages(settings, program))
+    signal.signal(signal.SIGINT, interrupt)
     sys.excepthook = partial(print_error, is_timed=settings["is_timed"])
     if subject == "-":
         execute(file, "__main__")
