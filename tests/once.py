@@ -10,7 +10,7 @@ from typing import Any
 
 from course_lib.authoring.rehearsal import Rehearsal, RehearsalResult, rehearse
 from course_lib.authoring.verify import run_lesson
-from course_lib.course.state import write_atomically
+from course_lib.files import write_atomically
 from course_lib.grading.run.run import ExerciseRun, Job, pack, run_scenarios, unpack
 from course_lib.grading.store import Course
 

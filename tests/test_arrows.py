@@ -23,12 +23,13 @@ ROOMS = {
     "grading",
 }
 ALL = ROOMS | {"gateway", "authoring", "book", "real"}
-EVERYWHERE = {"arrays", "errors", "third_party", "host", "CourseError"}
-# room -> the rooms it may import; `arrays`, `errors`, `third_party` and `host` are known to all
+EVERYWHERE = {"arrays", "errors", "files", "third_party", "host", "CourseError"}
+# room -> the rooms it may import; `arrays`, `errors`, `files`, `third_party` and `host` are known to all
 ARROWS = {
     "arrays": set[str](),
     "errors": set[str](),
     "third_party": set[str](),
+    "files": set[str](),
     "host": set[str](),
     "ros": set[str](),
     "viewer": set[str](),

@@ -60,8 +60,9 @@ from course_lib.authoring.rules import (
 from course_lib.course.course_file import read_course_file
 from course_lib.course.exercise import code_cells, exercise_from, notebook_text, read_notebook, source
 from course_lib.course.questions import read_questions
-from course_lib.course.state import CHOICE, course_package, lessons_dir, write_atomically
+from course_lib.course.state import CHOICE, course_package, lessons_dir
 from course_lib.errors import CourseError, did_you_mean, format_count, location_of
+from course_lib.files import write_atomically
 from course_lib.grading.judge import NEEDS_ANOTHER, executors
 from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.store import Course, catalog_of, kit_digest

@@ -22,9 +22,10 @@ from nbclient.exceptions import CellExecutionError, CellTimeoutError
 from course_lib.course.course_file import shipped_course_file
 from course_lib.course.exercise import notebook_text, read_notebook, source
 from course_lib.course.questions import NO_PREDICTION
-from course_lib.course.state import extras, lessons_dir, material_root, write_atomically
+from course_lib.course.state import extras, lessons_dir, material_root
 from course_lib.course.student_folder import prepare
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 
 NEEDED = ("sphinx", "myst_nb", "sphinx_book_theme")
 # A file in the folder of every book. Only folders with this file may be replaced.

@@ -16,9 +16,9 @@ from IPython.core.getipython import get_ipython
 from PIL import Image
 
 from course_lib.arrays import AnyArray
-from course_lib.course.state import write_atomically
 from course_lib.displays.panel.resting_view import RestingView
 from course_lib.displays.viewer import Viewer
+from course_lib.files import write_atomically
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.time.driving import live_runs, spin_for
 from course_lib.viewer import encoding, renderer

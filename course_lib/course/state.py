@@ -10,16 +10,16 @@ import os
 import platform
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
-from functools import cache, partial
+from functools import cache
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.third_party import read_json
 
 STATE_FOLDER = ".course"
@@ -29,39 +29,6 @@ WRITTEN_FOLDER = "my_files"
 CHECKS, PACKED = "checks", "packed_files"
 # Length of a cell's digest.
 DIGITS = 12
-
-
-def write_atomically(path: Path, data: bytes, mode: int = 0o666) -> None:
-    """Write a file so that it is complete or unchanged. Its folder is created if it is missing.
-
-    The content is written to a draft next to the file and synchronized to the disk, then the draft
-    is renamed.
-
-    Args:
-        path: The file.
-        data: The whole content.
-        mode: Its permissions, reduced by the umask.
-
-    Raises:
-        OSError: The file cannot be written. The error contains its path, not the draft's.
-    """
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        # A leftover draft may have different permissions.
-        draft.unlink(missing_ok=True)
-        with open(draft, "wb", opener=partial(os.open, mode=mode)) as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(path)
-    except BaseException as error:
-        # On a full disk, a partial draft would take up space.
-        with suppress(OSError):
-            draft.unlink()
-        if isinstance(error, OSError):
-            raise OSError(error.errno, error.strerror, str(path)) from error
-        raise
 
 
 def find_student_folder(start: Path | None = None) -> Path | None:

@@ -56,9 +56,9 @@ from course_lib.course.state import (
     lessons_dir,
     reviews,
     solutions_dir,
-    write_atomically,
 )
 from course_lib.errors import CourseError, format_count
+from course_lib.files import write_atomically
 from course_lib.host import hub_prefix
 from course_lib.third_party import read_json
 

@@ -1,5 +1,6 @@
 """Writing .rviz files in RViz's own format (property.cpp, config.cpp, yaml_config_writer.cpp)."""
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from course_lib.displays.registry import FailedDisplay
 from course_lib.displays.session import RvizSession
 from course_lib.displays.views import FailedView, ViewController
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 
 _Configured = Display | ViewController | Tool | Options
 _PANELS = ("Displays", "Selection", "Tool Properties", "Views", "Time")
@@ -27,8 +29,7 @@ def save_rviz(session: RvizSession, path: str | Path) -> None:
     """
     path = Path(path)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(yaml_text(document(session)), encoding="utf-8")
+        write_atomically(Path(os.path.realpath(path)), yaml_text(document(session)).encode())
     except OSError as error:
         raise CourseError(f"Cannot write the layout {path}: {error.strerror}.") from None
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.grading.submissions.roster import read_class
 from course_lib.ros.zenoh.session import PRESENCE, ROBOT, STUDENTS
 from course_lib.ros.zenoh.tokens import ADMIN

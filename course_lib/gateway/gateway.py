@@ -21,8 +21,8 @@ from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 from tornado.web import Application, RequestHandler
 
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError, format_count
+from course_lib.files import write_atomically
 from course_lib.gateway.access import (
     DRIVER,
     GUEST,

@@ -27,8 +27,8 @@ from types import FrameType
 
 import course_lib
 from course_lib.course.exercise import exercise_from, notebook_text, read_notebook
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError, format_count
+from course_lib.files import write_atomically
 from course_lib.grading.jail.filters import Need
 from course_lib.grading.judge import executors, flow, judge
 from course_lib.grading.marks import GradebookRow, MarkedResult, mark, read_marks, stored_result

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.course.course_file import POINTS_PER_WEEK, CourseFile
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.grading.records import (
     Attempt,
     Fault,

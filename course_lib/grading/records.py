@@ -26,8 +26,8 @@ from typing import Any, Literal, TypeVar
 import msgspec
 
 from course_lib.course.course_file import Counts, Late
-from course_lib.course.state import write_atomically
 from course_lib.errors import format_count
+from course_lib.files import write_atomically
 from course_lib.grading.store import result_path
 from course_lib.grading.submissions.notebook import Notebook
 from course_lib.grading.task import Row

@@ -4,6 +4,7 @@ import base64
 import gzip
 import hashlib
 import json
+import os
 import re
 from functools import cache
 from html import escape
@@ -11,6 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.viewer import encoding
 from course_lib.viewer.scene import Scene, describe_scene
 from course_lib.viewer.scene_recording import SceneRecording
@@ -127,8 +129,7 @@ _CODE = """\
 def save_html(scene: Scene | SceneRecording, path: str | Path, title: str = "3D view") -> Path:
     """Write a page that shows a scene, or plays a recording, and works offline and as a local file."""
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(static_page(scene, title), encoding="utf-8")
+    write_atomically(Path(os.path.realpath(path)), static_page(scene, title).encode())
     return path
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.viewer import encoding, html
 from course_lib.viewer.renderer import draw
 from course_lib.viewer.scene import Scene
@@ -103,9 +104,7 @@ class Picture:
 
     def save(self, path: str | Path) -> None:
         """Write the file, and create its folder."""
-        path = Path(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(self.png)
+        write_atomically(Path(os.path.realpath(path)), self.png)
 
     def _repr_png_(self) -> bytes:
         """Return the PNG, to display it below a notebook cell."""

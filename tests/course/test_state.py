@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from course_lib.course import state as state_module
-from course_lib.course.state import State, find_student_folder, student_state, write_atomically
+from course_lib.course.state import State, find_student_folder, student_state
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 
 
 @pytest.fixture

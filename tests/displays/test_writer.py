@@ -1,13 +1,18 @@
+import errno
+import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
+from course_lib import Viewer
 from course_lib.displays.layout import read_layout
 from course_lib.displays.session import RvizSession
 from course_lib.displays.views import Orbit
 from course_lib.displays.writer import document, save_rviz
 from course_lib.errors import CourseError
+from course_lib.viewer.picture import Picture
 from course_lib.viewer.scene import Scene
 from tests.displays.test_layout import LAYOUT
 
@@ -137,3 +142,34 @@ def test_unwritable_folder_is_reported(layout: Path, tmp_path: Path) -> None:
     (tmp_path / "nowhere").write_text("a file")
     with pytest.raises(CourseError, match="nowhere"):
         save_rviz(session_of(layout), tmp_path / "nowhere" / "view.rviz")
+
+
+@pytest.mark.parametrize("name", ["view.rviz", "view.html", "view.png"])
+def test_full_disk_leaves_the_saved_file_unchanged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    viewer, path = Viewer(), tmp_path / name
+    saves: dict[str, Callable[[], object]] = {
+        ".rviz": lambda: viewer.save_rviz(path),
+        ".html": lambda: viewer.save_html(path),
+        ".png": lambda: Picture(b"new", "numpy").save(path),
+    }
+    path.write_text("old")
+
+    def fail(_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises((CourseError, OSError), match="No space left"):
+        saves[path.suffix]()
+    assert [(one.name, one.read_text()) for one in tmp_path.iterdir()] == [(name, "old")]
+
+
+def test_layout_that_is_a_link_is_written_where_it_points_to(layout: Path) -> None:
+    link = layout.with_name("link.rviz")
+    link.symlink_to(layout)
+    session = session_of(link)
+    session.displays[0].name = "Renamed"
+    save_rviz(session, link)
+    assert link.is_symlink()
+    assert "Renamed" in layout.read_text()

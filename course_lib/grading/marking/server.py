@@ -22,8 +22,8 @@ from markupsafe import Markup
 from tornado.httpserver import HTTPServer
 from tornado.web import Application, HTTPError, RequestHandler
 
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError, format_count
+from course_lib.files import write_atomically
 from course_lib.grading.marking.marking_queue import MarkingQueue, submitted_code
 from course_lib.grading.marks import MarkEntry, MarksConflictError, require_results, stored_result
 from course_lib.grading.records import Result

@@ -8,9 +8,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from course_lib.course.course_file import shipped_course_file
-from course_lib.course.state import exercises_dir, write_atomically
+from course_lib.course.state import exercises_dir
 from course_lib.course.student_folder import content_hash
 from course_lib.errors import CourseError, format_count
+from course_lib.files import write_atomically
 from course_lib.grading.check_file import check_file
 from course_lib.grading.reports.table import printable
 from course_lib.grading.submissions.collect import (

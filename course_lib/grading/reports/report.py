@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError, format_count
+from course_lib.files import write_atomically
 from course_lib.grading.marks import MarkedResult, read_marks, require_results, results_in, task_mark
 from course_lib.grading.records import HandMark, Result, TaskResult
 from course_lib.grading.reports.scenes import figures, shared_script

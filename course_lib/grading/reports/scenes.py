@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from IPython.display import display
 from ipywidgets import HTML, Checkbox, HBox, Layout
 
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import build
 from course_lib.grading.run.run import Run

@@ -17,8 +17,8 @@ from zoneinfo import ZoneInfo
 
 import numpy as np
 
-from course_lib.course.state import write_atomically
 from course_lib.errors import format_count
+from course_lib.files import write_atomically
 from course_lib.grading.judge import CHECK_SECONDS
 from course_lib.grading.marks import COLUMNS, MarkedResult, results_in
 from course_lib.grading.records import Judgement, TaskResult

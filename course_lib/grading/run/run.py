@@ -17,8 +17,8 @@ from typing import Any
 import msgpack
 
 from course_lib.course.course_file import Limits
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import personal_values
 from course_lib.grading.jail.filters import Isolation, Need

@@ -22,8 +22,9 @@ from pathlib import Path
 from typing import Literal
 from zoneinfo import ZoneInfo
 
-from course_lib.course.state import exercises_dir, write_atomically
+from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError, format_count
+from course_lib.files import write_atomically
 from course_lib.grading.reports.table import escape_formula, printable
 from course_lib.grading.submissions.archives import Arrival, Arrivals, list_paths, path_problem
 from course_lib.grading.submissions.notebook import (

@@ -25,8 +25,8 @@ import numpy as np
 
 from course_lib.arrays import Floats
 from course_lib.course.exercise import code_cells, read_notebook, source
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.grading.records import Submission
 from course_lib.grading.reports.table import fill
 from course_lib.grading.store import result_path

@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 from course_lib.course.exercise import normalise
-from course_lib.course.state import write_atomically
 from course_lib.errors import CourseError, format_count
+from course_lib.files import write_atomically
 from course_lib.grading.marks import results_in, standing_marks
 from course_lib.grading.reports.table import escape_formula, printable
 from course_lib.grading.submissions.notebook import full_exercise_name

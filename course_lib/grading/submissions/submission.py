@@ -23,8 +23,9 @@ from zipfile import ZipFile
 from zoneinfo import ZoneInfo
 
 from course_lib.course.course_file import Counts
-from course_lib.course.state import exercises_dir, lessons_dir, write_atomically
+from course_lib.course.state import exercises_dir, lessons_dir
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.grading.marks import attempt_of, dates_of
 from course_lib.grading.records import Result, Submission, to_plain
 from course_lib.grading.reports.table import MOST_NAMED, join_few
