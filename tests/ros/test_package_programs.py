@@ -152,8 +152,8 @@ def test_compiled_executable_is_rejected_with_the_reason(
         ("moveit", "MoveIt plans"),
         ("nav2_bringup", "navigation runs"),
         ("controller_manager", "ros2_control is made"),
-        ("usb_cam", "a driver runs"),
-        ("realsense2_camera", "a driver runs"),
+        ("usb_cam", "a driver needs its device"),
+        ("realsense2_camera", "a driver needs its device"),
         ("slam_toolbox", "navigation runs"),
         ("joy", "a gamepad is read"),
         ("teleop_twist_joy", "a gamepad is read"),
@@ -259,6 +259,12 @@ def test_missing_module_of_pip_gets_the_command_that_installs_it(module: str, na
     ("module", "text"),
     [
         ("RPi.GPIO", "RPi drives devices of the robot's own computer: run this program there."),
+        (
+            "ros2topic.api",
+            "this is a part of the program ros2, which pip can't install. Here node.get_",
+        ),
+        ("nav_2d_msgs.msg", "copy the package's folder from https://github.com/ros-navigation/navigation2"),
+        ("nav_2d_msgs", "copy the package's folder from https://github.com/ros-navigation/navigation2"),
         ("py_trees_ros.trees", "py_trees itself runs, after pip install py-trees"),
         ("inputs", "pip install inputs"),
     ],

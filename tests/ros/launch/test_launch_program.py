@@ -192,6 +192,10 @@ simulated = IncludeLaunchDescription(os.path.join(simulator, "launch", "gz_sim.l
          "navigation runs in compiled servers"),
         ("ExecuteProcess(cmd=['gz', 'sim'])", "`gz sim` cannot run here"),
         ("ExecuteProcess(cmd=['ros2', 'control', 'load_controller', 'a'])", "`ros2 control` cannot run here"),
+        (
+            "ExecuteProcess(cmd=['ros2', 'component', 'load', '/c', 'composition', 'composition::Talker'])",
+            "`ros2 component load /c composition composition::Talker` cannot run here: there are no c",
+        ),
         ("ExecuteProcess(cmd=['ros2', 'run', 'nowhere', 'x'])", "package 'nowhere' not found"),
         ("Node(**TALKER, parameters=[os.path.join(simulator, 'p.yaml')])", "package 'ros_gz_sim' not found"),
         ("Node(**TALKER, arguments=[os.path.join(simulator, 'p.rviz')])", "package 'ros_gz_sim' not found"),
