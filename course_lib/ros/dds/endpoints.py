@@ -16,6 +16,8 @@ from course_lib.ros.dds import wire
 from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Locator, RequestId, sequence_number
 
 FRAGMENT_SIZE = 60_000  # [B]
+# First and last sequence number, each in two parts, and the count.
+HEARTBEAT_BODY = struct.Struct("<iIiII")
 # Messages that a writer with history KEEP_ALL keeps.
 KEEP_ALL_DEPTH = 10_000
 # Number of times that a reader requests a writer's first heartbeat.
@@ -201,7 +203,9 @@ class Writer(OwnEndpoint[MatchedReader]):
         self._send_to(reader.endpoint, wire.HEARTBEAT, 0, self._heartbeat_body(first, self.last))
 
     def _heartbeat_body(self, first: int, last: int) -> bytes:
-        return sequence_number(first) + sequence_number(last) + struct.pack("<I", next(self._counts))
+        return HEARTBEAT_BODY.pack(
+            first >> 32, first & 0xFFFFFFFF, last >> 32, last & 0xFFFFFFFF, next(self._counts)
+        )
 
     def _send(
         self,
@@ -224,7 +228,7 @@ class Writer(OwnEndpoint[MatchedReader]):
 
     def _data(self, number: int, change: Change, entity: bytes, fragment: int) -> list[Buffer]:
         data = data_submessage(self.endpoint.guid, number, change.data, change.inline_qos, entity, fragment)
-        return [*wire.timestamp(change.at_ns), *data]
+        return [wire.timestamp(change.at_ns), *data]
 
 
 def data_submessage(

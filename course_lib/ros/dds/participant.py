@@ -307,7 +307,7 @@ class Participant:
     def _send_spdp(self, locators: Iterable[Locator], data: bytes, inline_qos: bytes = b"") -> None:
         writer = self.prefix + wire.SPDP_WRITER
         body = data_submessage(writer, next(self._announcements), data, inline_qos, wire.SPDP_READER)
-        self.send((*wire.timestamp(wall.time_ns()), *body), locators)
+        self.send((wire.timestamp(wall.time_ns()), *body), locators)
 
     def _on_spdp(self, payload: bytes, source: bytes, key: bytes, sender: str, *, is_disposed: bool) -> None:
         """Process the announcement or departure of a participant, from the address `sender`."""
@@ -516,12 +516,13 @@ class Participant:
     def receive(self, data: bytes, host: str = "") -> None:
         """Process a datagram that `host` has sent. A malformed datagram is dropped and counted."""
         # The participant receives its own announcement if the robot runs on this computer.
-        self.datagrams += data[wire.HEADER_SIZE - PREFIX_SIZE : wire.HEADER_SIZE] != self.prefix
+        sender = data[wire.HEADER_SIZE - PREFIX_SIZE : wire.HEADER_SIZE]
+        self.datagrams += sender != self.prefix
         try:
             with self.lock:
                 if self.is_open:
                     self._process(data, host)
-                    if data[wire.HEADER_SIZE - PREFIX_SIZE : wire.HEADER_SIZE] in self._remotes:
+                    if sender in self._remotes:
                         self._heard_at = wall.monotonic()
         except MALFORMED as error:
             self.dropped[type(error).__name__] += 1
@@ -604,9 +605,11 @@ class Participant:
 
     def _readers_of(self, entity: bytes, writer: bytes) -> list[Reader]:
         """Return the readers to which a submessage of a remote writer is addressed."""
-        to_all = entity == wire.UNKNOWN_ENTITY
-        addressed = self._own.values() if to_all else (self._own.get(entity),)
-        return [own for own in addressed if isinstance(own, Reader) and writer in own.matched]
+        if entity == wire.UNKNOWN_ENTITY:
+            own_endpoints = self._own.values()
+            return [own for own in own_endpoints if writer in own.matched and isinstance(own, Reader)]
+        own = self._own.get(entity)
+        return [own] if isinstance(own, Reader) and writer in own.matched else []
 
 
 def _locators_at(host: str, locators: tuple[Locator, ...]) -> tuple[Locator, ...]:

@@ -40,6 +40,11 @@ SUBSCRIPTIONS_WRITER, SUBSCRIPTIONS_READER = b"\0\0\4\xc2", b"\0\0\4\xc7"
 BUILTIN_ENDPOINTS = 0x3F  # SPDP and SEDP, both directions
 USER_WRITER, USER_READER = 0x03, 0x04  # last byte of the entities of ROS, which have no keys
 
+# kind, flags and length of a submessage; for INFO_TS also seconds and fraction.
+SUBMESSAGE, TIMESTAMP = struct.Struct("<BBH"), struct.Struct("<BBHII")
+# Readers of a submessage's length and of a sequence number, by byte order.
+READ_LENGTH = {order: struct.Struct(f"{order}H").unpack_from for order in "<>"}
+READ_SEQUENCE = {order: struct.Struct(f"{order}iI").unpack_from for order in "<>"}
 PL_CDR_LE = b"\0\3\0\0"
 DISPOSED = b"\0\0\0\3"  # status of an instance that was disposed and unregistered
 INFINITE = (0x7FFFFFFF, 0xFFFFFFFF)
@@ -148,7 +153,7 @@ def submessage(kind: int, flags: int, *body: Buffer) -> tuple[Buffer, ...]:
     size = sum(map(len, body))
     padding = bytes(-size % 4)
     size += len(padding)
-    return (struct.pack("<BBH", kind, flags | 1, size if size < 2**16 else 0), *body, padding)
+    return (SUBMESSAGE.pack(kind, flags | 1, size if size < 2**16 else 0), *body, padding)
 
 
 def read_datagram(data: bytes, own_prefix: bytes) -> Iterator[Submessage]:
@@ -159,7 +164,7 @@ def read_datagram(data: bytes, own_prefix: bytes) -> Iterator[Submessage]:
     while at + 4 <= len(data):
         kind, flags = data[at], data[at + 1]
         order: Literal["<", ">"] = "<" if flags & 1 else ">"
-        (size,) = struct.unpack_from(f"{order}H", data, at + 2)
+        (size,) = READ_LENGTH[order](data, at + 2)
         # A length of 0 means "up to the end", except in submessages that may be empty.
         end = at + 4 + size if size or kind in (PAD, INFO_TS) else len(data)
         body = view[at + 4 : end]
@@ -174,10 +179,10 @@ def read_datagram(data: bytes, own_prefix: bytes) -> Iterator[Submessage]:
             yield Submessage(kind, flags, order, body, source, is_for, stamp_ns)
 
 
-def timestamp(at_ns: int) -> tuple[Buffer, ...]:
+def timestamp(at_ns: int) -> bytes:
     """Encode an INFO_TS submessage with a time, [ns] since 1970."""
     seconds, rest = divmod(at_ns, 10**9)
-    return submessage(INFO_TS, 0, struct.pack("<II", seconds & 0xFFFFFFFF, rest * 2**32 // 10**9))
+    return TIMESTAMP.pack(INFO_TS, 1, 8, seconds & 0xFFFFFFFF, rest * 2**32 // 10**9)
 
 
 def read_time(data: Buffer, order: str, at: int = 0) -> int:
@@ -194,7 +199,7 @@ def sequence_number(value: int) -> bytes:
 
 def read_sequence_number(data: Buffer, at: int, order: str) -> int:
     """Decode the sequence number at a position."""
-    high, low = struct.unpack_from(f"{order}iI", data, at)
+    high, low = READ_SEQUENCE[order](data, at)
     value: int = high << 32 | low
     return value
 
