@@ -532,7 +532,7 @@ def deletions(code: Code, tasks: Sequence[Task]) -> Iterator[Deletion]:
         for number, statement in enumerate(tree.body):
             key = (index, number)
             of = tuple(task for task, keys in needed_keys.items() if key in keys)
-            for part in _parts(source, statement) if of else ():
+            for part in _deletable_parts(source, statement) if of else ():
                 text = source[: part.first] + part.replacement + source[part.last :]
                 if _cell(text).syntax_error:
                     continue
@@ -673,7 +673,7 @@ def _global_names(code: str) -> frozenset[str]:
 
 
 @dataclass(frozen=True)
-class _Part:
+class _DeletablePart:
     """A deletable part of a program: its range in the source, and its replacement."""
 
     name: str
@@ -683,7 +683,7 @@ class _Part:
     attributes: frozenset[str] = frozenset()
 
 
-def _parts(source: str, tree: ast.AST) -> Iterator[_Part]:
+def _deletable_parts(source: str, tree: ast.AST) -> Iterator[_DeletablePart]:
     """Yield the deletable imports and statements of a program and of programs in its strings."""
     lines = source.splitlines(keepends=True)
     starts = [0, *accumulate(len(line) for line in lines)]
@@ -704,18 +704,18 @@ def _parts(source: str, tree: ast.AST) -> Iterator[_Part]:
                 other_aliases = [one for one in node.names if one is not alias]
                 fewer = copy.copy(node)
                 fewer.names = other_aliases
-                yield _Part(f"import of {alias.name}", first, last, ast.unparse(fewer))
+                yield _DeletablePart(f"import of {alias.name}", first, last, ast.unparse(fewer))
         if isinstance(node, ast.stmt) and not _changes_nothing(node, source[first:last]):
             for decorator in getattr(node, "decorator_list", ()):
                 first = min(first, offset(decorator.lineno, decorator.col_offset) - 1)
             text = " ".join(source[first:last].split())
             shown = text if len(text) <= EXCERPT_LENGTH else f"{text[:EXCERPT_LENGTH]}…"
-            yield _Part(repr(shown), first, last, "pass", frozenset(_assigned_attributes(node)))
+            yield _DeletablePart(repr(shown), first, last, "pass", frozenset(_assigned_attributes(node)))
         elif isinstance(node, ast.Constant | ast.JoinedStr):
             yield from _parts_in_string(source[first:last], first)
 
 
-def _parts_in_string(literal: str, at: int) -> Iterator[_Part]:
+def _parts_in_string(literal: str, at: int) -> Iterator[_DeletablePart]:
     """Yield the parts of a program in a triple-quoted string, with placeholders parsed as numbers."""
     match = LONG_STRING.fullmatch(literal)
     if match is None:
@@ -729,7 +729,7 @@ def _parts_in_string(literal: str, at: int) -> Iterator[_Part]:
         return
     if any(isinstance(node, ast.Import | ast.ImportFrom | ast.FunctionDef) for node in tree.body):
         begin = at + match.start("text")
-        for part in _parts(code, tree):
+        for part in _deletable_parts(code, tree):
             yield replace(
                 part, name=f"{part.name} in the text", first=begin + part.first, last=begin + part.last
             )

@@ -567,7 +567,7 @@ class InteractiveMarkersDisplay(Display):
         if self.is_started and label in (self.topic_label, "Enable Transparency"):
             self.start()
         for marker in self.markers.values():
-            self._show_parts(marker)
+            self._apply_visibility(marker)
 
     def reset(self) -> None:
         """Remove all markers, and request them again."""
@@ -622,7 +622,7 @@ class InteractiveMarkersDisplay(Display):
             is_shown = path is None or is_held or control.message.always_visible
             self.context.scene.set_visible(control.path, is_shown)
         for marker in self.markers.values():
-            self._show_parts(marker)
+            self._apply_visibility(marker)
 
     def choose(self, path: str, entry: int) -> str:
         """Choose a menu entry of the marker at a path, and return a message for the page."""
@@ -682,7 +682,7 @@ class InteractiveMarkersDisplay(Display):
                 return
             else:
                 self._marker(message.name).show(message)
-                self._show_parts(self.markers[message.name])
+                self._apply_visibility(self.markers[message.name])
 
     def _move(self, poses: Iterable[Message]) -> None:
         for message in poses:
@@ -712,7 +712,7 @@ class InteractiveMarkersDisplay(Display):
         if self._client is not None:
             self._client.send(feedback)
 
-    def _show_parts(self, marker: SceneMarker) -> None:
+    def _apply_visibility(self, marker: SceneMarker) -> None:
         """Show the parts that the properties request."""
         self.context.scene.set_visible(f"{marker.path}/axes", self["Show Axes"])
         self.context.scene.set_visible(f"{marker.path}/title", self["Show Descriptions"])

@@ -384,10 +384,10 @@ Key: TypeAlias = tuple[str, int]  # (namespace, id)
 class DisplayedMarker:
     """A marker in the scene."""
 
-    # Its last message.
+    # The marker's last message.
     marker: Any
     drawn: MarkerDrawing
-    # The path of its scene node.
+    # The path of the marker's scene node.
     path: str
     # Robot time of reception [ns].
     received_ns: int

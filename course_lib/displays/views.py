@@ -26,7 +26,7 @@ COMMON = (
 )
 
 
-class Hands(Message, frozen=True):
+class DragRules(Message, frozen=True):
     """The rules by which a page turns a view by hand."""
 
     # Whether the view turns around the eye instead of the focal point.
@@ -103,9 +103,9 @@ class ViewController(PropertyHolder):
         self.config, self._followed = config, ""
         return super().load(config)
 
-    def hands(self) -> Hands:
+    def drag_rules(self) -> DragRules:
         """Return the rules by which a page turns the view."""
-        return Hands("Position" in self._values, False, False, self.lift, float(self._target[2, 3]))
+        return DragRules("Position" in self._values, False, False, self.lift, float(self._target[2, 3]))
 
     def return_home(self) -> None:
         """Restore the defaults, like RViz's key Z."""
@@ -370,9 +370,9 @@ class FrameAligned(FPS):
         super().set_from_camera(camera)
         self._name_axis()
 
-    def hands(self) -> Hands:
+    def drag_rules(self) -> DragRules:
         """Return the rules by which a page turns the view."""
-        return replace(super().hands(), aligned=True, locked=self["Lock Camera"])
+        return replace(super().drag_rules(), aligned=True, locked=self["Lock Camera"])
 
     def _name_axis(self) -> None:
         forward = direction(self["Yaw"], -self["Pitch"])

@@ -101,7 +101,7 @@ def export(
     _write(files, out / package)
     notes = []
     for name, why in only_code.items():
-        places = [f"{m.name}.py" for m in modules if any(name in part.bindings for part in m.parts)]
+        places = [f"{m.name}.py" for m in modules if any(name in part.bindings for part in m.statements)]
         notes.append(f"{name} is not an executable, because it {why}. Its code is in {', '.join(places)}.")
     return ExportedPackage(out / package, tuple(out / package / path for path in sorted(files)), tuple(notes))
 
@@ -109,8 +109,8 @@ def export(
 def _modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[str, str]]:
     """Return the modules, and the reason for each class that is not an executable."""
     code = statements(read_cells(file))
-    if any(one.cell.marked for one in code):
-        exported, left_out = [s for s in code if s.cell.marked], [s for s in code if not s.cell.marked]
+    if any(one.cell.is_marked for one in code):
+        exported, left_out = [s for s in code if s.cell.is_marked], [s for s in code if not s.cell.is_marked]
     else:
         exported, left_out = code, []
     roots = node_classes(exported, nodes)
@@ -125,7 +125,7 @@ def _modules(file: Path, nodes: Sequence[str]) -> tuple[list[NodeModule], dict[s
             f"Nothing can start this: {reasons}. Give defaults, or make them parameters: "
             "self.declare_parameter(…)."
         )
-    bindings = {one for module in started for part in module.parts for one in part.bindings}
+    bindings = {one for module in started for part in module.statements for one in part.bindings}
     helper_modules = [
         replace(m, main=Main.NONE) for m in modules if m.class_name in reasons_by_class.keys() - bindings
     ]

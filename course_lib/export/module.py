@@ -30,7 +30,7 @@ class Cell:
 
     number: int
     source: str
-    marked: bool
+    is_marked: bool
 
 
 def read_cells(file: Path) -> list[Cell]:
@@ -42,7 +42,7 @@ def read_cells(file: Path) -> list[Cell]:
     if file.suffix == ".ipynb":
         cells = (_cell(number, cell) for number, cell in code_cells(read_notebook(file)))
         return [part for cell in cells for part in _with_modules(cell, file.parent)]
-    return [Cell(1, _text(file), marked=True)]
+    return [Cell(1, _text(file), is_marked=True)]
 
 
 def _text(file: Path) -> str:
@@ -61,12 +61,12 @@ def _with_modules(cell: Cell, folder: Path) -> Iterator[Cell]:
     modules = {name: folder / f"{name}.py" for name in re.findall(r"^from (\w+) import", cell.source, re.M)}
     for name, module in modules.items():
         if module.is_file():
-            yield Cell(cell.number, _text(module), cell.marked)
+            yield Cell(cell.number, _text(module), cell.is_marked)
             for node in parse_python(cell.source).body:
                 if isinstance(node, ast.ImportFrom) and node.module == name:
                     first, last = node.lineno - 1, node.end_lineno or node.lineno
                     lines[first:last] = [""] * (last - first)
-    yield Cell(cell.number, "\n".join(lines), cell.marked)
+    yield Cell(cell.number, "\n".join(lines), cell.is_marked)
 
 
 def _cell(number: int, cell: dict[str, Any]) -> Cell:
@@ -274,7 +274,7 @@ class NodeModule:
     """A node class and the statements of the module that it is exported to."""
 
     node: ast.ClassDef
-    parts: Sequence[Statement]
+    statements: Sequence[Statement]
     main: Main
 
     @property
@@ -296,8 +296,8 @@ class NodeModule:
 
     def text(self) -> str:
         """Return the source of the module."""
-        imports = {part.text for part in self.parts if part.is_import}
-        body = [(part.node, part.text) for part in self.parts if not part.is_import]
+        imports = {part.text for part in self.statements if part.is_import}
+        body = [(part.node, part.text) for part in self.statements if not part.is_import]
         if self.main is Main.MADE:
             imports |= set(_MAIN_IMPORTS)
             main = _MAIN.format(name=self.class_name)

@@ -89,7 +89,7 @@ def check(task_id: str, subject: Any = MISSING) -> None:
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     history = getattr(shell, "history_manager", None)
-    remember(task, result, [] if history is None else list(history.input_hist_raw))
+    save_progress(task, result, [] if history is None else list(history.input_hist_raw))
     table = table_of(task, result, evidence, student, _ADVICE, source_of(subject))
     own_files = map(NOT_SUBMITTED.format, _own_modules())
     table = replace(table, next_step=next_step(catalog, task), notes=(*table.notes, *own_files))
@@ -110,7 +110,7 @@ def bind_only(bind: Callable[[str, Any], None]) -> None:
     _bind = bind
 
 
-def remember(task: Task, result: TaskResult, cells: Sequence[str]) -> None:
+def save_progress(task: Task, result: TaskResult, cells: Sequence[str]) -> None:
     """Store a task's points and the cells run so far in the student's folder."""
     state = student_state()
     state.put("progress", task.id, {"score": result.score, "of": result.points})

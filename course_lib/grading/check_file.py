@@ -9,7 +9,7 @@ from course_lib.course.exercise import current_identity, find_notebook
 from course_lib.errors import CourseError, format_count
 from course_lib.export.module import without_magics
 from course_lib.grading.advice import Advice
-from course_lib.grading.check import remember, table_of
+from course_lib.grading.check import save_progress, table_of
 from course_lib.grading.judge import judge
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.outcome import NOT_DEFINED
@@ -55,7 +55,7 @@ def check_file(path: Path) -> bool:
     parts += map(NOT_SUBMITTED.format, own_modules(path, notebook.cells))
     advice = Advice()
     for task, result in zip(tasks, judgement.tasks, strict=True):
-        remember(task, result, notebook.cells)
+        save_progress(task, result, notebook.cells)
         evidence = [one.evidence for one in exercise_run.runs if one.evidence.task == task.id]
         follows = causes.is_only_cause(result)
         table = table_of(task, result, evidence, student, advice, _source_of(task, notebook.cells))

@@ -405,7 +405,7 @@ class RobotStatePublisher(Node):
         self._heard_ns = now_ns
         last_ns = min([now_ns, *(self._published_ns.get(name, 0) for name in state.name)])
         frequency = self._value("publish_frequency")
-        # In whole milliseconds, as in ROS.
+        # As in ROS, the period is in whole milliseconds.
         period_ns = int(1000.0 / frequency) * 10**6 if frequency else 0
         late_enough = Time.from_msg(state.header.stamp).nanoseconds >= last_ns + period_ns
         return late_enough or bool(self._value("ignore_timestamp"))

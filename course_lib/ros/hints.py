@@ -179,7 +179,7 @@ def _is_message(thing: object) -> bool:
 
 
 def _decimal_comma_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a failing line in which 0,5 makes two values of one, or ""."""
+    """Return the hint for a failing line in which a decimal comma splits a number, or ""."""
     surplus = (
         r"takes (exactly one|1 positional) argument.*2 (were )?given|attribute 'add_entity'|'tuple'"
         "|too many values to unpack|is not a node"

@@ -13,7 +13,7 @@ class Mistake(Enum):
     """The mistakes with which exceptions are marked."""
 
     NO_CALLBACK = auto()
-    TIMER_CALLBACK = auto()  # called with wrong arguments, like the next one
+    TIMER_CALLBACK = auto()  # the callback does not accept its arguments
     SERVICE_CALLBACK = auto()
     PERIOD = auto()
     REQUEST = auto()

@@ -26,7 +26,7 @@ from typing import Any
 
 from course_lib.errors import format_count, join_words
 from course_lib.ros.messages.definitions import definition, type_names
-from course_lib.ros.programs.missing_packages import how_to_clone
+from course_lib.ros.programs.missing_packages import clone_instructions
 
 # Folder of the kit. A class defined in it, in Python or in a library is not from a student.
 _KIT_FOLDER = str(Path(__file__).resolve().parent.parent)
@@ -690,7 +690,7 @@ def module_hint(error: ModuleNotFoundError) -> str:
         )
     if package in _ROS_1:
         return f"there is no module {package} in ROS 2: {_ROS_1[package]}."
-    if found := how_to_clone(package):
+    if found := clone_instructions(package):
         return f"{found}."
     kind, imported = inner.partition(".")[0], _imported_name(error)
     if kind in ("msg", "srv", "action") and (line := _import_of_interface(imported, package)):

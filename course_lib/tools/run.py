@@ -129,7 +129,7 @@ def ros2_over(
 
     verb = find_verb(words)
     is_file = bool(words) and Path(words[0]).is_file()
-    # An unknown command is explained without a source.
+    # The error for an unknown command needs no source.
     is_unknown = verb is None and not is_file
     needs_nothing = is_unknown or bool(HELP & set(words)) or (verb is not None and not verb.looks)
     starts = verb is not None and verb.words[0] in ("launch", "run") and bag is None

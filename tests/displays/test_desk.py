@@ -270,13 +270,18 @@ def test_key_z_resets_a_view(page: Page, viewer: Viewer) -> None:
 def test_page_receives_the_mouse_settings_of_each_view(page: Page, viewer: Viewer) -> None:
     viewer.view = XYOrbit()
     page.ask(act="LookAgain")
-    assert page.told["hands"] == {
+    assert page.told["drag"] == {
         "inPlace": False, "aligned": False, "locked": False, "lift": 0.2, "ground": 0.0
     }  # fmt: skip
     viewer.view = FrameAligned(lock_camera=True)
     page.ask(act="LookAgain")
-    hands = page.told["hands"]
-    assert (hands["inPlace"], hands["aligned"], hands["locked"], hands["lift"]) == (True, True, True, 0.0)
+    drag_rules = page.told["drag"]
+    assert (drag_rules["inPlace"], drag_rules["aligned"], drag_rules["locked"], drag_rules["lift"]) == (
+        True,
+        True,
+        True,
+        0.0,
+    )
 
 
 def test_unselectable_cloud_cannot_be_selected(page: Page, viewer: Viewer) -> None:

@@ -10,7 +10,7 @@ from msgspec import NODEFAULT
 from msgspec.structs import fields
 
 from course_lib.displays.panel import desk, protocol
-from course_lib.displays.views import Hands
+from course_lib.displays.views import DragRules
 from course_lib.viewer import html
 from course_lib.viewer.encoding import Message
 from course_lib.viewer.page_link import Click
@@ -22,7 +22,7 @@ _HEAD = "// Generated from Python's messages: python -m tests.viewer.declaration
 
 def declarations() -> str:
     """Return the declarations of all messages, and of the union of the orders."""
-    written = [Click, Hands, *_own(protocol), *_own(desk)]
+    written = [Click, DragRules, *_own(protocol), *_own(desk)]
     names = [kind.__name__ for kind in get_args(protocol.AnyOrder)]
     orders = "".join(f'\n  | ({{ act: "{name}" }} & {name})' for name in names)
     return "\n".join([_HEAD, *map(_interface, written), f"export type Order ={orders};\n"])

@@ -571,7 +571,7 @@ class Desk:
             tools=tools,
             toolbar=tuple(ToolButton(tool.label, tool.key, tool.gesture) for tool in session.tools),
             settings=settings_of(session.tools),
-            hands=session.view.hands(),
+            drag=session.view.drag_rules(),
             views=ViewChoice(repr(session.view), tuple(VIEWS), view_names),
             status=StatusLine(mark_of(level), status),
             notice=orders.notice,

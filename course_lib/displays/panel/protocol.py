@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from course_lib.arrays import Vector
 from course_lib.displays.statuses import Level
-from course_lib.displays.views import Hands
+from course_lib.displays.views import DragRules
 from course_lib.viewer.encoding import Message
 
 
@@ -177,7 +177,7 @@ class PanelState(Message, frozen=True):
     tools: tuple[str, ...]
     toolbar: tuple[ToolButton, ...]
     settings: ToolSettings
-    hands: Hands
+    drag: DragRules
     views: ViewChoice
     status: StatusLine
     notice: Notice

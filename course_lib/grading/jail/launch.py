@@ -132,7 +132,7 @@ def _locate(name: str) -> Iterator[str]:
 
 
 @dataclass(frozen=True)
-class Readable:
+class ReadablePaths:
     """Files and folders that a submission may read. None of them contains a refused path.
 
     Args:
@@ -149,7 +149,7 @@ class Readable:
 
 
 @cache
-def readable(refused: tuple[str, ...] = ()) -> Readable:
+def readable(refused: tuple[str, ...] = ()) -> ReadablePaths:
     """Return the files that submissions may read on this machine.
 
     Args:
@@ -183,7 +183,7 @@ def _needed_files() -> tuple[list[str], list[str]]:
 
 def select_readable(
     needed_paths: Iterable[str], folders: Collection[str], refused: Collection[str]
-) -> Readable:
+) -> ReadablePaths:
     """Return the readable subset of the needed files and folders.
 
     Args:
@@ -211,7 +211,7 @@ def select_readable(
     links = dict(link for path in existing for link in symlinks_on(path))
     # These are the links, not their targets.
     links |= {path: os.readlink(path) for path in paths if os.path.islink(path)}
-    return Readable(
+    return ReadablePaths(
         tuple(_outermost(paths - links.keys())), tuple(links.items()), tuple(listed_folders), conflict
     )
 
@@ -534,7 +534,7 @@ def processors() -> list[int]:
     return sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
 
-_shared: dict[Readable, TemplateProcess] = {}
+_shared: dict[ReadablePaths, TemplateProcess] = {}
 
 
 def shared_template(refused: tuple[str, ...] = ()) -> TemplateProcess:
@@ -563,7 +563,7 @@ def _start(
     control: socket.socket,
     place: dict[str, Any],
     bubblewrap: str,
-    files: Readable,
+    files: ReadablePaths,
     off: Collection[str],
 ) -> "subprocess.Popen[bytes]":
     environment = {
@@ -590,7 +590,7 @@ def _start(
     )
 
 
-def _bubblewrap(program: str, files: Readable) -> list[str]:
+def _bubblewrap(program: str, files: ReadablePaths) -> list[str]:
     links = [word for link, target in files.links for word in ("--symlink", target, link)]
     binds = [word for path in files.paths for word in ("--ro-bind", path, path)]
     identity_options = BECOME_ANOTHER.split() if os.geteuid() == 0 else []

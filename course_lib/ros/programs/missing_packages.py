@@ -73,8 +73,8 @@ def why_not_offered(package: str) -> str:
     return ""
 
 
-def how_to_clone(package: str) -> str:
-    """Return instructions to clone a Python package that is not on PyPI; "" for other packages."""
+def clone_instructions(package: str) -> str:
+    """Return instructions to clone a Python package that is not on PyPI, or ""."""
     if package not in _SOURCES:
         return ""
     return f"it is a source package: clone it into the workspace's src, with git clone {_SOURCES[package]}"

@@ -24,7 +24,7 @@ from xml.etree import ElementTree
 
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.ros.programs.build_files import Executable, is_python, read_build_files
-from course_lib.ros.programs.missing_packages import how_to_clone, why_not_offered
+from course_lib.ros.programs.missing_packages import clone_instructions, why_not_offered
 from course_lib.ros.time import wall
 from course_lib.third_party import read_text
 
@@ -287,7 +287,7 @@ def why_not_found(name: str) -> str:
         return f"package '{name}' not found: {reason}"
     if reason := _why_skipped(name):
         return f"package '{name}' not found: {reason}"
-    if reason := how_to_clone(name):
+    if reason := clone_instructions(name):
         return f"package '{name}' not found: {reason}."
     names = list(packages())
     suggestion = did_you_mean(name, names) or "."

@@ -120,7 +120,7 @@ class ProgramThread:
         self.waits_after_end = 0
         self.sleeps_after_end = 0
         self.stopped = False
-        self.raises: BaseException | None = None
+        self.pending_error: BaseException | None = None
         self.done = False
 
     def handle_end(self, *, sleeps: bool) -> None:
@@ -155,8 +155,8 @@ class ProgramThread:
 
     def raise_pending(self) -> None:
         """Raise the exception that an interrupt, or another thread, has set for this thread."""
-        if self.raises is not None:
-            error, self.raises = self.raises, None
+        if self.pending_error is not None:
+            error, self.pending_error = self.pending_error, None
             if not isinstance(error, CtrlC):
                 raise error
             self.interrupt()
@@ -171,7 +171,7 @@ class ProgramThread:
         wait = self.wait
         if wait is None or wait.graph is not graph:
             return False
-        return wait.deadline_passed or graph.ended or self.raises is not None or wait.ready()
+        return wait.deadline_passed or graph.ended or self.pending_error is not None or wait.ready()
 
     def can_enter(self) -> bool:
         """Return whether it is an ordinary thread whose wait is over, in any run."""
@@ -366,7 +366,7 @@ class TimeLock:
             if alarm is not None:
                 alarm.cancel()
         # Without an interrupt, an end or a deadline, only the condition can have ended the wait.
-        is_ready = me.raises is None and not graph.ended and not wait.deadline_passed
+        is_ready = me.pending_error is None and not graph.ended and not wait.deadline_passed
         me.raise_pending()
         is_ready = is_ready or ready()
         if graph.ended and not is_ready and not wait.deadline_passed:
@@ -438,12 +438,12 @@ class TimeLock:
         """Raise KeyboardInterrupt in a program thread, as the end of a run does."""
         state = self._threads.get(thread.ident or 0)
         if state is not None and not current_graph().ended:
-            state.raises = CtrlC()
+            state.pending_error = CtrlC()
 
     def _run_others(self, me: ProgramThread, graph: Graph) -> None:
         """Run other threads and events until the wait of the calling thread is over."""
         # `wait` has checked the condition immediately before.
-        can_run = graph.ended or me.raises is not None
+        can_run = graph.ended or me.pending_error is not None
         # Even after the end of the run, other threads get a turn.
         has_yielded = False
         while not can_run or (graph.ended and not has_yielded):
@@ -487,7 +487,7 @@ class TimeLock:
             f"Nothing can happen any more: {waits}. A wait must be ended by a timer, a message or "
             "another thread; give it a time limit, or let another thread spin."
         )
-        next((t for t in self._waiting if t.main and t.waits_in(graph)), me).raises = error
+        next((t for t in self._waiting if t.main and t.waits_in(graph)), me).pending_error = error
 
     def _hand_over(self, me: ProgramThread, heir: ProgramThread | None) -> None:
         """Pass the lock to `heir`, or release it until the main thread is back.
@@ -510,12 +510,12 @@ class TimeLock:
                 # Signals arrive in the main thread, so it must never wait without a timeout.
                 waiting = not me.turn.acquire(timeout=LOOK if me.main else -1)
             except KeyboardInterrupt as interrupt:
-                is_impatient = isinstance(me.raises, KeyboardInterrupt)
-                me.raises = interrupt
+                is_impatient = isinstance(me.pending_error, KeyboardInterrupt)
+                me.pending_error = interrupt
             if not waiting:
                 return
             looks += 1
-            looks_with_interrupt += me.raises is not None or self._is_signalled
+            looks_with_interrupt += me.pending_error is not None or self._is_signalled
             if looks % LOOKS_BEFORE_NOTICE == 0 and not is_reported:
                 is_reported = self._report_busy_thread()
             with self._mutex:

@@ -12,7 +12,7 @@ export interface Click {
 }
 
 /** The rules by which a page turns a view by hand. */
-export interface Hands {
+export interface DragRules {
   inPlace: boolean;
   aligned: boolean;
   locked: boolean;
@@ -145,7 +145,7 @@ export interface PanelState {
   tools: string[];
   toolbar: ToolButton[];
   settings: ToolSettings;
-  hands: Hands;
+  drag: DragRules;
   views: ViewChoice;
   status: StatusLine;
   notice: Notice;

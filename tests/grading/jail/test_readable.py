@@ -15,7 +15,7 @@ import course_lib
 from course_lib.errors import CourseError
 from course_lib.grading.jail.filters import Isolation
 from course_lib.grading.jail.launch import (
-    Readable,
+    ReadablePaths,
     TemplateProcess,
     readable,
     select_readable,
@@ -44,7 +44,7 @@ def written(path: Path) -> str:
     return str(path)
 
 
-def is_open(path: str, files: Readable) -> bool:
+def is_open(path: str, files: ReadablePaths) -> bool:
     real = os.path.realpath(path)
     return any(real == one or real.startswith(one + "/") for one in files.paths)
 
@@ -110,7 +110,7 @@ def test_only_declared_distributions_are_readable() -> None:
 def test_course_inside_a_required_folder_is_rejected_without_namespaces(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    conflict = Readable(**{**vars(readable()), "conflict": "/usr/lib/submissions"})
+    conflict = ReadablePaths(**{**vars(readable()), "conflict": "/usr/lib/submissions"})
     monkeypatch.setattr("course_lib.grading.jail.launch.readable", lambda _: conflict)
     with pytest.raises(CourseError, match="/usr/lib/submissions is in a folder that Python needs"):
         TemplateProcess(("bubblewrap", "namespaces")).close()

@@ -25,7 +25,7 @@ class ParameterCallbackHandle:
 
 @dataclass(eq=False)
 class ParameterEventCallbackHandle:
-    """Identifies a callback for all events, to remove it."""
+    """Handle with which a callback for all events is removed."""
 
     callback: Callable[[ParameterEvent], object]
 

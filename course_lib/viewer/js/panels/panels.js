@@ -57,7 +57,7 @@ export class Panels {
     this.properties.update(this.state.rowsOf(values.view));
     this.updateViews(values.views);
     this.toolTree.update(this.state.rowsOf(values.tools));
-    Object.assign(this.view.orbit, values.hands);
+    Object.assign(this.view.orbit, values.drag);
     Object.assign(this.gestures, { settings: values.settings, handles: values.handles });
     if (changed.menu && this.gestures.wantsMenu) this.openMenu(changed.menu);
     const { mark, text } = values.status;
