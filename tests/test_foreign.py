@@ -84,7 +84,7 @@ def test_too_deeply_nested_python_is_a_syntax_error_with_its_line(code: str, tmp
     assert "nested too deeply for Python: split the expression" in cell.syntax_error
     assert cell.bindings == frozenset()
     with pytest.raises(CourseError, match=r"Cell 3, line \d: it is nested too deeply"):
-        statements([Cell(3, code, marked=False)])
+        statements([Cell(3, code, is_marked=False)])
     (tmp_path / "deep.py").write_text(code)
     with pytest.raises(CourseError, match=r"deep\.py, line \d: it is nested too deeply"):
         Program(tmp_path / "deep.py", ())

@@ -119,7 +119,7 @@ def test_bag_without_intact_messages_is_an_error(tmp_path: Path, kept: int) -> N
 
 
 @pytest.mark.parametrize("text", ["", "[", "a: 1", "rosbag2_bagfile_information: 3"])
-def test_broken_metadata_is_one_clear_error(tmp_path: Path, text: str) -> None:
+def test_broken_metadata_is_reported_as_a_single_error(tmp_path: Path, text: str) -> None:
     (tmp_path / "metadata.yaml").write_text(text)
     with pytest.raises(CourseError, match="damaged"):
         read_bag(tmp_path)

@@ -126,7 +126,7 @@ def test_rejected_trajectory_is_logged_and_ignored(arm: Arm, capfd: pytest.Captu
     np.testing.assert_allclose(arm.states[-1], DOWN, atol=1e-9)
 
 
-def test_trajectory_can_start_later(arm: Arm) -> None:
+def test_future_stamp_delays_the_end_of_a_trajectory(arm: Arm) -> None:
     later = to(UP, 1)
     later.header.stamp = arm.operator.get_clock().now().to_msg()
     later.header.stamp.sec += 2

@@ -53,7 +53,7 @@ def test_snapshot_of_a_rendered_image_requires_no_image_loading() -> None:
     assert b"data:image/png" not in encoding.still(scene)
 
 
-def test_broken_image_texture_leaves_the_object_to_the_page() -> None:
+def test_object_with_a_broken_image_texture_has_no_stand_in() -> None:
     (drawable,) = _textured(g.Box([1, 1, 1]), b"no png").objects().values()
     assert isinstance(drawable, MeshcatObject)
     assert drawable.stand_in is None
