@@ -377,6 +377,19 @@ class RvizSession:
         references = {display.path for display in self.displays if isinstance(display, ReferenceDisplay)}
         return self._framing.choose(self._view, camera, references, is_opened=is_opened)
 
+    def default_camera(self) -> Camera | None:
+        """Return the camera of a view that nobody has set or turned, else None."""
+        return self._camera if self._framing is not None and isinstance(self._view, Orbit) else None
+
+    def show_all(self, scenes: Iterable[Scene]) -> None:
+        """Move a default view so that it shows what is drawn in several scenes."""
+        camera = self.default_camera()
+        if self._framing is None or not isinstance(self._view, Orbit) or camera is None:
+            return
+        if self.context.scene.camera is camera and self._framing.include(self._view, camera, scenes):
+            self._camera = self.context.scene.camera = self._view.camera(self.context.frames)
+            self._announce_camera()
+
     def rows(self) -> list[StatusRow]:
         """Return all statuses as in RViz's tree, with hints."""
         return [*self.global_rows(), *(row for display in self.displays for row in self.rows_of(display))]

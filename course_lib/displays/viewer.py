@@ -55,6 +55,7 @@ class Viewer(KnownAttributes):
         session.context.node = node = RvizNode(graph, session.time)
         self._session, backlog = session, Backlog(session, graph)
         self.film = SceneRecording(scene, lambda: backlog.now_ns / NS)
+        self.film.steady_camera = session.default_camera
         self._cell = ViewerCell(session, graph)
         stops = (graph.tap(backlog.receive, session.topics), graph.watch_time(backlog.tick), node.close)
         # Runs once no variable or page refers to the viewer.
@@ -290,6 +291,7 @@ class Viewer(KnownAttributes):
             seconds: The length [s] of robot time before now that it plays.
         """
         self.look()
+        self.session.show_all(self.film.scenes(seconds))
         return self._cell.at_rest(self.film, seconds, plays=True)
 
     def reset(self) -> None:

@@ -1,6 +1,6 @@
 """RViz's view controllers, which compute a camera from properties and the target frame; the default view."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import asin, atan2, cos, pi, sin, tan
 from typing import Any, ClassVar
 
@@ -475,24 +475,58 @@ class Framing:
             self._known_paths.update(new)
             if not new and (is_first or not is_opened):
                 return False
-            below = (self._scene.find(path) for path in self._known_paths)
-            nodes = [inner for node in below if node is not None for inner in node.subtree()]
-            visible_paths = [node.path for node in nodes if node.object and self._scene.visible(node.path)]
-            bounds = bounds_of(self._scene, visible_paths)
+            bounds = self._bounds_in(self._scene)
         if bounds is None:
             # Only overlays were drawn before, so the next drawable is the first one with a position.
             self._known_paths.difference_update(new)
             return False
-        grid = np.meshgrid(*_with_origin(bounds).T, indexing="ij")
-        corners = np.stack(grid, axis=-1).reshape(-1, 3)
-        focal_distance = np.linalg.norm(np.subtract(camera.eye, camera.target))
-        needed_distance = _distance_to_fit(corners, camera, np.array(camera.target), filled_share=1.0)
-        if not is_first and needed_distance <= focal_distance:
+        corners = _corners(_with_origin(bounds))
+        return (is_first or not _shows(camera, corners)) and _move(view, corners)
+
+    def include(self, view: Orbit, camera: Camera, scenes: Iterable[Scene]) -> bool:
+        """Move a view so that it shows what is drawn in scenes, like those of a recording.
+
+        Args:
+            view: The view to move.
+            camera: What it shows now.
+            scenes: Copies of the scene at several times.
+
+        Returns:
+            Whether the view has changed.
+        """
+        found = [bounds for scene in scenes if (bounds := self._bounds_in(scene)) is not None]
+        if not found:
             return False
-        values = _orbit_around(corners, view)
-        is_changed = any(view[label] != value for label, value in values.items())
-        view.set_quietly(values)
-        return is_changed
+        lows, highs = zip(*found, strict=True)
+        corners = _corners(_with_origin(np.stack([np.min(lows, axis=0), np.max(highs, axis=0)])))
+        return not _shows(camera, corners) and _move(view, corners)
+
+    def _bounds_in(self, scene: Scene) -> Floats | None:
+        """Return the bounds of the visible objects of the known paths in a scene, or None."""
+        below = (scene.find(path) for path in self._known_paths)
+        nodes = [inner for node in below if node is not None for inner in node.subtree()]
+        visible_paths = [node.path for node in nodes if node.object and scene.visible(node.path)]
+        return bounds_of(scene, visible_paths)
+
+
+def _corners(bounds: Floats) -> Floats:
+    """Return the corners of a box, shape (8, 3)."""
+    return np.stack(np.meshgrid(*bounds.T, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def _shows(camera: Camera, corners: Floats) -> bool:
+    """Return whether all corners are in the picture of a camera."""
+    focal_distance = np.linalg.norm(np.subtract(camera.eye, camera.target))
+    needed = _distance_to_fit(corners, camera, np.array(camera.target), filled_share=1.0)
+    return bool(needed <= focal_distance)
+
+
+def _move(view: Orbit, corners: Floats) -> bool:
+    """Move a view so that it shows all corners. Return whether it has changed."""
+    values = _orbit_around(corners, view)
+    is_changed = any(view[label] != value for label, value in values.items())
+    view.set_quietly(values)
+    return is_changed
 
 
 def _with_origin(bounds: Floats) -> Floats:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from course_lib.viewer import encoding
+from course_lib.viewer.drawables import Camera
 from course_lib.viewer.scene import ChangeKind, Scene
 
 if sys.version_info >= (3, 14):
@@ -200,6 +201,9 @@ class SceneRecording:
         self._frames = FrameStore()
         # Whether the beginning was dropped.
         self.is_truncated = False
+        # Returns the camera from which all of the recording is played, or None if it moves. A view
+        # that is moved to the drawn objects is moved when it is shown: at the end.
+        self.steady_camera: Callable[[], Camera | None] = lambda: None
         self.stop = scene.listen(self._note)
 
     @property
@@ -229,13 +233,18 @@ class SceneRecording:
             end, scene = min(self._now(), until), copy_of(self._initial_scene)
             frames = takewhile(lambda frame: frame.time <= end, self._frames.frames())
             recording_start, note = self._start, self.note()
+            camera = self.steady_camera()
         start = max(recording_start, end - seconds)
         first = _seek(scene, frames, start if start < end else math.inf)
+        if camera is not None:
+            scene.camera = camera
         if first is None:
             return encoding.snapshot(scene)
         batches: list[dict[str, Any]] = [{"time": 0.0, **encoding.scene_batch(scene)}]
         paths = batches[0]["paths"]
         for frame in _thin(chain((first,), frames), interval):
+            if camera is not None:
+                frame.changes.pop(("camera", ""), None)
             _apply(scene, frame)
             batches.append({"time": frame.time - start, **_batch(scene, frame)})
             if batches[-1].get("paths", paths) == paths:
@@ -250,6 +259,19 @@ class SceneRecording:
                 "batches": batches,
             }
         )
+
+    def scenes(self, seconds: float, count: int = 20) -> Iterator[Scene]:
+        """Yield one scene, as it was at about `count` times of the last seconds [s]."""
+        with self.scene.lock:
+            end, scene = self._now(), copy_of(self._initial_scene)
+            frames, oldest = self._frames.frames(), self._start
+        start = max(oldest, end - seconds)
+        first = _seek(scene, frames, start if start < end else math.inf)
+        if first is None:
+            return
+        for frame in _thin(chain((first,), frames), (end - start) / count):
+            _apply(scene, frame)
+            yield scene
 
     def note(self) -> str:
         """Return a notice about the missing part, or ""."""

@@ -13,7 +13,8 @@ from course_lib.displays.views import Orbit, TopDownOrtho
 from course_lib.ros.graph.graph import Graph
 from course_lib.viewer.drawables import Camera, Points
 from tests.displays.bench import marker
-from tests.displays.stage import publish
+from tests.displays.stage import publish, wait
+from tests.viewer.test_stream import decoded
 
 RVIZ = (10.0, (0.0, 0.0, 0.0))
 # Width divided by height of the narrowest picture in which everything has to fit.
@@ -176,3 +177,22 @@ def test_empty_object_does_not_move_the_view(graph: Graph, viewer: Viewer) -> No
     assert view_of(viewer) == RVIZ
     publish(graph, "/m", cube_at(0.0))
     assert view_of(viewer)[0] < 6.0
+
+
+def test_replay_is_played_from_one_camera_that_shows_every_position(graph: Graph, viewer: Viewer) -> None:
+    for x in (-4.0, 0.0, 4.0):
+        publish(graph, "/m", cube_at(x))
+        wait(graph, 1.0)
+    first, *later = decoded(viewer.replay(5.0).recording)["batches"]
+    assert is_in_picture(viewer.scene.camera, (-4.0, 0.0, 0.5), (4.0, 0.0, 0.5))
+    camera = next(one for one in first["commands"] if one["type"] == "camera")
+    assert camera["eye"] == pytest.approx(viewer.scene.camera.eye)
+    assert "camera" not in str(later)
+
+
+def test_replay_of_a_view_that_was_set_keeps_its_camera(graph: Graph, viewer: Viewer) -> None:
+    viewer.view = Orbit(distance=3.0)
+    publish(graph, "/m", cube_at(8.0))
+    wait(graph, 1.0)
+    viewer.replay(5.0)
+    assert viewer.view["Distance"] == 3.0
