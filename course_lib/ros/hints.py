@@ -4,6 +4,7 @@ A hint is found by the type of the exception, by a pattern of its text and, wher
 ambiguous, by the mistake with which the raising code has marked the exception.
 """
 
+import builtins
 import dis
 import re
 import tomllib
@@ -103,6 +104,9 @@ def hint(error: BaseException) -> str:
         or constructor_hint(error)
         or _super_hint(error, text)
         or _callback_hint(error)
+        or _parameter_callback_hint(error, text)
+        or _shadowed_hint(error, text)
+        or _recursion_hint(error)
         or _loop_hint(error, text)
         or _order_hint(error, text)
         or _executor_hint(error)
@@ -234,6 +238,10 @@ def _value_hint(error: BaseException, text: str) -> str:
         return f"this is the function {value.__name__}, which is not called: are its ( ) missing?"
     if is_number and (found := _number_hint(value, kind, text)):
         return found
+    if name == "Parameter":
+        return "this is a parameter: read its value, `self.get_parameter('a_name').value`."
+    if name == "ParameterValue":
+        return "this holds values of all types. The parameter's own is `self.get_parameter('a_name').value`."
     if hasattr(type(value), "get_fields_and_field_types"):
         fields = type(value).get_fields_and_field_types()
         fitting = [one for one, of in fields.items() if of.rpartition("/")[2] == kind]
@@ -253,7 +261,8 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
     The hint contains the student's values.
     """
     if kind == "Header" and isinstance(value, str):
-        return f"a header has a stamp and a frame: `message.header.frame_id = {value!r}`."
+        frame = value if re.fullmatch(r"[\w/]{1,40}", value) else "map"
+        return f"a header has a stamp and a frame: `message.header.frame_id = {frame!r}`."
     items: Any = value.ravel() if isinstance(value, np.ndarray) else value
     numbers: list[Any] = list(items) if isinstance(items, list | tuple | np.ndarray) else [items]
     names = _NUMBERS_OF.get(kind, "")
@@ -329,9 +338,50 @@ def _callback_hint(error: BaseException) -> str:
     """Return the hint for a callback whose name is in quotes, or ""."""
     frame = frame_of(error)
     callback = frame.f_locals.get("callback") if frame is not None else None
+    if frame is not None and callback is None and "'str' object is not callable" in _text(error):
+        # A timer accepts anything, and calls it when it is due.
+        callback = getattr(frame.f_locals.get("entity"), "callback", None)
     if not isinstance(error, RuntimeError | TypeError) or not isinstance(callback, str):
         return ""
     return f"the callback is a function and not its name: write self.{callback}, without quotes."
+
+
+def _parameter_callback_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a callback of new parameters that has another signature, or ""."""
+    frame = frame_of(error)
+    match = re.match(r"(?:\w+\.)*(\w+)\(\) (?:missing|takes) .*positional argument", text)
+    if frame is None or match is None or not isinstance(error, TypeError):
+        return ""
+    if frame.f_code.co_filename.endswith("parameter_store.py"):
+        return f"the callback gets a list of parameters: write `def {match[1]}(self, parameters)`."
+    return ""
+
+
+def _shadowed_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a function of Python that a variable of the student hides, or ""."""
+    frame, match = frame_of(error), re.match(r"'(\w+)' object is not callable", text)
+    if frame is None or match is None or not isinstance(error, TypeError):
+        return ""
+    variables = {**frame.f_globals, **frame.f_locals}
+    for name in (*frame.f_code.co_varnames, *frame.f_code.co_names):
+        is_hidden = hasattr(builtins, name) and name in variables
+        if is_hidden and type(variables[name]).__name__ == match[1]:
+            return (
+                f"{name} is a variable here, {name} = …, and hides Python's {name}(): choose another name "
+                f"for it. In a notebook, del {name} gives back Python's own."
+            )
+    return ""
+
+
+def _recursion_hint(error: BaseException) -> str:
+    """Return the hint for a parameter callback that sets the parameter, and so calls itself, or ""."""
+    names = (frame.f_code.co_name for frame, _ in walk_tb(error.__traceback__))
+    if not isinstance(error, RecursionError) or "set_parameters" not in names:
+        return ""
+    return (
+        "set_parameters calls this callback again: leave it out. The parameter has its new value "
+        "when the callback has returned `SetParametersResult(successful=True)`."
+    )
 
 
 def _loop_hint(error: BaseException, text: str) -> str:

@@ -59,6 +59,8 @@ _IMPORTS = {
     "ActionServer": "from rclpy.action import ActionServer",
     "CvBridge": "from cv_bridge import CvBridge",
     "tf_transformations": "import tf_transformations",
+    "quaternion_from_euler": "from tf_transformations import quaternion_from_euler",
+    "euler_from_quaternion": "from tf_transformations import euler_from_quaternion",
     "math": "import math",
     "pi": "from math import pi",
     "np": "import numpy as np",
@@ -222,7 +224,7 @@ _ROS_1 = {
     "roslib": "its library for Python is `import rclpy`",
     "roscpp": "its library for Python is `import rclpy`",
     "actionlib": "actions are in `from rclpy.action import ActionClient`",
-    "tf": "the one to import is `import tf2_ros`",
+    "tf": "the one to import is `import tf2_ros`, for angles `import tf_transformations`",
     "tf2": "the one to import is `import tf2_ros`",
     "rosbag": "bags are read by `import rosbag2_py`",
     "rospkg": "packages are found by `from ament_index_python.packages import get_package_share_directory`",
@@ -277,6 +279,9 @@ def name_hint(error: NameError) -> str:
                 f"a function that assigns {missing} has a {missing} of its own. Keep the value in "
                 f"the node, as `self.{missing}`, or write `global {missing}` first."
             )
+        if re.match(rf"\s*{missing}\s*=.*\b{missing}[.(]", line_of_student(error)):
+            own = f"{missing} on the right is the variable of this line, which has no value yet"
+            return f"{own}. If a module or a function {missing} is meant, choose another name on the left."
         return f"give {missing} a value before this line, on every way that leads here."
     # One letter too many, like Points, is more likely than a class of the kit that no cell imports.
     singular = missing.removesuffix("s")

@@ -186,6 +186,12 @@ MISTAKES = {
             "Marker().lifetime = Duration(seconds=1.0)",
             "PoseStamped().header.stamp = node.get_clock().now()",
             "PoseStamped().header.frame_id = None",
+            "PoseStamped().header = str(PoseStamped().header)",
+            "node.declare_parameter('frame', 'map')\n"
+            "PoseStamped().header.frame_id = node.get_parameter('frame')",
+            "node.declare_parameter('frame', 'map')\n"
+            "value = node.get_parameter('frame').get_parameter_value()\n"
+            "PoseStamped().header.frame_id = value",
             "Marker().points = Point()",
             "Marker().color.a = 0,8",
             "Marker().scale.x = '1.0'",

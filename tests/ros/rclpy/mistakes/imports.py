@@ -60,7 +60,8 @@ IMPORTS = [
                 "import tf",
                 "ModuleNotFoundError",
                 "No module named 'tf'",
-                "there is no module tf in ROS 2: the one to import is `import tf2_ros`.",
+                "there is no module tf in ROS 2: the one to import is `import tf2_ros`, for angles "
+                "`import tf_transformations`.",
             ),
             (
                 "from rclpy.nod import Node",
@@ -93,5 +94,11 @@ IMPORTS = [
                 "it is elsewhere: `from rclpy.node import Node`.",
             ),
         )
+    ),
+    (
+        "from tf.transformations import quaternion_from_euler",
+        "ModuleNotFoundError: No module named 'tf'",
+        "there is no module tf in ROS 2: the one to import is `import tf2_ros`, for angles "
+        "`import tf_transformations`.",
     ),
 ]

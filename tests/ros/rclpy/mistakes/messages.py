@@ -229,4 +229,9 @@ MESSAGES = [
         "a quaternion does not contain an angle: a rotation by yaw about z is `Quaternion(z=sin(yaw / 2), "
         "w=cos(yaw / 2))`, and back it is `yaw = 2 * atan2(q.z, q.w)`.",
     ),
+    (
+        "PoseStamped().header = str(PoseStamped().header)",
+        "AssertionError: The 'header' field must be a sub message of type 'Header'",
+        "a header has a stamp and a frame: `message.header.frame_id = 'map'`.",
+    ),
 ]

@@ -291,4 +291,10 @@ NAMES = [
         "AssertionError: The 'x' field must be of type 'float'",
         "this is the float32 of numpy: convert it with float(…).",
     ),
+    (
+        "q = quaternion_from_euler(0.0, 0.0, 1.0)",
+        "NameError: name 'quaternion_from_euler' is not defined",
+        "import it: `from tf_transformations import quaternion_from_euler`; in a notebook run the first "
+        "cells again.",
+    ),
 ]

@@ -216,4 +216,19 @@ NODES = [
         "TypeError: Node.__init__() got an unexpected keyword argument 'package'",
         "this is rclpy's Node. In a launch file, write `from launch_ros.actions import Node`.",
     ),
+    (
+        "node.create_timer(0.1, 'tick')\nrclpy.spin(node)",
+        "TypeError: 'str' object is not callable",
+        "the callback is a function and not its name: write self.tick, without quotes.",
+    ),
+    (
+        "import asyncio\n"
+        "async def tick():\n"
+        "    await asyncio.sleep(0.1)\n"
+        "node.create_timer(0.1, tick)\n"
+        "rclpy.spin(node)",
+        "RuntimeError: no running event loop",
+        "rclpy runs callbacks without asyncio: leave out asyncio, and let a timer of the node repeat or "
+        "delay work.",
+    ),
 ]

@@ -59,4 +59,34 @@ PARAMETERS = [
         "TypeError: unsupported operand type(s) for +: 'ParameterValue' and 'int'",
         "this holds values of all types. The parameter's own is `self.get_parameter('known').value`.",
     ),
+    (
+        "node.declare_parameter('frame', 'map')\nPoseStamped().header.frame_id = node.get_parameter('frame')",
+        "AssertionError: The 'frame_id' field must be of type 'str'",
+        "this is a parameter: read its value, `self.get_parameter('a_name').value`.",
+    ),
+    (
+        "node.declare_parameter('frame', 'map')\n"
+        "value = node.get_parameter('frame').get_parameter_value()\n"
+        "PoseStamped().header.frame_id = value",
+        "AssertionError: The 'frame_id' field must be of type 'str'",
+        "this holds values of all types. The parameter's own is `self.get_parameter('a_name').value`.",
+    ),
+    (
+        "node.declare_parameter('gain', 1.0)\n"
+        "def change(name, value): ...\n"
+        "node.add_on_set_parameters_callback(change)\n"
+        "node.set_parameters([Parameter('gain', value=2.0)])",
+        "TypeError: change() missing 1 required positional argument: 'value'",
+        "the callback gets a list of parameters: write `def change(self, parameters)`.",
+    ),
+    (
+        "node.declare_parameter('gain', 1.0)\n"
+        "def change(parameters):\n"
+        "    node.set_parameters(parameters)\n"
+        "node.add_on_set_parameters_callback(change)\n"
+        "node.set_parameters([Parameter('gain', value=2.0)])",
+        "RecursionError: maximum recursion depth exceeded",
+        "set_parameters calls this callback again: leave it out. The parameter has its new value when the "
+        "callback has returned `SetParametersResult(successful=True)`.",
+    ),
 ]

@@ -184,8 +184,8 @@ PLAIN_PYTHON = [
     (
         "[1.0, 2.0] * 0.5",
         "TypeError: can't multiply sequence by non-int of type 'float'",
-        "a list times a number repeats the list. An array multiplies each number: `np.array([1.0, 2.0]) * "
-        "0.5`.",
+        "a list or a string times a number repeats it. An array multiplies each number: "
+        "`np.array([1.0, 2.0]) * 0.5`. A number in quotes is a string: remove the quotes.",
     ),
     (
         "[1.0] + 1.0",
@@ -206,8 +206,8 @@ PLAIN_PYTHON = [
     (
         "'0.5' * 2.0",
         "TypeError: can't multiply sequence by non-int of type 'float'",
-        "a list times a number repeats the list. An array multiplies each number: `np.array([1.0, 2.0]) * "
-        "0.5`.",
+        "a list or a string times a number repeats it. An array multiplies each number: "
+        "`np.array([1.0, 2.0]) * 0.5`. A number in quotes is a string: remove the quotes.",
     ),
     (
         "Point() - Point()",
@@ -422,5 +422,46 @@ PLAIN_PYTHON = [
         "scan = [1.0] * 10\nscan[len(scan) / 2]",
         "TypeError: list indices must be integers or slices, not float",
         "an index is a whole number: // instead of /, or int(…).",
+    ),
+    (
+        "list = []\nitems = list('abc')",
+        "TypeError: 'list' object is not callable",
+        "list is a variable here, list = …, and hides Python's list(): choose another name for it. In a "
+        "notebook, del list gives back Python's own.",
+    ),
+    (
+        "max = 3\nlargest = max(1, 2)",
+        "TypeError: 'int' object is not callable",
+        "max is a variable here, max = …, and hides Python's max(): choose another name for it. In a "
+        "notebook, del max gives back Python's own.",
+    ),
+    (
+        "x = 1.0 & 2.0",
+        "TypeError: unsupported operand type(s) for &: 'float' and 'float'",
+        "& and | compare the bits of whole numbers: conditions are joined by the words and, or.",
+    ),
+    (
+        "text = '%s %.2f' % 'Car'",
+        "TypeError: not enough arguments for format string",
+        "each % in the text needs one value, in ( ) with commas. An f-string has the names in it: "
+        "`f'{speed:.2f} m/s'`.",
+    ),
+    (
+        "text = '{} {:.2f}'.format('Car')",
+        "IndexError: Replacement index 1 out of range for positional args tuple",
+        "the text has more { } than format( ) has values. An f-string has the names in it: "
+        "`f'{speed:.2f} m/s'`.",
+    ),
+    (
+        "import numpy as np\nx = np.dot([1.0, 2.0], [1.0, 2.0, 3.0])",
+        "ValueError: shapes (2,) and (3,) not aligned: 2 (dim 0) != 3 (dim 0)",
+        "the shapes (2,) and (3,) do not fit: the last number of the first one and the first number of "
+        "the second one have to be equal.",
+    ),
+    (
+        "x = 0.5 * '2.0'",
+        "TypeError: can't multiply sequence by non-int of type 'float'",
+        "a list or a string times a number repeats it. An array multiplies each number: "
+        "`np.array([1.0, 2.0]) * 0.5`. A number in quotes is a string: remove the quotes.",
     ),
 ]
