@@ -188,10 +188,12 @@ def scan(
     step: float,
     topic: str = "/scan",
     delay: float = 0.0,
+    best_effort: bool = False,
 ) -> Message:
     """Return a laser scanner's message: ranges [m] from the angle `first` in steps of `step` [rad].
 
-    It is published `at` [s] after the start, and stamped `delay` [s] earlier.
+    It is published `at` [s] after the start, and stamped `delay` [s] earlier. With `best_effort` a
+    subscription that requests Reliable does not receive it.
     """
     readings = list(ranges)
     fields = {
@@ -203,7 +205,7 @@ def scan(
         "range_max": 30.0,  # [m]
         "ranges": readings,
     }
-    return Message(topic, "sensor_msgs/msg/LaserScan", fields, at=at)
+    return Message(topic, "sensor_msgs/msg/LaserScan", fields, at=at, best_effort=best_effort)
 
 
 def odometry(topic: str, at: float, place: Vector, frame: str = "odom") -> Message:

@@ -58,7 +58,7 @@ def wrist() -> list[float]:
 
 def rear_scan(ranges: Sequence[float], at: float, first: float = -1.0, step: float = 0.2) -> Message:
     """Return a message of the scanner at the rear, which arrives `at` [s] after the start."""
-    return inputs.scan(ranges, at=at, frame="rear", first=first, step=step, delay=DELAY)
+    return inputs.scan(ranges, at=at, frame="rear", first=first, step=step, delay=DELAY, best_effort=True)
 
 
 HIDDEN = {

@@ -2,7 +2,7 @@
 
 import pytest
 
-from course_lib.grading.advice import find_slip
+from course_lib.grading.slips import find_slip
 from tests.notebooks.graded import WEEKS, cells_of, solution
 
 NODE = """class Lamp(Node):
@@ -70,6 +70,19 @@ SLIPS = [
         ("viewer.save_rviz('a.rviz')", "return Path('b.rviz').read_text()"),
         "The layout is saved as a.rviz, and the text is that of b.rviz",
     ),
+    (
+        ("while not self.buffer.can_transform('map', 'base', Time()):", "    pass", "return 1"),
+        "\"while not self.buffer.can_transform('map', 'base', Time())\" in tick waits for messages",
+    ),
+    (
+        ("threading.Timer(1.0, self.paint).start()",),
+        '"threading.Timer(1.0, self.paint)" calls its function once',
+    ),
+    (
+        ("return self.buffer.lookup_transform('map', 'base', self.get_clock().now())",),
+        "self.get_clock().now() in lookup_transform is later than the last transform",
+    ),
+    (("return np.matmul(a, b, c)",), "np.matmul multiplies two matrices; the third is where"),
     (("marker.text = '{found.score:.2f} m'",), "the string '{found.score:.2f} m' has names in { }"),
 ]
 RIGHT = [
@@ -90,6 +103,10 @@ RIGHT = [
     ("text = '{found} m'.format(found=1)", "return text"),
     ("text = f'{self.angle:.2f} m'", "return text"),
     ("x = -1.0", "return x"),
+    ("while not self.lines.empty():", "    self.lines.get()"),
+    ("return self.buffer.lookup_transform('map', 'base', self.get_clock().now(), timeout)",),
+    ("return self.buffer.lookup_transform('map', 'base', message.header.stamp)",),
+    ("return np.matmul(a, b)",),
 ]
 
 
@@ -102,6 +119,39 @@ def test_buffer_created_in_a_callback_is_reported() -> None:
     source = method("self.buffer = Buffer()").replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")
     assert find_slip(source).startswith('"Buffer()" is in tick: each call creates a new one')
     assert find_slip(source.replace("self.create_timer(1.0, self.tick)", "self.tick()")) == ""
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("self.create_timer(1.0, self.tick)", "create_timer is in tick: each call creates another timer"),
+        ("self.destroy_node()", '"self.destroy_node()" in tick ends the node when the callback runs'),
+        ("rclpy.shutdown()", '"rclpy.shutdown()" in tick ends all nodes when'),
+        ("self.timer.cancel()", '"self.timer.cancel()" in tick ends the timer when'),
+    ],
+)
+def test_callback_that_adds_or_ends_timers_is_reported(line: str, sentence: str) -> None:
+    timer = "self.timer = self.create_timer(1.0, self.tick)"
+    source = method("self.paint()", line).replace("self.angle = 0.0", timer)
+    assert find_slip(source).startswith(sentence)
+    replaced = f"self.destroy_timer(self.timer)\n        {timer}"
+    assert find_slip(source.replace(f"        {line}", f"        {replaced}")) == ""
+
+
+def test_callback_that_ends_its_timer_at_a_certain_moment_is_accepted() -> None:
+    lines = ("self.count += 1", "if self.count > 3:", "    self.timer.cancel()")
+    timer = "self.timer = self.create_timer(1.0, self.tick)"
+    assert find_slip(method(*lines).replace("self.angle = 0.0", timer)) == ""
+
+
+def test_callback_of_two_timers_is_reported() -> None:
+    source = method("self.paint()").replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")
+    assert find_slip(source) == ""
+    again = source.replace(
+        "self.create_timer(1.0, self.tick)",
+        "self.create_timer(1.0, self.tick); self.create_timer(2.0, self.tick)",
+    )
+    assert find_slip(again).startswith("2 timers call self.tick, so that it runs 2 times")
 
 
 def test_mutated_default_argument_is_reported() -> None:

@@ -138,7 +138,7 @@ def invisibility_reason(marker: Any) -> str:
     has_mesh_materials = marker.mesh_use_embedded_materials and kind == "MESH_RESOURCE"
     alphas = [color.a for color in marker.colors if kind in EACH_COLORED] or [marker.color.a]
     if not has_mesh_materials and not max(alphas) > 0:
-        return "color.a is 0"
+        return f"color.a is {max(alphas):g}"
     needed_axes = "xy" if kind == "ARROW" and marker.points else NEEDED_SCALES.get(kind, "xyz")
     if none := [axis for axis in needed_axes if not abs(getattr(marker.scale, axis)) > 0]:
         return f"scale.{none[0]} is 0"

@@ -3,6 +3,7 @@
 import hashlib
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -144,12 +145,13 @@ def expect_rate(
 ) -> Iterable[Problem]:
     """Expect the rate `hz` [1/s] within the relative `tolerance`, from `begin` to `end` [s].
 
-    Messages with equal times count once. With `by_marker`, each marker needs this rate, by its ns
-    and id; markers that are published once only count as in a topic without `by_marker`.
+    Messages with equal times count once, and have to differ in a name, a frame or an id, like the
+    markers of one callback. With `by_marker`, each marker needs this rate, by its ns and id;
+    markers that are published once only count as in a topic without `by_marker`.
     """
     end = evidence.seconds if end is None else end
-    received = received_messages(evidence, topic)
-    times = sorted({seconds for seconds, _ in received if begin <= seconds <= end})  # [s]
+    received = [one for one in received_messages(evidence, topic) if begin <= one[0] <= end]
+    times = sorted({seconds for seconds, _ in received})  # [s]
     if not times:
         message = f"nothing was published on {topic} from {begin:g} to {end:g} s"
         return [Problem(message, FALLS_SILENT)]
@@ -161,6 +163,8 @@ def expect_rate(
         if begin <= seconds <= end and marker.action == ADD:
             paths.setdefault((marker.ns, marker.id), set()).add(seconds)
     repeated = {key: sorted(path) for key, path in paths.items() if len(path) > 1}
+    if found := _repetition_problems(received, topic):
+        return found
     for (ns, number), path in repeated.items():
         if found := _rate_problems(path, f"the marker {ns}/{number}", hz, tolerance, begin, end):
             if len(repeated) > 1 and not _rate_problems(times, topic, hz, tolerance, begin, end):
@@ -168,6 +172,44 @@ def expect_rate(
                 return [Problem(text, "markers take turns")]
             return found
     return [] if repeated else _rate_problems(times, topic, hz, tolerance, begin, end)
+
+
+def _repetition_problems(received: list[tuple[float, Any]], topic: str) -> list[Problem]:
+    """Return the problem of a topic on which most messages are published more than once at a time."""
+    by_time: dict[float, list[Any]] = {}
+    for seconds, message in received:
+        by_time.setdefault(seconds, []).append(message)
+    crowded = {seconds: messages for seconds, messages in by_time.items() if len(messages) > 1}
+    # Other callbacks may coincide once in a while.
+    if 2 * len(crowded) <= len(by_time):
+        return []
+    counts = {
+        seconds: max(Counter(tuple(_identity(to_plain(one))) for one in messages).values())
+        for seconds, messages in crowded.items()
+    }
+    repeated = [seconds for seconds, count in counts.items() if count > 1]
+    if 2 * len(repeated) <= len(by_time):
+        return []
+    last = max(repeated)
+    text = f"{counts[last]} messages for the same thing are published on {topic} at "
+    text += f"{format_number(last, 's')}, expected one"
+    return [Problem(text, "messages repeat at one time")]
+
+
+def _identity(value: Any) -> Iterator[object]:
+    """Yield the names, frames and ids in a message as plain data: they say what it is about."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for key, inner in value.items():
+            if key == "id":
+                yield inner
+            elif key != "stamp":
+                yield from _identity(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            if isinstance(inner, str | dict):
+                yield from _identity(inner)
 
 
 def _rate_problems(

@@ -1,0 +1,541 @@
+"""Slips that raise no error, such as `==` for `=`, found in the syntax tree of a student's code."""
+
+import ast
+import re
+import textwrap
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+# Methods of lists, dictionaries and sets that change them and return None.
+IN_PLACE = {"append", "extend", "insert", "remove", "reverse", "sort", "clear", "update", "add", "discard"}
+# Functions and methods that only return a value.
+_PURE = {"sorted", "reversed", "round", "abs", "replace", "strip", "lower", "upper", "format", "split"}
+_SENDING = ("publish", "sendTransform")
+# Communication objects of a node, which should be created only once.
+_KEPT = {
+    *("Buffer", "TransformListener", "TransformBroadcaster", "StaticTransformBroadcaster"),
+    *("create_publisher", "create_subscription"),
+}
+_SIGNS = {ast.UAdd: "+", ast.USub: "-"}
+_LONGEST = 60  # characters of a quoted line
+_FIELD = re.compile(r"\{[a-z_]\w*(\.\w+|\[\w+\])*(:[^{}]*)?\}")
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def parse(source: str) -> ast.AST:
+    """Parse code that may be indented; return an empty tree if it is not valid Python."""
+    try:
+        return ast.parse(textwrap.dedent(source).rstrip(":"))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return ast.Module(body=[], type_ignores=[])
+
+
+def find_slip(source: str) -> str:
+    """Return a sentence about the first slip in the code, or ""."""
+    tree = parse(source)
+    for outer in ast.walk(tree):
+        if isinstance(outer, ast.ClassDef):
+            for slip in _renewed_endpoints(outer):
+                return slip
+        attributes = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
+        functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
+        for function in functions:
+            if isinstance(function, Function):
+                for slip in _slips(function, attributes):
+                    return slip
+        if isinstance(outer, ast.ClassDef):
+            for slip in (*_repeated_timers(outer), *_ended_by_callbacks(outer)):
+                return slip
+    return ""
+
+
+def _slips(function: Function, attributes: set[str]) -> Iterator[str]:
+    for block in _blocks(function):
+        yield from _idle_statements(block)
+        yield from _recreations(block)
+        yield from _late_assignments(block)
+        yield from _loops(block, function.name)
+        yield from _reused_objects(block)
+        yield from _unreachable(block)
+    yield from _odd_operators(function)
+    yield from _lost_factors(function)
+    yield from _shared_defaults(function)
+    if function.args.args[:1] and function.args.args[0].arg == "self":
+        yield from _blocking_calls(function)
+        yield from _waiting_loops(function)
+        yield from _timers_of_python(function)
+        yield from _early_lookups(function)
+        yield from _idle_lambdas(function)
+    yield from _other_files(function)
+    yield from _lost_locals(function, attributes)
+    yield from _plain_strings(function)
+    yield from _whole_quotients(function)
+
+
+def _blocks(function: Function) -> Iterator[Sequence[ast.stmt]]:
+    """Yield each list of statements in a function, without nested functions."""
+    waiting: list[Sequence[ast.stmt]] = [function.body]
+    while waiting:
+        block = waiting.pop(0)
+        yield block
+        for statement in block:
+            if not isinstance(statement, Function | ast.ClassDef):
+                inner = [getattr(statement, name, []) for name in ("body", "orelse", "finalbody")]
+                handlers = [one.body for one in getattr(statement, "handlers", [])]
+                waiting += filter(None, [*inner, *handlers])
+
+
+def _quote(node: ast.AST) -> str:
+    text = ast.unparse(node).splitlines()[0]
+    return f'"{text}"' if len(text) <= _LONGEST else f'"{text[: _LONGEST - 1]}…"'
+
+
+def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
+    for statement in block:
+        match statement:
+            case ast.Expr(value=ast.Compare(ops=[ast.Eq()])):
+                yield f"{_quote(statement)} compares and changes nothing: a single = sets a value."
+            case ast.Expr(
+                value=ast.UnaryOp(
+                    op=ast.UAdd() | ast.USub() as sign, operand=ast.UnaryOp(operand=ast.Name(id=name))
+                )
+            ):
+                yield f"{_quote(statement)} changes nothing: write {name} {_SIGNS[type(sign)]}= 1."
+            case ast.Expr(value=ast.Attribute() as named):
+                yield f"{_quote(statement)} names {named.attr} and does not call it: write ( ) after it."
+            case ast.Expr(
+                value=ast.Call(func=ast.Name(id=name) | ast.Attribute(value=ast.Name(), attr=name))
+            ) if name in _PURE:
+                yield (
+                    f"{_quote(statement)} returns a value and changes nothing: write a name and = before it."
+                )
+            case ast.Assign(value=ast.UnaryOp(op=ast.UAdd())):
+                name = ast.unparse(statement.targets[0])
+                yield f"=+ sets {name} to the value on the right; += adds it to {name}."
+            case ast.Assign(
+                targets=[ast.Name(id=name)],
+                value=ast.Call(func=ast.Attribute(value=ast.Name(id=other), attr=method)),
+            ) if name == other and method in IN_PLACE:
+                yield f"{method}() changes {name} and returns None: leave out {name} = before it."
+
+
+def _find_created(statement: ast.stmt) -> tuple[str, str]:
+    """Return the name and the class of an object that a statement creates, or ("", "")."""
+    match statement:
+        case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=ast.Name(id=kind))) if kind[
+            0
+        ].isupper():
+            return name, kind
+    return "", ""
+
+
+def _sets_field(statement: ast.stmt, name: str) -> bool:
+    return isinstance(statement, ast.Assign | ast.AugAssign) and any(
+        _root(target) == name
+        for target in (statement.targets if isinstance(statement, ast.Assign) else [statement.target])
+    )
+
+
+def _root(node: ast.AST) -> str:
+    """Return the variable whose attribute or item an expression is, or "" for a plain variable."""
+    is_inside = False
+    while isinstance(node, ast.Attribute | ast.Subscript):
+        node, is_inside = node.value, True
+    return node.id if is_inside and isinstance(node, ast.Name) else ""
+
+
+def _uses(node: ast.AST, name: str) -> bool:
+    return any(isinstance(one, ast.Name) and one.id == name for one in ast.walk(node))
+
+
+def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
+    # Whether a field of each object is set, and it was not used for anything else yet.
+    is_filled: dict[str, bool] = {}
+    for statement in block:
+        name, kind = _find_created(statement)
+        if name:
+            if is_filled.get(name):
+                yield f"{_quote(statement)} creates a second {kind}: what was set before is in the first."
+            is_filled[name] = False
+            continue
+        for filled_name in list(is_filled):
+            if _sets_field(statement, filled_name):
+                is_filled[filled_name] = True
+            elif _uses(statement, filled_name):
+                del is_filled[filled_name]
+
+
+def _find_published(statement: ast.AST) -> str:
+    """Return the variable that a statement publishes, or ""."""
+    match statement:
+        case ast.Expr(value=ast.Call(func=ast.Attribute(attr=method), args=[ast.Name(id=name)])) if (
+            method in _SENDING
+        ):
+            return name
+    return ""
+
+
+def _late_assignments(block: Sequence[ast.stmt]) -> Iterator[str]:
+    for index, statement in enumerate(block):
+        name = _find_published(statement)
+        created = any(_find_created(one)[0] == name for one in block[:index])
+        later = []
+        for after in block[index + 1 :]:
+            if _find_created(after)[0] == name:
+                break
+            if _sets_field(after, name):
+                later.append(after)
+        is_recreated = any(_find_published(one) == name for one in block[index + 1 :])
+        if name and created and later and not is_recreated:
+            yield (
+                f"{_quote(later[0])} comes after {_quote(statement)}: a message is sent as it is "
+                "at that moment. Set everything before."
+            )
+
+
+def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
+    for index, loop in enumerate(block):
+        if not isinstance(loop, ast.For):
+            continue
+        if isinstance(loop.body[-1], ast.Return):
+            yield f"return ends the loop of {function} after its first item: move it out of the loop."
+        before = {name.id for one in block[:index] for name in ast.walk(one) if isinstance(name, ast.Name)}
+        inside = {_find_created(one)[0] for one in loop.body} - before - {""}
+        for later in block[index + 1 :]:
+            match later:
+                case ast.Expr(value=ast.Call(func=ast.Attribute(attr=method), args=[ast.Name(id=name)])) if (
+                    name in inside and method in (*_SENDING, "append")
+                ):
+                    yield (
+                        f"{_quote(later)} is after the loop and gets only the last {name}: move it "
+                        "into the loop."
+                    )
+        emptied_names = [
+            one.targets[0].id
+            for one in loop.body
+            if isinstance(one, ast.Assign)
+            and isinstance(one.targets[0], ast.Name)
+            and isinstance(one.value, ast.List)
+            and not one.value.elts
+        ]
+        for name in emptied_names:
+            if any(_uses(one, name) for one in block[index + 1 :]):
+                yield f'"{name} = []" in the loop empties the list for each item: move it before the loop.'
+
+
+def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
+    for index, loop in enumerate(block):
+        if not isinstance(loop, ast.For):
+            continue
+        created = dict(filter(lambda found: found[0], map(_find_created, block[:index])))
+        inside = {_find_created(one)[0] for one in ast.walk(loop) if isinstance(one, ast.stmt)}
+        for node in ast.walk(loop):
+            match node:
+                case ast.Call(func=ast.Attribute(attr="append"), args=[ast.Name(id=name)]) if (
+                    name in created and name not in inside
+                ):
+                    yield (
+                        f"{name} is a single {created[name]}, created before the loop: the list "
+                        "gets it again and again. Create it inside the loop."
+                    )
+
+
+def _shared_defaults(function: Function) -> Iterator[str]:
+    arguments = [*function.args.posonlyargs, *function.args.args]
+    for argument, default in zip(arguments[::-1], function.args.defaults[::-1], strict=False):
+        if isinstance(default, ast.List | ast.Dict | ast.Set | ast.Call) and _changes(function, argument.arg):
+            name, value = argument.arg, ast.unparse(default)
+            yield (
+                f"the default {name}={value} is created once, and every call of {function.name} "
+                f"gets the same one. Write {name} = {value} in the function instead."
+            )
+
+
+def _changes(function: Function, name: str) -> bool:
+    """Return whether a function changes the object of a variable."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(value=ast.Name(id=changed), attr=method)) if method in IN_PLACE:
+                pass
+            case ast.AugAssign(target=ast.Name(id=changed)):
+                pass
+            case ast.Subscript(value=ast.Name(id=changed), ctx=ast.Store()):
+                pass
+            case _:
+                continue
+        if changed == name:
+            return True
+    return False
+
+
+def _blocking_calls(function: Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(value=ast.Name(id="time"), attr="sleep")):
+                yield (
+                    f"time.sleep in {function.name} stops the whole node: no other callback runs "
+                    "before it ends. Use a timer."
+                )
+            case ast.Call(
+                func=ast.Attribute(
+                    value=ast.Name(id="rclpy"), attr="spin" | "spin_once" | "spin_until_future_complete"
+                )
+                | ast.Name(id="spin_for" | "run_live")
+            ):
+                yield (
+                    f"{_quote(node.func)} in {function.name} waits for callbacks while the node is "
+                    "busy with this one: leave it out, the node is spun from outside."
+                )
+
+
+def _waiting_loops(function: Function) -> Iterator[str]:
+    """Yield a sentence for each loop in which a method waits for messages, which arrive only after it."""
+    for node in ast.walk(function):
+        match node:
+            case ast.While(test=ast.Constant() | ast.Compare()):
+                continue
+            case ast.While(test=test, body=body) if all(map(_only_waits, body)):
+                yield (
+                    f'"while {ast.unparse(test)}" in {function.name} waits for messages, and the node '
+                    "receives none before the method ends: ask once, with if, and return if it is too early."
+                )
+
+
+def _only_waits(statement: ast.stmt) -> bool:
+    match statement:
+        case ast.Pass() | ast.Continue() | ast.Expr(value=ast.Constant()):
+            return True
+        case ast.Expr(value=ast.Call(func=ast.Attribute(attr="sleep" | "info" | "warn" | "warning"))):
+            return True
+    return False
+
+
+def _timers_of_python(function: Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(value=ast.Name(id="threading"), attr="Timer") | ast.Name(id="Timer")
+            ):
+                yield (
+                    f"{_quote(node)} calls its function once, after the wall clock. A timer of the node "
+                    "calls it again and again: self.create_timer(period, function)."
+                )
+
+
+def _early_lookups(function: Function) -> Iterator[str]:
+    """Yield a sentence for each lookup at the present time, for which no transform has arrived yet."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="lookup_transform"), args=[_, _, time], keywords=[]) if (
+                re.search(r"\.now\(\)(\.to_msg\(\))?$", ast.unparse(time))
+            ):
+                yield (
+                    f"{ast.unparse(time)} in lookup_transform is later than the last transform that has "
+                    "arrived: pass the stamp of a message, or Time() for the newest transform."
+                )
+
+
+def _lost_factors(function: Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(value=ast.Name(id="np"), attr="matmul" | "dot" as name), args=[a, b, c]
+            ):
+                product = " @ ".join(map(ast.unparse, (a, b, c)))
+                yield (
+                    f"np.{name} multiplies two matrices; the third is where the result is stored. "
+                    f"Write {product}."
+                )
+
+
+def _idle_lambdas(function: Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="create_timer" | "create_subscription"), args=args):
+                for one in args:
+                    if isinstance(one, ast.Lambda) and isinstance(one.body, ast.Attribute):
+                        name = ast.unparse(one.body)
+                        yield f"{_quote(one)} names {one.body.attr} and does not call it: pass {name} alone."
+
+
+def _other_files(function: Function) -> Iterator[str]:
+    """Yield a sentence about a layout that is saved under one name, while another file is returned."""
+    saved: list[str] = []
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="save_rviz"), args=[ast.Constant(value=str(name))]):
+                saved.append(name)
+    for node in ast.walk(function):
+        match node:
+            case ast.Call(
+                func=ast.Attribute(attr="read_text", value=ast.Call(args=[ast.Constant(value=str(name))]))
+            ) if saved and name not in saved:
+                yield f"The layout is saved as {saved[0]}, and the text is that of {name}: use one name."
+
+
+def _callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
+    """Yield the methods of a class that are passed to be called."""
+    called = [node.func for node in ast.walk(cls) if isinstance(node, ast.Call)]
+    passed = {
+        node.attr
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Attribute) and node not in called and _root(node) == "self"
+    }
+    for function in cls.body:
+        if isinstance(function, Function) and function.name in passed - {"__init__"}:
+            yield function
+
+
+def _renewed_endpoints(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each buffer, publisher or subscription that a callback creates in each call."""
+    for function in _callbacks_of(cls):
+        for node in ast.walk(function):
+            match node:
+                case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _KEPT:
+                    yield (
+                        f"{_quote(node)} is in {function.name}: each call creates a new one, "
+                        "which has received nothing yet. Create it once, in __init__."
+                    )
+
+
+def _repeated_timers(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for timers that add up: of a callback that creates them, or two of one callback."""
+    for function in _callbacks_of(cls):
+        calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
+        methods = {node.func.attr for node in calls if isinstance(node.func, ast.Attribute)}
+        if "create_timer" in methods and not methods & {"destroy_timer", "cancel"}:
+            yield (
+                f"create_timer is in {function.name}: each call creates another timer, and all of them "
+                "run. Create it once, in __init__, or end the old one first, with destroy_timer."
+            )
+    callbacks: Counter[str] = Counter()
+    for node in ast.walk(cls):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="create_timer"), args=[_, ast.Attribute() as callback, *_]):
+                callbacks[ast.unparse(callback)] += 1
+    for name, count in callbacks.items():
+        if count > 1 and "destroy_timer" not in ast.unparse(cls):
+            yield f"{count} timers call {name}, so that it runs {count} times: leave one of them."
+
+
+_ENDINGS = {
+    "destroy_node": "ends the node",
+    "shutdown": "ends all nodes",
+    "cancel": "ends the timer",
+    "destroy_timer": "ends the timer",
+    "destroy_publisher": "ends the publisher",
+    "destroy_subscription": "ends the subscription",
+}
+
+
+def _ended_by_callbacks(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each callback that always ends its node, or what calls it or publishes."""
+    for function in _callbacks_of(cls):
+        if "create_timer" in ast.unparse(function):
+            continue
+        # A call in an if or a try is meant for a certain moment.
+        for statement in function.body:
+            match statement:
+                case ast.Expr(value=ast.Call(func=ast.Attribute(attr=name))) if name in _ENDINGS:
+                    yield (
+                        f"{_quote(statement)} in {function.name} {_ENDINGS[name]} when the callback "
+                        "runs for the first time: leave it out."
+                    )
+
+
+def _whole_quotients(function: Function) -> Iterator[str]:
+    """Yield a question about // where the result is neither an index nor a count."""
+    whole: set[int] = set()
+    counts = {
+        name.id
+        for node in ast.walk(function)
+        for part in _places_of_whole_numbers(node)
+        for name in ast.walk(part)
+        if isinstance(name, ast.Name)
+    }
+    for node in ast.walk(function):
+        inner = list(_places_of_whole_numbers(node))
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if name in counts:
+                inner.append(value)
+        whole |= {id(part) for one in inner for part in ast.walk(one)}
+    for node in ast.walk(function):
+        match node:
+            case ast.BinOp(op=ast.FloorDiv()) if id(node) not in whole:
+                yield f"{_quote(node)} leaves out the fraction: is a whole number meant? / divides."
+
+
+def _places_of_whole_numbers(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the parts of an expression that need a whole number."""
+    match node:
+        case ast.Subscript(slice=index):
+            yield index
+        case ast.Call(func=ast.Name(id="range" | "int" | "divmod" | "chr"), args=args):
+            yield from args
+
+
+def _odd_operators(function: Function) -> Iterator[str]:
+    for node in ast.walk(function):
+        match node:
+            case ast.BinOp(left=ast.Constant(value=1), op=ast.FloorDiv()):
+                yield f"{_quote(node)} is 0 for every number above 1: / divides, // leaves out the fraction."
+            case ast.Compare(
+                ops=[ast.Is() | ast.IsNot() as operator], comparators=[ast.Constant(value=value)]
+            ) if isinstance(value, str | int | float) and not isinstance(value, bool):
+                sign = "==" if isinstance(operator, ast.Is) else "!="
+                yield f"{_quote(node)} asks for the same object: values are compared with {sign}."
+
+
+def _unreachable(block: Sequence[ast.stmt]) -> Iterator[str]:
+    for statement, after in pairwise(block):
+        if isinstance(statement, ast.Return):
+            yield f"{_quote(after)} comes after {_quote(statement)} and never runs."
+
+
+def _attributes_of_self(cls: ast.ClassDef) -> set[str]:
+    return {
+        node.attr
+        for node in ast.walk(cls)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
+    }
+
+
+def _lost_locals(function: Function, attributes: set[str]) -> Iterator[str]:
+    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+    read_names = {node.id for node in names if isinstance(node.ctx, ast.Load)}
+    for node in names:
+        if isinstance(node.ctx, ast.Store) and node.id in attributes - read_names:
+            yield (
+                f"{node.id} = … in {function.name} sets a variable that ends with the method. To "
+                f"keep it, write self.{node.id} = …"
+            )
+
+
+def _is_local(function: Function, name: str) -> bool:
+    """Return whether a function sets a variable or has a parameter of this name."""
+    names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+    stored = {node.id for node in names if isinstance(node.ctx, ast.Store)}
+    return name in stored | {argument.arg for argument in function.args.args}
+
+
+def _plain_strings(function: Function) -> Iterator[str]:
+    formatted = {
+        id(node.func.value)
+        for node in ast.walk(function)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+    }
+    inside = {
+        id(part) for node in ast.walk(function) if isinstance(node, ast.JoinedStr) for part in node.values
+    }
+    for node in ast.walk(function):
+        if (
+            isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and id(node) not in formatted | inside
+            and (field := _FIELD.search(node.value))
+            # Code in a string of several lines has its own f-strings and dictionaries.
+            and ("\n" not in node.value or _is_local(function, re.split(r"\W", field[0])[1]))
+        ):
+            text = field[0] if "\n" in node.value else node.value[:_LONGEST]
+            yield f"the string {text!r} has names in {{ }}: write f before its quotes."
