@@ -7,6 +7,7 @@ import ast
 import errno
 import json
 import os
+import symtable
 from bisect import bisect_left
 from pathlib import Path
 from typing import Any
@@ -72,6 +73,31 @@ def parse_python(source: str | bytes, file: str = "<unknown>") -> ast.Module:
     """Return the syntax tree of a program. Raises the same errors as `compile_python`."""
     tree: ast.Module = compile_python(source, file, ast.PyCF_ONLY_AST)
     return tree
+
+
+def parse_scopes(source: str) -> symtable.SymbolTable:
+    """Return the symbol table of a program, with a scope for each comprehension in all Python versions.
+
+    Since Python 3.12 (PEP 709) the variables of list, set and dict comprehensions are symbols of the
+    enclosing scope, where they look like its own variables. Generator expressions keep a scope, so
+    comprehensions are replaced by them.
+    """
+    tree = _ComprehensionsToGenerators().visit(parse_python(source))
+    return symtable.symtable(ast.unparse(tree), "<unknown>", "exec")
+
+
+class _ComprehensionsToGenerators(ast.NodeTransformer):
+    """Replaces each comprehension by the generator expression with the same scope."""
+
+    def visit_ListComp(self, node: ast.ListComp) -> ast.AST:
+        return self.generic_visit(ast.GeneratorExp(node.elt, node.generators))
+
+    def visit_SetComp(self, node: ast.SetComp) -> ast.AST:
+        return self.generic_visit(ast.GeneratorExp(node.elt, node.generators))
+
+    def visit_DictComp(self, node: ast.DictComp) -> ast.AST:
+        item = ast.Tuple([node.key, node.value], ast.Load())
+        return self.generic_visit(ast.GeneratorExp(item, node.generators))
 
 
 def _first_deep_line(source: str | bytes, flags: int) -> int:

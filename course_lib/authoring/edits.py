@@ -12,7 +12,6 @@ import ast
 import builtins
 import copy
 import re
-import symtable
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -28,6 +27,7 @@ from course_lib.grading.advice import Advice, hints_by_mistake
 from course_lib.grading.records import TaskResult
 from course_lib.grading.submissions.notebook import CodeCell
 from course_lib.grading.task import Task
+from course_lib.third_party import parse_scopes
 
 
 @dataclass(frozen=True)
@@ -662,7 +662,7 @@ def _names(tree: ast.AST) -> set[str]:
 @lru_cache(maxsize=1000)
 def _global_names(code: str) -> frozenset[str]:
     """Return the global names that code refers to, in any scope."""
-    names, waiting = set[str](), [symtable.symtable(code, "cell", "exec")]
+    names, waiting = set[str](), [parse_scopes(code)]
     while waiting:
         table = waiting.pop()
         waiting += table.get_children()

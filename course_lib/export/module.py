@@ -17,11 +17,9 @@ from typing import Any
 from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.errors import CourseError
 from course_lib.ros.programs.import_path import provided_packages
-from course_lib.third_party import parse_python
+from course_lib.third_party import parse_python, parse_scopes
 
 _MARK = re.compile(r"\s*#\s*\|?\s*export\s*$", re.MULTILINE)
-# Names of scopes whose code runs immediately, unlike functions.
-_IMMEDIATE_SCOPES = ("listcomp", "genexpr", "dictcomp", "setcomp")
 
 
 @dataclass(frozen=True)
@@ -211,10 +209,11 @@ def _needs(text: str) -> tuple[frozenset[str], frozenset[str]]:
         top = table.get_type() == "module"
         names |= {s.get_name() for s in table.get_symbols() if s.is_referenced() and (top or s.is_global())}
         for child in table.get_children():
-            at_once = child.get_type() == "class" or child.get_name() in _IMMEDIATE_SCOPES
-            look(child, names if at_once else later)
+            # Classes and comprehensions run immediately, unlike functions.
+            is_immediate = child.get_type() == "class" or child.get_name() == "genexpr"
+            look(child, names if is_immediate else later)
 
-    look(symtable.symtable(text, "cell", "exec"), now)
+    look(parse_scopes(text), now)
     return frozenset(now), frozenset(later)
 
 

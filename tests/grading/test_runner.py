@@ -9,7 +9,8 @@ import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.jail.launch import TemplateProcess, WorkerError
+from course_lib.grading.jail.launch import JailPlace, TemplateProcess, WorkerError, works
+from course_lib.grading.jail.template import enter_jail
 from course_lib.grading.run import worker
 from course_lib.grading.run.submission_run import ALL, SubmissionRun
 from course_lib.grading.task import Call, Scenario, Task
@@ -187,6 +188,17 @@ def test_processes_and_files_of_a_submission_are_removed(
             os.kill(pid, 0)
     template.close()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_temporary_files_are_in_the_jail_even_if_their_folder_was_used_before(tmp_path: Path) -> None:
+    place = JailPlace("host", "same", os.getuid(), str(tmp_path), ())
+
+    def write() -> None:
+        tempfile.tempdir = "/"
+        enter_jail(place, (), Limits())
+        assert Path(tempfile.mkdtemp()).is_relative_to(tmp_path)
+
+    assert works(write)
 
 
 def test_worker_does_not_inherit_the_environment_of_the_grader(monkeypatch: pytest.MonkeyPatch) -> None:
