@@ -127,9 +127,15 @@ def _joint_state_publisher(*, sliders: bool = False) -> None:
 
 
 def _urdf_argument() -> str:
-    """Return the text of the URDF file given as first argument (deprecated in ROS), or ""."""
-    files = program_arguments()
-    return Path(files[0]).read_text(encoding="utf-8") if files else ""
+    """Return the text of the URDF file given as first argument (deprecated in ROS), or "".
+
+    ROS ignores the argument if the parameter robot_description is set. In the launch file of ROS's
+    tutorial both are the text of the description.
+    """
+    argument = next(iter(program_arguments()), "")
+    if not argument or "<" in argument:
+        return argument
+    return Path(argument).read_text(encoding="utf-8")
 
 
 def _xacro() -> int:

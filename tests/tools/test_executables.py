@@ -34,6 +34,14 @@ def test_publishers_of_a_robot_work_together(launch_file: Write) -> None:
     assert (counts["/robot_description"], counts["/joint_states"], counts["/tf"]) == (1, 20, 19)
 
 
+def test_description_as_parameter_and_argument_is_published_once(launch_file: Write) -> None:
+    parameters = [{"robot_description": URDF}]
+    file = launch_file(kit("robot_state_publisher", parameters=parameters, arguments=[URDF]))
+    recording, code = recorded(file)
+    assert code == 0
+    assert {topic.name: topic.count for topic in recording.topics()}["/robot_description"] == 1
+
+
 @pytest.mark.parametrize(
     "words",
     [
