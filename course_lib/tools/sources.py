@@ -47,7 +47,7 @@ class Listening:
 
     seconds: float | None = None
     patience: float | None = None
-    # The first tick is at the start.
+    # Interval between ticks [s]; the first tick is at the start.
     every: float | None = None
 
 

@@ -19,7 +19,7 @@ from course_lib.third_party import compile_python, parse_python, read_json
 MAX_BYTES = 20_000_000  # [B] limit for a notebook without its outputs, and for any other file
 MAX_WITH_OUTPUTS = 100_000_000  # [B] limit for a notebook as submitted
 MAX_TOKENS = 4_000_000  # JSON tokens that are scanned for outputs
-# names that systems make of .ipynb
+# file names into which some systems turn .ipynb
 NOTEBOOK_NAME = re.compile(r"\.ipynb(\.txt|\.json)?$|\.json$", re.IGNORECASE)
 TOKEN = re.compile(rb'"[^"\\]*(?:\\.[^"\\]*)*"|[\[\]{}]', re.DOTALL)
 OUTPUTS = re.compile(rb'"(?:outputs|attachments|widgets)"')

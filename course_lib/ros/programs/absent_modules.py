@@ -113,6 +113,6 @@ def install() -> None:
 
 
 def unload_absent_modules() -> None:
-    """Remove the modules, so that they are missing for the nodes of a launch."""
+    """Remove the placeholder modules, so that they are missing for the nodes of a launch."""
     for name in [name for name, module in sys.modules.items() if isinstance(module, _AbsentModule)]:
         del sys.modules[name]

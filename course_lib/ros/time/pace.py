@@ -93,7 +93,7 @@ class WallPace:
         self._wall_time = wall.monotonic()
 
     def reached_ns(self, limit: float) -> int:
-        """Return the robot time [ns] that the wall clock has reached, at most `limit` [s] later."""
+        """Return the robot time [ns] of the wall clock, which advances at most `limit` [s] per call."""
         previous, self._wall_time = self._wall_time, wall.monotonic()
         passed_ns = self._speed.advance_ns(min(self._wall_time - previous, limit))
         self._allowed_ns = max(self._allowed_ns, self._graph.now_ns) + passed_ns

@@ -196,7 +196,7 @@ def _run_command(arguments: Sequence[str]) -> ProgramResult:
     if Path(arguments[0]).name == "xacro":
         return run_xacro(arguments[1:])
     if Path(arguments[0]).name == "ros2" and arguments[1:2] in (["pkg"], ["interface"]):
-        # These commands need no nodes, so a process of its own gives the same answer.
+        # These commands need no nodes, so they can run in a separate process.
         arguments = [sys.executable, "-P", "-m", "course_lib", "ros2", *arguments[1:]]
     elif Path(arguments[0]).name == "ros2":
         raise SubstitutionFailure(

@@ -226,7 +226,7 @@ def _refusal(
     is_declared: bool,
     new_descriptor: bool,
 ) -> str:
-    """Return why a value is rejected, or "" if it is accepted. Sets the descriptor's name and type.
+    """Set the descriptor's name and type. Return why a value is rejected, or "" if it is accepted.
 
     With a new descriptor, `read_only` has no effect yet.
     """
