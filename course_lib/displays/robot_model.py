@@ -17,7 +17,7 @@ from course_lib.displays.properties import Property, flag, number, text, words
 from course_lib.displays.shapes import axes
 from course_lib.errors import CourseError
 from course_lib.robots.kinematics import link_poses
-from course_lib.robots.robot import Robot, import_pinocchio, is_installed, resolve
+from course_lib.robots.robot import Robot, import_pinocchio, is_installed, resolve, search_once
 from course_lib.robots.urdf import Geometry, Inertial, Link, links_of, parse_urdf
 from course_lib.ros.graph.topics import Qos
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshFileError, Solids, load_mesh
@@ -353,6 +353,12 @@ class RobotModelDisplay(TopicDisplay):
         # has changed, because frames are many.
         state = self.context.is_seen, dict(self._values)
         is_changed, self._shown_state = state != self._shown_state, state
+        with search_once():
+            self._update_links(is_changed)
+        if self._problems() != before:
+            self._report_problems()
+
+    def _update_links(self, is_changed: bool) -> None:
         for link in self._links:
             prefix, frames = self["TF Prefix"], self.context.frames
             frame = f"{prefix}/{link.name}" if prefix else link.name
@@ -370,8 +376,6 @@ class RobotModelDisplay(TopicDisplay):
             visibility |= {kind: ticked and self[f"{row}/{label}"] for kind, label in _OF_LINKS.items()}
             alpha = self["Alpha"] * self[f"{row}/Alpha"]
             link.show(LinkSettings(visibility, alpha, transform is None, self.context.is_seen))
-        if self._problems() != before:
-            self._report_problems()
 
     @property
     def _file(self) -> Path | None:
@@ -397,10 +401,11 @@ class RobotModelDisplay(TopicDisplay):
         self.statuses.set("ok", "URDF", "URDF parsed OK")
         scene, path = self.context.scene, f"{self.path}/links"
         links = links_of(self._urdf)
-        self._links = [
-            DrawnLink(scene, f"{path}/{node_name(link.name)}", link, self._file)
-            for link in sorted(links, key=lambda link: link.name)
-        ]
+        with search_once():
+            self._links = [
+                DrawnLink(scene, f"{path}/{node_name(link.name)}", link, self._file)
+                for link in sorted(links, key=lambda link: link.name)
+            ]
         rows: list[Property] = []
         for link in self._links:
             row, names = f"Links/{link.name}", ("Links", link.name)

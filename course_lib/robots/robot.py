@@ -8,8 +8,9 @@ import os
 import re
 import sys
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import cache, cached_property, wraps
 from importlib import import_module
@@ -62,12 +63,41 @@ def resolve(uri: str, near: Path | None = None) -> Path:
     if parts.scheme == "file":
         candidates = [Path("/", parts.netloc, inside)]
     else:
-        candidates = [folder / inside for folder in _package_folders(parts.netloc, near)]
+        candidates = [folder / inside for folder in _known_folders(parts.netloc, near)]
     existing = next((path for path in candidates if path.is_file()), None)
     if existing is None:
         where = f": {_package_location(parts.netloc, near)}" if parts.scheme == "package" else "."
         raise CourseError(f"The file {uri} does not exist. Correct the address{where}")
     return existing
+
+
+# The folders of packages within `search_once`: package, file near it, whether `file` is allowed.
+_known: ContextVar[dict[tuple[str, Path | None, bool], list[Path]] | None] = ContextVar(
+    "_known", default=None
+)
+
+
+@contextmanager
+def search_once() -> Iterator[None]:
+    """Search the folders of each package once within a `with` block, in which many files are resolved.
+
+    Every search stats all folders of the workspace, because a package may have been added meanwhile.
+    """
+    token = _known.set({})
+    try:
+        yield
+    finally:
+        _known.reset(token)
+
+
+def _known_folders(name: str, near: Path | None) -> Iterable[Path]:
+    """Return the candidate folders of a package, searched once within `search_once`."""
+    known, key = _known.get(), (name, near, "file" in _schemes)
+    if known is None:
+        return _package_folders(name, near)
+    if key not in known:
+        known[key] = list(_package_folders(name, near))
+    return known[key]
 
 
 def _package_folders(name: str, near: Path | None) -> Iterator[Path]:
@@ -508,8 +538,9 @@ def _from_example_robot_data(name: str) -> Robot:
 def from_text(text: str, path: Path | None = None) -> Robot:
     """Return the robot of a URDF's text. Its shapes are loaded later."""
     tree = parse_urdf(text)
-    for uri in _meshes(text):
-        resolve(uri, path)
+    with search_once():
+        for uri in _meshes(text):
+            resolve(uri, path)
 
     def kinematics() -> "tuple[pin.Model, Floats]":
         pinocchio = import_pinocchio("pinocchio")
@@ -521,9 +552,11 @@ def from_text(text: str, path: Path | None = None) -> Robot:
         kinds = (pinocchio.GeometryType.COLLISION, pinocchio.GeometryType.VISUAL)
         # Pinocchio finds packages only by the names of their folders, so it gets paths.
         resolved = text
-        for uri in _meshes(text):
+        with search_once():
+            files = {uri: resolve(uri, path) for uri in _meshes(text)}
+        for uri, file in files.items():
             for quote in "\"'":
-                resolved = resolved.replace(f"{quote}{uri}{quote}", f"{quote}{resolve(uri, path)}{quote}")
+                resolved = resolved.replace(f"{quote}{uri}{quote}", f"{quote}{file}{quote}")
         try:
             one, other = (
                 pinocchio.buildGeomFromUrdfString(model, resolved, kind, None, []) for kind in kinds

@@ -8,7 +8,9 @@ from std_msgs.msg import String
 
 from course_lib.displays.robot_model import DrawnLink, LinkSettings
 from course_lib.displays.viewer import Viewer
+from course_lib.robots.robot import load_robot
 from course_lib.ros.graph.topics import Qos
+from course_lib.ros.programs.packages import packages
 from tests.displays.bench import START_NS, Bench
 from tests.displays.robot_model.robots import (
     ARM,
@@ -54,6 +56,28 @@ def test_missing_mesh_is_an_error_and_other_shapes_are_shown() -> None:
     assert bench.status(display, "URDF") == ("error", text)
     assert bench.status(display, "arm") == ("ok", "Transform OK")
     assert list(visible_drawables(bench)) == ["base/visual/0"]
+
+
+def test_packages_are_searched_once_for_all_meshes_of_a_description(monkeypatch: pytest.MonkeyPatch) -> None:
+    searches = 0
+
+    def count_searches(**settings: bool) -> dict[str, Path]:
+        nonlocal searches
+        searches += 1
+        return packages(**settings)
+
+    bench, arm = Bench(), load_robot("ur10")
+    monkeypatch.setattr("course_lib.robots.robot.packages", count_searches)
+    assert arm.urdf.count("<mesh") == 14
+    bench.session.add(ROBOT, "Robot", {"Description Topic": {"Value": "/robot_description"}})
+    bench.publish("/robot_description", String(data=arm.urdf), qos=LATCHED)
+    loading = searches
+    for joint in arm.tree.joints.values():
+        bench.transform(arm.tree.root, joint.child)
+    bench.transform("map", arm.tree.root)
+    bench.update()
+    assert (loading, searches) == (1, 2)
+    assert any("/visual/" in path for path in visible_drawables(bench))
 
 
 def test_invalid_mesh_file_is_reported_as_in_rviz(tmp_path: Path) -> None:
