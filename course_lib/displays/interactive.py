@@ -681,7 +681,11 @@ class InteractiveMarkersDisplay(Display):
                 self.statuses.set("ok", message.name, "Marker empty.")
                 return
             else:
-                self._marker(message.name).show(message)
+                if message.name not in self.markers:
+                    path = f"{self.handles}/{node_name(message.name)}"
+                    marker = SceneMarker(self.context, path, self.statuses, self._send)
+                    self.markers[message.name] = marker
+                self.markers[message.name].show(message)
                 self._apply_visibility(self.markers[message.name])
 
     def _move(self, poses: Iterable[Message]) -> None:
@@ -700,13 +704,6 @@ class InteractiveMarkersDisplay(Display):
     def _stop(self, reason: str) -> None:
         if self._client is not None:
             self._client.stop(reason)
-
-    def _marker(self, name: str) -> SceneMarker:
-        """Return a marker by name; it is created if it does not exist."""
-        if name not in self.markers:
-            path = f"{self.handles}/{node_name(name)}"
-            self.markers[name] = SceneMarker(self.context, path, self.statuses, self._send)
-        return self.markers[name]
 
     def _send(self, feedback: Message) -> None:
         if self._client is not None:

@@ -239,11 +239,6 @@ def uncertain_pose(message: Any, transform_frame_to_fixed: Matrix) -> UncertainP
     return UncertainPose(pose, transform_frame_to_fixed, covariance)
 
 
-def uncertain_pose_numbers(message: Any) -> Matrix:
-    """Return all numbers of a geometry_msgs/msg/PoseWithCovariance as one row."""
-    return np.append(pose_numbers([message.pose]), message.covariance)
-
-
 def draw_covariances(poses: Sequence[UncertainPose], holder: PropertyHolder) -> dict[str, Drawable]:
     """Draw the covariances that the properties request.
 

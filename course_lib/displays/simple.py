@@ -46,7 +46,6 @@ from course_lib.displays.shapes import (
     rotation_to,
     shape_properties,
     uncertain_pose,
-    uncertain_pose_numbers,
 )
 from course_lib.errors import CourseError
 from course_lib.robots.urdf import Joint, parse_urdf
@@ -92,7 +91,7 @@ class PoseWithCovarianceDisplay(DrawnDisplay):
 
     def numbers(self, message: Any) -> Matrix:
         """Return pose and covariance."""
-        return uncertain_pose_numbers(message.pose)
+        return np.append(pose_numbers([message.pose.pose]), message.pose.covariance)
 
     def convert(self, message: Any, transform_frame_to_fixed: Matrix) -> UncertainPose:
         """Return the pose in the fixed frame, with its covariance."""
