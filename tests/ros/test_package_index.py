@@ -457,9 +457,52 @@ def test_module_of_another_platform_is_not_searched_in_the_workspace(make: Make)
 def test_packages_are_listed_as_resources_of_the_index(make: Make) -> None:
     prefix = str(make("arm").parent)
     code = (
-        "from ament_index_python import *; print(get_resources('packages'), get_resource('packages', 'arm'))"
+        "from ament_index_python import *; "
+        "print(get_resource('packages', 'arm'), has_resource('packages', 'a'))"
     )
-    assert python(code) == f"{{'arm': {prefix!r}}} ('', {prefix!r})"
-    assert "Could not find the resource 'a' of type" in python(
+    assert python(code) == f"('', {prefix!r}) False"
+    code = (
+        "from ament_index_python import *; "
+        "print({get_resources('packages')['rclpy'], get_package_prefix('rclpy'), "
+        "has_resource('packages', 'rclpy'), get_packages_with_prefixes()['rclpy']})"
+    )
+    assert python(code) == "{'/opt/ros/jazzy'}"
+    assert "LookupError: Could not find the resource 'a' of type 'packages'" in python(
         "from ament_index_python import *; get_resource('packages', 'a')"
     )
+    assert "InvalidResourceNameError: Resource name 'a/b' is invalid" in python(
+        "from ament_index_python import *; has_resource('packages', 'a/b')"
+    )
+
+
+def test_resources_that_build_files_register_are_in_the_index(make: Make) -> None:
+    setup = (
+        "from setuptools import setup\nname = 'arm'\nsetup(name=name, data_files=[\n"
+        "('share/ament_index/resource_index/packages', ['resource/' + name]),\n"
+        "('share/ament_index/resource_index/tools', ['resource/' + name])])"
+    )
+    make("arm", **{"setup.py": setup, "resource/arm": "a gripper"})
+    cmake = (
+        'project(plugins)\nament_index_register_resource(shapes CONTENT "box")\n'
+        "ament_index_register_resource(colors CONTENT_FILE colors.txt PACKAGE_NAME paint)\n"
+        "pluginlib_export_plugin_description_file(nav2_core config/plugins.xml)\n"
+    )
+    make("plugins", **{"CMakeLists.txt": cmake, "colors.txt": "red"})
+    prefix = str(make("counts", **{"msg/Count.msg": "int32 n\n", "srv/Add.srv": "---\n"}).parent)
+    code = """
+from ament_index_python import *
+print(sorted(get_resource_types()))
+types = ("tools", "shapes", "colors", "nav2_core__pluginlib__plugin")
+for type, name in zip(types, ("arm", "plugins", "paint", "plugins")):
+    print(get_resource(type, name), get_resources(type))
+content, at = get_resource("rosidl_interfaces", "counts")
+print(content.split(), at, has_resource("rosidl_interfaces", "std_msgs"))
+"""
+    assert python(code).splitlines() == [
+        "['colors', 'nav2_core__pluginlib__plugin', 'packages', 'rosidl_interfaces', 'shapes', 'tools']",
+        f"('a gripper', {prefix!r}) {{'arm': {prefix!r}}}",
+        f"('box', {prefix!r}) {{'plugins': {prefix!r}}}",
+        f"('red', {prefix!r}) {{'paint': {prefix!r}}}",
+        f"('share/plugins/plugins.xml\\n', {prefix!r}) {{'plugins': {prefix!r}}}",
+        f"['msg/Count.idl', 'msg/Count.msg', 'srv/Add.idl', 'srv/Add.srv'] {prefix} /opt/ros/jazzy",
+    ]

@@ -45,12 +45,15 @@ class BuildFiles:
         installed: Installed paths, like share/arm/arm.urdf, with the files in the sources.
         package_folders: Folders of Python packages by name; "" is the folder of all others.
         compiled: Names of executables and components that are built from C++.
+        resources: Contents, or their files, of resources that a CMakeLists.txt adds to the ament index,
+            by type and name.
     """
 
     executables: dict[str, Executable] = field(default_factory=dict)
     installed: list[tuple[str, Path]] = field(default_factory=list)
     package_folders: dict[str, Path] = field(default_factory=dict)
     compiled: set[str] = field(default_factory=set)
+    resources: dict[tuple[str, str], str | Path] = field(default_factory=dict)
 
 
 def read_build_files(name: str, sources: Path) -> BuildFiles:
@@ -275,6 +278,7 @@ def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
         **{variable: [str(source_folder)] for variable in _SOURCE_FOLDERS},
     }
     for command, arguments in _CMake(variables).run(_COMMAND.findall(text)):
+        build_files.resources.update(_registered_by_cmake(name, source_folder, command, arguments))
         match command, arguments:
             case "set", [variable, *values]:
                 variables[variable] = values
@@ -308,6 +312,22 @@ def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
                 build_files.installed += _placed_by_cmake(
                     source_folder, "DIRECTORY", folders, f"share/{name}"
                 )
+
+
+def _registered_by_cmake(
+    name: str, source_folder: Path, command: str, arguments: list[str]
+) -> dict[tuple[str, str], str | Path]:
+    """Return the contents, or their files, of resources that a command adds to the ament index."""
+    match command, arguments:
+        case "ament_index_register_resource", [resource_type, *rest]:
+            resource_name = "".join(_argument_after("PACKAGE_NAME", rest)) or name
+            for file in _argument_after("CONTENT_FILE", rest):
+                return {(resource_type, resource_name): source_folder / file}
+            return {(resource_type, resource_name): "".join(_argument_after("CONTENT", rest))}
+        case "pluginlib_export_plugin_description_file", [base_package, file, *_]:
+            resource_type = f"{base_package}__pluginlib__plugin"
+            return {(resource_type, name): f"share/{name}/{PurePosixPath(file).name}\n"}
+    return {}
 
 
 @dataclass(frozen=True)

@@ -281,6 +281,11 @@ def find_package(name: str) -> Package | None:
     return _package(name, package_folder) if (package_folder / MANIFEST).is_file() else None
 
 
+def prefix_of(share: Path) -> Path:
+    """Return the installation prefix of a share folder, or the parent folder of a package's sources."""
+    return share.parent.parent if share.parent.name == "share" else share.parent
+
+
 def why_not_found(name: str) -> str:
     """Explain that a package is missing, which packages there are, and how to add it."""
     if reason := why_not_offered(name):

@@ -2,8 +2,10 @@
 
 from pathlib import Path
 
+from ament_index_python.resources import get_resources
 from course_lib.ros.programs import packages
-from course_lib.ros.programs.missing_packages import missing_share_folder
+from course_lib.ros.programs.import_path import provided_packages
+from course_lib.ros.programs.missing_packages import INSTALLED, missing_share_folder
 from course_lib.ros.programs.packages import share_folder
 
 
@@ -35,14 +37,21 @@ def get_package_share_directory(package_name: str, print_warning: bool = True) -
 
 
 def get_package_prefix(package_name: str) -> str:
-    """Return the installation prefix of a package, or the parent folder of its sources."""
-    share = _share(package_name)
-    return str(share.parent.parent if share.parent.name == "share" else share.parent)
+    """Return the installation prefix of a package, or the parent folder of its sources.
+
+    Packages of the kit without a share folder have the prefix that they have on a robot.
+
+    Raises:
+        PackageNotFoundError: There is no such package.
+    """
+    if packages.find_package(package_name) is None and package_name in provided_packages():
+        return str(INSTALLED.parent)
+    return str(packages.prefix_of(_share(package_name)))
 
 
 def get_packages_with_prefixes() -> dict[str, str]:
     """Return all packages with their installation prefixes."""
-    return {name: get_package_prefix(name) for name in packages.packages()}
+    return get_resources("packages")
 
 
 def _share(name: str) -> Path:
