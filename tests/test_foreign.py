@@ -71,7 +71,7 @@ DEEP_PYTHON = {
     "operators": "x = " + "-" * 10_000 + "1",
     "attributes": "x = 1\nx = x" + ".real" * 20_000,
     "sum": "x = " + " + ".join(["1"] * 20_000),
-    "conditions": "x = " + "1 if 1 else " * 5_000 + "1",
+    "conditions": "x = " + "1 if 1 else " * 20_000 + "1",
 }
 
 

@@ -181,7 +181,7 @@ def _read_image(path: Path) -> tuple[np.ndarray, np.ndarray]:
 def _cells(settings: MapSettings, gray: np.ndarray, is_opaque: np.ndarray) -> np.ndarray:
     """Return the values of the cells, int8 of shape (height, width), as nav2_map_server computes them."""
     if settings.mode == "raw":
-        return np.where(gray <= _OCCUPIED, gray, _UNKNOWN).astype(np.int8)
+        return np.where(gray <= _OCCUPIED, gray.astype(np.int8), np.int8(_UNKNOWN))
     level = gray.astype(np.float32) / np.float32(255)
     occupancy = level if settings.negate else np.float32(1) - level
     low, high = np.float32(settings.free_thresh), np.float32(settings.occupied_thresh)

@@ -175,9 +175,10 @@ class _Parser(ArgumentParser):
         """Print the usage, and raise an error with the message and the closest option."""
         self.write(self.format_usage())
         if message.startswith("unrecognized arguments: -"):
-            option, *rest = message.split()[2:]
+            option = message.split()[2]
             if option.partition("=")[0] in COURSE_OPTIONS | LINK_OPTIONS:
-                message += f". Options of course come first: course ros2 {' '.join((option, *rest[:1]))} "
+                value = "" if "=" in option else " …"
+                message += f". Options of course come first: course ros2 {option}{value} "
                 message += f"{self.prog.removeprefix('ros2 ')} …"
             else:
                 message += did_you_mean(option, self._option_string_actions)

@@ -98,9 +98,12 @@ if names & {"Catalog", "CourseFile", "Scenario", "Check", "Submission"}: print("
 import sys
 frame, seen = sys._getframe(), []
 while frame:
-    seen += [repr(v)[:2000] for v in list(frame.f_locals.values())]
+    for value in list(frame.f_locals.values()):
+        try: seen.append(repr(value)[:2000])
+        except Exception: pass
     frame = frame.f_back
-if "canary-4711" in "".join(seen): print("BROKEN")
+# This cell's own source is in the frames, too.
+if "canary-" + "4711" in "".join(seen): print("BROKEN")
 """,
     ),
     Entry(

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from tests.python_messages import as_in_python_3_11
 from tests.real_ros import differences
 
 HERE = Path(__file__).parent
@@ -33,7 +34,7 @@ def _kits(file: str) -> dict[str, str]:
         [*command, str(HERE / "probes" / f"{file}.py")], capture_output=True, text=True, timeout=120
     )
     assert process.returncode == 0, process.stderr
-    outcomes: dict[str, str] = json.loads(process.stdout)
+    outcomes: dict[str, str] = json.loads(as_in_python_3_11(process.stdout))
     return outcomes
 
 

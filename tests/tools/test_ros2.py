@@ -88,8 +88,8 @@ def test_misplaced_options_of_course_ros2_are_recognized() -> None:
     [
         ("topic echo", "the following arguments are required: topic_name"),
         ("topic echo /a --ounce", "unrecognized arguments: --ounce. Did you mean --once"),
-        ("topic echo /a --seconds 2", "course come first: course ros2 --seconds 2 topic echo …"),
-        ("topic echo /a --call /a", "course come first: course ros2 --call /a topic echo …"),
+        ("topic echo /a --seconds 2", "course come first: course ros2 --seconds … topic echo …"),
+        ("topic echo /a --call /a", "course come first: course ros2 --call … topic echo …"),
         ("topic echo /a --truncate-length x", "value must be non-negative integer"),
         ("topic echo /a --truncate-length -5", "value must be non-negative integer"),
         ("topic echo /a --qos-depth x", "invalid int value: 'x'"),
