@@ -7,6 +7,7 @@ import ast
 import errno
 import json
 import os
+import stat
 import symtable
 from bisect import bisect_left
 from pathlib import Path
@@ -16,6 +17,12 @@ TOO_DEEP = "it is nested too deeply for Python: split the expression"
 NULL_BYTES = "it contains null bytes: save it as text in UTF-8"
 # Most bytes of a text that a parser for XML or YAML gets, which takes many times its size.
 MOST_TEXT = 32_000_000
+_SPECIAL_FILES = {
+    stat.S_ISFIFO: "a named pipe",
+    stat.S_ISSOCK: "a socket",
+    stat.S_ISCHR: "a device",
+    stat.S_ISBLK: "a device",
+}
 
 
 def read_text(path: Path, errors: str = "strict") -> str:
@@ -26,17 +33,40 @@ def read_text(path: Path, errors: str = "strict") -> str:
         errors: What to do with bytes that are not UTF-8, as for `open`.
 
     Raises:
-        OSError: The file cannot be read, or has more than MOST_TEXT bytes.
+        OSError: The path is not a regular file that can be read, or has more than MOST_TEXT bytes.
         UnicodeDecodeError: The file is not UTF-8.
     """
     check_size(path, MOST_TEXT)
     return path.read_text(encoding="utf-8", errors=errors)
 
 
+def read_bytes(path: Path) -> bytes:
+    """Return the content of a file.
+
+    Raises:
+        OSError: The path is not a regular file that can be read.
+    """
+    check_regular(path)
+    return path.read_bytes()
+
+
 def check_size(path: Path, most: int) -> None:
-    """Raise an OSError if a file cannot be read or has more bytes than a limit."""
-    if path.stat().st_size > most:
+    """Raise an OSError if a path is not a regular file, or has more bytes than a limit."""
+    if check_regular(path).st_size > most:
         raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
+
+
+def check_regular(path: Path) -> os.stat_result:
+    """Return the status of a file or folder; raise an OSError for a named pipe, a socket or a device.
+
+    Opening a pipe waits for a program that writes to it, and a device may have no end. Opening a folder
+    raises the usual error.
+    """
+    status = path.stat()
+    kind = next((name for is_kind, name in _SPECIAL_FILES.items() if is_kind(status.st_mode)), "")
+    if kind:
+        raise OSError(errno.EINVAL, f"It is {kind}, not a regular file", str(path))
+    return status
 
 
 def read_json(text: str | bytes) -> Any:

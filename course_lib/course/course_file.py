@@ -13,6 +13,7 @@ from zoneinfo import ZoneInfo, available_timezones
 from course_lib.course.exercise import normalise
 from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError, did_you_mean
+from course_lib.third_party import read_text
 
 POINTS_PER_WEEK = 100
 Counts = Literal["last", "best"]
@@ -243,7 +244,7 @@ def read_course_file(path: Path) -> CourseFile:
             and line.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path)
         content = tomllib.loads(text)
         errors = _faulty_weeks(content)
         faults = {week: _locate(path, text, error) for week, error in errors.items()}

@@ -19,7 +19,7 @@ from course_lib.course.state import exercises_dir, solutions_dir, student_state
 from course_lib.errors import CourseError, did_you_mean, format_count
 from course_lib.files import write_atomically
 from course_lib.host import in_notebook
-from course_lib.third_party import read_json
+from course_lib.third_party import read_bytes, read_json, read_text
 
 Notebook = dict[str, Any]
 BEGIN = re.compile(r"^(?P<indent>\s*)# solution: (?P<missing>.+)$")
@@ -53,7 +53,7 @@ def read_notebook(path: Path) -> Notebook:
         CourseError: The file is missing, not JSON, or not a notebook of format 4.
     """
     try:
-        notebook = read_json(path.read_text(encoding="utf-8"))
+        notebook = read_json(read_bytes(path))
     except (OSError, ValueError) as error:
         raise CourseError(f"{path} can't be read as a notebook: {error}") from error
     cells = notebook.get("cells") if isinstance(notebook, dict) and notebook.get("nbformat") == 4 else None
@@ -157,7 +157,7 @@ def write_exercises() -> list[Path]:
             text = notebook_text(exercise_from(read_notebook(solution)))
         except CourseError as error:
             raise CourseError(f"{solution}: {error}") from error
-        if not path.exists() or path.read_text(encoding="utf-8") != text:
+        if not path.exists() or read_text(path) != text:
             write_atomically(path, text.encode())
             written_paths.append(path)
     return written_paths

@@ -11,6 +11,7 @@ from typing import Any
 from course_lib.course.state import exercises_dir, student_state
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.host import in_notebook
+from course_lib.third_party import read_text
 
 SECTION = "predictions"
 # The section of the student's state for answers to quizzes.
@@ -144,7 +145,7 @@ def read_questions(path: Path, kind: str) -> tuple[Question, ...]:
         CourseError: The file is malformed, or a question does not have exactly one right answer.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = tomllib.loads(read_text(path))
     except ValueError as error:
         raise CourseError(f"{path} is not TOML: {error}") from error
     for name, tables in content.items():

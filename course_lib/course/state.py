@@ -20,7 +20,7 @@ from typing import Any
 
 from course_lib.errors import CourseError
 from course_lib.files import write_atomically
-from course_lib.third_party import read_json
+from course_lib.third_party import read_json, read_text
 
 STATE_FOLDER = ".course"
 # Folder for files written by lessons and exercises. Their cells contain this name.
@@ -50,7 +50,7 @@ class State:
         if path is None:
             return dict(self._memory.get(name, {}))
         try:
-            content = read_json(path.read_text(encoding="utf-8"))
+            content = read_json(read_text(path))
         except FileNotFoundError:
             return {}
         except ValueError as error:

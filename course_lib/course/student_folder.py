@@ -60,7 +60,7 @@ from course_lib.course.state import (
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.host import hub_prefix
-from course_lib.third_party import read_json
+from course_lib.third_party import read_bytes, read_json, read_text
 
 README, README_STUDENTS = "README.md", "README_students.md"
 FOR_STUDENTS = """# {title}
@@ -141,7 +141,7 @@ def shipped_files() -> dict[str, Path]:
 
 def content_hash(path: Path) -> str:
     """Return a digest of a notebook's cells without outputs, or of any other file's bytes."""
-    content = path.read_bytes()
+    content = read_bytes(path)
     if path.suffix == ".ipynb":
         try:
             cells = [(cell.get("cell_type"), source(cell)) for cell in read_notebook(path)["cells"]]
@@ -309,7 +309,7 @@ def _readme(root: Path) -> str:
     """
     readme = root / (README if course_package() == PACKAGE else README_STUDENTS)
     if readme.is_file():
-        return readme.read_text(encoding="utf-8")
+        return read_text(readme)
     title = read_course_file(root / "exercises" / "course.toml").title
     return FOR_STUDENTS.format(title=title or "Your course")
 
@@ -317,7 +317,7 @@ def _readme(root: Path) -> str:
 def _without_extensions(path: Path) -> str:
     """Return course.toml without extensions and groups. Raise a CourseError if it is malformed."""
     read_course_file(path).require_valid()
-    text = EXTENSIONS.sub("", path.read_text(encoding="utf-8"))
+    text = EXTENSIONS.sub("", read_text(path))
     content = tomllib.loads(text)
     if "groups" in content:
         raise CourseError(f"{path}: write the students' groups as a table, [groups]")

@@ -20,6 +20,7 @@ from course_lib.robots.kinematics import link_poses
 from course_lib.robots.robot import Robot, import_pinocchio, is_installed, resolve, search_once
 from course_lib.robots.urdf import Geometry, Inertial, Link, links_of, parse_urdf
 from course_lib.ros.graph.topics import Qos
+from course_lib.third_party import read_text
 from course_lib.viewer.drawables import Drawable, Lines, Mesh, MeshFileError, Solids, load_mesh
 from course_lib.viewer.scene import Scene
 
@@ -322,7 +323,7 @@ class RobotModelDisplay(TopicDisplay):
         super(TopicDisplay, self).start()
         if self.enabled and self._file:
             try:
-                self._urdf = self._file.read_text(encoding="utf-8")
+                self._urdf = read_text(self._file)
             except (OSError, UnicodeDecodeError) as error:
                 self.statuses.hint("URDF", f"{self._file}: {error}")
             if self._urdf:

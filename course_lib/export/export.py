@@ -32,7 +32,7 @@ from course_lib.export.module import (
 )
 from course_lib.ros.package_template import PackageText, check_package_name, fill_template, package_files
 from course_lib.ros.programs.build_files import executables_of
-from course_lib.third_party import parse_python
+from course_lib.third_party import parse_python, read_bytes, read_text
 
 _FOLDERS = {".rviz": "rviz", ".yaml": "config", ".yml": "config", ".urdf": "urdf", ".py": "launch"}
 # Packages that the launch file needs.
@@ -97,7 +97,7 @@ def export(
     for one in extra:
         if one.suffix not in _FOLDERS or not one.is_file():
             raise CourseError(f"{one} cannot be included; give files that end in {', '.join(_FOLDERS)}.")
-        files[f"{_FOLDERS[one.suffix]}/{one.name}"] = one.read_bytes()
+        files[f"{_FOLDERS[one.suffix]}/{one.name}"] = read_bytes(one)
     _write(files, out / package)
     notes = []
     for name, why in only_code.items():
@@ -270,7 +270,7 @@ def lacks(folder: Path) -> Report:
         if (folder / file).is_file():
             missing += check(folder / file, name)
     if (folder / "package.xml").is_file():
-        text = (folder / "package.xml").read_text(encoding="utf-8")
+        text = read_text(folder / "package.xml")
         for tester in _TESTED_BY:
             if f"<test_depend>{tester}<" not in text:
                 advice.append(f"package.xml: <test_depend>{tester}</test_depend>")
@@ -283,7 +283,7 @@ def lacks(folder: Path) -> Report:
 
 def _check_manifest(file: Path, name: str) -> Iterator[str]:
     try:
-        root = ET.fromstring(file.read_bytes())
+        root = ET.fromstring(read_bytes(file))
     except ET.ParseError as error:
         yield f"a package.xml that is valid XML: {error}"
         return
@@ -303,7 +303,7 @@ def _check_manifest(file: Path, name: str) -> Iterator[str]:
 
 
 def _check_setup(file: Path, name: str) -> Iterator[str]:
-    text = file.read_text(encoding="utf-8")
+    text = read_text(file)
     if f"'{name}'" not in text.replace('"', "'"):
         yield f"setup.py: name='{name}'"
     executables = executables_of(file)
@@ -313,7 +313,7 @@ def _check_setup(file: Path, name: str) -> Iterator[str]:
         source = file.parent / (module.replace(".", "/") + ".py")
         if not source.is_file():
             yield f"setup.py: {executable} starts {module}, and there is no {source.relative_to(file.parent)}"
-        elif f"\ndef {function}(" not in source.read_text(encoding="utf-8"):
+        elif f"\ndef {function}(" not in read_text(source):
             yield f"{source.relative_to(file.parent)}: the function {function}, which {executable} starts"
     for folder in ("launch", "config", "rviz", "urdf"):
         if any((file.parent / folder).glob("*")) and folder not in text:
@@ -323,7 +323,7 @@ def _check_setup(file: Path, name: str) -> Iterator[str]:
 
 
 def _check_setup_cfg(file: Path, name: str) -> Iterator[str]:
-    text = re.sub(r"\s*=\s*", "=", file.read_text(encoding="utf-8").replace("-", "_"))
+    text = re.sub(r"\s*=\s*", "=", read_text(file).replace("-", "_"))
     yield from (
         f"setup.cfg: {line}"
         for line in (f"script_dir=$base/lib/{name}", f"install_scripts=$base/lib/{name}")
@@ -335,7 +335,7 @@ def _imports(folder: Path) -> set[str]:
     names = set[str]()
     for file in folder.rglob("*.py"):
         try:
-            tree = parse_python(file.read_text(encoding="utf-8"))
+            tree = parse_python(read_text(file))
         except SyntaxError as error:
             raise CourseError(f"{file}, line {error.lineno}: {error.msg}. Correct it first.") from error
         names |= imported_modules(tree)

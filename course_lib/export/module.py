@@ -17,7 +17,7 @@ from typing import Any
 from course_lib.course.exercise import code_cells, read_notebook, source
 from course_lib.errors import CourseError
 from course_lib.ros.programs.import_path import provided_packages
-from course_lib.third_party import parse_python, parse_scopes
+from course_lib.third_party import parse_python, parse_scopes, read_text
 
 _MARK = re.compile(r"\s*#\s*\|?\s*export\s*$", re.MULTILINE)
 
@@ -45,7 +45,7 @@ def read_cells(file: Path) -> list[Cell]:
 
 def _text(file: Path) -> str:
     try:
-        return file.read_text(encoding="utf-8")
+        return read_text(file)
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise CourseError(

@@ -21,6 +21,7 @@ from course_lib.course.course_file import CourseFile, read_course_file
 from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.grading.evidence import Check
+from course_lib.third_party import read_text
 
 # The timer repeats after this processor time [s], for code that swallows the first exception.
 AGAIN = 1.0
@@ -396,7 +397,7 @@ def _load_hints(path: Path, tasks: Mapping[str, Task]) -> dict[str, Task]:
     The file may be missing.
     """
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else dict[str, Any]()
+        tables = tomllib.loads(read_text(path)) if path.is_file() else dict[str, Any]()
     except ValueError as error:
         raise CourseError(f"{path}: {error}") from error
     hints = {f"{path.stem}.{name}": table for name, table in tables.items()}
@@ -448,7 +449,7 @@ def _location(path: Path, error: Exception) -> str:
 
 def _names_in(path: Path) -> set[str]:
     """Return the names that a check file imports, assigns or defines."""
-    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    nodes = list(ast.walk(ast.parse(read_text(path))))
     imports = {
         a.asname or a.name for n in nodes if isinstance(n, ast.ImportFrom | ast.Import) for a in n.names
     }

@@ -23,7 +23,7 @@ from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
 from course_lib.ros.graph.topics import Qos, read_tick
 from course_lib.ros.messages.definitions import definition, typestore
 from course_lib.ros.messages.hashes import type_hash
-from course_lib.third_party import MOST_TEXT, check_size, read_text
+from course_lib.third_party import MOST_TEXT, check_size, read_bytes, read_text
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, QosTime
@@ -138,7 +138,7 @@ class BagWriter:
         """Complete the file and write the metadata."""
         self._writer.close()
         # rosbags writes its own name instead of the ROS distribution.
-        about = self._metadata.read_text(encoding="utf-8")
+        about = read_text(self._metadata)
         text = about.replace("ros_distro: rosbags", "ros_distro: jazzy")
         self._metadata.write_text(text, encoding="utf-8")
 
@@ -205,7 +205,7 @@ def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
     samples: list[Sample] = []
     damages: list[str] = []
     for path in files:
-        data = path.read_bytes() if path.suffix == ".mcap" else b""
+        data = read_bytes(path) if path.suffix == ".mcap" else b""
         try:
             if path.suffix == ".mcap" and not (data.startswith(_MAGIC) and data.endswith(_MAGIC)):
                 damages.append(f"{path.name} does not begin and end as a MCAP file does")

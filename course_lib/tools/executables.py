@@ -14,6 +14,7 @@ from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.programs.xacro_program import run_xacro
 from course_lib.ros.time import pace
+from course_lib.third_party import read_text
 
 if TYPE_CHECKING:
     from rclpy.executors import Executor
@@ -135,7 +136,7 @@ def _urdf_argument() -> str:
     argument = next(iter(program_arguments()), "")
     if not argument or "<" in argument:
         return argument
-    return Path(argument).read_text(encoding="utf-8")
+    return read_text(Path(argument))
 
 
 def _xacro() -> int:

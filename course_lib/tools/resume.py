@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from course_lib.errors import CourseError, format_count
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.time.driving import drive_between_cells, live_runs
-from course_lib.third_party import read_json
+from course_lib.third_party import read_bytes, read_json
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -124,7 +124,7 @@ def _notebooks() -> Iterator[Path]:
 
 def _code_cells(path: Path) -> Iterator[_Cell]:
     try:
-        notebook = read_json(path.read_text(encoding="utf-8"))
+        notebook = read_json(read_bytes(path))
     except (OSError, ValueError):
         return
     cells = notebook.get("cells", []) if isinstance(notebook, dict) else []

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from course_lib.arrays import Bytes, Float32s, Floats, Matrix, Reals, UInt32s, Vector
 from course_lib.errors import CourseError
-from course_lib.third_party import check_size
+from course_lib.third_party import check_size, read_bytes
 
 FAR = 1000.0  # [m]
 
@@ -395,7 +395,7 @@ def load_mesh(path: Path) -> Mesh:
     """
     try:
         check_size(path, MOST_BYTES)
-        return parse_mesh(path.read_bytes(), path.suffix.lstrip(".").lower(), folder=path.parent)
+        return parse_mesh(read_bytes(path), path.suffix.lstrip(".").lower(), folder=path.parent)
     except (OSError, MeshFileError) as error:
         raise MeshFileError(f"{path}: {error}") from error
 

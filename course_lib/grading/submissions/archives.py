@@ -20,6 +20,7 @@ from course_lib.grading.submissions.notebook import (
     is_notebook_name,
     without_outputs,
 )
+from course_lib.third_party import read_bytes
 
 MAX_MEMBERS = 1000  # files per archive
 MAX_ENTRIES = 20 * MAX_MEMBERS  # archives stored in an archive have directories of their own
@@ -361,7 +362,7 @@ def _read_folder(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, byte
 
 
 def _read_packed(path: Path) -> Iterator[tuple[str, bytes]]:
-    with open_zip(path.read_bytes()) as archive:
+    with open_zip(read_bytes(path)) as archive:
         for info in archive.infolist()[: 2 * MAX_WORKING_FILES]:
             name = _member_name(info).removeprefix(WORKING_FOLDER)
             if name != _member_name(info) and _is_fine(name):

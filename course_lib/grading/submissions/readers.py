@@ -21,6 +21,7 @@ import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
 from course_lib.course.exercise import EXTRA_CHARACTERS, MAX_LENGTH, normalise
 from course_lib.errors import CourseError, format_count
+from course_lib.third_party import read_bytes
 
 if TYPE_CHECKING:
     from dateparser.date import DateDataParser
@@ -63,7 +64,7 @@ class LmsFile:
             CourseError: It can't be read, or contains no table.
         """
         try:
-            data = path.read_bytes()
+            data = read_bytes(path)
         except OSError as error:
             raise CourseError(
                 f"{path} can't be read: {error.strerror}. Pass the platform's CSV file."

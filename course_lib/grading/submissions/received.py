@@ -11,6 +11,7 @@ from zoneinfo import ZoneInfo
 from course_lib.errors import CourseError
 from course_lib.grading.records import RECEIPT_TIME, Received
 from course_lib.grading.submissions.readers import STAMP, YEARS, LmsFile, parse_times, platform_name
+from course_lib.third_party import check_regular
 
 LIST = "received.csv"
 ID_FROM = "id_from"  # whether the student's ID is from the roster
@@ -148,6 +149,7 @@ def _read_stamp(path: Path) -> tuple[datetime | None, str]:
     try:
         if path.is_symlink():
             raise ValueError("it is a link")
+        check_regular(path)
         with path.open("rb") as file:
             text = file.read(MAX_STAMP).decode().strip()
         match = re.fullmatch(r"(\S+ \S+) (\w+/\S+)", text)

@@ -27,7 +27,7 @@ from course_lib.grading.submissions.readers import (
     plain_digits,
 )
 from course_lib.grading.submissions.received import ID_FROM, LIST
-from course_lib.third_party import read_json
+from course_lib.third_party import read_bytes, read_json
 
 ROSTER, PLATFORM = "roster", "platform"  # values of the column ID_FROM in received.csv
 MISMATCH, NO_ID, UNVERIFIED = "ID mismatch", "no ID", "ID not verified"
@@ -451,7 +451,7 @@ def _list_headings(file: LmsFile) -> str:
 def _read_api_times(path: Path, zone: ZoneInfo) -> Times:
     """Read the submissions of an assignment as listed by Canvas's API."""
     try:
-        entries = list(_entries(read_json(path.read_text(encoding="utf-8-sig"))))
+        entries = list(_entries(read_json(read_bytes(path).decode("utf-8-sig"))))
     except (OSError, ValueError) as error:
         raise CourseError(f"{path} can't be read: {error}. {EXPORTS}") from error
     by_number: dict[str, datetime] = {}

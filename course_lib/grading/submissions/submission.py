@@ -42,7 +42,7 @@ from course_lib.grading.submissions.notebook import (
     without_outputs,
 )
 from course_lib.grading.submissions.received import Ledger
-from course_lib.third_party import read_json
+from course_lib.third_party import check_regular, read_bytes, read_json
 
 UTC = ZoneInfo("UTC")
 NAMES = re.compile(r"\.(ipynb(\.txt|\.json)?|zip)$|^week\d\d_exercise.*\.json$", re.IGNORECASE)
@@ -251,7 +251,7 @@ def _cells_in(folder: Path, names: str) -> dict[str, frozenset[str]]:
     cells_by_name = {}
     for path in sorted(folder.glob(names)):
         try:
-            cells = parse_notebook(path.read_bytes(), path.name).cells
+            cells = parse_notebook(read_bytes(path), path.name).cells
         except (OSError, CourseError):
             continue
         cells_by_name[path.stem] = frozenset(cell.strip() for cell in cells if cell.strip())
@@ -263,7 +263,7 @@ def released_digest(exercise: str) -> str:
     """Return the digest of the cells of an unchanged exercise, or "" if the course does not have it."""
     path = exercises_dir() / f"{exercise}.ipynb"
     try:
-        return parse_notebook(path.read_bytes(), path.name).digest
+        return parse_notebook(read_bytes(path), path.name).digest
     except (OSError, CourseError):
         return ""
 
@@ -283,6 +283,7 @@ def unpack(path: Path) -> tuple[bytes, Mapping[str, Any]]:
     """
     try:
         is_packed = path.suffix.lower() == ".zip"
+        check_regular(path)
         with path.open("rb") as file:
             data = file.read((2 * MAX_BYTES if is_packed else MAX_WITH_OUTPUTS) + 1)
     except OSError as error:

@@ -35,6 +35,7 @@ from course_lib.grading.submissions.notebook import (
 )
 from course_lib.grading.submissions.submission import NO_EXERCISE, content_hash, unpack
 from course_lib.grading.task import Task, shipped_catalog
+from course_lib.third_party import read_bytes
 
 NO_ID = "It has no student ID: enter your ID (open {}) and submit again."
 
@@ -170,7 +171,7 @@ def _released_digests(exercise: str) -> frozenset[str]:
     """Return the digests of the cells in the unchanged exercise."""
     path = exercises_dir() / f"{exercise}.ipynb"
     try:
-        return frozenset(map(cell_digest, parse_notebook(path.read_bytes(), path.name).cells))
+        return frozenset(map(cell_digest, parse_notebook(read_bytes(path), path.name).cells))
     except (OSError, CourseError):
         return frozenset()
 

@@ -106,12 +106,12 @@ def read_interface(path: Path, package: str = "") -> dict[str, Any]:
 
     The package defaults to the name of the folder.
     """
-    return parse_interface(path.read_text(encoding="utf-8"), file_name(path, package), path)
+    return parse_interface(read_text(path), file_name(path, package), path)
 
 
 def read_defaults(path: Path, package: str = "") -> dict[tuple[str, str], Any]:
     """Read the default values of an interface file by type name and field. See `read_interface`."""
-    return parse_defaults(path.read_text(encoding="utf-8"), file_name(path, package))
+    return parse_defaults(read_text(path), file_name(path, package))
 
 
 def file_name(path: Path, package: str = "") -> str:
@@ -282,7 +282,7 @@ def _parse_scalar(kind: str, text: str) -> Any:
 
 def line_of_field(path: Path, name: str) -> int:
     """Return the line of a field in its file, or 0 for a field that rosidl adds."""
-    fields = map(_FIELD.fullmatch, path.read_text(encoding="utf-8").splitlines())
+    fields = map(_FIELD.fullmatch, read_text(path).splitlines())
     return next(
         (number for number, field in enumerate(fields, start=1) if field and field["name"] == name), 0
     )
@@ -295,7 +295,7 @@ def kit_files() -> Mapping[str, str]:
     for entry in os.scandir(Path(__file__).parents[1] / "interfaces"):
         package, _, suffix = entry.name.partition(".")
         if suffix == "txt":
-            sections = Path(entry).read_text(encoding="utf-8").split("=== ")[1:]
+            sections = read_text(Path(entry)).split("=== ")[1:]
             for name, _, text in (section.partition("\n") for section in sections):
                 texts[f"{package}/{name}"] = text
     return texts

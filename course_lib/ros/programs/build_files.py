@@ -17,7 +17,7 @@ from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from course_lib.errors import CourseError
-from course_lib.third_party import MOST_TEXT, check_size, parse_python, read_text
+from course_lib.third_party import MOST_TEXT, check_regular, check_size, parse_python, read_bytes, read_text
 
 # A module and a function in it, or a script.
 Executable = tuple[str, str] | Path
@@ -97,6 +97,7 @@ def is_python(file: Path) -> bool:
     if file.suffix == ".py":
         return True
     try:
+        check_regular(file)
         with file.open("rb") as stream:
             first_line = stream.readline(200)
     except OSError:
@@ -110,7 +111,7 @@ def _tree_of(setup: Path) -> ast.Module | None:
     try:
         check_size(setup, MOST_TEXT)
         # Bytes, because Python then follows a byte order mark and a declared encoding.
-        return parse_python(setup.read_bytes())
+        return parse_python(read_bytes(setup))
     except SyntaxError as error:
         raise CourseError(f"{setup}, line {error.lineno}: {error.msg}.") from error
     except (ValueError, OSError) as error:

@@ -26,7 +26,7 @@ from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.ros.programs.build_files import Executable, is_python, read_build_files
 from course_lib.ros.programs.missing_packages import clone_instructions, why_not_offered
 from course_lib.ros.time import wall
-from course_lib.third_party import read_text
+from course_lib.third_party import read_bytes, read_text
 
 # Number of parent folders of a file in which a checkout, or a folder `src`, is looked for.
 SRC_WITHIN = 4
@@ -340,7 +340,7 @@ def _why_skipped(name: str) -> str:
 def _error_of_manifest(manifest: Path) -> str:
     """Explain why no package name can be read from a package.xml."""
     try:
-        ElementTree.parse(manifest)
+        ElementTree.fromstring(read_bytes(manifest))
     except ElementTree.ParseError as error:
         return f"{manifest}: not XML: {error.msg}."
     except OSError as error:

@@ -25,7 +25,7 @@ from course_lib.ros.time.time_lock import (
     time_lock,
 )
 from course_lib.ros.tracebacks import print_error
-from course_lib.third_party import parse_python, read_json
+from course_lib.third_party import parse_python, read_bytes, read_json
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -100,7 +100,7 @@ class Program(Process):
     def __init__(self, file: Path, args: Sequence[str]) -> None:
         super().__init__(file, args)
         try:
-            source = file.read_bytes()
+            source = read_bytes(file)
             self._code = compile_program(source, str(file))
             self._only_defines_main = _only_defines_main(parse_python(source, str(file)))
         except (OSError, ValueError) as error:
@@ -158,7 +158,7 @@ class NotebookProgram(Process):
         # Resolved before the working directory changes.
         self._folder = os.path.dirname(os.path.realpath(file))
         try:
-            cells = read_json(file.read_bytes())["cells"]
+            cells = read_json(read_bytes(file))["cells"]
             self._sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
         except OSError as error:
             raise CourseError(f"{file} cannot be run: {error.strerror}.") from error

@@ -8,9 +8,11 @@ from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
+from typing import IO
 
 from course_lib.errors import CourseError
 from course_lib.ros.programs.packages import packages, source
+from course_lib.third_party import check_regular, read_text
 
 # The message is from xacro's substitution_args.py.
 _UNDEFINED = re.compile(r"Undefined substitution argument (\w+)")
@@ -42,6 +44,8 @@ def run_xacro(arguments: Sequence[str]) -> ProgramResult:
 
     import xacro
 
+    # The function replaces the builtin one for the file and those that it includes.
+    vars(xacro)["open"] = _open_regular
     # Warnings about the workspace are written here, not among the errors of xacro.
     packages()
     output, errors, code, saved_arguments = StringIO(), StringIO(), 0, sys.argv
@@ -54,6 +58,12 @@ def run_xacro(arguments: Sequence[str]) -> ProgramResult:
     finally:
         sys.argv = saved_arguments
     return ProgramResult(output.getvalue(), errors.getvalue(), code)
+
+
+def _open_regular(path: str, mode: str = "r") -> IO[str]:
+    if mode == "r":
+        check_regular(Path(path))
+    return open(path, mode)
 
 
 def expand_xacro(path: Path, arguments: Mapping[str, object] | None = None) -> str:
@@ -98,7 +108,7 @@ def _place_of_error(path: Path, errors: str) -> str:
     match = re.search(r"(?:processing|in) file: (.+)", errors)
     file = Path(match[1].strip()) if match else path
     try:
-        lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
+        lines = read_text(file, errors="replace").splitlines()
     except OSError:
         # The file name in xacro's message does not exist on disk, such as "<stdin>".
         return ""

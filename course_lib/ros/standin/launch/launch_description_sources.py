@@ -9,7 +9,7 @@ from typing import Any, ClassVar, cast
 from course_lib.ros.programs.packages import LAUNCH_IN_WORDS
 from course_lib.ros.syntax_hints import syntax_hint
 from course_lib.ros.tracebacks import format_location
-from course_lib.third_party import compile_python
+from course_lib.third_party import compile_python, read_bytes
 from launch.entities import (
     InvalidLaunchFileError,
     LaunchContext,
@@ -32,7 +32,7 @@ def load_python_launch_file_as_module(python_launch_file_path: str | Path) -> Mo
     module = ModuleType(file.stem)
     module.__file__ = str(file)
     try:
-        code = compile_python(file.read_bytes(), str(file))
+        code = compile_python(read_bytes(file), str(file))
     except SyntaxError as error:
         place = format_location(str(file), error.lineno or 1)
         found = syntax_hint(error)

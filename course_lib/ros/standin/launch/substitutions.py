@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.ros.programs.xacro_program import ProgramResult, run_xacro
+from course_lib.third_party import read_text
 from launch.conditions import as_bool
 from launch.entities import LaunchContext, Substitution, text_of
 from launch.entities import SomeSubstitutionsType as Some
@@ -146,7 +147,7 @@ class FileContent(Substitution):
             file = Path(text_of(context, path))
             if not file.is_file():
                 raise SubstitutionFailure(f"File not found: {file}")
-            return file.read_text(encoding="utf-8")
+            return read_text(file)
 
         super().__init__(make)
 

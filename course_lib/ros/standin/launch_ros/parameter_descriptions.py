@@ -13,6 +13,7 @@ from launch.entities import LaunchContext, SomeSubstitutionsType, Substitution, 
 from launch.frontend import parse_substitution
 
 from course_lib.ros.programs.missing_packages import INSTALLED
+from course_lib.third_party import read_text
 
 # Number of characters of a value that an error shows.
 _EXCERPT_LENGTH = 60
@@ -63,7 +64,7 @@ class ParameterFile:
         file = Path(text_of(context, self._file))
         if not as_bool(context, self._allow_substs):
             return file
-        text = text_of(context, parse_substitution(file.read_text(encoding="utf-8")))
+        text = text_of(context, parse_substitution(read_text(file)))
         with NamedTemporaryFile(
             "w", prefix="launch_params_", suffix=".yaml", delete=False, encoding="utf-8"
         ) as copy:

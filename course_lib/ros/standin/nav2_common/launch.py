@@ -12,6 +12,8 @@ import yaml  # type: ignore[import-untyped]
 from launch.entities import Condition, LaunchContext, SomeSubstitutionsType, Substitution, text_of
 from launch.substitutions import LaunchConfiguration
 
+from course_lib.third_party import read_text
+
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 # A dictionary or list, and a key or index in it.
 _Place = tuple[Any, Any]
@@ -61,7 +63,7 @@ class ReplaceString(Substitution):
             source = Path(text_of(context, source_file))
             if condition is not None and not condition.evaluate(context):
                 return str(source)
-            text = source.read_text(encoding="utf-8")
+            text = read_text(source)
             for old, new in replacements.items():
                 text = text.replace(old, text_of(context, new))
             return _write_temporary(text, source.suffix)
@@ -92,7 +94,7 @@ class RewrittenYaml(Substitution):
         value_rewrites: Mapping[str, SomeSubstitutionsType] | None = None,
     ) -> None:
         def make(context: LaunchContext) -> str:
-            data = yaml.safe_load(Path(text_of(context, source_file)).read_text(encoding="utf-8"))
+            data = yaml.safe_load(read_text(Path(text_of(context, source_file))))
             values = {
                 key: _value(text_of(context, text), convert_types) for key, text in param_rewrites.items()
             }
@@ -114,7 +116,7 @@ class HasNodeParams(Substitution):
 
     def __init__(self, source_file: SomeSubstitutionsType, node_name: str) -> None:
         def make(context: LaunchContext) -> str:
-            data = yaml.safe_load(Path(text_of(context, source_file)).read_text(encoding="utf-8"))
+            data = yaml.safe_load(read_text(Path(text_of(context, source_file))))
             return str(node_name in data)
 
         super().__init__(make)

@@ -8,6 +8,7 @@ from xml.parsers import expat
 import yaml  # type: ignore[import-untyped]
 
 from course_lib.errors import did_you_mean
+from course_lib.third_party import read_bytes
 
 # The package has no type information.
 
@@ -209,7 +210,7 @@ def read_entity(file: Path) -> Entity:
         EntityError: The file is not valid.
         OSError: The file cannot be read.
     """
-    data = file.read_bytes()
+    data = read_bytes(file)
     if len(data) > _LARGEST:
         raise EntityError(1, f"it has {len(data)} bytes, more than a launch file can have ({_LARGEST})")
     is_yaml = file.suffix in (".yaml", ".yml") or (file.suffix != ".xml" and data.lstrip()[:1] != b"<")
