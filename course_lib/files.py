@@ -1,16 +1,26 @@
-"""Writing of files that are complete or unchanged, whatever ends the program."""
+"""Writing of files and folders that are complete or unchanged, whatever ends the program."""
 
 import os
-from contextlib import suppress
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
+
+_DRAFT = re.compile(r"\.(.+)\.\w+\.draft")
+# A draft that was unchanged for this long belongs to a program that was killed.
+_STALE_AFTER = 3600.0  # [s]
+# Folders from which this process has removed stale drafts.
+_swept: set[Path] = set()
 
 
 def write_atomically(path: Path, data: bytes, mode: int = 0o666) -> None:
     """Write a file so that it is complete or unchanged. Its folder is created if it is missing.
 
     The content is written to a draft next to the file and synchronized to the disk, then the draft
-    is renamed.
+    is renamed. A program that is killed leaves its draft, which a later one removes.
 
     Args:
         path: The file.
@@ -20,7 +30,7 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666) -> None:
     Raises:
         OSError: The file cannot be written. The error contains its path, not the draft's.
     """
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    draft = path.with_name(f".{path.name}.{os.getpid()}.draft")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         # A leftover draft may have different permissions.
@@ -37,3 +47,52 @@ def write_atomically(path: Path, data: bytes, mode: int = 0o666) -> None:
         if isinstance(error, OSError):
             raise OSError(error.errno, error.strerror, str(path)) from error
         raise
+    _remove_stale_drafts(path)
+
+
+@contextmanager
+def draft_folder(target: Path) -> Iterator[Path]:
+    """Create a temporary folder next to a file or folder, in which its new content is prepared.
+
+    Afterwards it is deleted. After an error, so are the parents of the target that were created.
+
+    Raises:
+        OSError: The content cannot be written. The error contains the path of the target.
+    """
+    missing = [folder for folder in target.parents if not folder.exists()]
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(
+            dir=target.parent, prefix=f".{target.name}.", suffix=".draft"
+        ) as folder:
+            yield Path(folder)
+    except BaseException as error:
+        with suppress(OSError):
+            for parent in missing:
+                parent.rmdir()
+        if isinstance(error, OSError):
+            raise OSError(error.errno, error.strerror, str(target)) from error
+        raise
+    _remove_stale_drafts(target)
+
+
+def _remove_stale_drafts(path: Path) -> None:
+    """Remove the drafts of killed programs next to a file or folder that was written now.
+
+    Drafts without their target stay, because a folder can be the only copy: a program may have been
+    killed between the renaming of the former target and that of the new one.
+    """
+    if path.parent in _swept:
+        return
+    _swept.add(path.parent)
+    with suppress(OSError):
+        # The times are those of the file system, which may differ from the clock of this computer.
+        limit = path.stat().st_ctime - _STALE_AFTER
+        for draft in path.parent.iterdir():
+            name = _DRAFT.fullmatch(draft.name)
+            if name is None or draft.stat().st_mtime > limit or not draft.with_name(name[1]).exists():
+                continue
+            if draft.is_dir():
+                shutil.rmtree(draft, ignore_errors=True)
+            else:
+                draft.unlink()

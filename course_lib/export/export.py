@@ -5,7 +5,6 @@ import getpass
 import os
 import re
 import shutil
-import tempfile
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -30,6 +29,7 @@ from course_lib.export.module import (
     read_cells,
     statements,
 )
+from course_lib.files import draft_folder
 from course_lib.ros.package_template import PackageText, check_package_name, fill_template, package_files
 from course_lib.ros.programs.build_files import executables_of
 from course_lib.third_party import parse_python, read_bytes, read_text
@@ -217,16 +217,15 @@ def _launch_files(
 
 def _write(files: dict[str, bytes], target: Path) -> None:
     """Write the files into a temporary folder, then rename it. Other existing files are kept."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as temporary_folder:
-        draft = Path(temporary_folder, "new")
+    with draft_folder(target) as folder:
+        draft = folder / "new"
         if target.exists():
             shutil.copytree(target, draft)
         for path, data in files.items():
             (draft / path).parent.mkdir(parents=True, exist_ok=True)
             (draft / path).write_bytes(data)
         if target.exists():
-            os.rename(target, Path(temporary_folder, "old"))
+            os.rename(target, folder / "old")
         os.rename(draft, target)
 
 

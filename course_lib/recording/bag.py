@@ -14,10 +14,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError, format_count
+from course_lib.files import draft_folder
 from course_lib.recording.recording import Recording, record
 from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
 from course_lib.ros.graph.topics import Qos, read_tick
@@ -326,16 +326,15 @@ def write_bag(recording: Recording, folder: str | Path, *, force: bool = False) 
     target = Path(folder).absolute()
     check_free(target, force)
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as temporary_folder:
-            with BagWriter(Path(temporary_folder, NAME)) as writer:
+        with draft_folder(target) as temporary_folder:
+            with BagWriter(temporary_folder / NAME) as writer:
                 for topic in recording.topics():
                     writer.add(topic.name, topic.type_name, topic.offered)
                 for sample in recording.samples:
                     writer.write(sample.topic, sample.type_name, sample.stamp_ns, sample.cdr)
             if target.exists():
-                os.replace(target, Path(temporary_folder, "replaced"))
-            os.replace(Path(temporary_folder, NAME), target)
+                os.replace(target, temporary_folder / "replaced")
+            os.replace(temporary_folder / NAME, target)
     except OSError as error:
         raise CourseError(
             f"Can't write the bag {folder}: {error.strerror}. Choose another folder."

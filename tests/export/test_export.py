@@ -1,4 +1,6 @@
 import ast
+import errno
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -223,3 +225,18 @@ def test_requested_base_class_becomes_an_executable(tmp_path: Path) -> None:
     written = export(file, "my_package", tmp_path, nodes=["Talker", "Loud"])
     assert set(executables_of(tmp_path / "my_package" / "setup.py")) == {"talker", "loud"}
     assert written.notes == ()
+
+
+def test_full_disk_is_reported_with_the_package_and_leaves_no_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    notebook = write_notebook(tmp_path / "n.ipynb", [NODE, TALKER])
+
+    def fill(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(Path, "write_bytes", fill)
+    with pytest.raises(OSError, match="No space left") as refusal:
+        export(notebook, "arm", tmp_path / "out")
+    assert refusal.value.filename == str(tmp_path / "out" / "arm")
+    assert not (tmp_path / "out").exists()
