@@ -65,6 +65,11 @@ _YUV: Mapping[str, tuple[tuple[int, int], int, int]] = {
 }
 
 
+def is_supported(encoding: str) -> bool:
+    """Return whether RViz can draw images with this encoding."""
+    return encoding in _ENCODINGS or encoding in _YUV or encoding.startswith("bayer")
+
+
 class Range:
     """The values of black and white, as medians over the last images."""
 
@@ -96,9 +101,9 @@ def rgb_of(message: Any, limits: Limits) -> Pixels:
     encoding = message.encoding
     if encoding in _YUV:
         return _from_yuv(rows_of(message, "u1", 2), *_YUV[encoding])
-    kind = _ENCODINGS["mono8"] if encoding.startswith("bayer") else _ENCODINGS.get(encoding)
-    if kind is None:
+    if not is_supported(encoding):
         raise UnsupportedEncodingError(f"Unsupported image encoding [{encoding}]")
+    kind = _ENCODINGS["mono8" if encoding.startswith("bayer") else encoding]
     values = rows_of(message, kind.dtype, kind.size)
     pixels: Pixels = (_scale_to_bytes(values, limits) if kind.ranged else values)[..., kind.channels]
     return pixels

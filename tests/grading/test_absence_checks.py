@@ -54,15 +54,20 @@ def test_premature_message_is_reported(evidence: MakeEvidence, at: float, messag
 @pytest.mark.parametrize(
     ("image", "message"),
     [
-        (Image(width=2, height=3, step=2, data=bytes(6)), "as expected"),
+        (Image(width=2, height=3, step=2, data=bytes(6), encoding="mono8"), "as expected"),
         (Image(), "an image on /image has 0 x 0 pixels"),
         (
-            Image(width=2, height=3, step=2),
+            Image(width=2, height=3, step=2, encoding="mono8"),
             "the first image on /image has 0 bytes of data for 3 rows of 2 bytes (step)",
         ),
         (
-            Image(width=4, height=1, step=2, data=bytes(2)),
+            Image(width=4, height=1, step=2, data=bytes(2), encoding="mono8"),
             "the first image on /image has 2 bytes of data for 1 rows of 2 bytes (step)",
+        ),
+        (
+            Image(width=2, height=1, step=2, data=bytes(2), encoding="gray8"),
+            "an image on /image has the encoding 'gray8', "
+            "which RViz cannot draw, expected 'mono8', 'rgb8' or alike",
         ),
         (String(), "/image carries std_msgs/msg/String, expected sensor_msgs/msg/Image"),
     ],
@@ -72,7 +77,8 @@ def test_image_without_pixels_is_reported(evidence: MakeEvidence, image: Any, me
 
 
 def test_later_images_without_pixels_are_accepted(evidence: MakeEvidence) -> None:
-    first, later = Image(width=1, height=1, step=1, data=[1]), Image(width=1, height=1, step=1)
+    later = Image(width=1, height=1, step=1, encoding="mono8")
+    first = Image(width=1, height=1, step=1, encoding="mono8", data=[1])
     recorded = evidence((1.0, "/image", first), (2.0, "/image", later))
     assert expect_images("/image").judge(recorded).score == 1
 

@@ -147,6 +147,14 @@ def test_marker_arrays_count_as_markers(evidence: MakeEvidence, cube: MakeCube) 
     assert "shows 2 markers" in expect_marker_count(TOPIC, 3).judge(evidence((1, TOPIC, array))).message
 
 
+def test_marker_twice_in_one_array_is_reported(evidence: MakeEvidence, cube: MakeCube) -> None:
+    marker = cube()
+    recorded = evidence((0.0, "/boxes", MarkerArray(markers=[marker, marker])))
+    message = expect_marker_count("/boxes", 1, type="CUBE").judge(recorded).message
+    name = f"CUBE markers with ns {marker.ns!r} and id {marker.id}"
+    assert message == f"one array on /boxes adds 2 {name}, expected one: is append called twice?"
+
+
 def test_missing_messages_are_reported_with_the_published_topics(
     evidence: MakeEvidence, cube: MakeCube
 ) -> None:

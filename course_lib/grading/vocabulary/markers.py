@@ -545,7 +545,10 @@ def expect_marker_count(
     type: str | None = None,  # noqa: A002 - the field's name in ROS
     at: float | None = None,
 ) -> Iterable[Problem]:
-    """Expect `count` visible markers (of one type) on the topic, `at` [s] or at the end."""
+    """Expect `count` visible markers (of one type) on the topic, `at` [s] or at the end.
+
+    No array may add a marker twice: the second one replaces the first, so that both look like one.
+    """
     if topic not in evidence.topics:
         return [silent_topic_problem(evidence, topic)]
     reasons = [
@@ -555,7 +558,7 @@ def expect_marker_count(
     ]
     there, invisible_reasons = reasons.count(""), sorted(filter(None, reasons))
     if there == count:
-        return []
+        return _repeated_marker_problems(evidence, topic, type)
     of_type = f" of type {type}" if type else ""
     message = (
         f"{topic} shows {format_count(there, 'marker')}{of_type} {describe_moment(at)}, expected {count}"
@@ -569,6 +572,22 @@ def expect_marker_count(
         ]
     why, mistake = _reason_for_missing(evidence, topic, type, at) if there < count else ("", WRONG_COUNT)
     return [Problem(message + why, mistake)]
+
+
+def _repeated_marker_problems(evidence: Evidence, topic: str, kind: str | None) -> list[Problem]:
+    """Return the problem of the first array that adds several markers with one namespace and id."""
+    for _, message in evidence.messages(topic):
+        added_markers = [
+            (marker.ns, marker.id)
+            for marker in getattr(message, "markers", [])
+            if marker.action == ADD and matches(marker, kind, None, None)
+        ]
+        for (ns, marker_id), times in Counter(added_markers).items():
+            if times > 1:
+                noun = f"{kind} markers" if kind else "markers"
+                text = f"one array on {topic} adds {times} {noun} with ns {ns!r} and id {marker_id}"
+                return [Problem(f"{text}, expected one: is append called twice?", REPLACED)]
+    return []
 
 
 def _reason_for_missing(

@@ -10,6 +10,7 @@ from itertools import pairwise
 from statistics import median
 from typing import Any
 
+from course_lib.displays.images import is_supported
 from course_lib.errors import CourseError, format_count
 from course_lib.grading.evidence import Check, Evidence
 from course_lib.grading.run.outcome import RAISED, plain
@@ -264,12 +265,17 @@ def expect_nothing_before(evidence: Evidence, topic: str, begin: float) -> Itera
 
 @check_function("the images on {topic} have pixels")
 def expect_images(evidence: Evidence, topic: str) -> Iterable[Problem]:
-    """Expect images with at least one pixel, and data of the right length in the first image."""
+    """Expect images with pixels in a known encoding, and data of the right length in the first image."""
     images = [image for _, image in received_messages(evidence, topic, IMAGE)]
     empty = [image for image in images if not (image.width and image.height)]
     if empty:
         message = f"an image on {topic} has {empty[0].width} x {empty[0].height} pixels"
         return [Problem(message, "an image has no pixels")]
+    if unknown := [image.encoding for image in images if not is_supported(image.encoding)]:
+        message = f"an image on {topic} has the encoding {unknown[0]!r}, which RViz cannot draw"
+        return [
+            Problem(f"{message}, expected 'mono8', 'rgb8' or alike", "the encoding of an image is unknown")
+        ]
     # Later images may be recorded without their pixels.
     first, size = images[0], images[0].step * images[0].height
     if size < KEPT and (first.step < first.width or len(first.data) != size):
