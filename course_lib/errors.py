@@ -1,15 +1,27 @@
 """The kit's exception, and phrases shared by many of its messages."""
 
+import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
+
+# A path of the usual file systems has at most 255 characters in each part, and rarely more in total.
+_LONG_WORD = re.compile(r"(\S{80})\S{220,}(\S{20})")
 
 
 class CourseError(Exception):
     """An error that the user can fix.
 
-    The message states the input, the expectation and the next step.
+    The message states the input, the expectation and the next step. Long words in it are shortened.
     """
+
+    def __init__(self, *arguments: object) -> None:
+        super().__init__(*(shorten_words(one) if isinstance(one, str) else one for one in arguments))
+
+
+def shorten_words(text: str) -> str:
+    """Shorten each word of a message that is longer than any path or name, such as a malformed value."""
+    return _LONG_WORD.sub(r"\1…\2", text)
 
 
 def did_you_mean(name: str, there: Iterable[str], max_count: int = 1) -> str:

@@ -22,7 +22,7 @@ import numpy as np
 from transforms3d.quaternions import quat2mat
 
 from course_lib.arrays import Floats, Matrix
-from course_lib.errors import CourseError, did_you_mean
+from course_lib.errors import CourseError, did_you_mean, shorten_words
 from course_lib.robots.urdf import MOVING, Urdf, links_of, parse_urdf
 from course_lib.ros.programs.packages import packages, packages_below, share_folder, workspace_of
 from course_lib.ros.programs.xacro_program import expand_xacro, is_xacro
@@ -64,7 +64,8 @@ def resolve(uri: str, near: Path | None = None) -> Path:
         candidates = [Path("/", parts.netloc, inside)]
     else:
         candidates = [folder / inside for folder in _known_folders(parts.netloc, near)]
-    existing = next((path for path in candidates if path.is_file()), None)
+    # Unlike Path.is_file, this function returns False for a name that is too long for a file.
+    existing = next((path for path in candidates if os.path.isfile(path)), None)
     if existing is None:
         where = f": {_package_location(parts.netloc, near)}" if parts.scheme == "package" else "."
         raise CourseError(f"The file {uri} does not exist. Correct the address{where}")
@@ -575,7 +576,7 @@ def _meshes(text: str) -> set[str]:
 def _check_meshes(robot: Robot) -> Robot:
     """Print warnings for ignored elements, and load the meshes, which may be broken in the user's files."""
     for problem in (problem for link in links_of(robot.urdf) for problem in link.problems):
-        sys.stderr.write(f"warning: {robot.name}: {problem}\n")
+        sys.stderr.write(f"warning: {robot.name}: {shorten_words(problem)}\n")
     for file in map(robot.resolve, _meshes(robot.urdf)):
         try:
             if not is_installed(file):

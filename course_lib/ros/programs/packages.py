@@ -278,7 +278,8 @@ def find_package(name: str) -> Package | None:
         source(folder / MANIFEST)
         return _package(name_of(folder / MANIFEST) or folder.name, folder)
     package_folder = packages().get(name, _OWN / name)
-    return _package(name, package_folder) if (package_folder / MANIFEST).is_file() else None
+    # Unlike Path.is_file, this function returns False for a name that is too long for a file.
+    return _package(name, package_folder) if os.path.isfile(package_folder / MANIFEST) else None
 
 
 def prefix_of(share: Path) -> Path:
