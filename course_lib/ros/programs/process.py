@@ -102,7 +102,9 @@ class Program(Process):
         try:
             source = read_bytes(file)
             self._code = compile_program(source, str(file))
-            self._only_defines_main = _only_defines_main(parse_python(source, str(file)))
+            tree = parse_python(source, str(file))
+            self._only_defines_main = _only_defines_main(tree)
+            self._idle_hint = _idle_hint(tree)
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise CourseError(f"{file} cannot be run: {reason}. Give the path of a Python file.") from error
@@ -130,6 +132,8 @@ class Program(Process):
         exec(self._code, module.__dict__)
         if self._only_defines_main:
             sys.exit(module.__dict__["main"]())
+        if self._idle_hint:
+            sys.stderr.write(f"{self.file.name} ran nothing.\nhint: {self._idle_hint}\n")
 
 
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Assign, ast.AnnAssign)
@@ -145,6 +149,38 @@ def _only_defines_main(tree: ast.Module) -> bool:
         or (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
         for node in tree.body
     )
+
+
+def _idle_hint(tree: ast.Module) -> str:
+    """Return what is missing in a file that only defines functions and a node class, or ""."""
+    nodes, guards = list[str](), list[tuple[int, str]]()
+    for statement in tree.body:
+        match statement:
+            case ast.ClassDef(name=name, bases=bases):
+                nodes += [name for base in bases if ast.unparse(base).endswith("Node")]
+            case ast.If(test=ast.Compare(ast.Name("__name__"), [ast.Eq()], [ast.Constant(str(name))])) if (
+                name != "__main__"
+            ):
+                guards.append((statement.lineno, name))
+            case ast.FunctionDef() | ast.Import() | ast.ImportFrom() | ast.Try():
+                pass
+            case ast.Assign() | ast.AnnAssign() | ast.Expr() if not _has_call(statement):
+                pass
+            case _:
+                return ""
+    if guards:
+        line, name = guards[0]
+        return (
+            f'line {line} compares __name__ with "{name}", and Python names a started program '
+            '"__main__". Write: if __name__ == "__main__":'
+        )
+    if not nodes or _only_defines_main(tree):
+        return ""
+    return f"it only defines {nodes[-1]}. Write at its end: rclpy.init(), then rclpy.spin({nodes[-1]}())."
+
+
+def _has_call(statement: ast.stmt) -> bool:
+    return any(isinstance(node, ast.Call) for node in ast.walk(statement))
 
 
 class NotebookProgram(Process):

@@ -262,6 +262,37 @@ def test_main_of_a_file_without_a_call_runs_like_a_console_script(
         assert run_files([file], seed=0) == code
 
 
+NODE = "from rclpy.node import Node\n\nclass Talker(Node):\n    pass\n\n"
+UNNAMED = """program.py ran nothing.
+hint: line 9 compares __name__ with "main", and Python names a started program "__main__". \
+Write: if __name__ == "__main__":
+"""
+UNUSED = """program.py ran nothing.
+hint: it only defines Talker. Write at its end: rclpy.init(), then rclpy.spin(Talker()).
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "printed"),
+    [
+        (f"{NODE}def main():\n    pass\n\nif __name__ == 'main':\n    main()\n", UNNAMED),
+        (f"{NODE}RATE = 2.0  # [Hz]\n", UNUSED),
+        (f"{NODE}def main():\n    pass\n", ""),
+        (f"{NODE}def main():\n    pass\n\nmain()\n", ""),
+        (f"{NODE}print('it runs')\nif __name__ == 'main':\n    pass\n", ""),
+        ("def helper():\n    pass\n", ""),
+    ],
+)
+def test_file_that_starts_no_node_is_reported_with_what_is_missing(
+    source: str, printed: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "program.py"
+    file.write_text(source)
+    with use_graph(Graph(end_ns=START_NS + 10**9)):
+        assert run_files([file], seed=0) == 0
+    assert capsys.readouterr().err == printed
+
+
 ASYNC = """
 import asyncio
 async def main():
