@@ -75,7 +75,7 @@ def test_invisible_cube_is_reported(evidence: MakeEvidence, cube: MakeCube) -> N
     ("changes", "why"),
     [
         ({"color__a": 0.0}, "color.a is 0"),
-        ({"color__a": float("nan")}, "color.a is 0"),
+        ({"color__a": float("nan")}, "color.a is nan"),
         ({"scale__y": 0.0}, "scale.y is 0"),
         ({"type": Marker.LINE_STRIP, "scale__x": 0.0}, "scale.x is 0"),
         ({"type": Marker.LINE_STRIP, "scale__y": 0.0}, "it has no points"),
