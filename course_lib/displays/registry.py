@@ -166,8 +166,9 @@ def known_name(class_name: str) -> str:
     if required not in REGISTRY:
         names = [short_name(name) for name in REGISTRY]
         same = [name for name in names if name.lower() == short_name(class_name).lower()]
-        suggestions = ", ".join(same or get_close_matches(short_name(class_name), names, 3) or names)
-        raise CourseError(f"There is no display {class_name!r}; use one of {suggestions}.")
+        near = same or get_close_matches(short_name(class_name), names, 3) or names
+        suggestions = near[0] if len(near) == 1 else f"one of {', '.join(near)}"
+        raise CourseError(f"There is no display {class_name!r}; use {suggestions}.")
     return required
 
 

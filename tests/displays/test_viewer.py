@@ -100,6 +100,7 @@ def test_remove_deletes_a_display_and_its_objects(graph: Graph) -> None:
 
 MISTAKES: dict[str, tuple[Callable[[Viewer], Any], str]] = {
     "class": (lambda v: v.add("Markr"), "no display 'Markr'; use one of Marker, MarkerArray"),
+    "class with one near name": (lambda v: v.add("LaserSkan"), "no display 'LaserSkan'; use LaserScan."),
     "property": (lambda v: v.add("Marker", topc="/m"), "has no property 'topc', but 'Topic'"),
     "value": (lambda v: v.add("Grid", plane="XX"), "'Plane' is 'XX', expected one of 'XY', 'XZ', 'YZ'"),
     "name": (lambda v: v["Gird"], "No display has the name 'Gird'; the displays are Grid"),
