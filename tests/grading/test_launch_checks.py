@@ -115,6 +115,11 @@ def test_messages_of_launched_nodes_are_recorded_as_evidence() -> None:
         ('Node(package="rv', 'Node(package="b", executable="a"), Node(package="rv', "package 'b' not found"),
         ("return LaunchDescription", "LaunchDescription", "returned None; end it with: return"),
         ("def generate_launch_description", "def describe", "does not contain the required function"),
+        (
+            "def generate_launch_description",
+            "def generate_launch_discription",
+            "Rename generate_launch_discription: launch calls generate_launch_description",
+        ),
         ("layout = ", "layout = = ", "SyntaxError: invalid syntax (your.launch.py, line 8: layout = = "),
         ('"--z", "2"', '"--z", 2', "'int' object is not iterable"),
         ('Node(package="rviz2"', 'lambda: Node(package="rviz2"', "object has no attribute 'visit'"),

@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Callable
+from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar, cast
@@ -53,8 +54,11 @@ def get_launch_description_from_python_launch_file(
         )
     names = vars(load_python_launch_file_as_module(file))
     if "generate_launch_description" not in names:
+        near = get_close_matches("generate_launch_description", names, 1, cutoff=0.8)
+        renaming = f". Rename {near[0]}: launch calls generate_launch_description" if near else ""
         raise InvalidPythonLaunchFileError(
-            f"launch file at '{file}' does not contain the required function 'generate_launch_description()'"
+            f"launch file at '{file}' does not contain the required function "
+            f"'generate_launch_description()'{renaming}"
         )
     generate = names["generate_launch_description"]
     try:
