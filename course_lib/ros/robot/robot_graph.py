@@ -463,7 +463,7 @@ class RobotGraph(Graph):
             *self.link.status_rows(),
             ("held back", ", ".join(blocked_counts) or "nothing"),
             ("robot's clock", NO_SKEW if skew is None else f"{skew:+.3f} s from this computer's"),
-            *(subscription.status_row() for subscription in self._subscriptions),
+            *self._subscriptions.status_rows(),
         ]
 
     def link_error(self) -> str:

@@ -195,6 +195,13 @@ class TopicSubscriptions:
                 subscription.declaration.withdraw()
                 del self._by_key[key]
 
+    def status_rows(self) -> list[tuple[str, object]]:
+        """Return a row of `ros2 doctor` for each topic, of its subscription with the most messages."""
+        rows: dict[str, tuple[str, object]] = {}
+        for subscription in sorted(self, key=lambda subscription: subscription.traffic.received):
+            rows[subscription.topic] = subscription.status_row()
+        return [rows[topic] for topic in sorted(rows)]
+
     def close(self) -> None:
         """Withdraw all subscriptions."""
         for subscription in self:

@@ -20,6 +20,7 @@ from course_lib.ros.robot.subscriptions import (
     MAX_MESSAGES,
     Inbox,
     TopicSubscription,
+    TopicSubscriptions,
     Traffic,
 )
 from course_lib.ros.time import wall
@@ -166,6 +167,24 @@ def test_latched_messages_are_counted_but_have_no_rate(kits: Kits) -> None:
     for sequence in range(2):
         subscription.inbox.put(packet(sequence))
     assert subscription.status_row() == ("/map", "latched, 2 messages received")
+
+
+def test_two_subscriptions_of_a_topic_have_one_row(kits: Kits, monkeypatch: pytest.MonkeyPatch) -> None:
+    link = kits.join().link
+    # A network that enforces QoS has a subscription for each endpoint.
+    monkeypatch.setattr(link, "is_qos_enforced", True)
+    subscriptions = TopicSubscriptions(link, lambda *_: None)
+    for endpoint, topic in enumerate(("/odom", "/odom", "/scan")):
+        subscriptions.add(endpoint, topic, STRING, Qos())
+    for subscription, count in zip(subscriptions, (2, 1, 0), strict=True):
+        subscription.latched_count = 1
+        for sequence in range(count):
+            subscription.inbox.put(packet(sequence))
+    assert subscriptions.status_rows() == [
+        ("/odom", "latched, 2 messages received"),
+        ("/scan", "latched, 0 messages received"),
+    ]
+    subscriptions.close()
 
 
 @pytest.mark.parametrize("skew", [-200.0, 300.0])
