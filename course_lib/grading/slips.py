@@ -36,7 +36,7 @@ def find_slip(source: str) -> str:
     tree = parse(source)
     for outer in ast.walk(tree):
         if isinstance(outer, ast.ClassDef):
-            for slip in _renewed_endpoints(outer):
+            for slip in (*_renewed_endpoints(outer), *_replaced_methods(outer)):
                 return slip
         attributes = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
         functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
@@ -59,6 +59,7 @@ def _slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _reused_objects(block)
         yield from _unreachable(block)
     yield from _odd_operators(function)
+    yield from _empty_results(function)
     yield from _lost_factors(function)
     yield from _shared_defaults(function)
     if function.args.args[:1] and function.args.args[0].arg == "self":
@@ -397,6 +398,31 @@ def _renewed_endpoints(cls: ast.ClassDef) -> Iterator[str]:
                         f"{_quote(node)} is in {function.name}: each call creates a new one, "
                         "which has received nothing yet. Create it once, in __init__."
                     )
+
+
+def _replaced_methods(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each method that an attribute of the same name replaces."""
+    methods = {node.name for node in cls.body if isinstance(node, Function) and not node.decorator_list}
+    for node in ast.walk(cls):
+        match node:
+            case ast.Assign(targets=[ast.Attribute(value=ast.Name(id="self"), attr=name)], value=value) if (
+                name in methods and not isinstance(value, ast.Lambda)
+            ):
+                yield (
+                    f"{_quote(node)} replaces the method {name}, which cannot be called after it: choose "
+                    "another name for one of them."
+                )
+
+
+def _empty_results(function: Function) -> Iterator[str]:
+    """Yield a sentence for each empty result of a parameter callback."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Return(value=ast.Call(func=ast.Name("SetParametersResult"), args=[], keywords=[])):
+                yield (
+                    "SetParametersResult() rejects the values, without a reason. Write "
+                    "SetParametersResult(successful=True), or successful=False and a reason in quotes."
+                )
 
 
 def _repeated_timers(cls: ast.ClassDef) -> Iterator[str]:

@@ -20,6 +20,8 @@ def method(*lines: str) -> str:
 
 
 SLIPS = [
+    (("self.tick = 1",), '"self.tick = 1" replaces the method tick, which cannot be called after it'),
+    (("return SetParametersResult()",), "SetParametersResult() rejects the values, without a reason"),
     (("period = 1 // self.rate", "return period"), '"1 // self.rate" is 0 for every number above 1'),
     (
         ("if self.name is 'map':", "    return 1"),
