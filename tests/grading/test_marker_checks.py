@@ -152,7 +152,9 @@ def test_marker_twice_in_one_array_is_reported(evidence: MakeEvidence, cube: Mak
     recorded = evidence((0.0, "/boxes", MarkerArray(markers=[marker, marker])))
     message = expect_marker_count("/boxes", 1, type="CUBE").judge(recorded).message
     name = f"CUBE markers with ns {marker.ns!r} and id {marker.id}"
-    assert message == f"one array on /boxes adds 2 {name}, expected one: is append called twice?"
+    assert message == f"one array on /boxes adds 2 equal {name}, expected one: is append called twice?"
+    other = evidence((0.0, "/boxes", MarkerArray(markers=[marker, cube(color__a=0.5)])))
+    assert expect_marker_count("/boxes", 1, type="CUBE").judge(other).score == 1
 
 
 def test_missing_messages_are_reported_with_the_published_topics(

@@ -547,7 +547,7 @@ def expect_marker_count(
 ) -> Iterable[Problem]:
     """Expect `count` visible markers (of one type) on the topic, `at` [s] or at the end.
 
-    No array may add a marker twice: the second one replaces the first, so that both look like one.
+    No array may add equal markers: the second one replaces the first, so that both look like one.
     """
     if topic not in evidence.topics:
         return [silent_topic_problem(evidence, topic)]
@@ -575,17 +575,17 @@ def expect_marker_count(
 
 
 def _repeated_marker_problems(evidence: Evidence, topic: str, kind: str | None) -> list[Problem]:
-    """Return the problem of the first array that adds several markers with one namespace and id."""
+    """Return the problem of the first array that adds the same marker several times."""
     for _, message in evidence.messages(topic):
-        added_markers = [
-            (marker.ns, marker.id)
-            for marker in getattr(message, "markers", [])
-            if marker.action == ADD and matches(marker, kind, None, None)
-        ]
-        for (ns, marker_id), times in Counter(added_markers).items():
-            if times > 1:
+        added_markers: dict[tuple[str, int], list[Any]] = {}
+        for marker in getattr(message, "markers", []):
+            if marker.action == ADD and matches(marker, kind, None, None):
+                added_markers.setdefault((marker.ns, marker.id), []).append(marker)
+        for (ns, marker_id), markers in added_markers.items():
+            # Different markers of one id are a missing id, which other checks report.
+            if (times := markers.count(markers[-1])) > 1:
                 noun = f"{kind} markers" if kind else "markers"
-                text = f"one array on {topic} adds {times} {noun} with ns {ns!r} and id {marker_id}"
+                text = f"one array on {topic} adds {times} equal {noun} with ns {ns!r} and id {marker_id}"
                 return [Problem(f"{text}, expected one: is append called twice?", REPLACED)]
     return []
 
