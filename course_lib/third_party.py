@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Any
 
 TOO_DEEP = "it is nested too deeply for Python: split the expression"
+# Python's limit is 1,000 calls. A visitor makes two to four calls per level, from within other calls.
+MAX_NESTING = 200
 NULL_BYTES = "it contains null bytes: save it as text in UTF-8"
 # Most bytes of a text that a parser for XML or YAML gets, which takes many times its size.
 MOST_TEXT = 32_000_000
@@ -100,9 +102,21 @@ def compile_python(source: str | bytes, file: str = "<unknown>", flags: int = 0)
 
 
 def parse_python(source: str | bytes, file: str = "<unknown>") -> ast.Module:
-    """Return the syntax tree of a program. Raises the same errors as `compile_python`."""
+    """Return the syntax tree of a program, whose nodes are nested at most `MAX_NESTING` deep.
+
+    Raises:
+        ValueError: As in `compile_python`.
+        SyntaxError: As in `compile_python`, or the tree is nested more deeply. Visitors of a tree
+            recurse, and would raise a RecursionError.
+    """
     tree: ast.Module = compile_python(source, file, ast.PyCF_ONLY_AST)
-    return tree
+    nodes: list[ast.AST] = [tree]
+    for _ in range(MAX_NESTING):
+        nodes = [child for node in nodes for child in ast.iter_child_nodes(node)]
+        if not nodes:
+            return tree
+    line = next((node.lineno for node in nodes if isinstance(node, ast.expr | ast.stmt)), 1)
+    raise SyntaxError(TOO_DEEP, (file, line, None, None))
 
 
 def parse_scopes(source: str) -> symtable.SymbolTable:

@@ -15,7 +15,7 @@ from course_lib.grading.store import Course
 from course_lib.grading.submissions.copies import FOLDER, read_similar
 from course_lib.grading.submissions.notebook import CodeCell
 from course_lib.ros.programs.process import NotebookProgram, Program
-from course_lib.third_party import compile_python, read_json
+from course_lib.third_party import MAX_NESTING, compile_python, parse_scopes, read_json
 from course_lib.viewer.page_server import PageServer
 from course_lib.viewer.scene import Scene
 
@@ -68,10 +68,16 @@ def test_invalid_json_from_a_page_gives_an_error_response(message: str) -> None:
 
 
 DEEP_PYTHON = {
-    "operators": "x = " + "-" * 10_000 + "1",
-    "attributes": "x = 1\nx = x" + ".real" * 20_000,
-    "sum": "x = " + " + ".join(["1"] * 20_000),
-    "conditions": "x = " + "1 if 1 else " * 20_000 + "1",
+    "operators": "x = " + "-" * 100_000 + "1",
+    "attributes": "x = 1\nx = x" + ".real" * 200_000,
+    "sum": "x = " + " + ".join(["1"] * 200_000),
+    "conditions": "x = " + "1 if 1 else " * 50_000 + "1",
+}
+# Python compiles these, but a visitor of the syntax tree that recurses exceeds the limit of calls.
+NESTED_PYTHON = {
+    "attributes": "x = 1\nx = x" + ".real" * 2_000,
+    "sum": "x = " + " + ".join(["1"] * 2_000),
+    "branches": "x = 1\nif x == 0: pass\n" + "elif x == 1: pass\n" * 400,
 }
 
 
@@ -82,12 +88,22 @@ def test_too_deeply_nested_python_is_a_syntax_error_with_its_line(code: str, tmp
     assert raised.value.lineno == 2 + len(code.splitlines())
     cell = CodeCell(1, code, ran=True)
     assert "nested too deeply for Python: split the expression" in cell.syntax_error
-    assert cell.bindings == frozenset()
-    with pytest.raises(CourseError, match=r"Cell 3, line \d: it is nested too deeply"):
-        statements([Cell(3, code, is_marked=False)])
     (tmp_path / "deep.py").write_text(code)
     with pytest.raises(CourseError, match=r"deep\.py, line \d: it is nested too deeply"):
         Program(tmp_path / "deep.py", ())
+
+
+@pytest.mark.parametrize("code", [*DEEP_PYTHON.values(), *NESTED_PYTHON.values()])
+def test_too_deeply_nested_python_is_not_analysed(code: str) -> None:
+    assert CodeCell(1, code, ran=True).bindings == frozenset()
+    with pytest.raises(CourseError, match=r"Cell 3, line \d+: it is nested too deeply"):
+        statements([Cell(3, code, is_marked=False)])
+
+
+def test_nested_python_at_the_limit_is_analysed() -> None:
+    code = "x = " + " + ".join(["y"] * (MAX_NESTING - 10))
+    assert CodeCell(1, code, ran=True).bindings == {"x"}
+    assert {symbol.get_name() for symbol in parse_scopes(code).get_symbols()} == {"x", "y"}
 
 
 def test_sum_of_many_terms_compiles_as_in_python(tmp_path: Path) -> None:

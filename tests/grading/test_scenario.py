@@ -147,7 +147,7 @@ def test_main_function_or_factory_is_accepted_instead_of_a_class(subject: Callab
 def test_call_results_keep_their_order_and_errors_are_readable() -> None:
     evidence = run(lambda x: 1 / x, "function", calls=(Call(2.0), Call(0.0), Call(4.0)))
     assert evidence.returns == (0.5, RAISED, 0.25)
-    assert evidence.errors[0].startswith("ZeroDivisionError: float division by zero")
+    assert evidence.errors[0].startswith("ZeroDivisionError: ")
     assert "test_scenario.py, line" in evidence.errors[0]
 
 

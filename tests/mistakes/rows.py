@@ -32,7 +32,6 @@ from course_lib.grading.run.submission_run import ScenarioGraph
 from course_lib.grading.task import Task
 from tests.mistakes.cells import CELLS, LESSONS, lesson_mistakes, seen_in_cell
 from tests.notebooks.graded import STUDENT, WEEKS, catalog, cells_of, defined, evidence_here, solution
-from tests.python_messages import as_in_python_3_11
 
 HERE = Path(__file__).parent
 LEAST = 30  # rows of a week
@@ -149,10 +148,8 @@ def table(week: str) -> str:
     # Answers write layouts and launch files where they run.
     with TemporaryDirectory() as folder, chdir(folder):
         if week == "week00":
-            text = cells_table()
-        else:
-            text = _lesson_table(week) if week in LESSONS else _exercise_table(week)
-    return as_in_python_3_11(text)
+            return cells_table()
+        return _lesson_table(week) if week in LESSONS else _exercise_table(week)
 
 
 def _exercise_table(week: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.python_messages import as_in_python_3_11
+from tests.python_messages import without_python_version
 from tests.real_ros import differences
 
 HERE = Path(__file__).parent
@@ -34,7 +34,7 @@ def _kits(file: str) -> dict[str, str]:
         [*command, str(HERE / "probes" / f"{file}.py")], capture_output=True, text=True, timeout=120
     )
     assert process.returncode == 0, process.stderr
-    outcomes: dict[str, str] = json.loads(as_in_python_3_11(process.stdout))
+    outcomes: dict[str, str] = json.loads(process.stdout)
     return outcomes
 
 
@@ -61,8 +61,10 @@ def test_no_frozen_outcome_is_an_error_of_the_probe_itself(file: str) -> None:
 
 @pytest.mark.parametrize(("file", "name"), PROBES)
 def test_probe_has_the_outcome_of_the_real_rclpy(file: str, name: str) -> None:
-    expected = frozen_outcomes(file)[name]
-    actual = _kits(file)[name]
+    if name == "task.asyncio_gather" and sys.version_info >= (3, 14):
+        pytest.skip("the real rclpy was asked with Python 3.12, in which gather creates an event loop")
+    expected = without_python_version(frozen_outcomes(file)[name])
+    actual = without_python_version(_kits(file)[name])
     difference = differences.PROBES.get(file, {}).get(name)
     if difference is not None:
         agrees = f"it agrees by now: take it out of differences.py, and out of the row {difference.row!r}"

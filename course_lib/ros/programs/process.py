@@ -25,7 +25,7 @@ from course_lib.ros.time.time_lock import (
     time_lock,
 )
 from course_lib.ros.tracebacks import print_error
-from course_lib.third_party import parse_python, read_bytes, read_json
+from course_lib.third_party import compile_python, read_bytes, read_json
 
 if TYPE_CHECKING:
     from IPython.core.interactiveshell import InteractiveShell
@@ -102,7 +102,7 @@ class Program(Process):
         try:
             source = read_bytes(file)
             self._code = compile_program(source, str(file))
-            tree = parse_python(source, str(file))
+            tree = compile_python(source, str(file), ast.PyCF_ONLY_AST)
             self._only_defines_main = _only_defines_main(tree)
             self._idle_hint = _idle_hint(tree)
         except (OSError, ValueError) as error:

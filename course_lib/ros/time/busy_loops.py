@@ -15,7 +15,7 @@ from typing import Any
 from course_lib.ros.time import wall
 from course_lib.ros.time.time_lock import POLL_STEP_NS, POLLS_BEFORE_TIME_PASSES, POLLS_PER_STEP, time_lock
 from course_lib.ros.tracebacks import is_own
-from course_lib.third_party import compile_python, parse_python
+from course_lib.third_party import compile_python
 
 
 class RunningCell:
@@ -87,7 +87,7 @@ def count_round() -> None:
 
 def compile_program(source: bytes, file: str) -> Any:
     """Compile a program's source. Raise the exceptions of `compile`."""
-    tree = BusyWaitTransformer().visit(parse_python(source, file))
+    tree = BusyWaitTransformer().visit(compile_python(source, file, ast.PyCF_ONLY_AST))
     try:
         return compile(tree, file, "exec", dont_inherit=True)
     except RecursionError:
