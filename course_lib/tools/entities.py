@@ -3,7 +3,7 @@
 import re
 import sys
 from argparse import Namespace
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any, Literal
 
@@ -75,10 +75,15 @@ def _call_service(source: Source, arguments: Namespace, write: Write) -> None:
             # A launch that ends invalidates the context while the call waits.
             if not source.wait(lambda: node.context.ok() and client._course_is_ready(), limit):
                 raise CourseError(f"No node serves the service '{name}'{did_you_mean(name, services) or '.'}")
+
+        def has_server() -> bool:
+            return not node.context.ok() or client._course_is_ready()
+
         while not source.graph.ended:
             write(f"requester: making request: {request!r}\n\n")
             begun_ns = source.graph.now_ns
-            write(f"response:\n{answer(source, client.call_async(request), name, limit)!r}\n\n")
+            response = answer(source, client.call_async(request), name, limit, has_server)
+            write(f"response:\n{response!r}\n\n")
             if arguments.rate is None:
                 return
             next_ns = begun_ns + round(1e9 / arguments.rate)
@@ -156,24 +161,27 @@ def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
         def show(message: Any) -> None:
             write(f"Feedback:\n    {_text(message.feedback)}\n")
 
+        def has_server() -> bool:
+            return not node.context.ok() or client._course_is_ready()
+
         goal_future = client.send_goal_async(goal, show if arguments.feedback else None)
-        handle = answer(source, goal_future, name, source.limit())
+        handle = answer(source, goal_future, name, source.limit(), has_server)
         if handle.accepted:
             write(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n\n")
-            _wait_for_the_end(source, handle, write)
+            _wait_for_the_end(source, handle, write, has_server)
         else:
             write("Goal was rejected.\n")
 
 
-def _wait_for_the_end(source: Source, handle: Any, write: Write) -> None:
+def _wait_for_the_end(source: Source, handle: Any, write: Write, has_server: Callable[[], bool]) -> None:
     from rclpy.action.server import STATES
 
     future = handle.get_result_async()
     try:
-        result = answer(source, future, "The action", source.limit(GOAL_LIMIT))
+        result = answer(source, future, "The action", source.limit(GOAL_LIMIT), has_server)
         write(f"Result:\n    {_text(result.result)}\nGoal finished with status: {STATES[result.status]}\n")
     finally:
-        if future._pending() and not source.graph.ended:
+        if future._pending() and has_server() and not source.graph.ended:
             write("Canceling goal...\n")
             response = answer(source, handle.cancel_goal_async(), "The action", source.limit())
             write("Goal canceled.\n" if response.goals_canceling else "Failed to cancel goal\n")

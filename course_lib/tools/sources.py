@@ -260,15 +260,23 @@ def own_node(
         node.destroy_node()
 
 
-def answer(source: Source, future: "Future[Any]", server: str, seconds: float | None) -> Any:
+def answer(
+    source: Source,
+    future: "Future[Any]",
+    server: str,
+    seconds: float | None,
+    has_server: Callable[[], bool] = lambda: True,
+) -> Any:
     """Return a future's result.
 
-    Raise a CourseError if it is not complete after a number of seconds, or if a link has held the
-    call back.
+    Raise a CourseError if it is not complete after a number of seconds, if the server disappears, or
+    if a link has held the call back.
     """
     blocked = [name for name in source.graph.take_blocked_calls() if f"{name}/".startswith(f"{server}/")]
     if blocked:
         raise CourseError(f"{server} was not called, because the link to the robot only listens.")
-    if not source.wait(lambda: not future._pending(), seconds):
+    if not source.wait(lambda: not (future._pending() and has_server()), seconds):
         raise CourseError(f"{server} does not respond. Is it running? Start it, like run_live(node).")
+    if future._pending():
+        raise CourseError(f"{server} has disappeared before it responded. Start its node again, then repeat.")
     return future.result()

@@ -4,7 +4,9 @@ from collections.abc import Callable
 
 import pytest
 from example_interfaces.srv import AddTwoInts
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
+from rclpy.task import Future
 
 from course_lib.errors import CourseError
 from course_lib.recording import Recording
@@ -77,3 +79,18 @@ def test_invalid_service_calls_are_reported(run: Run, adder: Node) -> None:
         run("service call /add_two_ints std_srvs/srv/Empty")
     with pytest.raises(CourseError, match="A recording cannot respond"):
         ros2(["service", "call", "/add_two_ints", TYPE], RecordingSource(Recording(())), print)
+
+
+def test_call_ends_when_the_server_disappears(run: Run, talker: Node, graph: Graph) -> None:
+    async def never(request: AddTwoInts.Request, response: AddTwoInts.Response) -> AddTwoInts.Response:
+        await Future()
+        return response
+
+    service = talker.create_service(AddTwoInts, "add_two_ints", never)
+    # The service occupies its own callback group until it responds.
+    group = MutuallyExclusiveCallbackGroup()
+    talker.create_timer(0.5, lambda: talker.destroy_service(service), callback_group=group)
+    start_ns = graph.now_ns
+    with pytest.raises(CourseError, match=r"^/add_two_ints has disappeared before it responded"):
+        run(f"service call /add_two_ints {TYPE}")
+    assert graph.now_ns - start_ns < 2_000_000_000
