@@ -160,6 +160,7 @@ FULL_WEIGHT = 1.0  # weight of a check that was not reduced, as for formal check
 WRONG_TYPE = "the type of a marker is wrong"
 WRONG_NAME = "ns or id of a marker is wrong"
 WRONG_COUNT = "the count is wrong"
+REPEATED = "a marker is twice in one array"
 REPLACED = "markers with the same ns and id replace each other"
 SHORT_LIFETIME = "no marker is shown in between"
 SURPLUS = "a topic shows more markers than the task asks for"
@@ -586,7 +587,7 @@ def _repeated_marker_problems(evidence: Evidence, topic: str, kind: str | None) 
             if (times := markers.count(markers[-1])) > 1:
                 noun = f"{kind} markers" if kind else "markers"
                 text = f"one array on {topic} adds {times} equal {noun} with ns {ns!r} and id {marker_id}"
-                return [Problem(f"{text}, expected one: is append called twice?", REPLACED)]
+                return [Problem(f"{text}, expected one: is append called twice?", REPEATED)]
     return []
 
 
