@@ -5,7 +5,8 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
-# A path of the usual file systems has at most 255 characters in each part, and rarely more in total.
+# A path of the usual file systems has at most 255 characters in each part, and rarely more in
+# total.
 _LONG_WORD = re.compile(r"(\S{80})\S{220,}(\S{20})")
 
 

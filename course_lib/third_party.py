@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 TOO_DEEP = "it is nested too deeply for Python: split the expression"
-# Python's limit is 1,000 calls. A visitor makes two to four calls per level, from within other calls.
+# Python's limit is 1,000 calls. A visitor makes two to four calls per level, from within other
+# calls.
 MAX_NESTING = 200
 NULL_BYTES = "it contains null bytes: save it as text in UTF-8"
 # Most bytes of a text that a parser for XML or YAML gets, which takes many times its size.

@@ -477,7 +477,8 @@ class Framing:
                 return False
             bounds = self._bounds_in(self._scene)
         if bounds is None:
-            # Only overlays were drawn before, so the next drawable is the first one with a position.
+            # Only overlays were drawn before, so the next drawable is the first one with a
+            # position.
             self._known_paths.difference_update(new)
             return False
         corners = _corners(_with_origin(bounds))

@@ -291,7 +291,7 @@ def _blocking_calls(function: Function) -> Iterator[str]:
 
 
 def _waiting_loops(function: Function) -> Iterator[str]:
-    """Yield a sentence for each loop in which a method waits for messages, which arrive only after it."""
+    """Yield a sentence for each loop that waits for messages, which arrive only after the method."""
     for node in ast.walk(function):
         match node:
             case ast.While(test=ast.Constant() | ast.Compare()):
@@ -319,21 +319,22 @@ def _timers_of_python(function: Function) -> Iterator[str]:
                 func=ast.Attribute(value=ast.Name(id="threading"), attr="Timer") | ast.Name(id="Timer")
             ):
                 yield (
-                    f"{_quote(node)} calls its function once, after the wall clock. A timer of the node "
-                    "calls it again and again: self.create_timer(period, function)."
+                    f"{_quote(node)} calls its function once, after the wall clock. A timer of the "
+                    "node calls it again and again: self.create_timer(period, function)."
                 )
 
 
 def _early_lookups(function: Function) -> Iterator[str]:
-    """Yield a sentence for each lookup at the present time, for which no transform has arrived yet."""
+    """Yield a sentence for each lookup at the present time, which no transform has reached."""
     for node in ast.walk(function):
         match node:
             case ast.Call(func=ast.Attribute(attr="lookup_transform"), args=[_, _, time], keywords=[]) if (
                 re.search(r"\.now\(\)(\.to_msg\(\))?$", ast.unparse(time))
             ):
                 yield (
-                    f"{ast.unparse(time)} in lookup_transform is later than the last transform that has "
-                    "arrived: pass the stamp of a message, or Time() for the newest transform."
+                    f"{ast.unparse(time)} in lookup_transform is later than the last transform "
+                    "that has arrived: pass the stamp of a message, or Time() for the newest "
+                    "transform."
                 )
 
 
@@ -361,7 +362,7 @@ def _idle_lambdas(function: Function) -> Iterator[str]:
 
 
 def _other_files(function: Function) -> Iterator[str]:
-    """Yield a sentence about a layout that is saved under one name, while another file is returned."""
+    """Yield a sentence about a layout that is saved in one file and returned from another."""
     saved: list[str] = []
     for node in ast.walk(function):
         match node:
@@ -389,7 +390,7 @@ def _callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
 
 
 def _renewed_endpoints(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each buffer, publisher or subscription that a callback creates in each call."""
+    """Yield a sentence for each buffer, publisher or subscription created in a callback."""
     for function in _callbacks_of(cls):
         for node in ast.walk(function):
             match node:
@@ -409,8 +410,8 @@ def _replaced_methods(cls: ast.ClassDef) -> Iterator[str]:
                 name in methods and not isinstance(value, ast.Lambda)
             ):
                 yield (
-                    f"{_quote(node)} replaces the method {name}, which cannot be called after it: choose "
-                    "another name for one of them."
+                    f"{_quote(node)} replaces the method {name}, which cannot be called after it: "
+                    "choose another name for one of them."
                 )
 
 
@@ -421,19 +422,21 @@ def _empty_results(function: Function) -> Iterator[str]:
             case ast.Return(value=ast.Call(func=ast.Name("SetParametersResult"), args=[], keywords=[])):
                 yield (
                     "SetParametersResult() rejects the values, without a reason. Write "
-                    "SetParametersResult(successful=True), or successful=False and a reason in quotes."
+                    "SetParametersResult(successful=True), or successful=False and a reason in "
+                    "quotes."
                 )
 
 
 def _repeated_timers(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for timers that add up: of a callback that creates them, or two of one callback."""
+    """Yield a sentence for timers that add up: created in a callback, or two with one callback."""
     for function in _callbacks_of(cls):
         calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
         methods = {node.func.attr for node in calls if isinstance(node.func, ast.Attribute)}
         if "create_timer" in methods and not methods & {"destroy_timer", "cancel"}:
             yield (
-                f"create_timer is in {function.name}: each call creates another timer, and all of them "
-                "run. Create it once, in __init__, or end the old one first, with destroy_timer."
+                f"create_timer is in {function.name}: each call creates another timer, and all of "
+                "them run. Create it once, in __init__, or end the old one first, with "
+                "destroy_timer."
             )
     callbacks: Counter[str] = Counter()
     for node in ast.walk(cls):
@@ -456,7 +459,7 @@ _ENDINGS = {
 
 
 def _ended_by_callbacks(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each callback that always ends its node, or what calls it or publishes."""
+    """Yield a sentence for each callback that ends its node, its timer or its publisher."""
     for function in _callbacks_of(cls):
         if "create_timer" in ast.unparse(function):
             continue
@@ -465,8 +468,8 @@ def _ended_by_callbacks(cls: ast.ClassDef) -> Iterator[str]:
             match statement:
                 case ast.Expr(value=ast.Call(func=ast.Attribute(attr=name))) if name in _ENDINGS:
                     yield (
-                        f"{_quote(statement)} in {function.name} {_ENDINGS[name]} when the callback "
-                        "runs for the first time: leave it out."
+                        f"{_quote(statement)} in {function.name} {_ENDINGS[name]} when the "
+                        "callback runs for the first time: leave it out."
                     )
 
 

@@ -435,7 +435,8 @@ def _run_check_file(path: Path) -> dict[str, Any]:
     except CourseError as error:
         raise CourseError(f"{_location(path, error)}: {error}") from error
     except Exception as error:
-        # A check file is a program and can raise any exception, whose message lacks the file's name.
+        # A check file is a program and can raise any exception, whose message lacks the file's
+        # name.
         text = f"{_location(path, error)}: {type(error).__name__}: {error}"
         suggestion = did_you_mean(str(error.name), _names_in(path)) if isinstance(error, NameError) else ""
         raise CourseError(f"{text}{suggestion}") from error

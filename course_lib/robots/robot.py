@@ -593,8 +593,8 @@ def import_pinocchio(package: str) -> Any:
     except ImportError as error:
         if not isinstance(error, ModuleNotFoundError):
             raise CourseError(
-                f"Pinocchio cannot load a library of the system: {error}. Containers and small Linux "
-                "systems lack libgomp.so.1: sudo apt install libgomp1"
+                f"Pinocchio cannot load a library of the system: {error}. Containers and small "
+                "Linux systems lack libgomp.so.1: sudo apt install libgomp1"
             ) from error
         raise CourseError(
             "Pinocchio's models, for dynamics and collisions, need the package pin, and "

@@ -367,8 +367,8 @@ def _shadowed_hint(error: BaseException, text: str) -> str:
         is_hidden = hasattr(builtins, name) and name in variables
         if is_hidden and type(variables[name]).__name__ == match[1]:
             return (
-                f"{name} is a variable here, {name} = …, and hides Python's {name}(): choose another name "
-                f"for it. In a notebook, del {name} gives back Python's own."
+                f"{name} is a variable here, {name} = …, and hides Python's {name}(): choose "
+                f"another name for it. In a notebook, del {name} gives back Python's own."
             )
     return ""
 

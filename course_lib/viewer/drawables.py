@@ -426,7 +426,8 @@ def parse_mesh(
         if any(len(mesh.faces) for mesh, _ in parts):
             return _merge(parts, unit, color)
     except Exception as error:
-        # trimesh's readers can raise any exception for a damaged file, and return arrays of any shape.
+        # trimesh's readers can raise any exception for a damaged file, and return arrays of any
+        # shape.
         raise MeshFileError(f"This is not a readable {file_format.upper()} file: {error}") from error
     raise MeshFileError(f"This is not a readable {file_format.upper()} file: it has no triangles.")
 

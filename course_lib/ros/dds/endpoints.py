@@ -429,7 +429,8 @@ class Reader(OwnEndpoint[MatchedWriter]):
         writer.last_heartbeat = count
         was_open, writer.requests = writer.requests > 0, 0
         if writer.due is None and self.endpoint.is_latched and self._latched_depth is not None:
-            # As in Fast DDS, a late joiner keeps only the newest messages, even if the writer has more.
+            # As in Fast DDS, a late joiner keeps only the newest messages, even if the writer has
+            # more.
             first = max(first, last - self._latched_depth + 1)
         if writer.due is None or first > writer.due:
             # The writer no longer keeps the messages before `first`. It skips those from before the

@@ -397,9 +397,9 @@ class DdsLink(Link):
             if count >= INCOMPLETE_MESSAGES:
                 yield (
                     f"incomplete {topic}",
-                    f"{topic.removeprefix('rt')}: {count} messages of {size / 1e6:.1f} MB have arrived "
-                    "only in part, more than whole ones. They are too large for this network: use a "
-                    "compressed topic, a smaller image or a reliable publisher.",
+                    f"{topic.removeprefix('rt')}: {count} messages of {size / 1e6:.1f} MB have "
+                    "arrived only in part, more than whole ones. They are too large for this "
+                    "network: use a compressed topic, a smaller image or a reliable publisher.",
                 )
 
     def node(self, name: str, namespace: str) -> DdsEntity:

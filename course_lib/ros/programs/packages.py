@@ -473,7 +473,10 @@ def _link(place: Path, file: Path) -> None:
 
 
 def _open_folder(place: Path) -> None:
-    """Make a folder. A link to a folder of the sources becomes one of links, so that these stay unchanged."""
+    """Make a folder.
+
+    A link to a folder of the sources becomes one of links, so that these stay unchanged.
+    """
     if place.is_symlink():
         inner = place.resolve()
         place.unlink()

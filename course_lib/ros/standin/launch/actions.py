@@ -289,8 +289,9 @@ class ExecuteLocal(Action):
             raise NotHereError(f"`ros2 control` cannot run here: {why_not_offered('ros2_control')}")
         if name == "ros2" and program_arguments[:1] == ["component"]:
             raise NotHereError(
-                f"`{shlex.join([name, *program_arguments])}` cannot run here: there are no containers. "
-                "List the components in composable_node_descriptions of a ComposableNodeContainer."
+                f"`{shlex.join([name, *program_arguments])}` cannot run here: there are no "
+                "containers. List the components in composable_node_descriptions of a "
+                "ComposableNodeContainer."
             )
         if name == "ros2" and program_arguments[:1] == ["run"] and len(program_arguments) > 2:
             context.runner.start(self, program_arguments[1], program_arguments[2], program_arguments[3:])
