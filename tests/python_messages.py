@@ -30,4 +30,5 @@ def without_python_version(text: str) -> str:
     """Return output of a program in words that all versions of Python share."""
     for pattern, replacement in CHANGES:
         text = re.sub(pattern, replacement, text)
-    return text
+    # Errors that differ by such words alone are shown once.
+    return re.sub(r"^(.+)\n(?:\1\n)+", r"\1\n", text, flags=re.MULTILINE)
