@@ -1,4 +1,4 @@
-// The plain data between the server (marking_queue.py, server.py) and the page.
+// The plain data that server (marking_queue.py, server.py) and page exchange.
 
 export type Item = {
   key: string; student: string; exercise: string; task: string; title: string; alias: string; score: number; points: number;
@@ -12,5 +12,5 @@ export type Details = Item & {
   used: [string, string][]; code: { cells: Cell[]; problem: string }; scene: string; others: Record<string, string>;
 };
 export type Changes = { number: number; items: Item[]; problems: string[]; others: Record<string, string>; state: string };
-export type Given = { row: string; points: number | null; comment: string } | { row: string; withdraw: true };
+export type MarkEntry = { row: string; points: number | null; comment: string } | { row: string; withdraw: true };
 export type Draft = { revision: string; fields: Record<string, string> };
