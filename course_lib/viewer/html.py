@@ -20,7 +20,7 @@ from course_lib.viewer.scene_recording import SceneRecording
 # The JavaScript modules, each after the modules that it imports.
 _MODULES = (
     "decode", "encode", "icons", "materials", "quality", "coarse", "studio", "surfaces", "billboards",
-    "orbit", "insets", "labels", "mirror", "renderer", "panels/parts", "view", "panels/time",
+    "orbit", "insets", "labels", "mirror", "renderer", "panels/elements", "view", "panels/time",
     "panels/editors", "panels/tree", "panels/gestures", "panels/panels", "panels/desk", "panels/place",
     "recording", "player", "link", "page", "socket",
 )  # fmt: skip

@@ -1,16 +1,16 @@
 /* global THREE */
 import { material, pixel, studio } from "./materials.js";
-import { MOST_VERTICES, seesThrough, spread } from "./surfaces.js";
+import { MOST_VERTICES, isTransparent, spread } from "./surfaces.js";
 
 const BOX_SHADES = [0.6, 0.6, 0.4, 1, 0.9, 0.5]; // of the sides +x -x +y -y +z -z, as in RViz's nogp/box.frag
-const MANY = 20_000; // number of points from which on they are too small to show the orientation of their squares
+const MANY_POINTS = 20_000; // number of points from which on they are too small to show the orientation of their squares
 const square = () => new THREE.PlaneGeometry(1, 1);
 
 /**
  * The shape that is drawn at a point, and the brightness of each of its vertices.
  * @type {Record<string, {define: "FACING" | "BOX", shape: () => any, shade: (i: number) => number}>}
  */
-const SPOTS = {
+const POINT_SHAPES = {
   square: { define: "FACING", shape: square, shade: () => 1 },
   disc: { define: "FACING", shape: () => new THREE.CircleGeometry(0.5, 8), shade: () => 1 },
   tile: { define: "BOX", shape: square, shade: () => 1 },
@@ -24,21 +24,21 @@ const SPOTS = {
  * @param {Record<string, any>} uniforms values of this object
  * @param {Record<string, any>} attributes of each instance
  */
-function instances(shared, shape, uniforms, attributes) {
-  const few = attributes.start.count * shape.attributes.position.count <= MOST_VERTICES;
-  const geometry = few ? repeated(shape, attributes) : new THREE.InstancedBufferGeometry().copy(shape);
-  if (!few) {
+function createInstances(shared, shape, uniforms, attributes) {
+  const isMerged = attributes.start.count * shape.attributes.position.count <= MOST_VERTICES;
+  const geometry = isMerged ? repeatShape(shape, attributes) : new THREE.InstancedBufferGeometry().copy(shape);
+  if (!isMerged) {
     geometry.instanceCount = Infinity; // the attributes determine the number; `copy` would take that of the shape
     for (const [name, value] of Object.entries(attributes)) geometry.setAttribute(name, value);
   }
-  return placed(new THREE.Mesh(geometry, shared), uniforms, attributes);
+  return withUniforms(new THREE.Mesh(geometry, shared), uniforms, attributes);
 }
 
 /**
  * Write all instances into one geometry: software takes 25 microseconds per instance, for a square as for a sphere.
  * @param {any} shape @param {Record<string, any>} attributes of each instance @returns {any}
  */
-function repeated(shape, attributes) {
+function repeatShape(shape, attributes) {
   const { count } = attributes.start;
   const vertices = shape.attributes.position.count;
   const geometry = new THREE.BufferGeometry();
@@ -69,14 +69,14 @@ function repeated(shape, attributes) {
  * @param {any} mesh whose vertices its shader moves @param {Record<string, any>} uniforms of this object
  * @param {Record<string, any>} attributes of each instance
  */
-function placed(mesh, uniforms, attributes) {
+function withUniforms(mesh, uniforms, attributes) {
   const shared = mesh.material;
   mesh.frustumCulled = false;
   mesh.onBeforeRender = () => {
     for (const [name, value] of Object.entries(uniforms)) shared.uniforms[name].value = value;
     shared.uniformsNeedUpdate = true;
   };
-  mesh.raycast = hit.bind(null, mesh, uniforms, attributes);
+  mesh.raycast = intersectInstances.bind(null, mesh, uniforms, attributes);
   return mesh;
 }
 
@@ -85,7 +85,7 @@ function placed(mesh, uniforms, attributes) {
  * @param {any} mesh @param {Record<string, any>} uniforms @param {Record<string, any>} attributes of each instance
  * @param {any} caster @param {any[]} hits
  */
-function hit(mesh, uniforms, { start, end }, caster, hits) {
+function intersectInstances(mesh, uniforms, { start, end }, caster, hits) {
   const [a, b, onRay, onLine] = [0, 0, 0, 0].map(() => new THREE.Vector3());
   const half = uniforms.inPixels ? 0 : Math.max(...uniforms.size) / 2;
   for (let index = 0; index < start.count; index++) {
@@ -114,9 +114,9 @@ export function buildLines(lines) {
     starts.forEach((i, k) => out.set(from.subarray(size * of(i), size * of(i) + size), size * k));
     return perInstance(out, size);
   };
-  const isTransparent = seesThrough(colors);
-  const isThin = isTransparent && !lines.width; // like RViz's grid
-  return instances(material("strip", isTransparent, isThin ? "THIN" : "", false), square(), { size: [lines.width, 0, 0] }, {
+  const hasAlpha = isTransparent(colors);
+  const isThin = hasAlpha && !lines.width; // like RViz's grid
+  return createInstances(material("strip", hasAlpha, isThin ? "THIN" : "", false), square(), { size: [lines.width, 0, 0] }, {
     before: pick(points, 3, (i) => (lines.strip ? Math.max(i - 1, 0) : i)), // pairs have no neighbours
     start: pick(points, 3, (i) => i),
     end: pick(points, 3, (i) => i + 1),
@@ -130,26 +130,26 @@ export function buildLines(lines) {
  * Draw one vertex per point: squares aligned with the image, which are much faster than shapes.
  * @param {Float32Array} points @param {Uint8Array} tints @param {Record<string, any>} uniforms
  */
-function dots(points, tints, uniforms) {
+function createDots(points, tints, uniforms) {
   const geometry = new THREE.BufferGeometry();
   const position = new THREE.BufferAttribute(points, 3);
   geometry.setAttribute("position", position);
   geometry.setAttribute("start", position);
   geometry.setAttribute("startTint", new THREE.BufferAttribute(tints, 4, true));
-  return placed(new THREE.Points(geometry, material("spot", seesThrough(tints), "DOT")), uniforms, { start: position });
+  return withUniforms(new THREE.Points(geometry, material("spot", isTransparent(tints), "DOT")), uniforms, { start: position });
 }
 
 /** @param {any} points */
 export function buildPoints({ points, colors, size, pixels, spot, grow }) {
-  const { define, shape, shade } = SPOTS[spot];
+  const { define, shape, shade } = POINT_SHAPES[spot];
   const geometry = shape();
   const shades = Float32Array.from({ length: geometry.attributes.position.count }, (_, i) => shade(i));
   geometry.setAttribute("shade", new THREE.BufferAttribute(shades, 1));
   const tints = spread(colors, points.length / 3);
   const uniforms = { size, inPixels: pixels, grow };
-  if (spot === "square" && points.length / 3 >= MANY) return dots(points, tints, uniforms);
-  const paint = material("spot", seesThrough(tints), pixels ? "" : define, spot === "tile");
-  return instances(paint, geometry, uniforms, {
+  if (spot === "square" && points.length / 3 >= MANY_POINTS) return createDots(points, tints, uniforms);
+  const paint = material("spot", isTransparent(tints), pixels ? "" : define, spot === "tile");
+  return createInstances(paint, geometry, uniforms, {
     start: perInstance(points, 3),
     startTint: perInstance(tints, 4),
   });
@@ -163,7 +163,7 @@ export function buildText(text) {
   const size = [text.columns * text.pixel, text.rows * text.pixel, 0];
   const shape = square().translate(0, text.below ? -0.5 : 0, 0);
   const uniforms = { size, inPixels: false, grow: false, mask, capital: text.height };
-  const mesh = instances(material("spot", true, "TEXTURED", false), shape, uniforms, {
+  const mesh = createInstances(material("spot", true, "TEXTURED", false), shape, uniforms, {
     start: perInstance(new Float32Array(3), 3),
     startTint: perInstance(text.color, 4),
   });

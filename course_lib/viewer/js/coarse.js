@@ -5,8 +5,8 @@
 
 const LARGE = 300; // number of triangles from which on a mesh has versions
 const GRIDS = [48, 32, 21, 14, 9, 6, 4]; // cells along a mesh's longest side, in each of which vertices are merged
-const WORTH = 0.8; // maximum fraction of the triangles of the previous version; a version with more is omitted
-const AT_ONCE = 12; // [ms] to spend on versions per picture; the others are created during the next pictures
+const MAX_FRACTION = 0.8; // maximum fraction of the triangles of the previous version; a version with more is omitted
+const TIME_PER_PICTURE = 12; // [ms] to spend on versions per picture; the others are created during the next pictures
 
 /**
  * @typedef {{cells: number, geometry: any}} Version cells along the longest side
@@ -25,21 +25,21 @@ export function makeCoarse(mesh) {
   const side = Math.max(max.x - min.x, max.y - min.y, max.z - min.z, 1e-9);
   const center = full.boundingBox.getCenter(new THREE.Vector3());
   /** @type {Large} */
-  const kept = { mesh, full, versions: null, center, side };
-  large.set(mesh, kept);
+  const entry = { mesh, full, versions: null, center, side };
+  large.set(mesh, entry);
   full.addEventListener("dispose", () => {
-    kept.versions?.forEach(({ geometry }) => geometry.dispose());
+    entry.versions?.forEach(({ geometry }) => geometry.dispose());
     large.delete(mesh);
   });
 }
 
 /** Create versions of some of the large meshes that have none yet. @returns {boolean} whether all have */
 export function createVersions() {
-  const until = performance.now() + AT_ONCE;
-  for (const kept of large.values()) {
-    if (kept.versions) continue;
+  const until = performance.now() + TIME_PER_PICTURE;
+  for (const entry of large.values()) {
+    if (entry.versions) continue;
     if (performance.now() > until) return false;
-    kept.versions = versionsOf(kept);
+    entry.versions = versionsOf(entry);
   }
   return true;
 }
@@ -51,13 +51,13 @@ export function createVersions() {
  */
 export function drawCoarse(cell, camera, height, render) {
   if (!cell) return render();
-  for (const kept of large.values()) kept.mesh.geometry = versionFor(kept, camera, cell, height);
+  for (const entry of large.values()) entry.mesh.geometry = versionFor(entry, camera, cell, height);
   render();
   // Rays are intersected with the full mesh.
   for (const { mesh, full } of large.values()) mesh.geometry = full;
 }
 
-/** @param {Large} kept @param {any} camera @param {number} cell @param {number} height @returns {any} the coarsest geometry that is fine enough */
+/** @param {Large} entry @param {any} camera @param {number} cell @param {number} height @returns {any} the coarsest geometry that is fine enough */
 function versionFor({ mesh, full, versions, center, side }, camera, cell, height) {
   const depth = Math.max(-center.clone().applyMatrix4(mesh.matrixWorld).applyMatrix4(camera.matrixWorldInverse).z, camera.near);
   const perMetre = (camera.projectionMatrix.elements[5] * height) / 2 / (camera.isOrthographicCamera ? 1 : depth);
@@ -65,22 +65,22 @@ function versionFor({ mesh, full, versions, center, side }, camera, cell, height
   return versions?.filter(({ cells }) => cells >= wanted).pop()?.geometry ?? full;
 }
 
-/** @param {Large} kept @returns {Version[]} from fine to coarse */
+/** @param {Large} entry @returns {Version[]} from fine to coarse */
 function versionsOf({ full, side }) {
   /** @type {Version[]} */
   const versions = [];
   let last = full.index.array;
   for (const cells of GRIDS) {
-    const faces = merged(full, last, side / cells);
-    if (faces.length > WORTH * last.length) continue;
-    versions.push({ cells, geometry: compact(full, faces) });
+    const faces = mergeVertices(full, last, side / cells);
+    if (faces.length > MAX_FRACTION * last.length) continue;
+    versions.push({ cells, geometry: compactGeometry(full, faces) });
     last = faces;
   }
   return versions;
 }
 
 /** @param {any} full @param {Uint32Array} faces @returns {any} a geometry of these faces with contiguous vertices */
-function compact(full, faces) {
+function compactGeometry(full, faces) {
   const used = [...new Set(faces)];
   const place = new Map(used.map((vertex, i) => [vertex, i]));
   const geometry = new THREE.BufferGeometry();
@@ -97,24 +97,24 @@ function compact(full, faces) {
  * Merge the vertices in each cell of a grid whose normals point to the same side.
  * @param {any} geometry @param {Uint32Array} faces @param {number} size of a cell @returns {Uint32Array} the remaining triangles
  */
-function merged(geometry, faces, size) {
-  const places = geometry.attributes.position.array;
+function mergeVertices(geometry, faces, size) {
+  const positions = geometry.attributes.position.array;
   const normals = geometry.attributes.normal?.array;
   const { min } = geometry.boundingBox;
   /** @type {Map<number, number>} */
   const numbers = new Map(); // index of each cell
-  const cellOf = new Int32Array(places.length / 3).fill(-1);
+  const cellOf = new Int32Array(positions.length / 3).fill(-1);
   const used = new Uint32Array(new Set(faces));
   for (const i of used) {
     const at = 3 * i;
-    let key = Math.floor((places[at] - min.x) / size);
-    key = key * 64 + Math.floor((places[at + 1] - min.y) / size);
-    key = key * 64 + Math.floor((places[at + 2] - min.z) / size);
+    let key = Math.floor((positions[at] - min.x) / size);
+    key = key * 64 + Math.floor((positions[at + 1] - min.y) / size);
+    key = key * 64 + Math.floor((positions[at + 2] - min.z) / size);
     if (normals) key = key * 8 + 4 * +(normals[at] > 0) + 2 * +(normals[at + 1] > 0) + +(normals[at + 2] > 0);
     cellOf[i] = numbers.get(key) ?? numbers.size;
     if (cellOf[i] === numbers.size) numbers.set(key, cellOf[i]);
   }
-  const kept = representatives(places, faces, used, cellOf, numbers.size);
+  const kept = representatives(positions, faces, used, cellOf, numbers.size);
   const seen = new Set();
   const triangles = [];
   for (let i = 0; i < faces.length; i += 3) {
@@ -132,12 +132,12 @@ function merged(geometry, faces, size) {
 /**
  * Choose the vertex of each cell that remains: the nearest to the planes of all its triangles (Lindstrom 2000), so that
  * corners and edges are preserved, and the nearest to the mean of the vertices if these planes are equal.
- * @param {Float32Array} places @param {Uint32Array} faces @param {Uint32Array} used indices of vertices
+ * @param {Float32Array} positions @param {Uint32Array} faces @param {Uint32Array} used indices of vertices
  * @param {Int32Array} cellOf @param {number} count of the cells @returns {Int32Array}
  */
-function representatives(places, faces, used, cellOf, count) {
+function representatives(positions, faces, used, cellOf, count) {
   const planes = new Float64Array(11 * count); // sums of the pairwise products of the planes' four coefficients, and of the areas
-  const corner = (/** @type {number} */ vertex, /** @type {number} */ axis) => places[3 * vertex + axis];
+  const corner = (/** @type {number} */ vertex, /** @type {number} */ axis) => positions[3 * vertex + axis];
   for (let f = 0; f < faces.length; f += 3) {
     const [a, b, c] = [faces[f], faces[f + 1], faces[f + 2]];
     const [ux, uy, uz] = [corner(b, 0) - corner(a, 0), corner(b, 1) - corner(a, 1), corner(b, 2) - corner(a, 2)];
@@ -153,7 +153,7 @@ function representatives(places, faces, used, cellOf, count) {
   const means = new Float64Array(4 * count);
   for (const i of used) {
     const to = 4 * cellOf[i];
-    for (let axis = 0; axis < 3; axis++) means[to + axis] += places[3 * i + axis];
+    for (let axis = 0; axis < 3; axis++) means[to + axis] += positions[3 * i + axis];
     means[to + 3]++;
   }
   const kept = new Int32Array(count);

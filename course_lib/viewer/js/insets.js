@@ -3,7 +3,7 @@ import { Orbit } from "./orbit.js";
 
 const [SHARE, GAP] = [0.3, 0.01]; // width of a picture and gap between pictures, as fractions of the view's width
 
-const EVERY = 100; // [ms] between two pictures of the scene in a corner, in coarse pictures of a motion
+const MOTION_INTERVAL = 100; // [ms] between two pictures of the scene in a corner, in coarse pictures of a motion
 
 /** @param {any} object @returns {boolean} whether the object and all its ancestors are visible */
 export const isShown = (object) => !object || (object.visible && isShown(object.parent));
@@ -58,13 +58,13 @@ export function drawInsets(context, mirror, quality, render) {
     // It does not depend on the view's own camera, which turns more often than the scene changes.
     const size = `${width} ${height}`;
     const state = `${mirror.version} ${quality.scale} ${quality.cell}`;
-    const { kept } = inset;
-    const isRecent = quality.cell > 0 && performance.now() - kept?.at < EVERY;
-    if (kept?.size !== size || (kept.state !== state && !isRecent)) {
+    const { cached } = inset;
+    const isRecent = quality.cell > 0 && performance.now() - cached?.at < MOTION_INTERVAL;
+    if (cached?.size !== size || (cached.state !== state && !isRecent)) {
       const canvas = drawInset(inset, mirror, width, height, render);
-      inset.kept = { canvas, size, state, at: performance.now() };
+      inset.cached = { canvas, size, state, at: performance.now() };
     }
-    context.drawImage(inset.kept.canvas, left, top);
+    context.drawImage(inset.cached.canvas, left, top);
   });
 }
 
@@ -75,7 +75,7 @@ export function drawInsets(context, mirror, quality, render) {
  * @returns {HTMLCanvasElement}
  */
 function drawInset(inset, mirror, width, height, render) {
-  const canvas = inset.kept?.canvas ?? document.createElement("canvas");
+  const canvas = inset.cached?.canvas ?? document.createElement("canvas");
   Object.assign(canvas, { width, height }); // this clears it
   const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   context.imageSmoothingQuality = "medium";
@@ -85,7 +85,7 @@ function drawInset(inset, mirror, width, height, render) {
   const hidden = /** @type {string[]} */ (inset.hidden).map((path) => mirror.nodes.get(path)).filter((node) => node?.visible);
   for (const node of hidden) node.visible = false;
   const orbit = new Orbit();
-  orbit.look(inset.camera);
+  orbit.setCamera(inset.camera);
   render(orbit.camera(width, height), context, width, height);
   for (const node of hidden) node.visible = true;
   context.globalAlpha = inset.over;

@@ -20,26 +20,26 @@ export function withoutOverlaps(texts, camera, pixel, width, height, isStudio = 
   camera.updateMatrixWorld();
   const boxes = texts.map((text) => {
     text.updateWorldMatrix(true, false);
-    const place = new THREE.Vector3().setFromMatrixPosition(text.matrixWorld);
-    const depth = -place.clone().applyMatrix4(camera.matrixWorldInverse).z;
+    const position = new THREE.Vector3().setFromMatrixPosition(text.matrixWorld);
+    const depth = -position.clone().applyMatrix4(camera.matrixWorldInverse).z;
     const scale = pixel * (camera.isOrthographicCamera ? 1 : Math.max(depth, 1e-6));
-    place.project(camera);
+    position.project(camera);
     const { size, capital } = text.userData;
     const { x: low, y: high } = studio.letters.value;
     const letters = capital / scale; // [px]
     const enlarged = isStudio ? Math.max(low, Math.min(high, letters)) / Math.max(letters, 1e-6) : 1;
     const half = size.map((/** @type {number} */ side) => (enlarged * side) / scale / 2);
-    return { text, depth, x: (place.x * width) / 2, y: (place.y * height) / 2, wide: half[0], high: half[1] };
+    return { text, depth, x: (position.x * width) / 2, y: (position.y * height) / 2, wide: half[0], high: half[1] };
   });
   /** @type {typeof boxes} */
-  const kept = [];
+  const visible = [];
   /** @type {any[]} */
   const hidden = [];
   for (const box of boxes.sort((one, other) => one.depth - other.depth)) {
     const isOver = (/** @type {typeof box} */ other) =>
       Math.abs(box.x - other.x) < box.wide + other.wide && Math.abs(box.y - other.y) < box.high + other.high;
-    if (kept.some(isOver)) hidden.push(box.text);
-    else kept.push(box);
+    if (visible.some(isOver)) hidden.push(box.text);
+    else visible.push(box);
   }
   for (const text of hidden) text.visible = false;
   return () => hidden.forEach((text) => (text.visible = true));

@@ -216,7 +216,7 @@ const SPOT = `${PLACED}
   }`;
 
 /** @type {Map<string, any>} They exist as long as the page, so that a new marker compiles no shader. */
-const made = new Map();
+const materials = new Map();
 
 /**
  * @param {"surface" | "strip" | "spot"} kind @param {boolean} transparent RViz blends without writing depth
@@ -225,9 +225,9 @@ const made = new Map();
  */
 export function material(kind, transparent, define = "", doubleSided = true) {
   const key = [kind, transparent, define, doubleSided].join();
-  let found = made.get(key);
-  if (!found) {
-    found = new THREE.ShaderMaterial({
+  let shared = materials.get(key);
+  if (!shared) {
+    shared = new THREE.ShaderMaterial({
       vertexShader: { surface: SURFACE, strip: STRIP, spot: SPOT }[kind],
       fragmentShader: FRAGMENT,
       defines: define ? { [define]: "" } : {},
@@ -237,7 +237,7 @@ export function material(kind, transparent, define = "", doubleSided = true) {
       depthWrite: !transparent,
       extensions: { derivatives: true },
     });
-    made.set(key, found);
+    materials.set(key, shared);
   }
-  return found;
+  return shared;
 }

@@ -15,7 +15,7 @@ export class Mirror {
     this.views = new Set();
     /** @type {Set<any>} groups of the pictures in a corner of the views */
     this.insets = new Set();
-    this.lasting = ""; // text that the views show until its condition has ended
+    this.lastingMessage = ""; // a message that the views show until its condition has ended
     this.background = [48, 48, 48];
     this.style = "RViz"; // or "Studio"
     this.version = 0; // version of the contents, without the camera
@@ -28,7 +28,7 @@ export class Mirror {
     /** @type {string[]} paths of the next matrices */
     this.paths = [];
     /** @type {any[] | null} */
-    this.moving = null; // the nodes at these paths
+    this.matrixNodes = null; // the nodes at these paths, or null until they are looked up
     /** @type {Record<string, (object: any) => any>} */
     this.builders = {
       solids: buildSolids,
@@ -38,46 +38,46 @@ export class Mirror {
       text: buildText,
       sheet: buildSheet,
       inset: buildInset,
-      meshcat: (object) => this.load(object.json),
+      meshcat: (object) => this.loadMeshcatObject(object.json),
     };
     /** @type {Record<string, (command: any) => void>} */
-    this.orders = {
-      object: ({ path, object }) => this.put(path, object),
+    this.handlers = {
+      object: ({ path, object }) => this.setObject(path, object),
       visible: ({ path, value }) => (this.node(path).visible = value),
       delete: ({ path }) => this.clear(path),
       background: ({ color, look }) => ([this.background, this.style] = [color, look ?? "RViz"]),
-      camera: (camera) => this.look(camera),
+      camera: (camera) => this.setCamera(camera),
       animation: (animation) => this.animate(animation),
     };
   }
 
   /** @param {any} batch of changes, decoded */
-  take(batch) {
+  apply(batch) {
     /** @type {Error | null} */
-    let fault = null;
+    let firstError = null;
     for (const command of batch.commands ?? []) {
       try {
-        this.orders[command.type](command);
+        this.handlers[command.type](command);
       } catch (error) {
-        fault ??= new Error(`${command.path ?? command.type}: ${error}`); // the other changes are still applied
+        firstError ??= new Error(`${command.path ?? command.type}: ${error}`); // the other changes are still applied
       }
     }
     if (batch.paths) this.paths = batch.paths;
-    if (batch.paths || batch.commands) this.moving = null;
-    if (batch.matrices) this.place(batch.matrices);
+    if (batch.paths || batch.commands) this.matrixNodes = null;
+    if (batch.matrices) this.setMatrices(batch.matrices);
     this.version++;
-    this.changed();
-    if (fault) throw fault;
+    this.invalidateViews();
+    if (firstError) throw firstError;
   }
 
   /** @param {any} batch a whole decoded scene, which replaces the current one */
   reset(batch) {
     this.clear("");
-    this.take(batch);
+    this.apply(batch);
   }
 
   /** @returns {any} the batch that creates this scene */
-  whole() {
+  snapshot() {
     const { background: color, style: look, camera, animation } = this;
     const style = look === "RViz" ? {} : { look };
     const commands = [{ type: "background", color, ...style }, camera, animation].filter(Boolean);
@@ -95,7 +95,7 @@ export class Mirror {
     return { commands, paths, matrices: new Float32Array(matrices) };
   }
 
-  changed() {
+  invalidateViews() {
     for (const view of this.views) view.invalidate();
   }
 
@@ -113,9 +113,9 @@ export class Mirror {
   }
 
   /** @param {Float32Array} matrices twelve numbers for each of the paths */
-  place(matrices) {
-    this.moving ??= this.paths.map((path) => this.node(path));
-    this.moving.forEach((node, i) => {
+  setMatrices(matrices) {
+    this.matrixNodes ??= this.paths.map((path) => this.node(path));
+    this.matrixNodes.forEach((node, i) => {
       node.matrixAutoUpdate = false;
       writeMatrix(node.matrix.elements, 0, matrices, 12 * i);
       node.matrixWorldNeedsUpdate = true;
@@ -123,8 +123,8 @@ export class Mirror {
   }
 
   /** @param {string} path @param {any} description of the object for this node */
-  put(path, description) {
-    const node = this.remove(path);
+  setObject(path, description) {
+    const node = this.removeObject(path);
     node.userData.object = this.builders[description.kind](description);
     node.userData.object.userData.description = description;
     node.add(node.userData.object);
@@ -132,18 +132,18 @@ export class Mirror {
   }
 
   /** @param {string} path @returns {any} the node at the path, without its object */
-  remove(path) {
+  removeObject(path) {
     const node = this.node(path);
-    if (node.userData.object) this.drop(node.userData.object);
+    if (node.userData.object) this.dispose(node.userData.object);
     node.userData.object = null;
     return node;
   }
 
   /** @param {any} json an object of meshcat @returns {any} a group to which it is added once its images are loaded */
-  load(json) {
+  loadMeshcatObject(json) {
     const group = new THREE.Group();
     const host = {
-      set_dirty: () => this.changed(),
+      set_dirty: () => this.invalidateViews(),
       set_object: (/** @type {string[]} */ _, /** @type {any} */ object) => {
         for (const material of [object.material ?? []].flat()) material.specular?.set(0);
         group.add(object);
@@ -153,16 +153,16 @@ export class Mirror {
     return group;
   }
 
-  /** @param {string} path removed with all below it */
+  /** @param {string} path removed with all nodes below it */
   clear(path) {
     const node = this.nodes.get(path);
-    if (node !== this.scene) return node && this.drop(node);
-    for (const child of [...this.scene.children]) if (child !== this.light) this.drop(child);
+    if (node !== this.scene) return node && this.dispose(node);
+    for (const child of [...this.scene.children]) if (child !== this.light) this.dispose(child);
     this.mixer = this.animation = null;
   }
 
   /** @param {any} top removed from the tree, releasing its graphics memory */
-  drop(top) {
+  dispose(top) {
     top.parent?.remove(top);
     top.traverse((/** @type {any} */ object) => {
       this.nodes.delete(object.userData.path);
@@ -179,9 +179,9 @@ export class Mirror {
   }
 
   /** @param {any} camera as Python describes it */
-  look(camera) {
+  setCamera(camera) {
     this.camera = camera;
-    for (const view of this.views) view.look(camera);
+    for (const view of this.views) view.setCamera(camera);
   }
 
   /** @param {any} animation clips that are played as meshcat does */
@@ -204,7 +204,7 @@ export class Mirror {
   }
 
   /** @returns {boolean} whether an animation is playing */
-  tick() {
+  advanceAnimation() {
     if (!this.mixer) return false;
     this.version++;
     this.mixer.update(this.clock.getDelta());

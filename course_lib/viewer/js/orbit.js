@@ -6,7 +6,7 @@ const FAR = 1000; // [m]
 // ratio in a cell, or, without perspective, as one of this width.
 const ASPECT = 1.2;
 const WIDTH = 600; // [px]
-const MOST = 1.8; // maximum magnification of the opening angle's tangent, because wide angles distort
+const MAX_WIDENING = 1.8; // maximum magnification of the opening angle's tangent, because wide angles distort
 
 /** The camera pose of a view, turned by hand around a point as in RViz's Orbit view. */
 export class Orbit {
@@ -28,7 +28,7 @@ export class Orbit {
   }
 
   /** @param {any} camera as Python describes it */
-  look(camera) {
+  setCamera(camera) {
     this.eye.fromArray(camera.eye);
     this.target.fromArray(camera.target);
     this.up.fromArray(camera.up);
@@ -40,7 +40,7 @@ export class Orbit {
   }
 
   /** @returns {any} the camera pose in the fields of Python's orders */
-  seen() {
+  pose() {
     const { eye, target, up, scale } = this;
     return { eye: eye.toArray(), target: target.toArray(), up: up.toArray(), scale };
   }
@@ -55,7 +55,7 @@ export class Orbit {
   lens(width, height) {
     const slope = Math.tan((this.fov * Math.PI) / 360);
     if (!this.isTall) return { slope, scale: this.scale };
-    const wider = Math.min(Math.max((ASPECT * height) / width, 1), MOST);
+    const wider = Math.min(Math.max((ASPECT * height) / width, 1), MAX_WIDENING);
     return { slope: slope * wider, scale: this.scale * Math.min(width / WIDTH, 1) };
   }
 
@@ -128,8 +128,8 @@ export class Orbit {
       if (from && to) this.shiftBy(from.sub(to).clampLength(0, 1)); // [m], RViz's limit near the horizon
       return;
     }
-    const far = this.scale ? 1 : this.eye.distanceTo(this.target);
-    const unit = this.inPlace ? -0.01 : far * this.pixel(width, height); // [m] per pixel
+    const distance = this.scale ? 1 : this.eye.distanceTo(this.target);
+    const unit = this.inPlace ? -0.01 : distance * this.pixel(width, height); // [m] per pixel
     this.shiftBy(new THREE.Vector3(-dx * unit, dy * unit, 0).applyQuaternion(camera.quaternion));
   }
 
@@ -138,8 +138,8 @@ export class Orbit {
     const caster = new THREE.Raycaster();
     caster.setFromCamera(new THREE.Vector2(x, y), camera);
     const { origin, direction } = caster.ray;
-    const far = (this.ground - origin.z) / direction.z;
-    return far > 0 && Number.isFinite(far) ? origin.clone().addScaledVector(direction, far) : null;
+    const distance = (this.ground - origin.z) / direction.z;
+    return distance > 0 && Number.isFinite(distance) ? origin.clone().addScaledVector(direction, distance) : null;
   }
 
   /** @param {number} part of the distance to move backward, together with the focal point */

@@ -28,10 +28,10 @@ export function mount(host, content) {
   const picture = Object.assign(document.createElement("div"), { style: "flex:1;min-height:0" });
   host.style.cssText += ";display:flex;flex-direction:column";
   host.append(picture);
-  const alone = host.dataset.alone === "true";
-  const view = new View(picture, mirror, { label: host.dataset.label ?? "", alone });
-  if (content.batches) play(new SceneRecording(content, mirror), host, alone ? document.body : host, () => view.seen);
-  else mirror.take(content);
+  const isAlone = host.dataset.alone === "true";
+  const view = new View(picture, mirror, { label: host.dataset.label ?? "", alone: isAlone });
+  if (content.batches) play(new SceneRecording(content, mirror), host, isAlone ? document.body : host, () => view.isInSight);
+  else mirror.apply(content);
 }
 
 /**
@@ -42,7 +42,7 @@ export function mount(host, content) {
  */
 function play(recording, host, keys, isSeen) {
   /** @type {TimeBar} */
-  const bar = new TimeBar(host, (change) => player.act(change), keys);
+  const bar = new TimeBar(host, (change) => player.apply(change), keys);
   /** @type {Player} */
   const player = new Player(recording, (time) => bar.update(time), isSeen);
   if (host.dataset.plays === "true") player.replay();
@@ -54,6 +54,6 @@ function play(recording, host, keys, isSeen) {
  */
 export function picture(scene, width, height) {
   const mirror = new Mirror();
-  mirror.take(decode(fromBase64(scene)));
+  mirror.apply(decode(fromBase64(scene)));
   return pictureOf(mirror, width, height);
 }

@@ -14,47 +14,47 @@ export class Player {
     this.paused = true;
     this.rate = 1;
     this.loop = false;
-    this.last = 0; // [ms] of the page's clock
-    this.act({ now: this.end });
+    this.lastTick = 0; // [ms] of the page's clock
+    this.apply({ now: this.end });
   }
 
   /** @param {import("./protocol.js").TimeChange} change made by the user with a bar */
-  act(change) {
+  apply(change) {
     if (change.now !== undefined) this.now = Math.max(0, Math.min(this.end, change.now));
-    if (change.step) [this.paused, this.now] = [true, this.recording.beside(this.now, change.step)];
+    if (change.step) [this.paused, this.now] = [true, this.recording.timeOfStep(this.now, change.step)];
     if (change.rate) this.rate = change.rate;
     if (change.loop !== undefined) this.loop = change.loop;
-    if (change.paused !== undefined) this.play(!change.paused);
+    if (change.paused !== undefined) this.setPlaying(!change.paused);
     this.show();
   }
 
   /** Play again and again from the start, unless the user prefers reduced motion. */
   replay() {
     const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    if (!isStill) this.act({ now: 0, loop: true, paused: false });
+    if (!isStill) this.apply({ now: 0, loop: true, paused: false });
   }
 
-  /** @param {boolean} on */
-  play(on) {
-    const goes = !this.paused;
-    this.paused = !on;
-    if (on && this.now >= this.end) this.now = 0;
-    if (!on || goes) return;
-    this.last = performance.now();
+  /** @param {boolean} isPlaying */
+  setPlaying(isPlaying) {
+    const wasPlaying = !this.paused;
+    this.paused = !isPlaying;
+    if (isPlaying && this.now >= this.end) this.now = 0;
+    if (!isPlaying || wasPlaying) return;
+    this.lastTick = performance.now();
     requestAnimationFrame((time) => this.tick(time));
   }
 
   /** @param {number} time [ms] of the page's clock */
   tick(time) {
     if (this.paused) return;
-    const passed = this.isSeen() ? Math.max(time - this.last, 0) / 1000 : 0; // [s]
-    this.last = time;
-    this.now += passed * this.rate;
+    const elapsed = this.isSeen() ? Math.max(time - this.lastTick, 0) / 1000 : 0; // [s]
+    this.lastTick = time;
+    this.now += elapsed * this.rate;
     if (this.now >= this.end) {
       this.now = this.loop ? this.now % this.end : this.end;
       this.paused = !this.loop;
     }
-    if (passed) this.show();
+    if (elapsed) this.show();
     if (!this.paused) requestAnimationFrame((next) => this.tick(next));
   }
 

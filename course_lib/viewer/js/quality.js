@@ -22,20 +22,20 @@ const LEVELS = [
 // How many times longer a picture of each level is expected to take than one of the next coarser level.
 const RATIOS = [4, 2, 1.7, 1.8, 1.8];
 const BUDGET = 14; // [ms] per picture; half of a page's time remains for the page itself
-const MUCH = 2.5; // multiple of BUDGET from which on two levels are skipped in one step, or a trial ends early
+const MUCH_TOO_LONG = 2.5; // multiple of BUDGET from which on two levels are skipped in one step, or a trial ends early
 const MOVING = 900; // [ms] maximum time between two pictures of a motion; busy machines draw two per second
 const [FEW, ENOUGH, LONGEST] = [2, 4, 256]; // measurements before a much coarser, a coarser, and the longest before a finer level
-const SELDOM = 6; // with a graphics card one in so many pictures is measured, because each measurement waits for the card
+const MEASURE_EVERY = 6; // with a graphics card one in so many pictures is measured, because each measurement waits for the card
 
 let isSoftware = false;
-let usual = 1; // level of the first motion of a view
+let initialLevel = 1; // level of the first motion of a view
 
 /** @param {any} gl the context of the page's views; without a graphics card, the initial level is coarse */
 export function expectSpeed(gl) {
   const names = gl.getExtension("WEBGL_debug_renderer_info");
   const name = String(gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
-  if (!isSoftware && /swiftshader|llvmpipe|software|basic render/i.test(name)) usual = 3;
-  isSoftware = usual > 1;
+  if (!isSoftware && /swiftshader|llvmpipe|software|basic render/i.test(name)) initialLevel = 3;
+  isSoftware = initialLevel > 1;
 }
 
 /** @returns {Quality} of pictures at rest; tests of pages without a graphics card request a coarser one */
@@ -59,19 +59,19 @@ export class MotionQuality {
 
   /** @returns {boolean} whether large meshes are drawn with fewer triangles */
   get isCoarse() {
-    return LEVELS[this.level ?? usual].cell > 0;
+    return LEVELS[this.level ?? initialLevel].cell > 0;
   }
 
   /**
    * Draw a picture of a motion, and choose the quality of the next one.
    * @param {(quality: Quality) => void} paint @param {() => void} finish waits until the graphics card has drawn it
-   * @param {boolean} isUsual whether this picture takes as long as the next ones
+   * @param {boolean} isTypical whether this picture takes as long as the next ones
    */
-  paint(paint, finish, isUsual) {
-    this.level ??= usual;
+  paint(paint, finish, isTypical) {
+    this.level ??= initialLevel;
     const quality = LEVELS[this.level];
     // Software has drawn a picture when it is copied. A graphics card is still at work then.
-    if (!isUsual || (!isSoftware && ++this.pictures % SELDOM)) return paint(quality);
+    if (!isTypical || (!isSoftware && ++this.pictures % MEASURE_EVERY)) return paint(quality);
     if (!isSoftware) finish();
     const start = performance.now();
     paint(quality);
@@ -79,12 +79,12 @@ export class MotionQuality {
     this.level = this.levelAfter(this.level, performance.now() - start);
   }
 
-  /** @param {number} level @param {number} took [ms] of its last picture @returns {number} the next level */
-  levelAfter(level, took) {
-    this.times = [...this.times, took].slice(-ENOUGH);
+  /** @param {number} level @param {number} duration [ms] of its last picture @returns {number} the next level */
+  levelAfter(level, duration) {
+    this.times = [...this.times, duration].slice(-ENOUGH);
     this.measured++;
     const least = Math.min(...this.times);
-    if (this.measured >= FEW && least > MUCH * BUDGET) return this.step(level, this.isTrial ? 1 : 2);
+    if (this.measured >= FEW && least > MUCH_TOO_LONG * BUDGET) return this.step(level, this.isTrial ? 1 : 2);
     if (this.measured >= ENOUGH && least > BUDGET) return this.step(level, 1);
     const canImprove = level > (isSoftware ? 1 : 0) && least * RATIOS[level - 1] < BUDGET;
     return canImprove && this.measured >= this.wait ? this.step(level, -1) : level;
@@ -95,20 +95,20 @@ export class MotionQuality {
     // A finer level that was too slow is tried again later and later, until the view has come to rest.
     if (change > 0 && this.isTrial) this.wait = Math.min(4 * this.wait, LONGEST);
     this.isTrial = change < 0;
-    this.forget();
+    this.resetMeasurements();
     return Math.min(Math.max(level + change, 0), LEVELS.length - 1);
   }
 
-  forget() {
+  resetMeasurements() {
     this.times = [];
     this.measured = 0;
   }
 
   /** End a motion. Another view of the page begins with the last level of this one. */
   rest() {
-    usual = this.level ?? usual;
+    initialLevel = this.level ?? initialLevel;
     this.wait = ENOUGH;
     this.isTrial = false;
-    this.forget();
+    this.resetMeasurements();
   }
 }

@@ -38,32 +38,32 @@ function renderer() {
 export function draw(canvas, mirror, camera, quality = atRest()) {
   const { width, height } = canvas;
   const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-  const engine = renderer();
-  const limit = engine.capabilities.maxTextureSize;
+  const webgl = renderer();
+  const limit = webgl.capabilities.maxTextureSize;
   const scale = Math.min(quality.scale, limit / Math.max(width, height));
-  const [wide, high] = [Math.ceil(width * scale), Math.ceil(height * scale)];
-  const size = engine.getSize(new THREE.Vector2());
-  if (size.x !== wide || size.y !== high) engine.setSize(wide, high, false);
-  setUp(engine, mirror, quality);
+  const [renderedWidth, renderedHeight] = [Math.ceil(width * scale), Math.ceil(height * scale)];
+  const size = webgl.getSize(new THREE.Vector2());
+  if (size.x !== renderedWidth || size.y !== renderedHeight) webgl.setSize(renderedWidth, renderedHeight, false);
+  setUp(webgl, mirror, quality);
   context.imageSmoothingQuality = "medium";
   /**
    * @param {any} from @param {CanvasRenderingContext2D} target @param {number} w of the picture in pixels
    * @param {number} h
    */
   const render = (from, target, w, h, alpha = 0) => {
-    const [drawnWide, drawnHigh] = [Math.round(w * scale), Math.round(h * scale)];
-    engine.setViewport(0, 0, drawnWide, drawnHigh);
-    engine.setClearColor(new THREE.Color(...backgroundOf(mirror).map((part) => part / 255)), alpha);
+    const [widthOfPart, heightOfPart] = [Math.round(w * scale), Math.round(h * scale)];
+    webgl.setViewport(0, 0, widthOfPart, heightOfPart);
+    webgl.setClearColor(new THREE.Color(...backgroundOf(mirror).map((part) => part / 255)), alpha);
     pixel.value = metresPerPixel(from, h);
     density.value = scale;
     mirror.light.position.setFromMatrixColumn(from.matrixWorld, 2);
     const restore = mirror.style === "Studio" ? inFront(mirror.scene, from, pixel.value, w, h) : () => {};
-    const all = () => drawCoarse(quality.cell, from, h, () => engine.render(mirror.scene, from));
+    const all = () => drawCoarse(quality.cell, from, h, () => webgl.render(mirror.scene, from));
     if (alpha) onGround(mirror, from, all);
     else all();
     restore();
     // three.js counts from the lower left corner.
-    target.drawImage(engine.domElement, 0, high - drawnHigh, drawnWide, drawnHigh, 0, 0, w, h);
+    target.drawImage(webgl.domElement, 0, renderedHeight - heightOfPart, widthOfPart, heightOfPart, 0, 0, w, h);
   };
   render(camera, context, width, height, 1);
   drawInsets(context, mirror, quality, render);
@@ -84,7 +84,7 @@ export function metresPerPixel(camera, height) {
 /** @param {import("./mirror.js").Mirror} mirror @param {number} width in pixels @param {number} height @returns {string} a PNG as a data URL */
 export function pictureOf(mirror, width, height) {
   const orbit = new Orbit();
-  orbit.look(mirror.camera);
+  orbit.setCamera(mirror.camera);
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
   draw(canvas, mirror, orbit.camera(width, height));
   return canvas.toDataURL("image/png");

@@ -1,6 +1,6 @@
 import { Link } from "./link.js";
 
-const AGAIN = 1000; // [ms] until the next attempt to reach the program
+const RETRY_AFTER = 1000; // [ms] until the next attempt to reach the program
 const GONE = "The program that draws this has ended or cannot be reached: the picture stands still. Trying again…";
 
 /** @param {HTMLElement} host the element that shows the scene of the program that serves this page */
@@ -8,21 +8,21 @@ export function follow(host) {
   /** @type {Record<string, any>} */
   let state = { height: 0 };
   /** @type {(message: any, buffers: DataView[]) => void} */
-  let hear = () => {};
+  let onMessage = () => {};
   /** @type {WebSocket | null} */
   let connected = null;
   const model = { // replaces a widget's model: the same messages over a WebSocket
     get: (/** @type {string} */ name) => state[name],
     set: (/** @type {string} */ name, /** @type {any} */ value) => (state[name] = value),
-    on: (/** @type {string} */ name, /** @type {typeof hear} */ told) => name === "msg:custom" && (hear = told),
+    on: (/** @type {string} */ name, /** @type {typeof onMessage} */ handler) => name === "msg:custom" && (onMessage = handler),
     send: (/** @type {any} */ content) => connected?.readyState === 1 && connected.send(JSON.stringify(content)),
   };
   /** @type {Link | null} */
   let link = null;
-  const say = (/** @type {string} */ text) => (link ? link.say(text, true) : (host.textContent = text));
+  const showMessage = (/** @type {string} */ text) => (link ? link.showMessage(text, true) : (host.textContent = text));
   /** @param {any} message @param {DataView[]} buffers */
-  const take = (message, buffers) => {
-    if (link) return hear(message, buffers);
+  const receive = (message, buffers) => {
+    if (link) return onMessage(message, buffers);
     state = { ...state, ...message, snapshot: buffers[0] };
     link = new Link(model);
     link.show(host);
@@ -30,25 +30,25 @@ export function follow(host) {
   const open = () => {
     const socket = new WebSocket(new URL("socket", location.href.replace(/^http/, "ws")));
     socket.binaryType = "arraybuffer";
-    socket.onmessage = ({ data }) => take(...unframed(new Uint8Array(data)));
+    socket.onmessage = ({ data }) => receive(...parseFrame(new Uint8Array(data)));
     socket.onopen = () => {
       connected = socket;
-      say("");
-      link?.count();
+      showMessage("");
+      link?.reportViewCount();
     };
     socket.onclose = () => {
-      say(GONE);
-      setTimeout(open, AGAIN);
+      showMessage(GONE);
+      setTimeout(open, RETRY_AFTER);
     };
   };
   open();
 }
 
 /** @param {Uint8Array} bytes see Python's `frame_message` @returns {[any, DataView[]]} */
-function unframed(bytes) {
+function parseFrame(bytes) {
   const end = bytes.indexOf(10);
   const { sizes, ...message } = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));
-  let at = end + 1;
-  const buffers = sizes.map((/** @type {number} */ size) => new DataView(bytes.buffer, (at += size) - size, size));
+  let start = end + 1;
+  const buffers = sizes.map((/** @type {number} */ size) => new DataView(bytes.buffer, (start += size) - size, size));
   return [message, buffers];
 }

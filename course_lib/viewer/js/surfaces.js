@@ -25,7 +25,7 @@ export function spread(colors, count) {
 }
 
 /** @param {Uint8Array} colors */
-export function seesThrough(colors) {
+export function isTransparent(colors) {
   for (let i = 3; i < colors.length; i += 4) if (colors[i] < 255) return true;
   return false;
 }
@@ -46,11 +46,11 @@ export function writeMatrix(elements, offset, columns, from) {
 export function buildSolids(solids) {
   const shape = UNIT_SHAPES[solids.shape]();
   const vertices = (solids.placements.length / 12) * shape.attributes.position.count;
-  return vertices <= MOST_VERTICES ? solidsAsOne(solids, shape) : solidInstances(solids, shape);
+  return vertices <= MOST_VERTICES ? mergeSolids(solids, shape) : instanceSolids(solids, shape);
 }
 
 /** @param {any} solids @param {any} shape @returns {any} a mesh of all shapes, because software takes 25 microseconds per instance */
-function solidsAsOne(solids, shape) {
+function mergeSolids(solids, shape) {
   const count = solids.placements.length / 12;
   const { position, normal } = shape.attributes;
   const each = position.count;
@@ -76,7 +76,7 @@ function solidsAsOne(solids, shape) {
   geometry.setAttribute("normal", new THREE.BufferAttribute(normals, 3));
   geometry.setAttribute("tint", new THREE.BufferAttribute(tints, 4, true));
   geometry.setIndex(new THREE.BufferAttribute(index, 1));
-  const mesh = new THREE.Mesh(geometry, material("surface", seesThrough(colors), solids.lit ? "SMOOTH" : "", false));
+  const mesh = new THREE.Mesh(geometry, material("surface", isTransparent(colors), solids.lit ? "SMOOTH" : "", false));
   const raycast = mesh.raycast.bind(mesh);
   mesh.raycast = (/** @type {any} */ caster, /** @type {any[]} */ hits) => {
     /** @type {any[]} */
@@ -88,12 +88,12 @@ function solidsAsOne(solids, shape) {
 }
 
 /** @param {any} solids @param {any} geometry of one @returns {any} */
-function solidInstances(solids, geometry) {
+function instanceSolids(solids, geometry) {
   const count = solids.placements.length / 12;
   const tint = new THREE.InstancedBufferAttribute(spread(solids.colors, count), 4, true);
   geometry.setAttribute("tint", tint);
   const shading = solids.lit ? "SMOOTH" : "";
-  const see = seesThrough(solids.colors);
+  const see = isTransparent(solids.colors);
   const mesh = new THREE.InstancedMesh(geometry, material("surface", see, shading, false), count);
   for (let i = 0; i < count; i++) writeMatrix(mesh.instanceMatrix.array, 16 * i, solids.placements, 12 * i);
   mesh.frustumCulled = false; // three.js would test only the unit shape
@@ -103,7 +103,7 @@ function solidInstances(solids, geometry) {
 /** @param {any} sheet drawn with sharp cells, as three.js draws a DataTexture */
 export function buildSheet({ cells, colors, rows, columns, width: cell, behind }) {
   const [width, height] = [columns * cell, rows * cell];
-  const see = seesThrough(colors);
+  const see = isTransparent(colors);
   const pixels = new Uint8Array(4 * cells.length);
   const [words, palette] = [pixels, colors.slice()].map((bytes) => new Uint32Array(bytes.buffer));
   for (let i = 0; i < words.length; i++) words[i] = palette[cells[i]];
@@ -128,7 +128,7 @@ export function buildMesh(mesh) {
   geometry.setIndex(new THREE.BufferAttribute(mesh.faces, 1));
   if (mesh.normals) geometry.setAttribute("normal", new THREE.BufferAttribute(mesh.normals, 3));
   const shading = mesh.lit ? (mesh.normals ? "SMOOTH" : "FLAT") : "";
-  const made = new THREE.Mesh(geometry, material("surface", seesThrough(mesh.colors), shading));
-  makeCoarse(made);
-  return castsShadow(made);
+  const object = new THREE.Mesh(geometry, material("surface", isTransparent(mesh.colors), shading));
+  makeCoarse(object);
+  return castsShadow(object);
 }

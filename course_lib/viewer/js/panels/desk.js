@@ -1,6 +1,6 @@
 /* global DESK_STYLE */
 import { Panels } from "./panels.js";
-import { part } from "./parts.js";
+import { createElement } from "./elements.js";
 
 /** @typedef {import("../protocol.js").PanelState} PanelState */
 /** @typedef {import("../protocol.js").PanelRow} Row */
@@ -8,22 +8,22 @@ import { part } from "./parts.js";
 
 /** The last state of all panels received from Python, and the desks of a page that show it. */
 export class DeskState {
-  /** @param {(order: any) => void} send sends an order to Python @param {boolean} resting whether the panels are read-only */
-  constructor(send, resting = false) {
-    this.resting = resting;
-    this.values = /** @type {PanelState} */ ({}); // complete after the first news
+  /** @param {(order: any) => void} send sends an order to Python @param {boolean} isAtRest whether the panels are read-only */
+  constructor(send, isAtRest = false) {
+    this.isAtRest = isAtRest;
+    this.values = /** @type {PanelState} */ ({}); // complete after the first message from Python
     /** @type {Record<string, Row>} */
     this.rows = {};
     /** @type {Set<Desk>} */
     this.desks = new Set();
-    this.watched = false; // whether a panel of the page is open, so that Python sends changed rows
+    this.isWatched = false; // whether a panel of the page is open, so that Python sends changed rows
     /** @param {Order} order */
     this.act = (order) => send({ type: "desk", ...order });
     this.act({ act: "OpenPanels" });
   }
 
   /** @param {import("../protocol.js").PanelNews} news */
-  take({ changed, rows, gone }) {
+  apply({ changed, rows, gone }) {
     Object.assign(this.values, changed);
     Object.assign(this.rows, rows);
     for (const key of gone) delete this.rows[key];
@@ -31,11 +31,11 @@ export class DeskState {
   }
 
   /** Report whether a panel is open. */
-  look() {
-    const watched = [...this.desks].some(({ panels }) => panels?.isOpen);
-    if (watched === this.watched || this.resting) return;
-    this.watched = watched;
-    this.act({ act: "WatchRows", watched });
+  reportOpenPanels() {
+    const isWatched = [...this.desks].some(({ panels }) => panels?.isOpen);
+    if (isWatched === this.isWatched || this.isAtRest) return;
+    this.isWatched = isWatched;
+    this.act({ act: "WatchRows", watched: isWatched });
   }
 
   /** @param {string[]} keys @returns {Row[]} */
@@ -55,12 +55,12 @@ export class Desk {
     this.state = state;
     /** @type {Panels | null} */
     this.panels = null;
-    const style = part("style", { textContent: DESK_STYLE });
-    this.frame = part("div", { className: "course-viewer" }, style, host);
+    const style = createElement("style", { textContent: DESK_STYLE });
+    this.frame = createElement("div", { className: "course-viewer" }, style, host);
     this.frame.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
       if (!event.ctrlKey && !event.metaKey && !event.altKey) event.stopPropagation(); // these keys must not reach the notebook
     });
-    this.frame.classList.toggle("course-resting", state.resting);
+    this.frame.classList.toggle("course-resting", state.isAtRest);
     host.classList.add("course-host");
     element.append(this.frame);
     state.desks.add(this);
@@ -68,9 +68,9 @@ export class Desk {
   }
 
   dispose() {
-    clearTimeout(this.panels?.turning);
+    clearTimeout(this.panels?.turnTimer);
     this.state.desks.delete(this);
-    this.state.look();
+    this.state.reportOpenPanels();
     this.frame.remove();
   }
 

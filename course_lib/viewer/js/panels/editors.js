@@ -1,22 +1,22 @@
-import { part } from "./parts.js";
+import { createElement } from "./elements.js";
 
 /** @typedef {import("../protocol.js").PanelRow} Row */
 /** @typedef {{element: any, update: (value: any) => void}} Control */
 
 /** @param {number} value formatted with at most six digits */
-const short = (value) => String(Number(Number(value).toPrecision(6)));
+const formatNumber = (value) => String(Number(Number(value).toPrecision(6)));
 
 /** @param {number[]} rgb */
 const hex = (rgb) => `#${rgb.map((part) => part.toString(16).padStart(2, "0")).join("")}`;
 /** @param {string} text */
-const rgb = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16));
+const rgb = (text) => [1, 3, 5].map((start) => parseInt(text.slice(start, start + 2), 16));
 
 /**
  * A text field that accepts a new value only while the user is not typing in it.
  * @param {any} fields @param {(field: any) => void} onchange @param {(value: any) => string} show
  */
-function typed(fields, onchange, show = String) {
-  const input = part("input", { ...fields, onchange: () => onchange(input) });
+function inputField(fields, onchange, show = String) {
+  const input = createElement("input", { ...fields, onchange: () => onchange(input) });
   return {
     element: input,
     update: (/** @type {any} */ value) => {
@@ -25,20 +25,20 @@ function typed(fields, onchange, show = String) {
   };
 }
 
-/** @typedef {(row: Row, set: (value: any) => void, list: string) => Control} Maker of a control */
-/** @type {Maker} */
+/** @typedef {(row: Row, set: (value: any) => void, list: string) => Control} EditorFactory creates a control */
+/** @type {EditorFactory} */
 const numberField = ({ editor }, set) => {
   const limits = { min: editor?.low ?? "", max: editor?.high ?? "" };
   const step = editor?.kind === "integer" ? 1 : "any";
-  return typed({ type: "number", step, ...limits }, (input) => set(input.valueAsNumber), short);
+  return inputField({ type: "number", step, ...limits }, (input) => set(input.valueAsNumber), formatNumber);
 };
-/** @type {Maker} */
+/** @type {EditorFactory} */
 const textField = (_, set, list) => {
-  const made = typed({ type: "text", spellcheck: false }, (input) => set(input.value));
-  if (list) made.element.setAttribute("list", list);
-  return made;
+  const control = inputField({ type: "text", spellcheck: false }, (input) => set(input.value));
+  if (list) control.element.setAttribute("list", list);
+  return control;
 };
-/** @type {Record<import("../protocol.js").Editor["kind"], Maker>} */
+/** @type {Record<import("../protocol.js").Editor["kind"], EditorFactory>} */
 const EDITORS = {
   number: numberField,
   integer: numberField,
@@ -46,26 +46,26 @@ const EDITORS = {
   frame: textField,
   topic: textField,
   bool: (_, set) => {
-    const box = part("input", { type: "checkbox", onchange: () => set(box.checked) });
+    const box = createElement("input", { type: "checkbox", onchange: () => set(box.checked) });
     return { element: box, update: (value) => (box.checked = value) };
   },
   enum: ({ editor }, set) => {
     const options = (editor?.options ?? []).map((word) => new Option(word, word));
-    const field = part("select", { onchange: () => set(field.value) }, ...options);
+    const field = createElement("select", { onchange: () => set(field.value) }, ...options);
     return { element: field, update: (value) => (field.value = value) };
   },
-  color: (_, set) => typed({ type: "color" }, (input) => set(rgb(input.value)), hex),
+  color: (_, set) => inputField({ type: "color" }, (input) => set(rgb(input.value)), hex),
   vector: ({ label }, set) => {
     const change = () => set(axes.map(({ element }) => element.valueAsNumber));
     const axes = ["x", "y", "z"].map((axis) =>
-      typed({ type: "number", step: "any", ariaLabel: `${label} ${axis}` }, change, short),
+      inputField({ type: "number", step: "any", ariaLabel: `${label} ${axis}` }, change, formatNumber),
     );
-    const element = part("span", { className: "course-vector" }, ...axes.map((axis) => axis.element));
+    const element = createElement("span", { className: "course-vector" }, ...axes.map((axis) => axis.element));
     return { element, update: (value) => axes.forEach((axis, i) => axis.update(value[i])) };
   },
   none: () => {
-    const words = part("span");
-    return { element: words, update: (value) => (words.textContent = value ?? "") };
+    const text = createElement("span");
+    return { element: text, update: (value) => (text.textContent = value ?? "") };
   },
 };
 
@@ -74,7 +74,7 @@ const EDITORS = {
  * @returns {Control} named after the row
  */
 export function editorFor(row, set, list) {
-  const made = EDITORS[row.editor?.kind ?? "none"](row, set, list);
-  if (row.editor) made.element.ariaLabel = row.label;
-  return made;
+  const control = EDITORS[row.editor?.kind ?? "none"](row, set, list);
+  if (row.editor) control.element.ariaLabel = row.label;
+  return control;
 }

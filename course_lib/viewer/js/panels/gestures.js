@@ -18,67 +18,67 @@ const HINTS = {
 export class Gestures {
   /**
    * @param {import("../view.js").View} view @param {(order: import("./desk.js").Order) => void} act called with an order
-   * @param {(text: string) => void} say shows a hint @param {() => void} leave selects the first tool
+   * @param {(text: string) => void} showHint shows a hint @param {() => void} selectFirstTool selects the first tool
    */
-  constructor(view, act, say, leave) {
+  constructor(view, act, showHint, selectFirstTool) {
     this.view = view;
     this.act = act;
-    this.say = say;
-    this.leave = leave;
+    this.showHint = showHint;
+    this.selectFirstTool = selectFirstTool;
     /** @type {ToolButton} */
     this.tool = { label: "", key: "", gesture: "camera" };
     /** @type {string[]} */
     this.handles = []; // nodes with interactive markers below them
     /** @type {{path: string, button: number} | null} */
-    this.held = null; // the control that the pointer has pressed
+    this.pressed = null; // the control that the pointer has pressed
     this.wantsMenu = false;
     /** @type {import("../protocol.js").ToolSettings} */
     this.settings = { color: "#808000", single: true }; // RViz's, of Measure and of Publish Point
     /** @type {any} */
     this.start = null; // where an arrow or a line begins
     /** @type {any} */
-    this.drawn = null; // shown over the scene
-    view.grab = (event) => this.hear(event);
+    this.overlay = null; // shown over the scene
+    view.handleByTool = (event) => this.onEvent(event);
   }
 
   /** @param {ToolButton} tool */
-  take(tool) {
+  useTool(tool) {
     this.tool = tool;
     this.start = null;
-    this.show(null);
-    this.say(HINTS[tool.gesture]);
+    this.showOverlay(null);
+    this.showHint(HINTS[tool.gesture]);
     this.view.canvas.style.cursor = isForCamera(tool.gesture) ? "" : "crosshair";
   }
 
   /** @param {any} event of the pointer or the keyboard @returns {boolean} whether it is handled */
-  hear(event) {
+  onEvent(event) {
     const gesture = this.tool.gesture;
     if (gesture === "camera" || !event.type.startsWith("pointer")) return false;
     if (gesture === "interact") return this.handles.length > 0 && this.interact(event);
     if (gesture === "pose") return this.pose(event);
     if (event.type === "pointermove" && !event.buttons && gesture === "point") this.hover(event);
-    if (gesture === "measure" && event.type === "pointerdown" && event.button === 2) this.take(this.tool);
+    if (gesture === "measure" && event.type === "pointerdown" && event.button === 2) this.useTool(this.tool);
     return false; // the view is turned, and reports clicks
   }
 
   /** @param {PointerEvent} event on an interactive marker or not @returns {boolean} whether it is handled */
   interact(event) {
     const kind = event.type.slice("pointer".length);
-    if (!this.held && (kind === "up" || (kind === "move" && event.buttons))) return false; // the camera is turned
+    if (!this.pressed && (kind === "up" || (kind === "move" && event.buttons))) return false; // the camera is turned
     const { origin, direction, path, point } = this.view.pick(event);
-    if (!this.held) {
+    if (!this.pressed) {
       const isOver = Boolean(path && this.handles.some((handle) => path.startsWith(`${handle}/`)));
       this.view.canvas.style.cursor = isOver ? "grab" : "";
       if (!isOver || kind !== "down") return false;
-      this.held = { path: path ?? "", button: event.button };
+      this.pressed = { path: path ?? "", button: event.button };
       this.view.canvas.setPointerCapture(event.pointerId);
       this.view.canvas.focus({ preventScroll: true });
     }
     const { shiftKey: shift, ctrlKey: ctrl } = event;
     const { clientWidth, clientHeight } = this.view.canvas;
-    const from = { ...this.view.orbit.seen(), pixel: this.view.orbit.pixel(clientWidth, clientHeight) };
-    this.act({ act: "UseControl", event: kind, origin, direction, point, shift, ctrl, ...this.held, ...from });
-    if (kind === "up" || kind === "cancel") [this.held, this.wantsMenu] = [null, true];
+    const from = { ...this.view.orbit.pose(), pixel: this.view.orbit.pixel(clientWidth, clientHeight) };
+    this.act({ act: "UseControl", event: kind, origin, direction, point, shift, ctrl, ...this.pressed, ...from });
+    if (kind === "up" || kind === "cancel") [this.pressed, this.wantsMenu] = [null, true];
     event.preventDefault();
     return true;
   }
@@ -88,14 +88,14 @@ export class Gestures {
     const gesture = this.tool.gesture;
     if (isForCamera(gesture) || click.button !== 0) return !isForCamera(gesture);
     if (gesture === "select") this.select(click);
-    else if (!click.point) this.say("Nothing is there.");
+    else if (!click.point) this.showHint("Nothing is there.");
     else if (gesture === "measure") this.measure(click.point);
     else if (gesture === "focus") {
       this.view.lookAt(click.point);
-      this.leave();
+      this.selectFirstTool();
     } else if (gesture === "point") {
       this.act({ act: "PublishGesture", tool: this.tool.label, point: click.point });
-      if (this.settings.single) this.leave();
+      if (this.settings.single) this.selectFirstTool();
     }
     return true;
   }
@@ -103,7 +103,7 @@ export class Gestures {
   /** @param {Click} click reported by the view */
   select({ path, index }) {
     const node = path === undefined ? null : this.view.mirror.nodes.get(path);
-    this.show(node ? new THREE.BoxHelper(node, 0xffffff) : null);
+    this.showOverlay(node ? new THREE.BoxHelper(node, 0xffffff) : null);
     this.act({ act: "SelectObject", path, index });
   }
 
@@ -111,12 +111,12 @@ export class Gestures {
   measure(point) {
     const to = new THREE.Vector3(...point);
     if (!this.start) {
-      this.show(null);
+      this.showOverlay(null);
       this.start = to;
-      return this.say("[Length: 0.00m] Click on two points to measure their distance. Right-click to reset.");
+      return this.showHint("[Length: 0.00m] Click on two points to measure their distance. Right-click to reset.");
     }
-    this.line(this.start, to);
-    this.say(`[Length: ${this.start.distanceTo(to).toFixed(2)}m] ${HINTS.measure}`);
+    this.drawLine(this.start, to);
+    this.showHint(`[Length: ${this.start.distanceTo(to).toFixed(2)}m] ${HINTS.measure}`);
     this.start = null;
   }
 
@@ -124,12 +124,12 @@ export class Gestures {
   hover(event) {
     const { point } = this.view.pick(event);
     const text = point ? `[${point.map((/** @type {number} */ part) => part.toFixed(3)).join(", ")}]` : HINTS.point;
-    this.say(text);
+    this.showHint(text);
   }
 
   /** @param {PointerEvent} event a press for the place on the ground, a drag for the direction */
   pose(event) {
-    const ground = this.ground(event);
+    const ground = this.pointOnGround(event);
     if (event.type === "pointerdown" && event.button === 0 && !event.shiftKey) {
       this.start = ground;
       this.view.canvas.setPointerCapture(event.pointerId);
@@ -138,44 +138,44 @@ export class Gestures {
     const yaw = ground && this.start ? Math.atan2(ground.y - this.start.y, ground.x - this.start.x) : 0;
     if (this.start && event.type === "pointerup") {
       this.act({ act: "PublishGesture", tool: this.tool.label, point: this.start.toArray(), angle: yaw });
-      this.leave();
-    } else if (this.start) this.arrow(this.start, yaw);
+      this.selectFirstTool();
+    } else if (this.start) this.drawArrow(this.start, yaw);
     event.preventDefault();
     return true;
   }
 
   /** @param {any} event @returns {any} the point below the pointer on the ground plane of the fixed frame */
-  ground(event) {
+  pointOnGround(event) {
     const { origin, direction } = this.view.pick(event);
-    const far = -origin[2] / direction[2];
-    if (!(far > 0)) return null;
-    return new THREE.Vector3(origin[0] + far * direction[0], origin[1] + far * direction[1], 0);
+    const distance = -origin[2] / direction[2];
+    if (!(distance > 0)) return null;
+    return new THREE.Vector3(origin[0] + distance * direction[0], origin[1] + distance * direction[1], 0);
   }
 
-  /** @param {any} at [m] @param {number} yaw [rad] */
-  arrow(at, yaw) {
-    const paint = new THREE.MeshBasicMaterial({ color: GREEN });
-    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.1, 0.1, 2, 16).translate(0, 1, 0), paint); // [m]
-    const head = new THREE.Mesh(new THREE.ConeGeometry(0.175, 0.5, 16).translate(0, 2.25, 0), paint);
+  /** @param {any} position [m] @param {number} yaw [rad] */
+  drawArrow(position, yaw) {
+    const material = new THREE.MeshBasicMaterial({ color: GREEN });
+    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.1, 0.1, 2, 16).translate(0, 1, 0), material); // [m]
+    const head = new THREE.Mesh(new THREE.ConeGeometry(0.175, 0.5, 16).translate(0, 2.25, 0), material);
     const arrow = new THREE.Group().add(shaft, head);
-    arrow.position.copy(at);
+    arrow.position.copy(position);
     arrow.rotation.z = yaw - Math.PI / 2;
-    this.show(arrow);
+    this.showOverlay(arrow);
   }
 
   /** @param {any} from [m] @param {any} to [m] */
-  line(from, to) {
+  drawLine(from, to) {
     const shape = new THREE.BufferGeometry().setFromPoints([from, to]);
-    this.show(new THREE.Line(shape, new THREE.LineBasicMaterial({ color: this.settings.color, depthTest: false })));
+    this.showOverlay(new THREE.Line(shape, new THREE.LineBasicMaterial({ color: this.settings.color, depthTest: false })));
   }
 
   /** @param {any} object shown over the scene, replacing the previous one; it is never picked */
-  show(object) {
-    if (this.drawn) this.view.mirror.drop(this.drawn);
-    this.drawn = object;
-    object?.traverse((/** @type {any} */ one) => (one.raycast = () => {}));
+  showOverlay(object) {
+    if (this.overlay) this.view.mirror.dispose(this.overlay);
+    this.overlay = object;
+    object?.traverse((/** @type {any} */ child) => (child.raycast = () => {}));
     if (object) this.view.mirror.scene.add(object);
-    this.view.mirror.changed();
+    this.view.mirror.invalidateViews();
   }
 }
 

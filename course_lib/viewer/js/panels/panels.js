@@ -1,6 +1,6 @@
 import { icon } from "../icons.js";
 import { Gestures } from "./gestures.js";
-import { ask, button, part } from "./parts.js";
+import { button, createElement, openDialog } from "./elements.js";
 import { Tree } from "./tree.js";
 
 const TURNED_AFTER = 150; // [ms] after the last turn of a view by hand
@@ -18,36 +18,36 @@ export class Panels {
     this.view = view;
     this.state = state;
     this.id = `desk${Math.random().toString(36).slice(2)}`;
-    this.turning = 0; // a timer
+    this.turnTimer = 0;
     const act = state.act;
-    this.gestures = new Gestures(view, act, (text) => this.say(this.notice, "", "", text, ""), () => this.choose(0));
+    this.gestures = new Gestures(view, act, (text) => this.showLine(this.notice, "", "", text, ""), () => this.selectTool(0));
     /** @param {import("./editors.js").Row} row */
     const listFor = ({ editor }) =>
       editor && ["frame", "topic"].includes(editor.kind) ? this.id + (editor.type ?? "frames") : "";
     this.tree = new Tree("Displays", act, listFor);
     this.properties = new Tree("Current view", act, listFor);
     this.toolTree = new Tree("Tool Properties", act, listFor);
-    const tools = part("details", {}, part("summary", { textContent: "Tool Properties" }), this.toolTree.element);
-    this.selection = part("pre", { className: "course-selection", tabIndex: 0, ariaLabel: "Selection", hidden: true });
-    this.status = part("span", { className: "course-line" });
-    this.notice = part("output", { className: "course-line course-notice" });
-    this.words = part("div", { className: "course-unseen", id: `${this.id}words` });
-    this.lists = part("div", { hidden: true });
-    this.left = this.dock("Displays", this.memberButtons(), this.tree.element);
-    this.right = this.dock("Views", this.viewControls(), this.properties.element, tools, this.selection);
+    const tools = createElement("details", {}, createElement("summary", { textContent: "Tool Properties" }), this.toolTree.element);
+    this.selection = createElement("pre", { className: "course-selection", tabIndex: 0, ariaLabel: "Selection", hidden: true });
+    this.status = createElement("span", { className: "course-line" });
+    this.notice = createElement("output", { className: "course-line course-notice" });
+    this.summary = createElement("div", { className: "course-unseen", id: `${this.id}words` });
+    this.lists = createElement("div", { hidden: true });
+    this.left = this.createDock("Displays", this.displayButtons(), this.tree.element);
+    this.right = this.createDock("Views", this.viewControls(), this.properties.element, tools, this.selection);
     /** @type {any[]} */
     this.buttons = state.values.toolbar.map(this.toolButton, this);
-    const bar = part("div", { className: "course-tools", role: "toolbar", ariaLabel: "Tools" }, ...this.buttons);
-    const words = [this.left.opener, this.status, this.notice, this.right.opener];
-    const line = part("div", { className: "course-lines" }, ...words);
-    const place = part("div", { className: "course-view" }, view.host);
-    const middle = part("div", { className: "course-middle" }, this.left, place, this.right);
-    frame.firstChild?.after(bar, middle, line, this.words, this.lists);
+    const bar = createElement("div", { className: "course-tools", role: "toolbar", ariaLabel: "Tools" }, ...this.buttons);
+    const parts = [this.left.opener, this.status, this.notice, this.right.opener];
+    const line = createElement("div", { className: "course-lines" }, ...parts);
+    const place = createElement("div", { className: "course-view" }, view.host);
+    const middle = createElement("div", { className: "course-middle" }, this.left, place, this.right);
+    frame.firstChild?.after(bar, middle, line, this.summary, this.lists);
     Object.assign(frame, { role: "group", ariaLabel: "RViz" });
-    frame.addEventListener("keydown", (event) => this.key(event));
-    view.onTurn = () => this.turned();
-    view.canvas.setAttribute("aria-describedby", this.words.id);
-    this.choose(0);
+    frame.addEventListener("keydown", (event) => this.onKey(event));
+    view.onTurn = () => this.onTurned();
+    view.canvas.setAttribute("aria-describedby", this.summary.id);
+    this.selectTool(0);
   }
 
   /** @param {Partial<PanelState>} changed fields; unchanged lists are not replaced, because they may have the focus */
@@ -62,27 +62,27 @@ export class Panels {
     if (changed.menu && this.gestures.wantsMenu) this.openMenu(changed.menu);
     const { mark, text } = values.status;
     const { notice } = values;
-    this.say(this.status, mark.icon, mark.word, text, mark.level);
-    if (JSON.stringify(notice) !== this.noticed) this.say(this.notice, "", "", notice.text ?? "", notice.level ?? "");
-    this.noticed = JSON.stringify(notice);
+    this.showLine(this.status, mark.icon, mark.word, text, mark.level);
+    if (JSON.stringify(notice) !== this.lastNotice) this.showLine(this.notice, "", "", notice.text ?? "", notice.level ?? "");
+    this.lastNotice = JSON.stringify(notice);
     if (values.selection && values.selection !== this.selection.textContent) this.toggle(this.right, true);
     this.selection.textContent = values.selection;
     this.selection.hidden = !values.selection;
-    this.words.textContent = values.summary;
+    this.summary.textContent = values.summary;
     if (changed.topics && this.addable?.isConnected) this.fillAddable();
     if (changed.topics || changed.frames) this.lists.replaceChildren(...this.suggestions(values));
   }
 
   /** @param {any} element @param {string} mark @param {string} word @param {string} text @param {string} level */
-  say(element, mark, word, text, level) {
+  showLine(element, mark, word, text, level) {
     element.textContent = [mark, text].filter(Boolean).join(" ");
     element.title = word ? `${word}: ${text}` : text;
     element.dataset.level = level;
   }
 
   /** @param {string} name @param {HTMLElement[]} parts @returns {any} with the button that opens it */
-  dock(name, ...parts) {
-    const dock = part("section", { className: "course-dock", ariaLabel: name }, ...parts);
+  createDock(name, ...parts) {
+    const dock = createElement("section", { className: "course-dock", ariaLabel: name }, ...parts);
     dock.opener = button(name, `${name} panel`, () => this.toggle(dock, dock.hidden));
     this.toggle(dock, false);
     return dock;
@@ -92,7 +92,7 @@ export class Panels {
   toggle(dock, open) {
     dock.hidden = !open;
     dock.opener.ariaExpanded = String(open);
-    this.state.look();
+    this.state.reportOpenPanels();
   }
 
   /** @returns {boolean} whether one of the panels is open */
@@ -102,41 +102,41 @@ export class Panels {
 
   /** @param {import("../protocol.js").ToolButton} tool @param {number} index */
   toolButton({ label, key, gesture }, index) {
-    const made = button(icon(label), `${label} (${key})`, () => this.choose(index));
-    made.append(part("span", {}, label));
-    made.dataset.gesture = gesture;
-    return made;
+    const element = button(icon(label), `${label} (${key})`, () => this.selectTool(index));
+    element.append(createElement("span", {}, label));
+    element.dataset.gesture = gesture;
+    return element;
   }
 
   /** @param {number} index of the tool to select */
-  choose(index) {
-    this.buttons.forEach((one, at) => (one.ariaPressed = String(at === index)));
-    this.gestures.take(this.state.values.toolbar[index]);
+  selectTool(index) {
+    this.buttons.forEach((element, i) => (element.ariaPressed = String(i === index)));
+    this.gestures.useTool(this.state.values.toolbar[index]);
     this.tool = index;
   }
 
-  memberButtons() {
+  displayButtons() {
     const { act } = this.state;
-    return part(
+    return createElement(
       "div",
       { role: "toolbar", ariaLabel: "Displays" },
       button("Add", "Add a display", () => this.add()),
-      button("Duplicate", "Duplicate the chosen display", () => act({ act: "DuplicateDisplay", row: this.tree.chosen })),
+      button("Duplicate", "Duplicate the chosen display", () => act({ act: "DuplicateDisplay", row: this.tree.selected })),
       button("Rename", "Rename the chosen display", () => {
-        const { key, label } = this.state.rows[this.tree.chosen];
-        ask(this.frame, "Rename", part("input", { value: label }), (name) => act({ act: "RenameRow", row: key, name }));
+        const { key, label } = this.state.rows[this.tree.selected];
+        openDialog(this.frame, "Rename", createElement("input", { value: label }), (name) => act({ act: "RenameRow", row: key, name }));
       }),
-      button("Remove", "Remove the chosen display (Delete)", () => act({ act: "RemoveRow", row: this.tree.chosen })),
+      button("Remove", "Remove the chosen display (Delete)", () => act({ act: "RemoveRow", row: this.tree.selected })),
       button("Open", "Open a layout (Ctrl+O)", () => this.open()),
       button("Save", "Save the layout (Ctrl+S)", () => this.save()),
     );
   }
 
   add() {
-    this.addable = part("select", { size: 14 });
+    this.addable = createElement("select", { size: 14 });
     this.fillAddable();
-    const row = this.tree.chosen; // a display is added to the selected group
-    ask(this.frame, "Add", this.addable, (choice) => this.state.act({ act: "AddDisplay", ...JSON.parse(choice), row }));
+    const row = this.tree.selected; // a display is added to the selected group
+    openDialog(this.frame, "Add", this.addable, (choice) => this.state.act({ act: "AddDisplay", ...JSON.parse(choice), row }));
     this.state.act({ act: "LookAgain" }); // the graph may have new topics
   }
 
@@ -144,7 +144,7 @@ export class Panels {
     const { types, topics } = this.state.values;
     /** @param {string} label @param {[string, string][]} all values with their displayed texts */
     const choices = (label, all) =>
-      part("optgroup", { label }, ...all.map(([value, text]) => new Option(text, value)));
+      createElement("optgroup", { label }, ...all.map(([value, text]) => new Option(text, value)));
     /** @type {[string, string][]} */
     const byTopic = topics.map(({ topic, type, display }) => [
       JSON.stringify({ display, topic }),
@@ -161,51 +161,51 @@ export class Panels {
   /** @param {import("../protocol.js").ContextMenu} menu of an interactive marker */
   openMenu({ path = "", entries = [] }) {
     this.gestures.wantsMenu = false;
-    const options = entries.map(({ id, text, opens }) => part("option", { value: id, disabled: Boolean(opens) }, text));
-    const list = part("select", { size: Math.max(entries.length, 2) }, ...options);
+    const options = entries.map(({ id, text, opens }) => createElement("option", { value: id, disabled: Boolean(opens) }, text));
+    const list = createElement("select", { size: Math.max(entries.length, 2) }, ...options);
     list.onclick = () => list.value && list.form.requestSubmit();
-    ask(this.frame, "Menu", list, (entry) => this.state.act({ act: "ChooseEntry", path, entry: Number(entry) }));
+    openDialog(this.frame, "Menu", list, (entry) => this.state.act({ act: "ChooseEntry", path, entry: Number(entry) }));
   }
 
   open() {
     const files = this.state.values.layouts.files.map((name) => new Option(name, name));
-    if (!files.length) return this.say(this.notice, "", "", "No .rviz file is in the notebook's folder.", "");
-    const list = part("select", { size: 8 }, ...files);
+    if (!files.length) return this.showLine(this.notice, "", "", "No .rviz file is in the notebook's folder.", "");
+    const list = createElement("select", { size: 8 }, ...files);
     list.selectedIndex = 0;
-    ask(this.frame, "Open", list, (name) => this.state.act({ act: "LoadLayout", name }));
+    openDialog(this.frame, "Open", list, (name) => this.state.act({ act: "LoadLayout", name }));
   }
 
   save() {
-    const field = part("input", { value: this.state.values.layouts.last });
-    ask(this.frame, "Save", field, (name) => this.state.act({ act: "SaveLayout", name }));
+    const field = createElement("input", { value: this.state.values.layouts.last });
+    openDialog(this.frame, "Save", field, (name) => this.state.act({ act: "SaveLayout", name }));
   }
 
   viewControls() {
     const { act } = this.state;
     const change = () => act({ act: "ChangeView", view: this.types.value });
-    this.types = part("select", { ariaLabel: "Type of view", onchange: change });
-    this.saved = part("select", { ariaLabel: "Saved views", size: 3 });
-    const use = () => chosen((index) => act({ act: "UseView", index }));
+    this.types = createElement("select", { ariaLabel: "Type of view", onchange: change });
+    this.saved = createElement("select", { ariaLabel: "Saved views", size: 3 });
+    const use = () => withSelectedView((index) => act({ act: "UseView", index }));
     this.saved.ondblclick = use;
-    /** @param {string} title @param {(name: string) => void} told */
-    const name = (title, told) =>
-      ask(this.frame, title, part("input", { value: this.saved.value || this.types.value }), told);
-    /** @param {(index: number) => void} told */
-    const chosen = (told) => {
-      if (this.saved.selectedIndex >= 0) told(this.saved.selectedIndex);
-      else this.say(this.notice, "", "", "Choose a saved view first.", "");
+    /** @param {string} title @param {(name: string) => void} onValue */
+    const askName = (title, onValue) =>
+      openDialog(this.frame, title, createElement("input", { value: this.saved.value || this.types.value }), onValue);
+    /** @param {(index: number) => void} onValue */
+    const withSelectedView = (onValue) => {
+      if (this.saved.selectedIndex >= 0) onValue(this.saved.selectedIndex);
+      else this.showLine(this.notice, "", "", "Choose a saved view first.", "");
     };
-    return part(
+    return createElement(
       "div",
       {},
-      part("div", { role: "toolbar", ariaLabel: "Views" }, this.types,
+      createElement("div", { role: "toolbar", ariaLabel: "Views" }, this.types,
         button("Save", "Save the current view", () =>
-          name("Save view", (text) => act({ act: "SaveView", name: text }))),
+          askName("Save view", (text) => act({ act: "SaveView", name: text }))),
         button("Use", "Use the chosen saved view", use),
         button("Rename", "Rename the chosen saved view", () =>
-          chosen((index) => name("Rename view", (text) => act({ act: "RenameView", index, name: text })))),
+          withSelectedView((index) => askName("Rename view", (text) => act({ act: "RenameView", index, name: text })))),
         button("Remove", "Remove the chosen saved view", () =>
-          chosen((index) => act({ act: "RemoveView", index })))),
+          withSelectedView((index) => act({ act: "RemoveView", index })))),
       this.saved,
     ); // prettier-ignore
   }
@@ -224,24 +224,24 @@ export class Panels {
     const lists = { frames };
     for (const { topic, type } of topics) (lists[type] ??= []).push(topic);
     return Object.entries(lists).map(([name, words]) =>
-      part("datalist", { id: this.id + name }, ...words.map((word) => new Option(word, word))),
+      createElement("datalist", { id: this.id + name }, ...words.map((word) => new Option(word, word))),
     );
   }
 
   /** @param {KeyboardEvent} event */
-  key(event) {
+  onKey(event) {
     const target = /** @type {HTMLElement} */ (event.target);
     const layout = { s: () => this.save(), o: () => this.open() }[event.key];
     if (event.ctrlKey || event.metaKey) {
       if (!layout || target.closest("dialog")) return;
       layout();
     } else if (event.altKey || target.matches("input, select, textarea, dialog *")) return;
-    else if (event.key === "Escape" && this.tool) this.choose(0);
+    else if (event.key === "Escape" && this.tool) this.selectTool(0);
     else if (event.key === "z") this.returnHome();
     else {
       const index = this.state.values.toolbar.findIndex(({ key }) => key === event.key);
       if (index < 0) return;
-      this.choose(index);
+      this.selectTool(index);
     }
     event.preventDefault();
     event.stopPropagation();
@@ -249,16 +249,16 @@ export class Panels {
 
   /** Restore the default camera, like RViz's key Z. */
   returnHome() {
-    clearTimeout(this.turning);
+    clearTimeout(this.turnTimer);
     this.view.turnedAt = -Infinity; // the view is not being turned by hand
     this.state.act({ act: "HomeView" });
   }
 
   /** Report the camera to Python once the view has stopped moving. */
-  turned() {
-    clearTimeout(this.turning);
-    this.turning = setTimeout(() => {
-      this.state.act({ act: "TurnView", ...this.view.orbit.seen() });
+  onTurned() {
+    clearTimeout(this.turnTimer);
+    this.turnTimer = setTimeout(() => {
+      this.state.act({ act: "TurnView", ...this.view.orbit.pose() });
     }, TURNED_AFTER);
   }
 }

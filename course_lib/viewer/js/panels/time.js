@@ -1,5 +1,5 @@
 import { icon } from "../icons.js";
-import { button, part } from "./parts.js";
+import { button, createElement } from "./elements.js";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 const TIME_STYLE = `
@@ -18,50 +18,51 @@ const TIME_STYLE = `
 /** RViz's Time panel: the time, and controls to play, pause, step, change the speed, seek and loop. */
 export class TimeBar {
   /**
-   * @param {HTMLElement} host @param {(change: TimeChange) => void} act called with each change
+   * @param {HTMLElement} host @param {(change: TimeChange) => void} onChange called with each change
    * @param {HTMLElement} keys the element whose keys Space, comma, period, Home, End and L are handled
    */
-  constructor(host, act, keys = host) {
-    this.act = act;
+  constructor(host, onChange, keys = host) {
+    this.onChange = onChange;
     /** @type {Time} */
     this.time = { elapsed: 0, paused: true, rate: 1 };
-    this.box = part("div", { className: "course-time", role: "group", ariaLabel: "Time" });
-    this.play = button("", "", () => act({ paused: !this.time.paused }));
-    this.back = button("−1", "Step back (comma)", () => act({ step: -1 }));
-    this.step = button("+1", "Step (period)", () => act({ step: 1 }));
-    this.scrub = part("input", { type: "range", step: "any", ariaLabel: "Time" });
-    this.scrub.oninput = () => act({ now: Number(this.scrub.value) });
-    this.loop = button(icon("loop"), "Loop (L)", () => act({ loop: !this.time.loop }));
-    this.speed = part("select", { ariaLabel: "Speed", title: "Speed" });
-    for (const rate of SPEEDS) this.speed.append(new Option(`${rate}×`, String(rate)));
-    this.speed.onchange = () => act({ rate: Number(this.speed.value) });
-    this.words = part("output", { ariaLive: "off" });
-    const style = part("style", { textContent: TIME_STYLE });
-    this.box.append(style, this.play, this.back, this.step, this.scrub, this.loop, this.speed, this.words);
-    host.append(this.box);
-    keys.addEventListener("keydown", (event) => this.key(event));
+    this.element = createElement("div", { className: "course-time", role: "group", ariaLabel: "Time" });
+    this.playButton = button("", "", () => onChange({ paused: !this.time.paused }));
+    this.backButton = button("−1", "Step back (comma)", () => onChange({ step: -1 }));
+    this.stepButton = button("+1", "Step (period)", () => onChange({ step: 1 }));
+    this.slider = createElement("input", { type: "range", step: "any", ariaLabel: "Time" });
+    this.slider.oninput = () => onChange({ now: Number(this.slider.value) });
+    this.loopButton = button(icon("loop"), "Loop (L)", () => onChange({ loop: !this.time.loop }));
+    this.speedSelect = createElement("select", { ariaLabel: "Speed", title: "Speed" });
+    for (const rate of SPEEDS) this.speedSelect.append(new Option(`${rate}×`, String(rate)));
+    this.speedSelect.onchange = () => onChange({ rate: Number(this.speedSelect.value) });
+    this.text = createElement("output", { ariaLive: "off" });
+    const style = createElement("style", { textContent: TIME_STYLE });
+    const buttons = [this.playButton, this.backButton, this.stepButton];
+    this.element.append(style, ...buttons, this.slider, this.loopButton, this.speedSelect, this.text);
+    host.append(this.element);
+    keys.addEventListener("keydown", (event) => this.onKey(event));
   }
 
   /** @param {Time} time */
   update(time) {
     this.time = time;
     const name = time.paused ? "Play (Space)" : "Pause (Space)";
-    if (this.play.title !== name) {
-      Object.assign(this.play, { title: name, ariaLabel: name });
-      this.play.replaceChildren(icon(time.paused ? "play" : "pause"));
+    if (this.playButton.title !== name) {
+      Object.assign(this.playButton, { title: name, ariaLabel: name });
+      this.playButton.replaceChildren(icon(time.paused ? "play" : "pause"));
     }
     const range = time.range ?? [0, 0];
-    for (const one of [this.back, this.scrub, this.loop]) one.hidden = !time.range;
-    Object.assign(this.scrub, { min: range[0], max: range[1] });
-    if (!this.scrub.matches(":active")) this.scrub.value = String(time.elapsed); // the user may be dragging it
-    this.scrub.setAttribute("aria-valuetext", `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s`);
-    this.loop.ariaPressed = String(time.loop ?? false);
-    this.speed.value = String(time.rate);
-    this.words.textContent = timeText(time);
+    for (const control of [this.backButton, this.slider, this.loopButton]) control.hidden = !time.range;
+    Object.assign(this.slider, { min: range[0], max: range[1] });
+    if (!this.slider.matches(":active")) this.slider.value = String(time.elapsed); // the user may be dragging it
+    this.slider.setAttribute("aria-valuetext", `${time.elapsed.toFixed(2)} of ${range[1].toFixed(2)} s`);
+    this.loopButton.ariaPressed = String(time.loop ?? false);
+    this.speedSelect.value = String(time.rate);
+    this.text.textContent = timeText(time);
   }
 
   /** @param {KeyboardEvent} event */
-  key(event) {
+  onKey(event) {
     const { range, paused, loop } = this.time;
     const ends = range ? { Home: { now: range[0] }, End: { now: range[1] }, ",": { step: -1 } } : {};
     /** @type {Record<string, TimeChange | undefined>} */
@@ -71,7 +72,7 @@ export class TimeBar {
     if (!order || event.ctrlKey || event.altKey || event.metaKey || target.isContentEditable) return;
     if (event.key === " " ? target.matches("button, a") : target.matches("select, textarea")) return;
     if (target.matches("input:not([type=range], [type=checkbox])")) return;
-    this.act(order);
+    this.onChange(order);
     event.preventDefault();
     event.stopPropagation();
   }
@@ -86,7 +87,7 @@ export function timeBelow(link, element) {
   let bar = null;
   const update = (/** @type {Time} */ time) => {
     bar ??= new TimeBar(element, (change) => {
-      if (link.player) link.player.act(change);
+      if (link.player) link.player.apply(change);
       else link.send({ type: "time", ...change });
     });
     bar.update(time);
@@ -96,7 +97,7 @@ export function timeBelow(link, element) {
   else link.send({ type: "time" }); // an empty change, to which Python responds if it has a time
   return () => {
     link.timeBars.delete(update);
-    bar?.box.remove();
+    bar?.element.remove();
   };
 }
 

@@ -1,5 +1,5 @@
 import { editorFor } from "./editors.js";
-import { part } from "./parts.js";
+import { createElement } from "./elements.js";
 
 /** A tree of rows with values, as in RViz's panels. */
 export class Tree {
@@ -10,15 +10,15 @@ export class Tree {
   constructor(label, act, listFor) {
     this.act = act;
     this.listFor = listFor;
-    this.element = part("div", { className: "course-tree", role: "treegrid", ariaLabel: label });
-    this.element.onkeydown = (/** @type {KeyboardEvent} */ event) => this.key(event);
+    this.element = createElement("div", { className: "course-tree", role: "treegrid", ariaLabel: label });
+    this.element.onkeydown = (/** @type {KeyboardEvent} */ event) => this.onKey(event);
     /** @type {Map<string, any>} the rows that were drawn, by key */
-    this.drawn = new Map();
+    this.drawnRows = new Map();
     /** @type {Map<string, boolean>} the rows that the user has expanded or collapsed */
-    this.opened = new Map();
+    this.openStates = new Map();
     /** @type {import("./editors.js").Row[]} */
     this.rows = [];
-    this.chosen = "";
+    this.selected = "";
   }
 
   /** @param {import("./editors.js").Row[]} rows parents first */
@@ -33,31 +33,31 @@ export class Tree {
       if (above.open) shown.push(this.draw(row, above.depth + 1, parents.has(row.key)));
     }
     const isHere = this.element.contains(document.activeElement);
-    const chosen = this.drawn.get(this.chosen)?.element;
-    const at = [...this.element.children].indexOf(chosen);
-    const stay = new Set(shown);
-    for (const old of [...this.element.children]) if (!stay.has(old)) old.remove();
+    const selected = this.drawnRows.get(this.selected)?.element;
+    const index = [...this.element.children].indexOf(selected);
+    const remaining = new Set(shown);
+    for (const old of [...this.element.children]) if (!remaining.has(old)) old.remove();
     shown.forEach((element, index) => {
       const there = this.element.children[index]; // remaining rows are not moved, because they may have the focus
       if (there !== element) this.element.insertBefore(element, there ?? null);
     });
-    for (const key of this.drawn.keys()) if (!depths.has(key)) this.drawn.delete(key);
-    if (stay.has(chosen)) return this.choose(this.chosen, false);
-    const next = shown[Math.min(Math.max(at, 0), shown.length - 1)]; // the row after the removed one
-    this.choose(next?.dataset.key ?? "", isHere);
+    for (const key of this.drawnRows.keys()) if (!depths.has(key)) this.drawnRows.delete(key);
+    if (remaining.has(selected)) return this.select(this.selected, false);
+    const next = shown[Math.min(Math.max(index, 0), shown.length - 1)]; // the row after the removed one
+    this.select(next?.dataset.key ?? "", isHere);
   }
 
   /** @param {import("./editors.js").Row} row */
   isOpen(row) {
-    return this.opened.get(row.key) ?? row.open ?? false;
+    return this.openStates.get(row.key) ?? row.open ?? false;
   }
 
   /** @param {import("./editors.js").Row} row @param {number} depth @param {boolean} isParent */
   draw(row, depth, isParent) {
     const shape = JSON.stringify([row.editor, row.checked === undefined, isParent]);
-    let it = this.drawn.get(row.key);
-    if (it?.shape !== shape) this.drawn.set(row.key, (it = this.made(row, shape)));
-    const { element, label, mark, tick, editor } = it;
+    let drawnRow = this.drawnRows.get(row.key);
+    if (drawnRow?.shape !== shape) this.drawnRows.set(row.key, (drawnRow = this.createRow(row, shape)));
+    const { element, label, mark, tick, editor } = drawnRow;
     element.ariaLevel = String(depth);
     element.style.paddingInlineStart = `${(depth - 1) * 14 + 2}px`;
     if (isParent) element.ariaExpanded = String(this.isOpen(row));
@@ -73,21 +73,21 @@ export class Tree {
   }
 
   /** @param {import("./editors.js").Row} row @param {string} shape the row's structure */
-  made(row, shape) {
+  createRow(row, shape) {
     const set = (/** @type {any} */ value) => this.act({ act: "SetValue", row: row.key, value });
     const editor = editorFor(row, set, this.listFor(row));
-    const twisty = part("span", { className: "course-twisty", ariaHidden: "true" });
+    const twisty = createElement("span", { className: "course-twisty", ariaHidden: "true" });
     twisty.onclick = () => this.toggle(row.key);
-    const label = part("span");
-    const tick = part("input", { type: "checkbox", ariaLabel: `Show ${row.label}` });
+    const label = createElement("span");
+    const tick = createElement("input", { type: "checkbox", ariaLabel: `Show ${row.label}` });
     tick.onchange = () => set(tick.checked);
-    const mark = part("span", { role: "img", className: "course-mark" });
-    const name = part("span", { role: "gridcell", className: "course-name" }, twisty, mark, " ", label);
-    const cell = part("span", { role: "gridcell", className: "course-value" });
+    const mark = createElement("span", { role: "img", className: "course-mark" });
+    const name = createElement("span", { role: "gridcell", className: "course-name" }, twisty, mark, " ", label);
+    const cell = createElement("span", { role: "gridcell", className: "course-value" });
     cell.append(row.checked === undefined ? editor.element : tick);
-    const element = part("div", { role: "row", tabIndex: -1 }, name, cell);
-    element.onfocus = () => this.choose(row.key, false);
-    element.onmousedown = () => this.choose(row.key, false);
+    const element = createElement("div", { role: "row", tabIndex: -1 }, name, cell);
+    element.onfocus = () => this.select(row.key, false);
+    element.onmousedown = () => this.select(row.key, false);
     element.dataset.key = row.key;
     label.ondblclick = () => this.toggle(row.key);
     return { element, label, mark, tick, editor, twisty, shape };
@@ -95,41 +95,41 @@ export class Tree {
 
   /** @param {string} key */
   toggle(key) {
-    const row = this.rows.find((one) => one.key === key);
-    if (row) this.opened.set(key, !this.isOpen(row));
+    const row = this.rows.find((row) => row.key === key);
+    if (row) this.openStates.set(key, !this.isOpen(row));
     this.update(this.rows);
   }
 
   /** @param {string} key @param {boolean} focus */
-  choose(key, focus = true) {
-    this.chosen = key;
-    for (const [name, { element }] of this.drawn) {
+  select(key, focus = true) {
+    this.selected = key;
+    for (const [name, { element }] of this.drawnRows) {
       element.tabIndex = name === key ? 0 : -1;
       element.ariaSelected = String(name === key);
     }
-    if (focus) this.drawn.get(key)?.element.focus();
+    if (focus) this.drawnRows.get(key)?.element.focus();
   }
 
   /** @param {KeyboardEvent} event */
-  key(event) {
+  onKey(event) {
     const element = /** @type {any} */ (event.target);
-    if (element.role === "row") return this.rowKey(event, element);
+    if (element.role === "row") return this.onRowKey(event, element);
     if (event.key !== "Escape") return;
-    this.choose(this.chosen);
+    this.select(this.selected);
     event.stopPropagation();
   }
 
   /** @param {KeyboardEvent} event @param {any} element the row */
-  rowKey(event, element) {
+  onRowKey(event, element) {
     const key = element.dataset.key;
     const isOpen = element.ariaExpanded === "true";
-    const at = [...this.element.children].indexOf(element);
+    const index = [...this.element.children].indexOf(element);
     const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-    const next = /** @type {any} */ (this.element.children[at + (step ?? 0)]);
-    if (step) next && this.choose(next.dataset.key);
+    const next = /** @type {any} */ (this.element.children[index + (step ?? 0)]);
+    if (step) next && this.select(next.dataset.key);
     else if (event.key === "ArrowRight" && element.ariaExpanded === "false") this.toggle(key);
     else if (event.key === "ArrowLeft" && isOpen) this.toggle(key);
-    else if (event.key === "ArrowLeft") this.choose(this.rows.find((row) => row.key === key)?.parent || key);
+    else if (event.key === "ArrowLeft") this.select(this.rows.find((row) => row.key === key)?.parent || key);
     else if (event.key === "Enter" || event.key === "F2") element.querySelector("input,select")?.focus();
     else if (event.key === " ") element.querySelector("input[type=checkbox]")?.click();
     else if (event.key === "Delete") this.act({ act: "RemoveRow", row: key });

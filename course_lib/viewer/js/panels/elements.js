@@ -1,0 +1,50 @@
+/**
+ * Create an element.
+ * @param {string} tag @param {any} fields properties of the element, or attributes if it has no such property
+ * @param {(Node | string)[]} children @returns {any}
+ */
+export function createElement(tag, fields = {}, ...children) {
+  const element = /** @type {any} */ (document.createElement(tag));
+  for (const [name, value] of Object.entries(fields)) {
+    if (name in element) element[name] = value;
+    else element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+/**
+ * Create a button with a name for screen readers.
+ * @param {string | Node} content @param {string} name @param {() => void} onclick
+ */
+export const button = (content, name, onclick) =>
+  createElement("button", { type: "button", title: name, ariaLabel: name, onclick }, content);
+
+/**
+ * Show a small dialog with one field; Escape closes it.
+ * @param {HTMLElement} host @param {string} title @param {any} field an input or a select element
+ * @param {(value: string) => void} onConfirm called with the chosen value
+ */
+export function openDialog(host, title, field, onConfirm) {
+  field.ariaLabel = title;
+  const confirm = createElement("button", { type: "submit", textContent: title });
+  const cancel = createElement("button", { type: "button", textContent: "Cancel", onclick: () => dialog.close() });
+  const buttons = createElement("div", {}, confirm, cancel);
+  const form = createElement("form", { method: "dialog" }, createElement("strong", {}, title), field, buttons);
+  const dialog = createElement("dialog", { ariaLabel: title }, form);
+  dialog.onclose = () => dialog.remove();
+  form.onsubmit = (/** @type {Event} */ event) => {
+    event.preventDefault();
+    if (field.value) onConfirm(field.value);
+    dialog.close();
+  };
+  if (field.size) field.ondblclick = () => form.requestSubmit();
+  field.onkeydown = (/** @type {KeyboardEvent} */ event) => {
+    if (event.key !== "Enter") return;
+    event.preventDefault(); // otherwise the button that receives the focus would be pressed, too
+    form.requestSubmit();
+  };
+  host.append(dialog);
+  dialog.showModal();
+  field.focus();
+}
