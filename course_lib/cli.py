@@ -837,7 +837,7 @@ def export(
     if check is not None:
         report = lacks(check)
         typer.echo("\n".join(report.lines()))
-        raise typer.Exit(0 if report.complete else NOT_PASSED)
+        raise typer.Exit(0 if report.is_complete else NOT_PASSED)
     if file is None or out is None or not package:
         raise CourseError("write: course export FILE --package NAME --out DIR, or: course export --check DIR")
     typer.echo(write(file, package, out, nodes=node or (), extra=extra or (), force=force))

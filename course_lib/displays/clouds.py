@@ -271,13 +271,13 @@ class CloudDisplay(TopicDisplay):
         super().__init__(*args)
         self._new_clouds: list[Cloud] = []
         self._displayed: list[DisplayedCloud] = []
-        self._stale = False
+        self._is_stale = False
         self._number = 0
 
     def on_changed(self, label: str) -> None:
         """Redraw all clouds in the next frame, if the property affects the drawing."""
         super().on_changed(label)
-        self._stale |= label.partition("/")[0] not in _NOT_DRAWN
+        self._is_stale |= label.partition("/")[0] not in _NOT_DRAWN
 
     def reset(self) -> None:
         """Discard all clouds."""
@@ -297,10 +297,10 @@ class CloudDisplay(TopicDisplay):
     def update(self) -> None:
         """Draw new clouds and remove expired ones."""
         super().update()
-        if self._stale:
+        if self._is_stale:
             for displayed in self._displayed:
                 self._draw(displayed)
-        self._stale = False
+        self._is_stale = False
         if self._new_clouds or self["Decay Time"] > 0:
             while self._displayed and self._is_old(self._displayed[0].cloud):
                 self.context.scene.delete(self._displayed.pop(0).path)

@@ -43,11 +43,11 @@ class Encoding(NamedTuple):
     # Numbers per pixel.
     size: int = 3
     # Whether the values of black and white must be determined.
-    ranged: bool = False
+    has_range: bool = False
 
 
 _GREY, _RGB, _BGR = (0, 0, 0), (0, 1, 2), (2, 1, 0)
-_WIDE = Encoding("u2", _GREY, 1, ranged=True)
+_WIDE = Encoding("u2", _GREY, 1, has_range=True)
 _ENCODINGS: Mapping[str, Encoding] = {
     "rgb8": Encoding("u1", _RGB),
     "rgba8": Encoding("u1", _RGB, 4),
@@ -56,7 +56,7 @@ _ENCODINGS: Mapping[str, Encoding] = {
     **dict.fromkeys(("mono8", "8UC1", "8SC1"), Encoding("u1", _GREY, 1)),
     # RViz reads signed values as unsigned ones.
     **dict.fromkeys(("mono16", "16UC1", "16SC1"), _WIDE),
-    "32FC1": Encoding("f4", _GREY, 1, ranged=True),
+    "32FC1": Encoding("f4", _GREY, 1, has_range=True),
 }
 # Byte offsets in a group of two pixels: their brightness, U and V.
 _YUV: Mapping[str, tuple[tuple[int, int], int, int]] = {
@@ -105,8 +105,8 @@ def rgb_of(message: Any, limits: Limits) -> Pixels:
         raise UnsupportedEncodingError(f"Unsupported image encoding [{encoding}]")
     kind = _ENCODINGS["mono8" if encoding.startswith("bayer") else encoding]
     values = rows_of(message, kind.dtype, kind.size)
-    pixels: Pixels = (_scale_to_bytes(values, limits) if kind.ranged else values)[..., kind.channels]
-    return pixels
+    pixels: Pixels = _scale_to_bytes(values, limits) if kind.has_range else values
+    return pixels[..., kind.channels]
 
 
 def decode_compressed(message: Any, limits: Limits) -> Pixels:
@@ -209,7 +209,7 @@ class PictureDisplay(TopicDisplay):
         super().__init__(*args)
         # The last image.
         self.message: Any = None
-        self._stale = False
+        self._is_stale = False
         self._range = Range()
 
     def on_changed(self, label: str) -> None:
@@ -219,7 +219,7 @@ class PictureDisplay(TopicDisplay):
 
     def redraw(self) -> None:
         """Redraw in the next frame."""
-        self._stale = True
+        self._is_stale = True
 
     def reset(self) -> None:
         """Discard the image."""
@@ -233,12 +233,12 @@ class PictureDisplay(TopicDisplay):
 
     def process(self, message: Any) -> None:
         """Keep an image for the next frame. If several arrive, RViz shows the last one."""
-        self.message, self._stale = message, True
+        self.message, self._is_stale = message, True
 
     def update(self) -> None:
         """Show the last image."""
         super().update()
-        message, stale, self._stale = self.message, self._stale, False
+        message, stale, self._is_stale = self.message, self._is_stale, False
         if not stale or message is None or not len(message.data):
             return
         self.statuses.delete("Image")

@@ -310,7 +310,7 @@ class SceneMarker:
         # The reference frame.
         self._frame = ""
         # Whether the marker moves with its frame.
-        self._locked = False
+        self._is_locked = False
         # Transform from the reference frame to the fixed frame.
         self._reference: Matrix = np.eye(4)
         # The pose in the reference frame.
@@ -343,7 +343,7 @@ class SceneMarker:
         controls_by_name = {control.message.name: control for control in self.controls[:-1]}
         if self._pressed_control is not None:
             self._pressed_control = controls_by_name.get(self._pressed_control.message.name)
-        text = f"Locked to frame {self._frame}" if self._locked else "Position is fixed."
+        text = f"Locked to frame {self._frame}" if self._is_locked else "Position is fixed."
         self._statuses.set("ok", message.name, text)
         self._follow(changed=True)
 
@@ -427,19 +427,19 @@ class SceneMarker:
             client_id=_CLIENT, menu_entry_id=menu_entry_id, mouse_point_valid=point is not None,
         )  # fmt: skip
         frames, fixed = self._context.frames, self._context.frames.fixed_frame
-        feedback.header.frame_id = self._frame if self._locked else fixed
+        feedback.header.frame_id = self._frame if self._is_locked else fixed
         frame = self._frame.removeprefix("/")
-        if self._locked and frame != fixed and frames.transform(frame) is not None:
+        if self._is_locked and frame != fixed and frames.transform(frame) is not None:
             stamp_ns = frames.buffer.lookup(fixed, frame).stamp_ns
             feedback.header.stamp.sec, feedback.header.stamp.nanosec = divmod(stamp_ns, NS)
-        network_topic = np.eye(4) if self._locked else self._reference
+        network_topic = np.eye(4) if self._is_locked else self._reference
         matrix = network_topic @ self._pose
         _write_point(feedback.pose.position, matrix[:3, 3])
         q = quaternion_of(matrix)
         orientation = feedback.pose.orientation
         orientation.x, orientation.y, orientation.z, orientation.w = map(float, q)
         if point is not None:
-            inward = inverse(self._reference) if self._locked else np.eye(4)
+            inward = inverse(self._reference) if self._is_locked else np.eye(4)
             _write_point(feedback.mouse_point, _transform_point(inward, point))
         self._send(feedback)
 
@@ -463,8 +463,8 @@ class SceneMarker:
     def _set_pose(self, header: Message, pose: Message) -> None:
         """Set the pose. With a stamp it is fixed; without one it moves with its frame."""
         frames, stamp_ns = self._context.frames, nanoseconds(header.stamp)
-        self._frame, self._locked = header.frame_id, not stamp_ns
-        there = np.eye(4) if self._locked else frames.transform(header.frame_id, stamp_ns)
+        self._frame, self._is_locked = header.frame_id, not stamp_ns
+        there = np.eye(4) if self._is_locked else frames.transform(header.frame_id, stamp_ns)
         self._pose = pose_in_fixed_frame(np.eye(4) if there is None else there, pose)
         reference = self._reference_now()
         self._reference = np.eye(4) if reference is None else reference
@@ -472,7 +472,7 @@ class SceneMarker:
     def _reference_now(self) -> Matrix | None:
         """Return the transform from the reference frame to the fixed frame; None if unknown."""
         frames = self._context.frames
-        is_fixed = not self._locked or self._frame.removeprefix("/") == frames.fixed_frame
+        is_fixed = not self._is_locked or self._frame.removeprefix("/") == frames.fixed_frame
         return _IDENTITY if is_fixed else frames.transform(self._frame)
 
     def _follow(self, changed: bool) -> None:

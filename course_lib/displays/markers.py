@@ -63,12 +63,12 @@ class MarkerDrawing:
     # RViz's status, or None.
     status: tuple[Level, str] | None = None
     # Whether RViz rejects the message before it looks up a transform.
-    refused: bool = False
+    is_rejected: bool = False
 
 
 def rejected_drawing(text: str) -> MarkerDrawing:
     """Return the drawing for a message that RViz rejects: no drawables, and an error."""
-    return MarkerDrawing(status=("error", text), refused=True)
+    return MarkerDrawing(status=("error", text), is_rejected=True)
 
 
 def rgba(color: Any) -> Floats:
@@ -451,7 +451,7 @@ class MarkerStore:
                         "Lifetime", f"the last marker expired: its lifetime is {lifetime:g} s."
                     )
             elif live.marker.frame_locked and (
-                not live.drawn.refused and self._transform(live) is not live.transform_frame_to_fixed
+                not live.drawn.is_rejected and self._transform(live) is not live.transform_frame_to_fixed
             ):
                 self._place_marker(live)
 
@@ -484,7 +484,7 @@ class MarkerStore:
 
     def _process(self, marker: Any, received_ns: int) -> None:
         key = (marker.ns, marker.id)
-        if not _finite(marker):
+        if not _is_finite(marker):
             problem = "Contains invalid floating point values (nans or infs)"
             self._statuses.set("error", label(marker), problem)
         elif marker.action == ADD:
@@ -507,7 +507,7 @@ class MarkerStore:
         self._statuses.hint("Lifetime")
         before = self.live.get(key)
         live = self.live[key] = self._draw(marker, received_ns, before)
-        if live.drawn.refused:
+        if live.drawn.is_rejected:
             self._report_drawing(live)
         else:
             self._place_marker(live)
@@ -606,7 +606,7 @@ def _drawing_key(marker: Any) -> tuple[Any, ...] | None:
     )
 
 
-def _finite(marker: Any) -> bool:
+def _is_finite(marker: Any) -> bool:
     """Return whether all numbers that RViz checks are finite, which excludes colors of points."""
     pose, s, c = marker.pose, marker.scale, marker.color
     p, q = pose.position, pose.orientation

@@ -204,7 +204,7 @@ async def _serve(server: "PageServer", playback: Playback, time_panel: TimePanel
     while not serving.done():
         await asyncio.sleep(1 / 30)
         before, last = last, wall.monotonic()
-        if server.link.ready:
+        if server.link.is_ready:
             playback.advance(last - before)
             if time_panel:
                 time_panel.refresh()

@@ -54,27 +54,27 @@ class LinkShapes:
         for uri in (shape.uri for shape in (*link.visuals, *link.collisions) if shape.uri):
             self._file_of(uri)
 
-    def drawn(self, shape: Geometry, alpha: float, lost: bool) -> Drawable | None:
+    def drawn(self, shape: Geometry, alpha: float, is_lost: bool) -> Drawable | None:
         """Draw a shape in its own frame; None if its file cannot be read.
 
         Args:
             shape: A shape of the link.
             alpha: The alpha of the robot times that of the link; the material's alpha is applied in
                 addition.
-            lost: Whether the link's transform is unknown.
+            is_lost: Whether the link's transform is unknown.
         """
-        color = _WHITE if lost else self._color * [1, 1, 1, alpha]
+        color = _WHITE if is_lost else self._color * [1, 1, 1, alpha]
         if shape.kind != "mesh":
-            return Solids(shape.kind, [np.diag([*shape.size, 1.0])], color, lit=not lost)
+            return Solids(shape.kind, [np.diag([*shape.size, 1.0])], color, lit=not is_lost)
         mesh = self._mesh(shape.uri)
         if mesh is None:
             return None
         # STL has no materials.
-        if not (lost or shape.uri.lower().endswith(".stl")):
+        if not (is_lost or shape.uri.lower().endswith(".stl")):
             color = np.concatenate(
                 [mesh.colors[..., :3], np.full_like(mesh.colors[..., :1], color[3])], axis=-1
             )
-        return Mesh(mesh.vertices, mesh.faces, color, mesh.normals, lit=not lost)
+        return Mesh(mesh.vertices, mesh.faces, color, mesh.normals, lit=not is_lost)
 
     def check(self, shapes: Iterable[Geometry]) -> None:
         """Record errors of shapes without drawing them. Meshes of the kit are not checked."""
@@ -149,9 +149,9 @@ class LinkSettings:
     shown: Mapping[str, bool]
     alpha: float
     # Whether its transform is unknown.
-    lost: bool = False
+    is_lost: bool = False
     # If False, nothing is drawn, and only the files are checked.
-    seen: bool = True
+    is_visible: bool = True
 
 
 class DrawnLink:
@@ -175,7 +175,7 @@ class DrawnLink:
     @property
     def is_shown_as_lost(self) -> bool | None:
         """Whether it is drawn without a transform; None before it is drawn."""
-        return None if self._settings is None else self._settings.lost
+        return None if self._settings is None else self._settings.is_lost
 
     def show(self, settings: LinkSettings) -> None:
         """Show the requested parts, and hide the others."""
@@ -184,8 +184,8 @@ class DrawnLink:
         self._settings = settings
         for kind, is_shown in settings.shown.items():
             node = f"{self._path}/{kind}"
-            look = (settings.alpha, settings.lost) if kind in self._shapes else None
-            if not settings.seen:
+            look = (settings.alpha, settings.is_lost) if kind in self._shapes else None
+            if not settings.is_visible:
                 self.shapes.check(self._shapes.get(kind, ()) if is_shown else ())
             elif is_shown and self._drawn_settings.get(kind, ()) != look:
                 self._drawn_settings[kind] = look
@@ -227,7 +227,7 @@ class DrawnLink:
         settings: LinkSettings,
     ) -> Iterable[tuple[str, tuple[Drawable, Matrix]]]:
         for index, shape in enumerate(self._shapes.get(kind, ())):
-            drawable = self.shapes.drawn(shape, settings.alpha, settings.lost)
+            drawable = self.shapes.drawn(shape, settings.alpha, settings.is_lost)
             if drawable is not None:
                 scale = shape.size if shape.kind == "mesh" else (1.0, 1.0, 1.0)
                 transform: Matrix = shape.transform_shape_to_link @ np.diag([*scale, 1.0])

@@ -46,7 +46,7 @@ class ReferenceDisplay(Display):
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self._placed_with: Matrix | None = None
-        self._drawn = False
+        self._is_drawn = False
 
     def drawing(self) -> Drawable:
         """Return the drawable."""
@@ -63,12 +63,12 @@ class ReferenceDisplay(Display):
     def on_changed(self, label: str) -> None:
         """Redraw in the next frame."""
         super().on_changed(label)
-        self._drawn = False
+        self._is_drawn = False
 
     def reset(self) -> None:
         """Redraw in the next frame."""
         super().reset()
-        self._drawn = False
+        self._is_drawn = False
 
     def update(self) -> None:
         """Draw, and follow the reference frame."""
@@ -79,7 +79,7 @@ class ReferenceDisplay(Display):
         transform = self.context.frames.transform(reference)
         level, text = self.transform_status(reference, transform is not None)
         self.statuses.set(level, "Transform", text)
-        if transform is not self._placed_with or not self._drawn:
+        if transform is not self._placed_with or not self._is_drawn:
             self._draw(transform)
 
     def _draw(self, transform_reference_to_fixed: Matrix | None) -> None:
@@ -88,9 +88,9 @@ class ReferenceDisplay(Display):
         scene.set_visible(node, transform_reference_to_fixed is not None)
         if transform_reference_to_fixed is not None:
             scene.set_transform(node, transform_reference_to_fixed @ self.offset())
-        if not self._drawn:
+        if not self._is_drawn:
             scene.set_object(node, self.drawing())
-            self._drawn = True
+            self._is_drawn = True
 
 
 class AxesDisplay(ReferenceDisplay):

@@ -506,7 +506,7 @@ class Framing:
         """Return the bounds of the visible objects of the known paths in a scene, or None."""
         below = (scene.find(path) for path in self._known_paths)
         nodes = [inner for node in below if node is not None for inner in node.subtree()]
-        visible_paths = [node.path for node in nodes if node.object and scene.visible(node.path)]
+        visible_paths = [node.path for node in nodes if node.object and scene.is_visible(node.path)]
         return bounds_of(scene, visible_paths)
 
 

@@ -243,7 +243,7 @@ class Report:
     advice: tuple[str, ...]
 
     @property
-    def complete(self) -> bool:
+    def is_complete(self) -> bool:
         """True if the package can be built and started."""
         return not self.missing
 

@@ -145,7 +145,7 @@ class _Stream:
     sequence: int = 0
     # Monotonic time of the last command [s].
     last: float = 0.0
-    moving: bool = False
+    is_moving: bool = False
 
 
 class Gateway:
@@ -251,8 +251,8 @@ class Gateway:
         """
         with self._lock:
             for stream in self._streams.values():
-                if stream.moving and time.monotonic() - stream.last >= older_than:
-                    stream.moving = False
+                if stream.is_moving and time.monotonic() - stream.last >= older_than:
+                    stream.is_moving = False
                     payload = stop_message(stream.entity.type_name, time.time_ns())
                     if payload is not None:
                         self._put(stream, payload)
@@ -304,7 +304,7 @@ class Gateway:
             if stream is None:
                 self.held[name] += 1
                 return
-            stream.moving, stream.last = is_motion(payload, stream.entity.type_name), time.monotonic()
+            stream.is_moving, stream.last = is_motion(payload, stream.entity.type_name), time.monotonic()
             self.passed[name] += 1
             self._put(stream, payload)
 

@@ -72,13 +72,13 @@ class Recorder:
     def __init__(self, graph: Graph) -> None:
         self._samples = graph.latched_samples()
         self._untap = graph.tap(self._samples.append)
-        self._listening = True
+        self._is_listening = True
 
     def stop(self) -> None:
         """Stop collecting samples."""
-        if self._listening:
+        if self._is_listening:
             self._untap()
-        self._listening = False
+        self._is_listening = False
 
     def recording(self) -> Recording:
         """Return the collected samples as a recording."""

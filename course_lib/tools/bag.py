@@ -160,7 +160,7 @@ GRACE = 0.1
 
 
 def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
-    if not source.live:
+    if not source.is_live:
         raise CourseError(
             f"There is no subscription: course bag play --run program.py {arguments.bag_path}, "
             f"or view it: course view --bag {arguments.bag_path}"
@@ -179,7 +179,7 @@ def _play_bag(source: Source, arguments: Namespace, write: Write) -> None:
     if arguments.start_paused:
         if not source.graph.notebook or pace.mode() == "fast":
             raise CourseError("--start-paused needs JupyterLab, where ▶ in the Time panel starts it.")
-        pace.speed_of(source.graph).paused = True
+        pace.speed_of(source.graph).is_paused = True
     for text in (f"Set rate to {arguments.rate:g}", "Playback until timestamp: -1"):
         write(log_line(PLAYER, source.graph.now_ns, text))
     graph = source.graph

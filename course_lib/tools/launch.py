@@ -53,7 +53,7 @@ class LaunchedRun(LiveRun):
 
     def stop(self) -> None:
         """Interrupt all processes and wait until they have ended."""
-        if self.running:
+        if self.is_running:
             super().stop()
             with time_lock.hold():
                 self._processes.interrupt()
@@ -141,7 +141,7 @@ def _start(source: Source, program: "LaunchProgram | RunProgram") -> None:
     import rclpy
 
     graph = current_graph()
-    if not source.live:
+    if not source.is_live:
         raise CourseError("A recording cannot start programs. Use a notebook, or: course run FILE")
     if not graph.notebook:
         # The context of the ros2 command itself: the program starts without one.

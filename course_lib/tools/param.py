@@ -144,7 +144,7 @@ def parameter_client(source: Source, node_name: str) -> Iterator[Any]:
 
 def parameter_nodes(source: Source) -> Sequence[str]:
     """List the full names of nodes with parameter services."""
-    if not source.live:
+    if not source.is_live:
         raise CourseError("Parameters need a running node. Start one, like run_live(MyNode()).")
     services = {e.service[0] for e in source.graph.endpoints() if e.is_service and e.service}
     suffix = "/list_parameters"

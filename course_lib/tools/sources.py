@@ -60,7 +60,7 @@ class Source(ABC):
     """
 
     # Whether nodes run that can be called and waited for.
-    live: bool
+    is_live: bool
     # Time to wait for nodes that are still starting [s].
     discovery = 0.0
 
@@ -110,7 +110,7 @@ class Source(ABC):
 class GraphSource(Source):
     """The nodes of a run. Waiting for messages runs the live nodes."""
 
-    live = True
+    is_live = True
 
     def __init__(self, graph: Graph, *, discovery: float = 0.0, interrupted: bool = False) -> None:
         super().__init__(graph, ALWAYS_THERE)
@@ -188,7 +188,7 @@ class GraphSource(Source):
 class RecordingSource(Source):
     """A recording, streamed as if it were played, without taking time."""
 
-    live = False
+    is_live = False
 
     def __init__(self, recording: Recording) -> None:
         super().__init__(Graph(start_ns=recording.start_ns), {})
@@ -239,7 +239,7 @@ def own_node(
     Raises:
         CourseError: The source is a recording, or the name is not valid for a node.
     """
-    if not source.live:
+    if not source.is_live:
         raise CourseError("A recording cannot respond. Use running nodes: course ros2 --run program.py …")
     # This raises an error if rclpy is not initialized.
     source.wait(lambda: True, 0.0)

@@ -232,7 +232,7 @@ _NUMBERS = {
 
 def _publish_static(source: Source, arguments: Namespace, write: Write) -> None:
     """Start a node that publishes a static transform, and keep it until the kernel or the run ends."""
-    if not source.live:
+    if not source.is_live:
         raise CourseError("A recording cannot receive messages. Use this in a notebook, with your nodes.")
     _read_old_style(arguments, source.graph.now_ns, write)
     for name, frame in (("Frame id", arguments.frame_id), ("Child frame id", arguments.child_frame_id)):
@@ -361,7 +361,7 @@ def _view_frames(source: Source, arguments: Namespace, write: Write) -> None:
     result = f"tf2_msgs.srv.FrameGraph_Response(frame_yaml={text!r})"
     write(log_line("view_frames", now_ns, f"Result:{result}"))
     frames: dict[str, Any] = yaml.safe_load(text) or {}
-    if current_graph().notebook and source.live:
+    if current_graph().notebook and source.is_live:
         from IPython.display import HTML, display
 
         tree = "; ".join(f"{frame} in {about['parent']}" for frame, about in frames.items())

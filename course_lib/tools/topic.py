@@ -325,7 +325,7 @@ def _echo(source: Source, arguments: Namespace, write: Write) -> None:
                 return
         if not has_received:
             raise CourseError(silence_message(source, topic, qos, start_ns))
-        if source.live and not arguments.timeout and not source.graph.ended:
+        if source.is_live and not arguments.timeout and not source.graph.ended:
             why = "No page is watching" if limit else "No further message came"
             write(f"{why}: ros2 topic echo stopped after {limit or SILENCE_LIMIT:g} s of robot time.\n")
 

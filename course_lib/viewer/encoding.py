@@ -51,7 +51,7 @@ def scene_batch(scene: Scene) -> dict[str, Any]:
         for node in scene.nodes():
             if node.object is not None:
                 batch += commands(scene, "object", node.path)
-            if not node.visible:
+            if not node.is_visible:
                 batch += commands(scene, "visible", node.path)
             if not np.array_equal(node.matrix, np.eye(4)):
                 moved_nodes.append(node)
@@ -83,7 +83,7 @@ def commands(scene: Scene, kind: ChangeKind, path: str) -> list[dict[str, Any]]:
     if kind == "object" and node is not None and node.object is not None:
         return [{"type": "object", "path": path, "object": _fields_of(node.object)}]
     if kind == "visible" and node is not None:
-        return [{"type": "visible", "path": path, "value": node.visible}]
+        return [{"type": "visible", "path": path, "value": node.is_visible}]
     return []
 
 

@@ -188,7 +188,7 @@ class PageLink:
         self.scene = scene
         # Number of the last batch.
         self.number = 0
-        self.connected = False
+        self.is_connected = False
         self.on_click: list[Callable[[Click], None]] = []
         # Called with the number of views in all pages, when it has changed.
         self.on_views: Callable[[int], None] = lambda count: None
@@ -201,31 +201,31 @@ class PageLink:
         self._loop = running_loop()
         self._lock = threading.RLock()
         # Whether the scene has changed since the last batch or snapshot.
-        self._stale = False
+        self._is_stale = False
         self._changes: dict[tuple[ChangeKind, str], None] = {}
         self._moved_paths: dict[str, None] = {}
         # The paths of the transforms in the last batch.
         self._paths: list[str] = []
         self._thread: threading.Thread | None = None
         self._changed = threading.Event()
-        self._closed = False
+        self._is_closed = False
         # Whether an exception interrupted a batch.
         self._is_broken = False
         self._text = ""
         self._stop = scene.listen(self._on_scene_change)
 
     @property
-    def ready(self) -> bool:
+    def is_ready(self) -> bool:
         """Whether the tab of a page with views is visible; its views may be out of sight."""
         return bool(self._page_sights() & {"ready", "away"})
 
     @property
-    def watched(self) -> bool:
+    def is_watched(self) -> bool:
         """Whether a view is in sight. Changes are sent only then."""
         return "ready" in self._page_sights()
 
     @property
-    def hidden(self) -> bool:
+    def is_hidden(self) -> bool:
         """Whether the tabs of all pages are hidden."""
         return self._page_sights() == {"hide"}
 
@@ -248,7 +248,7 @@ class PageLink:
         does not change.
         """
         ask = False
-        if self.watched:
+        if self.is_watched:
             if not self._flow.has_room():
                 # The thread measures how long the pages are silent.
                 self._changed.set()
@@ -299,7 +299,7 @@ class PageLink:
         """Start sending, and return whether a page with batch `number` has the current scene."""
         with self._lock:
             self._count_stale()
-            self.connected = True
+            self.is_connected = True
             if self._thread is None:
                 self._thread = threading.Thread(target=self._send_batches, name="scene", daemon=True)
                 self._thread.start()
@@ -308,8 +308,8 @@ class PageLink:
     def disconnect(self) -> None:
         """Stop sending until the next `connect`."""
         with self._lock:
-            self.connected = False
-            self._stale |= bool(self._changes or self._moved_paths)
+            self.is_connected = False
+            self._is_stale |= bool(self._changes or self._moved_paths)
             self._changes, self._moved_paths = {}, {}
             # Otherwise pages with a pending acknowledgement would count as disconnected.
             if not self._is_broken:
@@ -349,7 +349,7 @@ class PageLink:
 
     def send_all(self) -> None:
         """Send all changes now, even to pages whose views are out of sight, for an image."""
-        if self.watched:
+        if self.is_watched:
             self.flush()
         else:
             self.reset()
@@ -359,14 +359,14 @@ class PageLink:
         self._flow.pages.clear()
         self._stop()
         with self._lock:
-            self.connected = False
-            self._closed = True
+            self.is_connected = False
+            self._is_closed = True
             self._changed.set()
 
     def _count_stale(self) -> None:
         """Count a batch if something has changed since the last snapshot."""
-        self.number += self._stale
-        self._stale = False
+        self.number += self._is_stale
+        self._is_stale = False
 
     def _on_progress(self, page: str, number: int, kind: str) -> None:
         """Record a page's progress, and send it the scene if its scene is outdated.
@@ -382,7 +382,7 @@ class PageLink:
             page_state.sight = cast("Sight", kind)
             self._flow.settle()
         if page_state.sight != "ready":
-            if not self.watched:
+            if not self.is_watched:
                 self.disconnect()
             return
         is_equal = not is_new or self.connect(number)
@@ -404,8 +404,8 @@ class PageLink:
             self._loop.call_soon_threadsafe(function, argument)
 
     def _on_scene_change(self, kind: ChangeKind, path: str) -> None:
-        if not self.connected:
-            self._stale = True
+        if not self.is_connected:
+            self._is_stale = True
             return
         if kind == "transform":
             # Setting the event is slow, and transforms are many: the first one of a batch is
@@ -427,7 +427,7 @@ class PageLink:
             # At most an interval, because robot time replaces this clock when a program starts.
             time.sleep(min(max(COLLECTING, sent + INTERVAL - time.monotonic()), INTERVAL))
             sent = time.monotonic()
-            if self._closed:
+            if self._is_closed:
                 return
             silence = 0.0 if self._flow.has_room() else silence + INTERVAL
             if silence > MAX_SILENCE:
@@ -446,7 +446,7 @@ class PageLink:
                     self.flush()
                 except Exception as error:
                     # A closed connection can raise any exception, and a page may reconnect.
-                    self._is_broken, self._stale = False, True
+                    self._is_broken, self._is_stale = False, True
                     self.disconnect()
                     text = f"The view is no longer connected to its scene: {error!r}"
                     print(text, file=sys.stderr)  # noqa: T201

@@ -141,7 +141,7 @@ class PageServer:
         self.sockets: set[SocketHandler] = set()
         self._listening: list[socket.socket] = []
         self._ended = asyncio.Event()
-        self._closed = False
+        self._is_closed = False
         self._loop: asyncio.AbstractEventLoop | None = None
 
     @property
@@ -167,7 +167,7 @@ class PageServer:
     def close(self) -> None:
         """Stop serving and free the port; open pages show that the program has ended."""
         self.link.close()
-        self._closed = True
+        self._is_closed = True
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._ended.set)
 
@@ -175,7 +175,7 @@ class PageServer:
         """Serve until it is closed or cancelled."""
         self._loop = asyncio.get_running_loop()
         # The server may have been closed before this loop existed.
-        if self._closed:
+        if self._is_closed:
             self._ended.set()
         handlers = (("", PageHandler), ("socket", SocketHandler))
         routes = [(rf"/([^/]*)/{name}", handler, {"server": self}) for name, handler in handlers]

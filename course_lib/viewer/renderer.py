@@ -221,7 +221,7 @@ def triangles_of(
     objects = scene.objects().items()
     for path, drawable in sorted(objects, key=lambda item: not getattr(item[1], "behind", False)):
         drawable = getattr(drawable, "stand_in", None) or drawable
-        if type(drawable) in _CONVERTERS and scene.visible(path) and not f"{path}/".startswith(without):
+        if type(drawable) in _CONVERTERS and scene.is_visible(path) and not f"{path}/".startswith(without):
             transform = transform_scene_to_camera @ scene.world_transform(path)
             triangles = _CONVERTERS[type(drawable)](drawable, Viewpoint(transform, camera, height))
             is_near = (-triangles.corners[..., 2]).min(axis=1, initial=np.inf) <= camera.far
@@ -371,7 +371,9 @@ def placed_insets(scene: Scene, size: tuple[int, int]) -> Iterator[tuple[Inset, 
     """Iterate over the visible insets and their boxes, one below the other at the right edge."""
     objects = scene.objects().items()
     insets = [
-        drawable for path, drawable in sorted(objects) if isinstance(drawable, Inset) and scene.visible(path)
+        drawable
+        for path, drawable in sorted(objects)
+        if isinstance(drawable, Inset) and scene.is_visible(path)
     ]
     width, gap = SHARE * size[0], GAP * size[0]
     needed_height = sum(width / inset.aspect for inset in insets)

@@ -38,7 +38,7 @@ _IDENTITY.setflags(write=False)
 class Node:
     """A node of the tree; its transform and visibility apply to all nodes below it."""
 
-    __slots__ = ("children", "matrix", "object", "parent", "path", "visible")
+    __slots__ = ("children", "is_visible", "matrix", "object", "parent", "path")
 
     def __init__(self, path: str, parent: "Node | None") -> None:
         self.path = path
@@ -46,7 +46,7 @@ class Node:
         self.children: dict[str, Node] = {}
         self.object: Drawable | None = None
         self.matrix: Matrix = _IDENTITY
-        self.visible = True
+        self.is_visible = True
 
     def subtree(self) -> Iterator["Node"]:
         """Iterate over this node and all nodes below it, parents first."""
@@ -115,8 +115,8 @@ class Scene:
         """Show or hide a node and all nodes below it."""
         with self.lock:
             node = self._ensure_node(path)
-            if node.visible is not bool(visible):
-                node.visible = bool(visible)
+            if node.is_visible is not bool(visible):
+                node.is_visible = bool(visible)
                 self._notify("visible", node.path)
 
     def set_animation(self, animation: Mapping[str, Any] | None) -> None:
@@ -202,9 +202,9 @@ class Scene:
             transform = node.matrix @ transform
         return transform
 
-    def visible(self, path: str) -> bool:
+    def is_visible(self, path: str) -> bool:
         """Return whether a node and all nodes above it are visible."""
-        return all(node.visible for node in self.node(path).upwards())
+        return all(node.is_visible for node in self.node(path).upwards())
 
     def node(self, path: str) -> Node:
         """Return the node at a path.
@@ -257,7 +257,7 @@ LIMIT = 20
 
 def summary(scene: Scene) -> list[str]:
     """Return a line for each visible object: its path, a description, and its center in [m]."""
-    visible = [(path, drawable) for path, drawable in scene.objects().items() if scene.visible(path)]
+    visible = [(path, drawable) for path, drawable in scene.objects().items() if scene.is_visible(path)]
     # Overflowing numbers appear as inf in the text.
     with np.errstate(all="ignore"):
         lines = [

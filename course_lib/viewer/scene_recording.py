@@ -351,7 +351,7 @@ def copy_of(scene: Scene) -> Scene:
     with scene.lock:
         for node in scene.nodes():
             copy.set_transform(node.path, node.matrix)
-            copy.set_visible(node.path, node.visible)
+            copy.set_visible(node.path, node.is_visible)
             if node.object is not None:
                 copy.set_object(node.path, node.object)
         for kind in _OF_ALL:

@@ -214,7 +214,7 @@ class SceneWidget(anywidget.AnyWidget):
 
     def _save(self, _: object) -> None:
         """Save the present scene in a notebook that runs without a page, for example by nbconvert."""
-        if not self.link.watched and self.link.snapshot()[0] != self._saved:
+        if not self.link.is_watched and self.link.snapshot()[0] != self._saved:
             self.send_state(["snapshot", "number"])
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:

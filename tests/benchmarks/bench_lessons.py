@@ -62,7 +62,7 @@ KEEP_SCALE = """
 PAUSE = """
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.time import pace
-pace.speed_of(current_graph()).paused = {}"""
+pace.speed_of(current_graph()).is_paused = {}"""
 HANDS_OFF = 0.6  # [s]
 AT_REST = 2.5  # [s] after which a view that does not move has its highest quality
 

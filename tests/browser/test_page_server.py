@@ -154,7 +154,7 @@ def test_page_updates_with_the_scene_reports_the_end_of_its_program_and_reconnec
     again.start()
     page.get_by_text("has ended or cannot be reached").wait_for(state="detached")
     wait_until(lambda: shows(page, BLUE))
-    wait_until(lambda: again.link.ready)
+    wait_until(lambda: again.link.is_ready)
     again.close()
 
 
@@ -169,7 +169,7 @@ def test_click_and_page_close_are_reported_to_the_program(page: Page) -> None:
     page.mouse.click(450, 300)
     wait_until(lambda: clicks == ["box"], page)  # received on the event loop of this thread
     page.goto("about:blank")
-    wait_until(lambda: not server.link.ready)
+    wait_until(lambda: not server.link.is_ready)
     server.close()
 
 

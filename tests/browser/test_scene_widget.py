@@ -19,7 +19,7 @@ pytestmark = pytest.mark.browser
 def test_scene_changes_are_drawn_on_an_open_page(host: Host) -> None:
     scene = from_above()
     widget = show_scene(host, scene)
-    assert widget.link.ready
+    assert widget.link.is_ready
     scene.set_object("a/box", box(RED))
     widget.flush()
     host.carry()
@@ -100,8 +100,8 @@ def test_view_scrolled_out_of_sight_receives_no_updates_until_visible_again(host
     widget.flush()
     host.carry()
     host.page.evaluate("document.body.style.paddingBottom = '3000px'; scrollTo(0, 2000)")
-    host.wait_until(lambda: not widget.link.watched)
-    assert widget.link.ready
+    host.wait_until(lambda: not widget.link.is_watched)
+    assert widget.link.is_ready
     scene.set_object("box", box(GREEN))
     widget.flush()
     assert host.sent == []

@@ -22,14 +22,14 @@ def test_time_panel_shows_robot_time_and_controls_its_speed(bench: Bench) -> Non
     speed = speed_of(bench.graph)
     assert "ROS Time: 1700000000.00" in bench.page.locator(READING).inner_text()
     bench.press("Pause (Space)")
-    assert speed.paused
+    assert speed.is_paused
     bench.press("Step (period)")
     assert speed.step_ns == 100_000_000
     bench.page.get_by_role("combobox", name="Speed").select_option("0.5")
     bench.host.carry()
     assert speed.rate == 0.5
     bench.press("Play (Space)")
-    assert not speed.paused
+    assert not speed.is_paused
     assert bench.page.get_by_role("slider", name="Time").count() == 0  # live data cannot be scrubbed
 
 
@@ -38,7 +38,7 @@ def test_focused_time_panel_is_controlled_by_keys(bench: Bench) -> None:
     bench.page.get_by_role("button", name="Pause (Space)").focus()
     bench.page.keyboard.press("Space")
     bench.host.carry()
-    assert speed_of(bench.graph).paused
+    assert speed_of(bench.graph).is_paused
     bench.page.get_by_role("combobox", name="Speed").focus()
     bench.page.keyboard.press("ArrowDown")
     bench.host.carry()

@@ -77,7 +77,7 @@ class Bench:
 
     def marker_names(self) -> list[str]:
         """Return the names of the visible markers, ns/id."""
-        paths = [path for path in self.scene.objects() if self.scene.visible(path)]
+        paths = [path for path in self.scene.objects() if self.scene.is_visible(path)]
         return sorted({"/".join(path.split("/")[-3:-1]) for path in paths})
 
     def place(self, name: str) -> npt.NDArray[np.float64]:

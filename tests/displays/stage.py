@@ -24,4 +24,4 @@ def wait(graph: Graph, seconds: float) -> None:
 
 def visible_nodes(viewer: Viewer) -> set[str]:
     viewer.look()
-    return {path.split("/")[1] for path in viewer.scene.objects() if viewer.scene.visible(path)}
+    return {path.split("/")[1] for path in viewer.scene.objects() if viewer.scene.is_visible(path)}

@@ -28,7 +28,7 @@ def test_axes_are_drawn_at_their_frame_and_hidden_while_it_is_unknown() -> None:
     display = session.add(AXES, "Axes", {"Reference Frame": "base", "Length": 0.5})
     assert isinstance(display, AxesDisplay)
     scene = session.context.scene
-    assert not scene.visible(NODE)
+    assert not scene.is_visible(NODE)
     assert [row[2:] for row in display.rows()] == [
         ("error", "For frame [base]: Fixed Frame [map] does not exist")
     ]
@@ -37,7 +37,7 @@ def test_axes_are_drawn_at_their_frame_and_hidden_while_it_is_unknown() -> None:
     )
     session.context.frames.fixed_frame = "map"
     session.refresh()
-    assert scene.visible(NODE)
+    assert scene.is_visible(NODE)
     np.testing.assert_allclose(scene.transform(NODE)[:3, 3], [1, 2, 3])
     assert [row[2:] for row in display.rows()] == [("ok", "Transform OK")]
 

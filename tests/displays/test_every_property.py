@@ -137,7 +137,7 @@ def look(class_name: str, early: tuple[tuple[str, Any], ...], late: str = "", va
     scene = bench.scene
     seen = {path: plain(vars(drawable)) for path, drawable in scene.objects().items()}
     places = {path: scene.world_transform(path).round(6).tobytes() for path in seen}
-    shown = {path: scene.visible(path) for path in seen}
+    shown = {path: scene.is_visible(path) for path in seen}
     asked = [(subscription.topic, subscription.qos) for subscription in display.subscriptions]
     texts = [row for row in display.rows() if row.name in ("URDF", "Topic")]
     return seen, places, shown, asked, texts

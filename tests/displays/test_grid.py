@@ -74,10 +74,10 @@ def test_offset_and_reference_frame_move_the_grid() -> None:
 def test_unknown_frame_hides_the_grid_and_is_an_error_with_rviz_text() -> None:
     bench = Bench()
     display = grid(bench, reference_frame="base")
-    assert not bench.scene.visible(NODE)
+    assert not bench.scene.is_visible(NODE)
     assert bench.status(display, "Transform") == ("error", "Could not transform from [base] to [map]")
     display["Reference Frame"] = "<Fixed Frame>"
-    assert bench.scene.visible(NODE)
+    assert bench.scene.is_visible(NODE)
     assert bench.status(display, "Transform") == ("ok", "Ok")
 
 
@@ -85,7 +85,7 @@ def test_grid_is_redrawn_after_a_change_of_the_fixed_frame() -> None:
     bench = Bench()
     grid(bench)
     bench.session.fixed_frame = "odom"
-    assert bench.scene.visible(NODE)
+    assert bench.scene.is_visible(NODE)
     assert len(ends(bench)) == 44
 
 

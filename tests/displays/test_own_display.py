@@ -73,7 +73,7 @@ def test_custom_display_draws_messages_in_their_frame() -> None:
     display["Height"] = 2.0
     assert bar(bench).placements[0, 2, 2] == 1.0
     display["Enabled"] = False
-    assert not bench.scene.visible("displays/Battery")
+    assert not bench.scene.is_visible("displays/Battery")
 
 
 @pytest.mark.usefixtures("lesson")

@@ -22,7 +22,7 @@ def playback() -> Playback:
 
 def count_visible(playback: Playback) -> int:
     scene = playback.session.context.scene
-    return sum("Marker" in path and scene.visible(path) for path in scene.objects())
+    return sum("Marker" in path and scene.is_visible(path) for path in scene.objects())
 
 
 @pytest.mark.parametrize("order", [(0.5, 1.5, 2.0), (2.0, 1.5, 0.5, 1.5), (1.5, 1.2, 1.0, 0.99)])
@@ -41,7 +41,7 @@ def test_playback_pauses_at_the_end_until_played_again(playback: Playback) -> No
     assert count_visible(playback) == 2
     playback.advance(9.0)
     assert count_visible(playback) == 1
-    assert (playback.time().elapsed, playback.paused) == (2.0, True)
+    assert (playback.time().elapsed, playback.is_paused) == (2.0, True)
     playback.advance(1.0)
     assert playback.time().elapsed == 2.0
     playback.act(TimeChange(paused=False))
@@ -53,13 +53,13 @@ def test_loop_restarts_and_rate_scales_the_playback(playback: Playback) -> None:
     playback.advance(1.75)
     assert playback.time().elapsed == pytest.approx(1.5)
     assert count_visible(playback) == 2
-    assert not playback.paused
+    assert not playback.is_paused
 
 
 def test_step_pauses_the_playback(playback: Playback) -> None:
     playback.act(TimeChange(step=1))
     assert playback.time().elapsed == pytest.approx(1 / 30)
-    assert playback.paused
+    assert playback.is_paused
     playback.act(TimeChange(step=-3))
     assert playback.time().elapsed == 0.0
 

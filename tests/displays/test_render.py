@@ -31,7 +31,7 @@ def frame(parent: str, child: str) -> TFMessage:
 
 def markers_of(recording: Recording, at: float | None = None) -> list[str]:
     scene = scene_of(recording, at=at)
-    return [path for path in scene.objects() if "Marker" in path and scene.visible(path)]
+    return [path for path in scene.objects() if "Marker" in path and scene.is_visible(path)]
 
 
 COMES_AND_GOES = Recording(

@@ -17,7 +17,7 @@ def test_page_requests_change_the_speed_of_robot_time() -> None:
     live.act(TimeChange(rate=0.5, paused=False))
     assert speed.advance_ns(1.0) == 500_000_000
     live.act(TimeChange(step=1))
-    assert (speed.paused, speed.advance_ns(1.0), speed.advance_ns(1.0)) == (True, 100_000_000, 0)
+    assert (speed.is_paused, speed.advance_ns(1.0), speed.advance_ns(1.0)) == (True, 100_000_000, 0)
     live.act(TimeChange(paused=False))
     assert speed.advance_ns(1.0) == 500_000_000
 

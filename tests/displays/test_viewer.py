@@ -155,7 +155,7 @@ def test_page_and_image_can_be_saved(graph: Graph, tmp_path: Path) -> None:
 def test_robot_can_be_drawn_without_messages(graph: Graph) -> None:
     viewer, robot = Viewer(), load_robot("ur10")
     viewer.show_robot(robot)
-    links = [path for path in viewer.scene.objects() if "visual" in path and viewer.scene.visible(path)]
+    links = [path for path in viewer.scene.objects() if "visual" in path and viewer.scene.is_visible(path)]
     assert len(links) == 7
     positions = {"elbow_joint": 1.0}  # [rad]
     viewer.show_robot(robot, positions)
@@ -236,13 +236,13 @@ def test_shown_robot_follows_a_frame_and_is_hidden_while_tf2_does_not_know_it(gr
     viewer = Viewer(fixed_frame="map")
     viewer.show_robot(simple_painter(), frame="base_link", at=(0.0, 0.0, 0.5))
     path = "robots/painter"
-    assert not viewer.scene.visible(path)
+    assert not viewer.scene.is_visible(path)
     message = TransformStamped(child_frame_id="base_link")
     message.header.frame_id, message.transform.translation.x = "map", 2.0
     message.transform.rotation.w = 1.0
     publish(graph, "/tf_static", TFMessage(transforms=[message]), LATCHED)
     viewer.look()
-    assert viewer.scene.visible(path)
+    assert viewer.scene.is_visible(path)
     assert viewer.scene.world_transform(path)[:3, 3].tolist() == [2.0, 0.0, 0.5]
 
 

@@ -43,7 +43,7 @@ def test_missing_file_is_reported(copy: Path, path: str) -> None:
 def test_optional_entries_do_not_count_as_missing(copy: Path) -> None:
     shutil.rmtree(copy / "rviz")
     report = lacks(copy)
-    assert report.complete
+    assert report.is_complete
     assert "advised: a file rviz/*.rviz" in report.lines()
     assert any("maintainer" in line for line in report.lines())
 

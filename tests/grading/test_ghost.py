@@ -43,7 +43,7 @@ def test_checkbox_below_a_check_hides_the_expected_markers(
     (tick, legend), scene = shown[0].children, shown[1].scene
     assert "Pale: the expected markers" in legend.value
     drawn = [path for path in scene.objects() if "Marker" in path]
-    assert all(scene.visible(path) for path in drawn)
+    assert all(scene.is_visible(path) for path in drawn)
     tick.value = False
-    assert {"expected" in path for path in drawn if not scene.visible(path)} == {True}
-    assert any(scene.visible(path) for path in drawn)
+    assert {"expected" in path for path in drawn if not scene.is_visible(path)} == {True}
+    assert any(scene.is_visible(path) for path in drawn)

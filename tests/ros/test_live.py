@@ -101,7 +101,7 @@ def test_node_run_again_has_only_one_live_run(notebook: Graph, monkeypatch: pyte
     node = Node("talker")
     monkeypatch.setenv("COURSE_PACE", "fast")
     first, second = run_live(node), run_live(node)
-    assert (first.running, second.running) == (False, True)
+    assert (first.is_running, second.is_running) == (False, True)
     second.stop()
     assert running_nodes() == []
 
@@ -112,7 +112,7 @@ def test_stop_without_arguments_stops_all_live_nodes(
     monkeypatch.setenv("COURSE_PACE", "fast")
     runs = [run_live(Node("talker")), run_live(Node("listener"))]
     stop_all()
-    assert [run.running for run in runs] == [False, False]
+    assert [run.is_running for run in runs] == [False, False]
     assert running_nodes() == []
 
 
@@ -125,7 +125,7 @@ def test_shutdown_ends_a_live_run_silently(notebook: Graph, monkeypatch: pytest.
         runs.append(run_live(node))
         rclpy.shutdown()
 
-    in_a_kernel(cell, monkeypatch, until=lambda: not runs[0].running)
+    in_a_kernel(cell, monkeypatch, until=lambda: not runs[0].is_running)
 
 
 def test_shutdown_in_a_callback_ends_a_live_run_and_it_can_be_started_again(
@@ -151,7 +151,7 @@ def test_paused_nodes_do_not_run_and_a_step_advances_them_by_its_duration(
     node, calls = Node("talker"), []
     node.create_timer(0.05, lambda: calls.append(1))
     speed = pace.speed_of(notebook)
-    speed.paused, speed.step_ns = True, 110_000_000  # [ns]
+    speed.is_paused, speed.step_ns = True, 110_000_000  # [ns]
     rested = wall.monotonic() + 0.4  # [s]
     in_a_kernel(
         lambda: run_live(node), monkeypatch, until=lambda: len(calls) > 1 and wall.monotonic() > rested
@@ -218,7 +218,7 @@ def test_stop_button_and_interrupt_end_an_endless_callback_and_report_its_line(
 
     in_a_kernel(cell, monkeypatch, until=lambda: runs[0].note)
     assert re.search(r"■ stopped: stuck .*, interrupted in test_live.py, line \d+: ", runs[0].state())
-    assert [run.running for run in runs] == [False, by_click]
+    assert [run.is_running for run in runs] == [False, by_click]
     stop_all()
 
 
@@ -271,7 +271,7 @@ def test_run_state_shows_the_error_after_an_exception(
         runs.append(run_live(Node("talker")))
         runs.append(run_live(Faulty("faulty")))
 
-    in_a_kernel(cell, monkeypatch, until=lambda: not any(run.running for run in runs))
+    in_a_kernel(cell, monkeypatch, until=lambda: not any(run.is_running for run in runs))
     state = runs[1].state()
     assert state.startswith("✗ stopped by an error: faulty (")
     assert "ValueError: too <fast> in test_live.py, line " in state

@@ -80,7 +80,7 @@ def test_robot_time_can_be_slowed_paused_and_stepped(fake_wall_time: list[float]
     while not at_pace(due_ns):
         pass
     assert fake_wall_time[0] == pytest.approx(2.0, abs=pace.SLICE)
-    speed.paused = True
+    speed.is_paused = True
     assert not any(at_pace(due_ns + 10**8) for _ in range(100))
     speed.step_ns = 10**8
     assert at_pace(due_ns + 10**8)
@@ -92,7 +92,7 @@ def test_blocking_call_while_robot_time_is_paused_prints_a_notice(
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")
     graph = Graph(notebook=True)
-    pace.speed_of(graph).paused = True
+    pace.speed_of(graph).is_paused = True
     with pace.keep_pace(graph):
         pass
     assert "Robot time is paused" in capsys.readouterr().out

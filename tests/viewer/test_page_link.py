@@ -63,11 +63,11 @@ def test_unresponsive_page_is_considered_closed(wire: Wire, monkeypatch: pytest.
     counts: list[int] = []
     wire.link.on_views = counts.append
     wire.hear("ready")
-    assert wire.link.ready
+    assert wire.link.is_ready
 
     def is_gone() -> bool:
         wire.change()
-        return not wire.link.ready
+        return not wire.link.is_ready
 
     until(is_gone)
     assert counts == [0]
@@ -75,7 +75,7 @@ def test_unresponsive_page_is_considered_closed(wire: Wire, monkeypatch: pytest.
     wire.change(3)
     assert wire.sent == []
     wire.hear("ack", number=IN_FLIGHT)  # it was only asleep
-    assert wire.link.ready
+    assert wire.link.is_ready
     assert wire.kinds() == ["reset"]
 
 
@@ -89,12 +89,12 @@ def test_closed_page_is_detected_by_missing_acknowledgements(
         wire.link.post({"type": "time"})
         if "ask" in wire.sent[-1]:
             wire.hear("ack")
-    assert wire.link.ready
+    assert wire.link.is_ready
     monkeypatch.setattr(page_link, "MAX_SILENCE", 0.1)
 
     def is_gone() -> bool:
         wire.link.post({"type": "time"})
-        return not wire.link.ready
+        return not wire.link.is_ready
 
     until(is_gone)
 
@@ -124,7 +124,7 @@ def test_views_are_counted_over_all_pages(wire: Wire) -> None:
     for page, count in (("a", 1), ("b", 2), ("a", 0), ("b", 0)):
         wire.hear("views", page, count=count)
     assert counts == [1, 3, 2, 0]
-    assert not wire.link.ready
+    assert not wire.link.is_ready
 
 
 @pytest.mark.usefixtures("by_hand")

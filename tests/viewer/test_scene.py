@@ -26,7 +26,7 @@ def test_redundant_slashes_are_dropped() -> None:
     scene = Scene()
     scene.set_object("/meshcat//box/", BOX)
     assert list(scene.objects()) == ["meshcat/box"]
-    assert scene.visible("/meshcat/box")
+    assert scene.is_visible("/meshcat/box")
 
 
 def test_delete_removes_the_subtree_and_keeps_siblings_with_a_common_prefix() -> None:
@@ -60,9 +60,9 @@ def test_hidden_parent_hides_its_children() -> None:
     scene = Scene()
     scene.set_object("a/b", BOX)
     scene.set_visible("a", False)
-    assert not scene.visible("a/b")
+    assert not scene.is_visible("a/b")
     scene.set_visible("a", True)
-    assert scene.visible("a/b")
+    assert scene.is_visible("a/b")
 
 
 def test_transform_is_copied_so_that_later_array_changes_do_not_move_the_node() -> None:

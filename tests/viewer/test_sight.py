@@ -16,17 +16,17 @@ def test_hidden_page_receives_the_whole_scene_when_it_is_visible_again(sight: st
     wire.change(100)
     wire.hear("ack")  # for its earlier batches
     wire.change()
-    assert (wire.sent, wire.link.watched) == ([], False)
+    assert (wire.sent, wire.link.is_watched) == ([], False)
     wire.hear("ready", number=0)
     wire.change()
-    assert (wire.kinds(), wire.link.watched) == (["reset", "batch"], True)
+    assert (wire.kinds(), wire.link.is_watched) == (["reset", "batch"], True)
 
 
 def test_background_page_is_ready_only_with_offscreen_views(wire: Wire) -> None:
     answers = {}
     for sight in ("ready", "away", "hide"):
         wire.hear(sight)
-        answers[sight] = wire.link.ready, wire.link.watched, wire.link.hidden
+        answers[sight] = wire.link.is_ready, wire.link.is_watched, wire.link.is_hidden
     assert answers == {
         "ready": (True, True, False),
         "away": (True, False, False),
@@ -40,10 +40,10 @@ def test_scene_is_sent_while_one_of_two_pages_is_visible(wire: Wire) -> None:
         wire.hear("ready", page)
     wire.hear("away", "a")
     wire.change()
-    assert (wire.kinds(), wire.link.watched) == (["batch"], True)
+    assert (wire.kinds(), wire.link.is_watched) == (["batch"], True)
     wire.hear("hide", "b")
     wire.change()
-    assert (wire.kinds(), wire.link.watched) == (["batch"], False)
+    assert (wire.kinds(), wire.link.is_watched) == (["batch"], False)
 
 
 @pytest.mark.usefixtures("by_hand")

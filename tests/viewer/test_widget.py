@@ -63,7 +63,7 @@ def test_widget_without_a_page_sends_no_messages(scene: Scene, monkeypatch: pyte
     monkeypatch.setattr(widget, "send", lambda *_: pytest.fail("sent to nobody"))
     scene.set_object("other", RED_BOX)
     widget.flush()
-    assert not widget.link.ready
+    assert not widget.link.is_ready
 
 
 def test_changes_are_sent_before_the_page_answers_under_a_jupyter_server(

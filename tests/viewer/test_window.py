@@ -72,7 +72,7 @@ def test_transforms_visibility_and_deletion_change_the_scene(scene: Scene, vis: 
     vis["a"].set_transform(matrix)
     vis["a"].set_property("visible", False)
     assert np.array_equal(scene.world_transform("meshcat/a/b"), matrix)
-    assert not scene.visible("meshcat/a/b")
+    assert not scene.is_visible("meshcat/a/b")
     vis.delete()
     assert scene.objects() == {}
 

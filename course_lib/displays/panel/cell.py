@@ -117,7 +117,7 @@ class ViewerCell:
     def picture(self, size: tuple[int, int]) -> bytes | None:
         """Request a PNG with a size in [px] from an open page, or return None if no page answers."""
         answers: list[dict[str, Any]] = []
-        for link in (link for link in self._links() if link.ready):
+        for link in (link for link in self._links() if link.is_ready):
             link.immediate["picture"] = answers.append
             link.send_all()
             link.post({"type": "capture", "width": size[0], "height": size[1]})
@@ -171,11 +171,11 @@ class ViewerCell:
     def _is_hidden(self) -> bool:
         """Return whether the tabs of all pages that show the scene are hidden."""
         links = self._links()
-        return any(link.hidden for link in links) and not any(link.ready for link in links)
+        return any(link.is_hidden for link in links) and not any(link.is_ready for link in links)
 
     def _is_displayed(self) -> bool:
         """Return whether a page shows the scene."""
-        return self._view is not None and self._view.link.ready
+        return self._view is not None and self._view.link.is_ready
 
 
 def _end(view: "RestingView") -> None:

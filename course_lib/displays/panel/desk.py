@@ -457,7 +457,7 @@ class Desk:
         self._row_watchers: set[str] = set()
         # Wall-clock time of the last message [s].
         self._posted = 0.0
-        self._waiting = False
+        self._is_post_scheduled = False
         # The event loop of the cells, if this is a kernel.
         self._loop = running_loop()
         link.listen("desk", self._on_order)
@@ -498,12 +498,12 @@ class Desk:
 
     def refresh(self) -> None:
         """Send changes now or a little later; called after every frame, by any thread."""
-        if not self._link.watched:
+        if not self._link.is_watched:
             return
         if wall.monotonic() - self._posted >= PERIOD:
             self._post_regularly()
-        elif self._loop is not None and not self._waiting:
-            self._waiting = True
+        elif self._loop is not None and not self._is_post_scheduled:
+            self._is_post_scheduled = True
             self._loop.call_soon_threadsafe(self._loop.call_later, PERIOD, self._post_regularly)
 
     def _post_regularly(self) -> None:
@@ -514,7 +514,7 @@ class Desk:
     def post(self, *, with_rows: bool = True) -> None:
         """Send the fields of the state and the rows that have changed."""
         with contained(self._session.statuses, "Panels"):
-            self._waiting, self._posted = False, wall.monotonic()
+            self._is_post_scheduled, self._posted = False, wall.monotonic()
             sent = self._sent_state
             if with_rows or sent is None:
                 state, rows = self.full_state()
@@ -652,7 +652,7 @@ class LiveTime:
         wall_now, wall_elapsed = wall.time_ns() / NS, wall.monotonic() - self._wall
         return TimeState(
             (now_ns - self._started_ns(now_ns)) / NS,
-            self._speed.paused,
+            self._speed.is_paused,
             self._speed.rate,
             now_ns / NS,
             wall=wall_now,
@@ -671,12 +671,12 @@ class LiveTime:
         if self._graph.keeps_wall_time and change != TimeChange():
             raise MessageError("The time of a robot cannot be paused, accelerated or slowed down.")
         if change.step == 1:
-            self._speed.paused = True
+            self._speed.is_paused = True
             self._speed.step_ns += _STEP_NS
         if change.rate is not None and RATES[0] <= change.rate <= RATES[1]:
             self._speed.rate = change.rate
         if change.paused is not None:
-            self._speed.paused = change.paused
+            self._speed.is_paused = change.paused
 
 
 class Playback:
@@ -686,7 +686,7 @@ class Playback:
         self.session = session
         self.start_ns, self.end_ns = recording.start_ns, recording.end_ns
         self.now_ns = self.start_ns
-        self.paused = False
+        self.is_paused = False
         self.rate = 1.0
         self.loop = False
         self._samples = recording.samples
@@ -706,7 +706,7 @@ class Playback:
 
     def advance(self, seconds: float) -> None:
         """Play for a duration of wall time, [s]."""
-        if self.paused:
+        if self.is_paused:
             return
         now_ns = self.now_ns + round(seconds * self.rate * NS)
         if now_ns < self.end_ns:
@@ -715,26 +715,28 @@ class Playback:
             self.go_to(self.start_ns + (now_ns - self.start_ns) % (self.end_ns - self.start_ns))
         else:
             self.go_to(self.end_ns)
-            self.paused = True
+            self.is_paused = True
 
     def act(self, change: TimeChange) -> None:
         """Seek, step, pause or change the rate."""
         if change.now is not None:
             self._seek(self.start_ns + round(change.now * NS))
         if change.step is not None:
-            self.paused = True
+            self.is_paused = True
             self._seek(self.now_ns + change.step * NS // self.session.time.frame_rate)
         if change.rate is not None and 0 < change.rate <= RATES[1]:
             self.rate = change.rate
         self.loop = self.loop if change.loop is None else change.loop
-        self.paused = self.paused if change.paused is None else change.paused
+        self.is_paused = self.is_paused if change.paused is None else change.paused
         if change.paused is False and self.now_ns >= self.end_ns:
             self.go_to(self.start_ns)
 
     def time(self) -> TimeState:
         """Return the time in the recording."""
         elapsed, end = ((ns - self.start_ns) / NS for ns in (self.now_ns, self.end_ns))
-        return TimeState(elapsed, self.paused, self.rate, self.now_ns / NS, range=(0.0, end), loop=self.loop)
+        return TimeState(
+            elapsed, self.is_paused, self.rate, self.now_ns / NS, range=(0.0, end), loop=self.loop
+        )
 
     def _seek(self, now_ns: int) -> None:
         self.go_to(min(max(now_ns, self.start_ns), self.end_ns))
@@ -759,7 +761,7 @@ class TimePanel:
 
     def refresh(self) -> None:
         """Send the time if it has changed and the last message is older than PERIOD."""
-        is_due = self._link.watched and wall.monotonic() - self._posted >= TIME_PERIOD
+        is_due = self._link.is_watched and wall.monotonic() - self._posted >= TIME_PERIOD
         if is_due and self._source.time() != self._shown:
             self._post()
 

@@ -43,18 +43,18 @@ TopicSelector = Callable[[], Collection[str]]
 class Alarm:
     """A scheduled event, which can be cancelled."""
 
-    __slots__ = ("action", "cancelled", "due_ns", "entity", "node")
+    __slots__ = ("action", "due_ns", "entity", "is_cancelled", "node")
 
     def __init__(self, due_ns: int, action: Callable[[], None], node: int, entity: int) -> None:
         self.due_ns = due_ns
         self.action = action
         self.node = node
         self.entity = entity
-        self.cancelled = False
+        self.is_cancelled = False
 
     def cancel(self) -> None:
         """Cancel the event."""
-        self.cancelled = True
+        self.is_cancelled = True
 
 
 class Graph:
@@ -231,11 +231,11 @@ class Graph:
             return False
         due_ns, node, entity, _, next_alarm = self._events[0]
         is_same = (due_ns, node, entity) == (alarm.due_ns, alarm.node, alarm.entity)
-        return is_same and not next_alarm.cancelled
+        return is_same and not next_alarm.is_cancelled
 
     def next_due_ns(self) -> int | None:
         """Return the time of the next event [ns], or None."""
-        while self._events and self._events[0][4].cancelled:
+        while self._events and self._events[0][4].is_cancelled:
             heapq.heappop(self._events)
         return self._events[0][0] if self._events else None
 

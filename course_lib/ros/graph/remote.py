@@ -458,7 +458,7 @@ class RemoteAlarm(Alarm):
 
     def cancel(self) -> None:
         """Cancel the event in the other process."""
-        if not self.cancelled:
+        if not self.is_cancelled:
             super().cancel()
             self._notify()
 

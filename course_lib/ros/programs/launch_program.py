@@ -195,7 +195,7 @@ class LaunchProgram(Process):
         self._due_actions: list[Callable[[], None]] = []
         # Number of pending timers.
         self._pending_timers = 0
-        self._stopping = False
+        self._is_stopping = False
 
     def work(self) -> None:
         """Execute the launch description and handle its events until all processes have ended."""
@@ -288,7 +288,7 @@ class LaunchProgram(Process):
         self, action: Action, name: str, function: Callable[[], object], arguments: Iterable[str]
     ) -> None:
         """Start a function as a process with command-line arguments."""
-        if self._stopping:
+        if self._is_stopping:
             return
         pid = len(self._started) + 1
         name = f"{name}-{pid}"
@@ -302,7 +302,7 @@ class LaunchProgram(Process):
 
     def later(self, seconds: float, entities: Entities) -> None:
         """Visit entities after `seconds` of robot time [s]."""
-        if self._stopping:
+        if self._is_stopping:
             return
         graph = current_graph()
 
@@ -450,7 +450,7 @@ class LaunchProgram(Process):
                 self._shut_down()
 
     def _shut_down(self) -> None:
-        self._stopping, self._pending_timers = True, 0
+        self._is_stopping, self._pending_timers = True, 0
         self._processes.interrupt()
 
     def _report_ends(self) -> bool:
@@ -460,7 +460,7 @@ class LaunchProgram(Process):
             number = self._processes.ended[self._reported_ends - 1]
             action, process = self._started[number]
             name, pid = process.file.name, number + 1
-            code = 0 if self._stopping and process.exit_code == INTERRUPTED else process.exit_code
+            code = 0 if self._is_stopping and process.exit_code == INTERRUPTED else process.exit_code
             if code:
                 command = " ".join(process.argv)
                 self.log("ERROR", name, f"process has died [pid {pid}, exit code {code}, cmd '{command}'].")

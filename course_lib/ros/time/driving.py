@@ -134,10 +134,10 @@ class LiveRun:
 
     def __init__(self, graph: Graph, nodes: tuple["Node", ...]) -> None:
         self.nodes = nodes
-        self.running = True
+        self.is_running = True
         self._graph = graph
         self.started_ns = graph.now_ns
-        self.stop_clicked = False
+        self.is_stop_clicked = False
         # How the run ended.
         self.note = ""
         # The exception that ended the run.
@@ -163,9 +163,9 @@ class LiveRun:
 
         Its nodes stay usable, but are no longer listed, as if their program had ended.
         """
-        if not self.running:
+        if not self.is_running:
             return
-        self.running = False
+        self.is_running = False
         self._graph.state(_LiveRuns).runs.remove(self)
         for node in self.nodes:
             running_nodes().remove(node)
@@ -178,7 +178,7 @@ class LiveRun:
     def state(self, note: str = "") -> str:
         """Return a short text: whether it runs, for how long, and a note."""
         seconds = (self._graph.now_ns - self.started_ns) * 1e-9
-        status = "✗ stopped by an error" if self.error else "▶ running" if self.running else "■ stopped"
+        status = "✗ stopped by an error" if self.error else "▶ running" if self.is_running else "■ stopped"
         state = f"{status}: {self.name} ({seconds:.1f} s of robot time)"
         return ", ".join(filter(None, (state, note or self.note, self.error)))
 
@@ -204,7 +204,7 @@ class LiveRun:
         """Update the displayed state."""
         if self._panel is not None:
             button, label = self._panel.children
-            button.disabled, label.value = not self.running, self._html(note)
+            button.disabled, label.value = not self.is_running, self._html(note)
 
     def _html(self, note: str = "") -> str:
         """Return the state as HTML.
@@ -232,7 +232,7 @@ class LiveRun:
         Called in the thread that receives the page's messages. A callback that does not end is
         interrupted.
         """
-        self.stop_clicked = True
+        self.is_stop_clicked = True
         with watch.stopping(), time_lock.hold():
             callback = watch.running_callback
             if callback is not None and self.has_node(callback.node):
@@ -415,7 +415,7 @@ class _LiveLoop:
         """Stop the runs whose Stop button was clicked, or all of them if ■ was pressed."""
         was_pressed, live_interrupts.was_pressed = live_interrupts.was_pressed, False
         for run in runs:
-            if was_pressed or run.stop_clicked:
+            if was_pressed or run.is_stop_clicked:
                 run.note = f"interrupted in {line}" if line else ""
                 run.stop()
                 run.show_state()

@@ -45,14 +45,14 @@ class Speed:
 
     def __init__(self) -> None:
         self.rate = 1.0
-        self.paused = False
+        self.is_paused = False
         # Robot time that is to pass even while paused [ns].
         self.step_ns = 0
 
     def advance_ns(self, seconds: float) -> int:
         """Return the robot time [ns] that passes in `seconds` [s] of wall time."""
         step_ns, self.step_ns = self.step_ns, 0
-        return step_ns + (0 if self.paused else round(seconds * self.rate * 1e9))
+        return step_ns + (0 if self.is_paused else round(seconds * self.rate * 1e9))
 
 
 def speed_of(graph: Graph) -> Speed:
@@ -66,7 +66,7 @@ def keep_pace(graph: Graph) -> Iterator[None]:
     if not graph.notebook or mode() == "fast" or graph.pace is not None or graph.keeps_wall_time:
         yield
         return
-    if speed_of(graph).paused:
+    if speed_of(graph).is_paused:
         sys.stdout.write("Robot time is paused. Press ▶ in the viewer's Time panel to continue.\n")
     deadline = wall.monotonic() + WAIT_FOR_PAGE
     while not all(is_there() for is_there in tuple(pages)) and wall.monotonic() < deadline:

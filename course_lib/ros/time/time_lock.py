@@ -71,7 +71,7 @@ def never() -> bool:
 class Wait:
     """A wait of a program thread: the condition and deadline that end it, and its description."""
 
-    __slots__ = ("awaited", "deadline_passed", "events_help", "graph", "has_deadline", "ready")
+    __slots__ = ("awaited", "events_help", "graph", "has_deadline", "is_expired", "ready")
 
     def __init__(
         self, graph: Graph, ready: Callable[[], bool], awaited: str, *, events_help: bool = True
@@ -81,11 +81,11 @@ class Wait:
         self.awaited = awaited
         self.events_help = events_help
         self.has_deadline = False
-        self.deadline_passed = False
+        self.is_expired = False
 
     def pass_deadline(self) -> None:
         """Mark the deadline as passed. Called by the event that ends the wait."""
-        self.deadline_passed = True
+        self.is_expired = True
 
 
 class ProgramThread:
@@ -119,9 +119,9 @@ class ProgramThread:
         self.handlers: dict[int, Any] = {}
         self.waits_after_end = 0
         self.sleeps_after_end = 0
-        self.stopped = False
+        self.is_stopped = False
         self.pending_error: BaseException | None = None
-        self.done = False
+        self.is_done = False
 
     def handle_end(self, *, sleeps: bool) -> None:
         """Handle a wait that the end of the run has ended.
@@ -149,8 +149,8 @@ class ProgramThread:
 
     def _stop(self) -> None:
         """End the thread. A main thread that catches the interrupt is ended by the next one."""
-        interrupts = (self.main or self.at_end is AtEnd.INTERRUPT) and not self.stopped
-        self.stopped = True
+        interrupts = (self.main or self.at_end is AtEnd.INTERRUPT) and not self.is_stopped
+        self.is_stopped = True
         raise StoppedProgram if interrupts else StoppedThread
 
     def raise_pending(self) -> None:
@@ -171,7 +171,7 @@ class ProgramThread:
         wait = self.wait
         if wait is None or wait.graph is not graph:
             return False
-        return wait.deadline_passed or graph.ended or self.pending_error is not None or wait.ready()
+        return wait.is_expired or graph.ended or self.pending_error is not None or wait.ready()
 
     def can_enter(self) -> bool:
         """Return whether it is an ordinary thread whose wait is over, in any run."""
@@ -313,7 +313,7 @@ class TimeLock:
     def leave(self, me: ProgramThread) -> None:
         """Make the calling thread an ordinary thread and pass the lock on."""
         with self._mutex:
-            me.done = True
+            me.is_done = True
             del self._threads[_thread.get_ident()]
             # Without the main thread, time does not advance.
             if me.main:
@@ -366,10 +366,10 @@ class TimeLock:
             if alarm is not None:
                 alarm.cancel()
         # Without an interrupt, an end or a deadline, only the condition can have ended the wait.
-        is_ready = me.pending_error is None and not graph.ended and not wait.deadline_passed
+        is_ready = me.pending_error is None and not graph.ended and not wait.is_expired
         me.raise_pending()
         is_ready = is_ready or ready()
-        if graph.ended and not is_ready and not wait.deadline_passed:
+        if graph.ended and not is_ready and not wait.is_expired:
             me.handle_end(sleeps=until_ns is not None)
         return is_ready
 

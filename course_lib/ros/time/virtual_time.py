@@ -160,7 +160,7 @@ def _join_thread(thread: threading.Thread, timeout: float | None = None) -> None
         until_ns = None if timeout is None else current_graph().now_ns + round(max(timeout, 0) * 1e9)
         awaited = f'the end of thread "{thread.name}"'
         if not time_lock.wait(
-            lambda: program_thread.done, until_ns=until_ns, awaited=awaited, events_help=False
+            lambda: program_thread.is_done, until_ns=until_ns, awaited=awaited, events_help=False
         ):
             return
     _real_join(thread, timeout)
@@ -204,20 +204,20 @@ class ProgramLock:
         self._returns_at_end = returns_at_end
         # Identifier of the thread that holds the lock, once it has been recorded.
         self._owner: int | None = None
-        self._taken_by_program = False
+        self._is_taken_by_program = False
 
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """Acquire the lock as `threading.Lock` does. `timeout` is in [s] of robot time."""
         waits = blocking and time_lock.is_program_thread()
         is_acquired = self._wait(timeout) if waits else self._real.acquire(blocking, timeout)
         if is_acquired:
-            self._owner, self._taken_by_program = _thread.get_ident(), time_lock.is_program_thread()
+            self._owner, self._is_taken_by_program = _thread.get_ident(), time_lock.is_program_thread()
         return is_acquired
 
     def release(self) -> None:
         """Release the lock. Its owner is reset before another thread can acquire it."""
         if self._real.locked():
-            self._owner, self._taken_by_program = None, False
+            self._owner, self._is_taken_by_program = None, False
         self._real.release()
 
     def locked(self) -> bool:
@@ -246,7 +246,7 @@ class ProgramLock:
         A program thread that has just acquired the lock has recorded it before any other thread can
         check.
         """
-        if self._taken_by_program:
+        if self._is_taken_by_program:
             return False
         return self._owner is None or not time_lock.is_program_thread(self._owner)
 

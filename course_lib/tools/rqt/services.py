@@ -103,7 +103,7 @@ class ReconfigureView(RqtView):
         self.rows: dict[str, Any] = {}
         # Whether controls are updated with values from the node. Such changes are not sent back to
         # it.
-        self._reading = False
+        self._is_reading = False
         self.table = VBox()
         node_name, nodes = self.target(), parameter_nodes(self.source)
         selected = find_node(self.source, node_name) if node_name else nodes[0] if len(nodes) == 1 else None
@@ -172,7 +172,7 @@ class ReconfigureView(RqtView):
         control.tooltip, control.disabled = about.description or name, about.read_only or value is None
 
         def act(change: dict[str, Any]) -> None:
-            if not self._reading:
+            if not self._is_reading:
                 self.soon(lambda: self._set(name, change["new"]))
 
         control.observe(act, "value")
@@ -203,12 +203,12 @@ class ReconfigureView(RqtView):
 
     def _show(self, values: dict[str, Any]) -> None:
         """Display values received from the node."""
-        self._reading = True
+        self._is_reading = True
         for name in values.keys() & self.rows.keys():
             control = self.rows[name].children[0]
             self._values[name] = values[name]
             control.value = _field_text(values[name]) if isinstance(control.value, str) else values[name]
-        self._reading = False
+        self._is_reading = False
 
 
 def _note(about: Any) -> str:

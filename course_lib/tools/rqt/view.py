@@ -246,7 +246,7 @@ class RqtView:
 
     def check_time(self) -> None:
         """Raise a CourseError while robot time is paused, because no node can respond."""
-        if pace.mode() == "real" and pace.speed_of(self.graph).paused:
+        if pace.mode() == "real" and pace.speed_of(self.graph).is_paused:
             raise CourseError(
                 "Robot time is paused, so no node responds. Press ▶ in the viewer's Time panel to continue."
             )

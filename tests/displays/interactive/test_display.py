@@ -190,9 +190,9 @@ def test_view_facing_control_rotates_with_the_view(stage: Stage) -> None:
 def test_descriptions_axes_and_visual_aids_are_shown_on_request(stage: Stage) -> None:
     display = stage.show(box(C.MOVE_AXIS))
     scene, node = stage.viewer.scene, "displays/InteractiveMarkers/handles/box"
-    assert (scene.visible(f"{node}/title/0/text"), scene.visible(f"{node}/axes")) == (True, False)
+    assert (scene.is_visible(f"{node}/title/0/text"), scene.is_visible(f"{node}/axes")) == (True, False)
     display["Show Descriptions"], display["Show Axes"], display["Show Visual Aids"] = False, True, True
-    assert (scene.visible(f"{node}/title/0/text"), scene.visible(f"{node}/axes")) == (False, True)
+    assert (scene.is_visible(f"{node}/title/0/text"), scene.is_visible(f"{node}/axes")) == (False, True)
     stage.use("move", ("down", (0.7, 0.0, 0.0)))
     assert isinstance(scene.objects()[f"{node}/controls/move/aid"], Lines)
     stage.use("move", ("up", (0.7, 0.0, 0.0)))

@@ -13,7 +13,7 @@ OTHERS = (f"{HANDLES}/box/controls/button", f"{HANDLES}/far/controls/turn")
 
 
 def visibilities(stage: Stage) -> list[bool]:
-    return [stage.viewer.scene.visible(path) for path in (HELD, *OTHERS, f"{HANDLES}/far/controls/button")]
+    return [stage.viewer.scene.is_visible(path) for path in (HELD, *OTHERS, f"{HANDLES}/far/controls/button")]
 
 
 @pytest.mark.parametrize("hides", [True, False])

@@ -30,7 +30,7 @@ def test_line_width_is_the_x_scale(kind: int, strip: bool) -> None:
 
 def test_odd_number_of_line_list_points_is_an_error() -> None:
     drawing = lines(marker(Marker.LINE_LIST, 3, points=FOUR[:3], scale=THIN))
-    assert (drawing.drawables, drawing.refused) == ({}, False)
+    assert (drawing.drawables, drawing.is_rejected) == ({}, False)
     assert drawing.status == ("error", "Line list marker [n/3] has an odd number of points.")
 
 

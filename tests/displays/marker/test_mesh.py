@@ -57,14 +57,14 @@ def test_mesh_with_embedded_materials_is_tinted_only_on_request(obj: str, tint: 
 )
 def test_unloadable_mesh_is_an_error_with_rviz_text(uri: str) -> None:
     drawing = mesh(marker(Marker.MESH_RESOURCE, 5, mesh_resource=uri))
-    assert drawing.refused
+    assert drawing.is_rejected
     assert drawing.status == ("error", f"Mesh resource marker [n/5] could not load [{uri}]")
 
 
 def test_invalid_mesh_file_is_an_error(tmp_path: Path) -> None:
     path = tmp_path / "arm.stl"
     path.write_text("not a mesh")
-    assert mesh(marker(Marker.MESH_RESOURCE, mesh_resource=f"file://{path}")).refused
+    assert mesh(marker(Marker.MESH_RESOURCE, mesh_resource=f"file://{path}")).is_rejected
 
 
 def test_mesh_without_a_resource_is_not_drawn_and_has_no_status() -> None:

@@ -95,7 +95,7 @@ def test_arrow_with_two_equal_points_is_not_drawn() -> None:
 
 def test_arrow_with_one_point_is_rejected() -> None:
     drawing = arrow(marker(Marker.ARROW, 7, points=points((1.0, 0.0, 0.0))))
-    assert drawing.refused
+    assert drawing.is_rejected
     assert drawing.status == (
         "error",
         "Arrow marker [n/7] only specified one point of a point to point arrow.",

@@ -65,7 +65,7 @@ def test_triangles_are_blended_as_in_rviz(count: int, own: float, each: float, a
 )
 def test_points_that_do_not_form_triangles_are_rejected(count: int, text: str) -> None:
     drawing = triangles(marker(Marker.TRIANGLE_LIST, points=SIX[:count]))
-    assert drawing.refused
+    assert drawing.is_rejected
     assert drawing.status == ("error", text)
 
 

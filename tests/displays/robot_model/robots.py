@@ -49,4 +49,4 @@ def visible_drawables(bench: Bench) -> dict[str, Drawable]:
     """Return the visible drawables of the robot, by link/kind/number."""
     start = "displays/Robot/links/"
     objects = bench.scene.objects().items()
-    return {path.removeprefix(start): drawable for path, drawable in objects if bench.scene.visible(path)}
+    return {path.removeprefix(start): drawable for path, drawable in objects if bench.scene.is_visible(path)}

@@ -15,7 +15,7 @@ TF = "rviz_default_plugins/TF"
 
 def visible_parts(bench: Bench) -> set[str]:
     """Return the visible drawables, by part/frame."""
-    paths = (path for path in bench.scene.objects() if bench.scene.visible(path))
+    paths = (path for path in bench.scene.objects() if bench.scene.is_visible(path))
     return {path.removeprefix("displays/TF/") for path in paths if path.startswith("displays/TF/")}
 
 

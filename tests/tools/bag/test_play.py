@@ -153,9 +153,9 @@ def test_start_paused_waits_for_the_time_panel(
     speed.rate = 1000.0
 
     def press(seconds: float) -> None:
-        if speed.paused:  # otherwise it follows the pace of robot time
+        if speed.is_paused:  # otherwise it follows the pace of robot time
             assert received_messages == []
-            speed.paused = False
+            speed.is_paused = False
 
     with monkeypatch.context() as waits:
         waits.setattr(wall, "sleep", press)

@@ -72,6 +72,6 @@ def test_no_service_is_called_while_robot_time_is_paused(
     view: ServiceCallerView, graph: Graph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COURSE_PACE", "real")
-    speed_of(graph).paused = True
+    speed_of(graph).is_paused = True
     call(view, "a: 1")
     assert "Robot time is paused, so no node responds" in view.notice.value
