@@ -5,6 +5,7 @@ import sys
 import webbrowser
 from html import escape
 from importlib.util import find_spec
+from typing import Any
 
 from course_lib.errors import CourseError
 
@@ -13,6 +14,15 @@ def in_notebook() -> bool:
     """Return whether this code runs in a notebook's kernel."""
     ipython = sys.modules.get("IPython")
     return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
+
+
+def running_cell() -> tuple[str, str] | None:
+    """Return the id of the running cell and of this run of it; None if the page sends no ids."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython and ipython.get_ipython()
+    parent: dict[str, Any] = getattr(shell, "get_parent", dict)() or {}
+    cell = parent.get("metadata", {}).get("cellId")
+    return (str(cell), str(parent["header"]["msg_id"])) if cell else None
 
 
 def hub_prefix() -> str | None:

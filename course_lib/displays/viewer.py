@@ -3,7 +3,7 @@
 import weakref
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from course_lib.displays.display import Display, RvizNode, node_name
 from course_lib.displays.frames import NS, frame_name
@@ -17,7 +17,7 @@ from course_lib.displays.statuses import StatusTable
 from course_lib.displays.views import ViewController
 from course_lib.displays.writer import save_rviz
 from course_lib.errors import CourseError
-from course_lib.host import announce
+from course_lib.host import announce, running_cell
 from course_lib.ros.graph.graph import FailedNodes, UnspunNodes, current_graph
 from course_lib.viewer.drawables import Camera
 from course_lib.viewer.html import save_html
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from course_lib.displays.robot_model import Configuration
     from course_lib.robots.robot import Robot
     from course_lib.viewer.visualizer import Visualizer
+
+# Id of a cell, and the class, name and topic of a display that it adds.
+Source: TypeAlias = tuple[str | None, str, str, str | None]
 
 
 class Viewer(KnownAttributes):
@@ -54,6 +57,9 @@ class Viewer(KnownAttributes):
         session.context.is_seen, session.latched = self.is_seen, graph.latched_samples
         session.context.node = node = RvizNode(graph, session.time)
         self._session, backlog = session, Backlog(session, graph)
+        # By display: what added it, and the id of that run of the cell.
+        self._sources: weakref.WeakKeyDictionary[Display, tuple[Source, str | None]]
+        self._sources = weakref.WeakKeyDictionary()
         self.film = SceneRecording(scene, lambda: backlog.now_ns / NS)
         self.film.steady_camera = session.default_camera
         self._cell = ViewerCell(session, graph)
@@ -106,6 +112,9 @@ class Viewer(KnownAttributes):
     ) -> Display:
         """Add a display, like RViz's Add button.
 
+        If a cell runs again, its display replaces the one of the same class, name and topic that
+        the cell has added before.
+
         Args:
             class_name: RViz's class name, ``Marker`` or ``rviz_default_plugins/Marker``.
             topic: The value of its Topic property, whatever its label.
@@ -121,9 +130,22 @@ class Viewer(KnownAttributes):
         if topic is not None:
             properties[getattr(REGISTRY[full_class_name], "topic_label", "Topic")] = topic
         holder = self.session.group(group) if group else None
-        return self.session.add(
-            full_class_name, name or short_name(full_class_name), {}, group=holder, **properties
-        )
+        display_name = name or short_name(full_class_name)
+        cell, run = running_cell() or (None, None)
+        source = (cell, full_class_name, display_name, topic)
+        if cell is not None:
+            self._remove_of_last_run(source, run)
+        display = self.session.add(full_class_name, display_name, {}, group=holder, **properties)
+        self._sources[display] = source, run
+        return display
+
+    def _remove_of_last_run(self, source: Source, run: str | None) -> None:
+        """Remove the display that another run of the same cell added with the same arguments."""
+        for display in self.displays:
+            other_source, other_run = self._sources.get(display, (None, None))
+            if other_source == source and other_run != run:
+                self.remove(display)
+                break
 
     def remove(self, display: Display) -> None:
         """Remove a display."""

@@ -47,6 +47,32 @@ def test_display_shows_published_messages(graph: Graph) -> None:
     assert ("Marker", "Topic", "ok", "1 messages received at inf hz.") in viewer.statuses()
 
 
+def test_cell_that_runs_again_replaces_the_equal_display_it_has_added(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = Viewer()
+
+    def run(cell: str, number: int, *topics: str) -> list[Any]:
+        monkeypatch.setattr("course_lib.displays.viewer.running_cell", lambda: (cell, f"run {number}"))
+        for topic in topics:
+            viewer.add("Marker", topic=topic)
+        return [display["Topic"] for display in viewer.displays[1:]]
+
+    assert run("first", 1, "/a", "/b") == ["/a", "/b"]
+    publish(graph, "/a", marker())
+    path = viewer.displays[1].path
+    assert run("first", 2, "/a", "/a") == ["/b", "/a", "/a"]
+    assert viewer.displays[2].path == path
+    assert run("first", 3, "/a", "/a", "/c") == ["/b", "/a", "/a", "/c"]
+    assert run("second", 4, "/c") == ["/b", "/a", "/a", "/c", "/c"]
+
+
+def test_display_added_without_a_cell_never_replaces_another_one(graph: Graph) -> None:
+    viewer = Viewer()
+    assert viewer.add("Marker", topic="/a") is not viewer.add("Marker", topic="/a")
+    assert len(viewer.displays) == 3
+
+
 def test_late_joining_display_needs_transient_local_to_receive_latched_messages(graph: Graph) -> None:
     publish(graph, "/m", marker(), LATCHED)
     viewer = Viewer()
