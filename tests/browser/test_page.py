@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser
 
-from course_lib.viewer.drawables import Camera, Lines, Mesh, Points, Shape, Solids, Text
+from course_lib.viewer.drawables import Camera, Inset, Lines, Mesh, Points, Shape, Solids, Text
 from course_lib.viewer.html import bundle_code, save_html, scene_fragment
 from course_lib.viewer.picture import screenshot
 from course_lib.viewer.scene import Scene
@@ -97,4 +97,19 @@ def test_two_scenes_on_one_page_share_one_script(browser: Browser) -> None:
     wait_until(is_drawn, page)
     pixels = pixels_of(page.screenshot())
     assert max(count(pixels[:, :200], BLUE), count(pixels[:, 200:], RED)) == 0
+    page.close()
+
+
+def test_buttons_of_a_view_stand_beside_its_pictures(browser: Browser, tmp_path: Path) -> None:
+    page = browser.new_page(viewport={"width": 400, "height": 300})
+    scene = colored(RED)
+    distances = []  # [px] of the button from the right edge
+    for _ in range(2):
+        page.goto(save_html(scene, tmp_path / "scene.html").as_uri())
+        wait_until(lambda: count(pixels_of(page.screenshot()), RED) > 1000, page)
+        place = page.get_by_role("button", name="Full screen").bounding_box()
+        assert place is not None
+        distances.append(400 - place["x"] - place["width"])
+        scene.set_object("picture", Inset(np.full((3, 4, 3), BLUE, np.uint8)))
+    assert distances == [0, pytest.approx(0.31 * 400, abs=1)]
     page.close()

@@ -1,7 +1,8 @@
 /* global THREE */
 import { Orbit } from "./orbit.js";
 
-const [SHARE, GAP] = [0.3, 0.01]; // width of a picture and gap between pictures, as fractions of the view's width
+/** Width of a picture, and gap between pictures, as fractions of the view's width. */
+export const [SHARE, GAP] = [0.3, 0.01];
 
 const MOTION_INTERVAL = 100; // [ms] between two pictures of the scene in a corner, in coarse pictures of a motion
 

@@ -1,6 +1,6 @@
 /* global THREE */
 import { icon } from "./icons.js";
-import { isShown } from "./insets.js";
+import { GAP, isShown, SHARE } from "./insets.js";
 import { Orbit } from "./orbit.js";
 import { button, createElement } from "./panels/elements.js";
 import { textsOf, withoutOverlaps } from "./labels.js";
@@ -13,6 +13,7 @@ const TURN = 0.005; // [rad] per pixel, as in RViz
 const TURN_PAUSE = 500; // [ms] after the last turn of a view by hand
 const MESSAGE_TIME = 10_000; // [ms]
 const REST_AFTER = 700; // [ms] without a change, after which a picture is drawn with the highest quality
+const PICTURES = `${100 * (SHARE + GAP)}%`; // the width of a view that pictures take at its right edge
 const CORNER =
   "position:absolute;padding:1px 6px;font:13px/1.5 system-ui,sans-serif;color-scheme:light dark;" +
   "color:var(--jp-ui-font-color1,CanvasText);background:var(--jp-layout-color1,Canvas)";
@@ -48,7 +49,7 @@ export class View {
     this.canvas.style.cssText = "display:block;width:100%;height:100%;touch-action:none;outline-offset:-2px";
     this.message = createElement("output", { style: `${CORNER};left:0;bottom:0;pointer-events:none` }); // error messages
     this.fullScreenButton = button(icon("full"), "Full screen (F)", () => this.toggleFull());
-    this.fullScreenButton.style.cssText = `${CORNER};right:0;top:0;border:0;cursor:pointer;opacity:0.7`;
+    this.fullScreenButton.style.cssText = `${CORNER};right:var(--course-pictures,0px);top:0;border:0;cursor:pointer;opacity:0.7`;
     host.style.position = "relative";
     this.separateButton = button(icon("apart"), "Labels do not overlap: nearer ones hide others", () => {
       this.separateButton.ariaPressed = String(this.separateButton.ariaPressed === "false");
@@ -56,7 +57,7 @@ export class View {
     });
     this.separateButton.ariaPressed = "false";
     this.separateButton.hidden = true;
-    this.separateButton.style.cssText = `${CORNER};right:54px;top:0;border:0;cursor:pointer;opacity:0.7`;
+    this.separateButton.style.cssText = `${CORNER};right:calc(var(--course-pictures,0px) + 54px);top:0;border:0;cursor:pointer;opacity:0.7`;
     host.append(this.canvas, this.message, this.fullScreenButton, this.separateButton);
     this.host = host;
     this.addListeners();
@@ -122,6 +123,9 @@ export class View {
     const texts = textsOf(this.mirror.scene);
     const isStudio = this.mirror.style === "Studio"; // its labels never overlap
     this.separateButton.hidden = texts.length < 2 || isStudio;
+    // The buttons stand beside the pictures in the corner, and do not hide them.
+    const hasPictures = [...this.mirror.insets].some(isShown);
+    this.host.style.setProperty("--course-pictures", hasPictures ? PICTURES : "0px");
     const pixel = metresPerPixel(camera, height);
     const isApart = !isStudio && this.separateButton.ariaPressed === "true";
     const showAll = isApart ? withoutOverlaps(texts, camera, pixel, width, height) : () => {};
