@@ -274,8 +274,13 @@ def _prediction_form(key: str, question: Question, saved_answer: str | None) -> 
         return _as_html([row]), _as_text([row])
 
     choice.observe(keep, names="value")
-    form = widgets.VBox([widgets.HTML(f"<b>Predict:</b> {question.text}"), choice, status])
+    form = widgets.VBox([widgets.HTML(_paragraph(f"<b>Predict:</b> {question.text}")), choice, status])
     return Form(form, saved, on_answer)
+
+
+def _paragraph(html: str) -> str:
+    """Return HTML whose wrapped lines are near each other: ipywidgets' lines are as high as a button."""
+    return f'<div style="line-height: 1.4; padding: 4px 0">{html}</div>'
 
 
 def verdict(answer: Answer) -> str:
@@ -366,17 +371,17 @@ def _question(
     texts = [answer.text for answer in question.answers]
     index = question.answers.index(saved_answer) if saved_answer else None
     choice = widgets.RadioButtons(options=texts, index=index, layout={"width": "max-content"})
-    feedback = widgets.HTML(verdict(saved_answer) if saved_answer else "")
+    feedback = widgets.HTML(_paragraph(verdict(saved_answer)) if saved_answer else "")
     wide = {"max_width": "52em"}
 
     def react(change: dict[str, Any]) -> None:
         if change["new"] is not None:
             answer = question.answers[change["new"]]
-            feedback.value = verdict(answer)
+            feedback.value = _paragraph(verdict(answer))
             student_state().put(ANSWERS, key, answer.text)
             for call in on_answer:
                 call()
 
     choice.observe(react, names="index")
-    title = widgets.HTML(f"<b>{number}. {question.text}</b>", layout=wide)
+    title = widgets.HTML(_paragraph(f"<b>{number}. {question.text}</b>"), layout=wide)
     return widgets.VBox([title, choice, feedback], layout={"margin": "0 0 1em 0"}), choice

@@ -53,7 +53,7 @@ def test_clicking_any_answer_shows_its_explanation() -> None:
         _, choice, said = box.children
         for number, answer in enumerate(question.answers):
             choice.index = number
-            assert said.value == verdict(answer)
+            assert verdict(answer) in said.value
     assert verdict(Answer("a", "because", True)) == "✔ Right. because"
 
 

@@ -209,11 +209,13 @@ class LiveRun:
     def _html(self, note: str = "") -> str:
         """Return the state as HTML.
 
-        Errors are red, because the view covers the traceback below it.
+        Errors are red, because the view covers the traceback below it. A long list of nodes is
+        wrapped, and ipywidgets' lines are as high as a button.
         """
         color = "var(--jp-error-color1, #d32f2f)" if self.error else "inherit"
         weight = "bold" if self.error else "normal"
-        return f'<span style="color: {color}; font-weight: {weight}">{escape(self.state(note))}</span>'
+        style = f"color: {color}; font-weight: {weight}; line-height: 1.4; padding: 5px 0"
+        return f'<div style="{style}">{escape(self.state(note))}</div>'
 
     def fail(self, error: Exception) -> None:
         """Stop because a callback raised an exception, which the state then shows."""
