@@ -51,17 +51,21 @@ class Qos:
 
 
 def find_incompatible_policy(offered: Qos, requested: Qos) -> str | None:
-    """Return the first requested policy that the publisher does not offer, named as in DDS, or None."""
+    """Return a requested policy that the publisher does not offer, named as in DDS, or None.
+
+    Of several policies it returns the one that Fast DDS reports as the last one, which has the
+    highest number in DDS.
+    """
     if offered.reliability == "best_effort" and requested.reliability == "reliable":
         return "RELIABILITY"
-    if offered.durability == "volatile" and requested.durability == "transient_local":
-        return "DURABILITY"
-    if (offered.deadline_ns or _INFINITE) > (requested.deadline_ns or _INFINITE):
-        return "DEADLINE"
     if offered.liveliness == "automatic" and requested.liveliness == "manual_by_topic":
         return "LIVELINESS"
     if (offered.lease_ns or _INFINITE) > (requested.lease_ns or _INFINITE):
         return "LIVELINESS"
+    if (offered.deadline_ns or _INFINITE) > (requested.deadline_ns or _INFINITE):
+        return "DEADLINE"
+    if offered.durability == "volatile" and requested.durability == "transient_local":
+        return "DURABILITY"
     return None
 
 

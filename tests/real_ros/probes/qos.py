@@ -50,15 +50,42 @@ for _ours, _offered in PROFILES.items():
     lines(_ours, **{theirs: _pair(_offered, requested) for theirs, requested in PROFILES.items()})
 
 
-@probe
-def policy_of_an_event() -> list[str]:
+def policies_of_event(offered: QoSProfile, requested: QoSProfile) -> list[str]:
+    """Return the policy of each event of a subscription about an incompatible publisher."""
     node, found = rclpy.create_node("n"), list[Any]()
     events = SubscriptionEventCallbacks(incompatible_qos=found.append)
-    node.create_publisher(String, "t", PROFILES["plain"])
-    node.create_subscription(String, "t", print, PROFILES["transient_local"], event_callbacks=events)
+    node.create_publisher(String, "t", offered)
+    node.create_subscription(String, "t", print, requested, event_callbacks=events)
     for _ in range(20):
         rclpy.spin_once(node, timeout_sec=0.05)
     return [str(info.last_policy_kind) for info in found]
+
+
+@probe
+def policy_of_an_event() -> list[str]:
+    return policies_of_event(PROFILES["plain"], PROFILES["transient_local"])
+
+
+_LATCHED = DurabilityPolicy.TRANSIENT_LOCAL
+_MANUAL = LivelinessPolicy.MANUAL_BY_TOPIC
+
+
+@probe
+def policy_of_durability_and_deadline() -> list[str]:
+    requested = QoSProfile(depth=1, durability=_LATCHED, deadline=Duration(seconds=1))
+    return policies_of_event(PROFILES["plain"], requested)
+
+
+@probe
+def policy_of_deadline_and_liveliness() -> list[str]:
+    requested = QoSProfile(depth=1, liveliness=_MANUAL, deadline=Duration(seconds=1))
+    return policies_of_event(PROFILES["plain"], requested)
+
+
+@probe
+def policy_of_all_policies() -> list[str]:
+    requested = QoSProfile(depth=1, durability=_LATCHED, liveliness=_MANUAL, deadline=Duration(seconds=1))
+    return policies_of_event(PROFILES["best_effort"], requested)
 
 
 if __name__ == "__main__":
