@@ -71,10 +71,12 @@ def resolve(host: str) -> str:
     """
     try:
         return socket.gethostbyname(host)
-    except OSError as error:
+    # A label that is empty or longer than 63 characters raises UnicodeError.
+    except (OSError, UnicodeError) as error:
+        reason = getattr(error, "strerror", None) or error
         raise CourseError(
-            f"There is no computer {host!r} in this network ({error.strerror or error}): write the "
-            "robot's address like dds/192.168.1.5."
+            f"There is no computer {host!r} in this network ({reason}): write the robot's address "
+            "like dds/192.168.1.5."
         ) from error
 
 

@@ -178,8 +178,9 @@ def _dds_advice(address: str) -> str:
 
 
 def _read_domain(domain: int | None) -> int:
-    text = os.environ.get("ROS_DOMAIN_ID", "0") if domain is None else str(domain)
-    if not text.isdigit() or int(text) > MAX_DOMAIN:
+    # In ROS an empty variable means domain 0, too.
+    text = (os.environ.get("ROS_DOMAIN_ID") or "0") if domain is None else str(domain)
+    if not text.isdecimal() or int(text) > MAX_DOMAIN:
         raise CourseError(f"{text!r} is not a domain: give a number from 0 to {MAX_DOMAIN}.")
     return int(text)
 

@@ -178,6 +178,7 @@ def test_goals_of_two_runs_have_different_ids(
         ("dds/10.88.0", "'dds/10.88.0' is not an address of a robot: an IPv4 address has four numbers"),
         ("dds/10.88.0.300", "There is no computer '10.88.0.300' in this network"),
         ("dds/no.such.host.invalid", "There is no computer 'no.such.host.invalid' in this network"),
+        ("dds/no..host", "There is no computer 'no..host' in this network"),
         ("127.0.0.1:{port}", "No Zenoh router answers at tcp/127.0.0.1:"),
     ],
 )
@@ -190,6 +191,17 @@ def test_unreachable_robot_is_a_one_line_error(address: str, line: str) -> None:
 def test_out_of_range_domain_is_rejected(router: str) -> None:
     with pytest.raises(CourseError, match="'300' is not a domain: give a number from 0 to 232"):
         link_to(RobotAddress(router, 300))
+
+
+def test_empty_domain_variable_means_domain_0_and_other_signs_are_rejected(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "")
+    with pytest.raises(CourseError, match="There is no computer"):
+        link_to(RobotAddress("dds/no..host"))
+    monkeypatch.setenv("ROS_DOMAIN_ID", "²")
+    with pytest.raises(CourseError, match="'²' is not a domain: give a number from 0 to 232"):
+        link_to(RobotAddress("dds/no..host"))
 
 
 def test_missing_robot_extra_is_reported_with_the_install_command(monkeypatch: pytest.MonkeyPatch) -> None:
