@@ -449,7 +449,7 @@ class Code:
     cells: tuple[str, ...]
 
     @classmethod
-    def read(cls, path: Path) -> "Code":
+    def from_notebook(cls, path: Path) -> "Code":
         """Read a notebook, or a Python file."""
         return cls(cells_of(path))
 
@@ -458,7 +458,7 @@ class Code:
         """All top-level statements of the cells."""
         return {(c, n): one for c, cell in enumerate(self.cells) for n, one in enumerate(_statements(cell))}
 
-    def needed(self, task: Task) -> frozenset[Key]:
+    def required_statements(self, task: Task) -> frozenset[Key]:
         """Return the statements that a task's object depends on."""
         visited_names, pending_names, keys = set[str](), {task.name}, set[Key]()
         for cell in self.cells:
@@ -526,7 +526,7 @@ def _statement(node: ast.stmt) -> _Statement:
 
 def deletions(code: Code, tasks: Sequence[Task]) -> Iterator[Deletion]:
     """Yield all deletions in the statements that the tasks need."""
-    needed_keys = {task.id: code.needed(task) for task in tasks}
+    needed_keys = {task.id: code.required_statements(task) for task in tasks}
     for index, source in enumerate(code.cells):
         tree = _tree(source)
         for number, statement in enumerate(tree.body):
@@ -558,7 +558,7 @@ def group_deletions(
 
     They are in different cells, and no task of one needs a statement that another one changes.
     """
-    needed_keys = {task.id: code.needed(task) for task in tasks}
+    needed_keys = {task.id: code.required_statements(task) for task in tasks}
     groups: list[list[Deletion]] = []
     for one in deletions:
         for group in groups:

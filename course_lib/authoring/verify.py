@@ -271,7 +271,7 @@ class WeekRehearsals:
 
     def _find_crashes(self) -> Iterator[Flaw]:
         """Yield a flaw for each deletion with which the solution crashes but passes all public checks."""
-        code = Code.read(self._solution)
+        code = Code.from_notebook(self._solution)
         false_passes = find_false_passes(code, self._tasks, self._week, self._run_rehearsals)
         for name, task, why in false_passes:
             text = f"{task}: {name} the solution crashes ({why}), and all public checks pass"

@@ -278,15 +278,15 @@ class SceneControl:
             return rotation(self.axes[:, 0], self.turned)
         return facing(self.axes, camera, self.turned)
 
-    def drawn(self, pose: Matrix, camera: Matrix) -> Matrix:
+    def marker_pose(self, pose: Matrix, camera: Matrix) -> Matrix:
         """Return the pose of its markers, shape (4, 4)."""
-        drawn_pose = pose.copy()
+        pose_of_markers = pose.copy()
         is_apart = (
             self.message.orientation_mode == VIEW_FACING and self.message.independent_marker_orientation
         )
         if not is_apart:
-            drawn_pose[:3, :3] = self.orientation(pose, camera)
-        return drawn_pose
+            pose_of_markers[:3, :3] = self.orientation(pose, camera)
+        return pose_of_markers
 
 
 class SceneMarker:
@@ -453,7 +453,7 @@ class SceneMarker:
             pose = pose_in_fixed_frame(np.eye(4), part.pose)
             if part.header.frame_id:
                 there = self._context.frames.transform(part.header.frame_id, nanoseconds(part.header.stamp))
-                above = self._reference @ control.drawn(self._pose, self._camera)
+                above = self._reference @ control.marker_pose(self._pose, self._camera)
                 pose = inverse(above) @ (pose if there is None else pose_in_fixed_frame(there, part.pose))
             scene.set_transform(node, pose)
             for name, drawable in DRAW[part.type](part).drawables.items():
@@ -501,7 +501,7 @@ class SceneMarker:
         scene = self._context.scene
         scene.set_transform(f"{self.path}/axes", self._pose)
         for control in self.controls:
-            scene.set_transform(control.path, control.drawn(self._pose, self._camera))
+            scene.set_transform(control.path, control.marker_pose(self._pose, self._camera))
 
 
 def _transform_point(transform: Matrix, point: Floats) -> Floats:

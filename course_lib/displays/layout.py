@@ -222,7 +222,7 @@ def layout_of(text: str, name: str) -> Layout:
     Raises:
         CourseError: It is not YAML; the message begins with line and column.
     """
-    return _Parts(parse_yaml(text)).layout(name)
+    return _LayoutReader(parse_yaml(text)).layout(name)
 
 
 def text_at(config: Config, label: str) -> str:
@@ -236,7 +236,7 @@ def text_at(config: Config, label: str) -> str:
     return "" if value is None or isinstance(value, Mapping | list | tuple) else str(value)
 
 
-class _Parts:
+class _LayoutReader:
     """The parts of a parsed file, and errors about parts with an invalid structure."""
 
     def __init__(self, parsed: Parsed) -> None:

@@ -392,7 +392,7 @@ class DisplayedMarker:
     # Robot time of reception [ns].
     received_ns: int
     # Whether its node is visible.
-    shown: bool = True
+    is_shown: bool = True
     # The transform that was used last; None if it is unknown.
     transform_frame_to_fixed: Matrix | None = None
 
@@ -534,7 +534,7 @@ class MarkerStore:
             and _drawing_key(marker)
             and _drawing_key(marker) == _drawing_key(before.marker)
         ):
-            return DisplayedMarker(marker, before.drawn, path, received_ns, before.shown)
+            return DisplayedMarker(marker, before.drawn, path, received_ns, before.is_shown)
         if before and before.path != path:
             scene.delete(before.path)
             before = None
@@ -543,7 +543,7 @@ class MarkerStore:
             scene.delete(f"{path}/{part}")
         for part, drawable in drawing.drawables.items():
             scene.set_object(f"{path}/{part}", drawable)
-        return DisplayedMarker(marker, drawing, path, received_ns, before.shown if before else True)
+        return DisplayedMarker(marker, drawing, path, received_ns, before.is_shown if before else True)
 
     def _node(self, marker: Any) -> str:
         """Return the path of a marker, below its frame if it is locked to it."""
@@ -556,9 +556,9 @@ class MarkerStore:
         marker, scene = live.marker, self._context.scene
         frame, stamp_ns = marker.header.frame_id, nanoseconds(marker.header.stamp)
         transform = self._transform(live)
-        if live.shown != (transform is not None):
-            live.shown = not live.shown
-            scene.set_visible(live.path, live.shown)
+        if live.is_shown != (transform is not None):
+            live.is_shown = not live.is_shown
+            scene.set_visible(live.path, live.is_shown)
         first, live.transform_frame_to_fixed = live.transform_frame_to_fixed is None, transform
         if transform is None:
             problem = self._context.frames.problem(frame, stamp_ns) or ""

@@ -54,7 +54,7 @@ class LinkShapes:
         for uri in (shape.uri for shape in (*link.visuals, *link.collisions) if shape.uri):
             self._file_of(uri)
 
-    def drawn(self, shape: Geometry, alpha: float, is_lost: bool) -> Drawable | None:
+    def draw(self, shape: Geometry, alpha: float, is_lost: bool) -> Drawable | None:
         """Draw a shape in its own frame; None if its file cannot be read.
 
         Args:
@@ -227,7 +227,7 @@ class DrawnLink:
         settings: LinkSettings,
     ) -> Iterable[tuple[str, tuple[Drawable, Matrix]]]:
         for index, shape in enumerate(self._shapes.get(kind, ())):
-            drawable = self.shapes.drawn(shape, settings.alpha, settings.is_lost)
+            drawable = self.shapes.draw(shape, settings.alpha, settings.is_lost)
             if drawable is not None:
                 scale = shape.size if shape.kind == "mesh" else (1.0, 1.0, 1.0)
                 transform: Matrix = shape.transform_shape_to_link @ np.diag([*scale, 1.0])

@@ -34,12 +34,12 @@ class RobotPlace:
     Args:
         address: The address of its router, like `tcp/0.0.0.0:7447`, or THIS_COMPUTER for DDS.
         domain: Its ROS_DOMAIN_ID.
-        on_real_ros: Whether it runs on the real rclpy, which needs DDS.
+        is_on_real_ros: Whether it runs on the real rclpy, which needs DDS.
     """
 
     address: str
     domain: int = 0
-    on_real_ros: bool = False
+    is_on_real_ros: bool = False
 
 
 def robot(
@@ -63,7 +63,7 @@ def robot(
     if kind not in PROGRAMS:
         raise CourseError(f"There is no robot {kind!r}: start one of {', '.join(PROGRAMS)}.")
     program = FOLDER / PROGRAMS[kind]
-    if place.on_real_ros:
+    if place.is_on_real_ros:
         if kind != REAL_KIND:
             raise CourseError(f"The robot {kind!r} needs the kit: --ros runs only {REAL_KIND!r}.")
         return _run_on_real_ros(program, place.domain, write, with_parent=with_parent)

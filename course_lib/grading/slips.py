@@ -121,7 +121,7 @@ def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
                 yield f"{method}() changes {name} and returns None: leave out {name} = before it."
 
 
-def _find_created(statement: ast.stmt) -> tuple[str, str]:
+def _created_object(statement: ast.stmt) -> tuple[str, str]:
     """Return the name and the class of an object that a statement creates, or ("", "")."""
     match statement:
         case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=ast.Name(id=kind))) if kind[
@@ -154,7 +154,7 @@ def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
     # Whether a field of each object is set, and it was not used for anything else yet.
     is_filled: dict[str, bool] = {}
     for statement in block:
-        name, kind = _find_created(statement)
+        name, kind = _created_object(statement)
         if name:
             if is_filled.get(name):
                 yield f"{_quote(statement)} creates a second {kind}: what was set before is in the first."
@@ -167,7 +167,7 @@ def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
                 del is_filled[filled_name]
 
 
-def _find_published(statement: ast.AST) -> str:
+def _published_variable(statement: ast.AST) -> str:
     """Return the variable that a statement publishes, or ""."""
     match statement:
         case ast.Expr(value=ast.Call(func=ast.Attribute(attr=method), args=[ast.Name(id=name)])) if (
@@ -179,15 +179,15 @@ def _find_published(statement: ast.AST) -> str:
 
 def _late_assignments(block: Sequence[ast.stmt]) -> Iterator[str]:
     for index, statement in enumerate(block):
-        name = _find_published(statement)
-        created = any(_find_created(one)[0] == name for one in block[:index])
+        name = _published_variable(statement)
+        created = any(_created_object(one)[0] == name for one in block[:index])
         later = []
         for after in block[index + 1 :]:
-            if _find_created(after)[0] == name:
+            if _created_object(after)[0] == name:
                 break
             if _sets_field(after, name):
                 later.append(after)
-        is_recreated = any(_find_published(one) == name for one in block[index + 1 :])
+        is_recreated = any(_published_variable(one) == name for one in block[index + 1 :])
         if name and created and later and not is_recreated:
             yield (
                 f"{_quote(later[0])} comes after {_quote(statement)}: a message is sent as it is "
@@ -202,7 +202,7 @@ def _loops(block: Sequence[ast.stmt], function: str) -> Iterator[str]:
         if isinstance(loop.body[-1], ast.Return):
             yield f"return ends the loop of {function} after its first item: move it out of the loop."
         before = {name.id for one in block[:index] for name in ast.walk(one) if isinstance(name, ast.Name)}
-        inside = {_find_created(one)[0] for one in loop.body} - before - {""}
+        inside = {_created_object(one)[0] for one in loop.body} - before - {""}
         for later in block[index + 1 :]:
             match later:
                 case ast.Expr(value=ast.Call(func=ast.Attribute(attr=method), args=[ast.Name(id=name)])) if (
@@ -229,8 +229,8 @@ def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
     for index, loop in enumerate(block):
         if not isinstance(loop, ast.For):
             continue
-        created = dict(filter(lambda found: found[0], map(_find_created, block[:index])))
-        inside = {_find_created(one)[0] for one in ast.walk(loop) if isinstance(one, ast.stmt)}
+        created = dict(filter(lambda found: found[0], map(_created_object, block[:index])))
+        inside = {_created_object(one)[0] for one in ast.walk(loop) if isinstance(one, ast.stmt)}
         for node in ast.walk(loop):
             match node:
                 case ast.Call(func=ast.Attribute(attr="append"), args=[ast.Name(id=name)]) if (

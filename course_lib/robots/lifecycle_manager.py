@@ -83,7 +83,7 @@ class LifecycleManager(Node):
             )
             for name in self._managed
         }
-        self._looks = 0
+        self._look_count = 0
         self._timer = self.create_timer(_LOOK, self._wait_for_nodes, callback_group=group)
 
     async def _wait_for_nodes(self) -> None:
@@ -91,11 +91,11 @@ class LifecycleManager(Node):
         for name in [name for name in self._managed if name in current_graph().left_out_nodes]:
             self.get_logger().warning(f"'{name}' cannot run here: the other nodes are managed without it.")
             self._managed.remove(name)
-        self._looks += 1
+        self._look_count += 1
         for name in self._managed:
             get_state = self._links[name][1]
             if not get_state.service_is_ready():
-                if self._looks % round(_REPORT / _LOOK) == 0:
+                if self._look_count % round(_REPORT / _LOOK) == 0:
                     self.get_logger().info(f"Waiting for service {name}/get_state...")
                 return
         self._timer.cancel()

@@ -251,11 +251,11 @@ def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
     def build() -> None:
         box.children = [center, *(_row(name, joint) for name, joint in publisher.joints.items())]
 
-    def to_zeros(_: Any) -> None:
+    def reset_joints(_: Any) -> None:
         for row, joint in zip(box.children[1:], publisher.joints.values(), strict=True):
             row.children[0].value = joint.zero
 
-    center.on_click(to_zeros)
+    center.on_click(reset_joints)
     publisher.on_robot.append(build)
     build()
     return box

@@ -331,7 +331,7 @@ def _similar_name(
         return f"if {missing} is a comment, begin it with #: // divides."
     if missing in _OTHER_LANGUAGES:
         return f"Python's name for it is `{_OTHER_LANGUAGES[missing]}`."
-    if similar := _abbreviated(missing, frame):
+    if similar := _find_abbreviation(missing, frame):
         return f"did you mean `{similar}`?"
     own_names = getattr(frame.f_locals.get("self"), "__dict__", {})
     # A method of rclpy has to be more similar than a name that the student chose.
@@ -366,7 +366,7 @@ def _is_string_of_class(name: str, frame: FrameType) -> bool:
     return any(name in filter(lambda one: isinstance(one, str), code.co_consts) for code in codes)
 
 
-def _abbreviated(wanted: str, frame: FrameType) -> str:
+def _find_abbreviation(wanted: str, frame: FrameType) -> str:
     """Return the only local variable that a name abbreviates or spells out, like msg and message, or ""."""
 
     def abbreviates(short: str, long: str) -> bool:

@@ -131,7 +131,7 @@ _RECORD = (
     flag("--include-hidden-topics", help="Record hidden topics as well"),
     flag("--use-sim-time", help="Stamp messages by /clock; none is recorded before its first message"),
 )
-BAG_RECORD = Verb("bag", "record", "Record ROS data to a bag", _RECORD, _record_bag, from_start=True)
+BAG_RECORD = Verb("bag", "record", "Record ROS data to a bag", _RECORD, _record_bag, is_immediate=True)
 
 
 def _info(source: Source, arguments: Namespace, write: Write) -> None:
@@ -151,7 +151,13 @@ _INFO = (
     flag("-v", "--verbose", help="Display request/response information for services"),
 )
 BAG_INFO = Verb(
-    "bag", "info", "Print information about a bag to the screen", _INFO, _info, from_start=True, looks=False
+    "bag",
+    "info",
+    "Print information about a bag to the screen",
+    _INFO,
+    _info,
+    is_immediate=True,
+    needs_nodes=False,
 )
 
 

@@ -506,7 +506,7 @@ _COMMENTS = (
     flag("--all-comments", help="Show all comments, including for nested interface definitions"),
     flag("--no-comments", help="Show no comments or whitespace"),
 )
-_verb = partial(Verb, "interface", looks=False)
+_verb = partial(Verb, "interface", needs_nodes=False)
 INTERFACE_VERBS = (
     _verb("list", "List all interface types available", _ONLY, _list_types),
     _verb(

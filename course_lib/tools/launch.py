@@ -67,8 +67,8 @@ def launch_verbs(executables: Executables) -> tuple[Verb, Verb]:
     """Return `ros2 launch` and `ros2 run`, which also find these executables."""
     launch, run = partial(_launch, executables), partial(_run, executables)
     return (
-        Verb("launch", "", "Run a launch file", _LAUNCH, launch, from_start=True),
-        Verb("run", "", "Run a package specific executable", _RUN, run, from_start=True),
+        Verb("launch", "", "Run a launch file", _LAUNCH, launch, is_immediate=True),
+        Verb("run", "", "Run a package specific executable", _RUN, run, is_immediate=True),
     )
 
 

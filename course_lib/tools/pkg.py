@@ -29,7 +29,7 @@ _MAIN = "def main():\n    print('Hi from {package}.')\n\n\nif __name__ == '__mai
 
 def pkg_verbs(executables: "Executables") -> tuple[Verb, ...]:
     """Return the verbs of `ros2 pkg`, which also list these executables."""
-    verb = partial(Verb, "pkg", looks=False)
+    verb = partial(Verb, "pkg", needs_nodes=False)
     return (
         verb("create", "Create a new ROS 2 package", _CREATE, _create),
         verb("list", "Output a list of available packages", (), partial(_list, executables)),

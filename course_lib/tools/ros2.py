@@ -44,15 +44,23 @@ _OPTIONS = (
     value("--call", action="append", default=[], help="A service or action that may be called"),
 )
 LINK_VERBS = (
-    Verb("connect", "", "Link this notebook to a robot", _OPTIONS, _connect, from_start=True, looks=False),
+    Verb(
+        "connect",
+        "",
+        "Link this notebook to a robot",
+        _OPTIONS,
+        _connect,
+        is_immediate=True,
+        needs_nodes=False,
+    ),
     Verb(
         "disconnect",
         "",
         "End the link to the robot",
         (),
         lambda *_: disconnect(),
-        from_start=True,
-        looks=False,
+        is_immediate=True,
+        needs_nodes=False,
     ),
 )
 
@@ -156,7 +164,7 @@ def ros2(words: Sequence[str], source: Source, write: Write) -> None:
         write(parser.format_help())
         return
     arguments = parser.parse_args(verb_arguments)
-    if pause := getattr(arguments, "spin_time", 0.0) or (0.0 if verb.from_start else source.discovery):
+    if pause := getattr(arguments, "spin_time", 0.0) or (0.0 if verb.is_immediate else source.discovery):
         source.wait(lambda: False, pause)
     verb.run(source, arguments, write)
 

@@ -131,7 +131,7 @@ def ros2_over(
     is_file = bool(words) and Path(words[0]).is_file()
     # The error for an unknown command needs no source.
     is_unknown = verb is None and not is_file
-    needs_nothing = is_unknown or bool(HELP & set(words)) or (verb is not None and not verb.looks)
+    needs_nothing = is_unknown or bool(HELP & set(words)) or (verb is not None and not verb.needs_nodes)
     starts = verb is not None and verb.words[0] in ("launch", "run") and bag is None
     if bool(files) + (bag is not None) + (robot is not None) != 1 and not (needs_nothing or starts):
         if is_file:

@@ -387,7 +387,7 @@ _ECHO = (
     value("--filter", dest="filter_expr", help="Python expression to filter messages; m is the message"),
     *qos_options("subscribe", "sensor_data"),
 )
-TOPIC_ECHO = Verb("topic", "echo", "Output messages from a topic", _ECHO, _echo, from_start=True)
+TOPIC_ECHO = Verb("topic", "echo", "Output messages from a topic", _ECHO, _echo, is_immediate=True)
 
 
 # Upper limit, divisor, unit and digits.
@@ -519,7 +519,7 @@ _HZ_OPTIONS = (
     value("--filter", dest="filter_expr", metavar="EXPR", help="only measure messages that this Python fits"),
     flag("--wall-time", help="calculates rate using wall time; here robot time stands for it"),
 )
-_verb = partial(Verb, "topic", from_start=True)
+_verb = partial(Verb, "topic", is_immediate=True)
 TOPIC_MEASURES = (
     _verb("hz", "Print the average publishing rate to screen", (*_options(10000), *_HZ_OPTIONS), _hz),
     _verb("bw", "Display bandwidth used by topic", _options(100), _bw),

@@ -46,8 +46,8 @@ class Verb:
     Args:
         name: Empty for a command without verbs, like `ros2 doctor`.
         run: The function, which raises a CourseError with ROS's text for invalid arguments.
-        from_start: Whether it subscribes immediately. Other verbs first wait for nodes to start.
-        looks: Whether it needs nodes or a recording.
+        is_immediate: Whether it subscribes immediately. Other verbs first wait for nodes to start.
+        needs_nodes: Whether it needs nodes or a recording.
     """
 
     command: str
@@ -55,8 +55,8 @@ class Verb:
     help: str
     options: tuple[Option, ...]
     run: Run
-    from_start: bool = False
-    looks: bool = True
+    is_immediate: bool = False
+    needs_nodes: bool = True
 
     @property
     def words(self) -> list[str]:

@@ -49,7 +49,7 @@ def bundle_name() -> str:
     return _build_bundle()[0]
 
 
-def bundle_zipped() -> bytes:
+def zipped_bundle() -> bytes:
     """Return the compressed script."""
     return _build_bundle()[1]
 
@@ -206,5 +206,5 @@ def bundle_code(start: str = MOUNT_ALL) -> str:
 
     `start` is a function that is given the viewer.
     """
-    zipped = base64.b64encode(bundle_zipped()).decode()
+    zipped = base64.b64encode(zipped_bundle()).decode()
     return _CODE.format(zipped=zipped, key=bundle_name(), start=start)

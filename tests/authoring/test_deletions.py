@@ -102,7 +102,7 @@ def test_launch_file_with_a_deleted_statement_or_import_does_not_pass(file: str)
         count += len(rehearsals)
         return (rehearse(one, course) for one in rehearsals)
 
-    code, tasks = Code.read(course.solutions / file), [catalog_of(course).task("week05.launch_file")]
+    code, tasks = Code.from_notebook(course.solutions / file), [catalog_of(course).task("week05.launch_file")]
     assert list(find_false_passes(code, tasks, "week05", run)) == []
     assert count
 

@@ -35,11 +35,11 @@ COURSE = this_course()
 
 def right_answers(week: str, tasks: list[Task]) -> Iterator[tuple[str, Code, list[Task]]]:
     """Yield every right answer of a week: its name, its code, and the tasks that it is for."""
-    solution = Code.read(COURSE.solutions / f"{week}_solution.ipynb")
+    solution = Code.from_notebook(COURSE.solutions / f"{week}_solution.ipynb")
     yield "solution", solution, tasks
     answers = read_answers(COURSE.solutions, week)
     if answers.other_right is not None:
-        yield "other_right", Code.read(answers.other_right), tasks
+        yield "other_right", Code.from_notebook(answers.other_right), tasks
     by_id = {task.id: task for task in tasks}
     for variant in answers.variants:
         if variant.way and variant.task in by_id:

@@ -26,4 +26,4 @@ def test_modules_import_only_modules_earlier_in_the_bundle() -> None:
 
 
 def test_javascript_bundle_stays_small() -> None:
-    assert len(html.bundle_zipped()) < 255_000
+    assert len(html.zipped_bundle()) < 255_000

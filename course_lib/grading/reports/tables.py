@@ -39,12 +39,12 @@ class TimeSummary:
 
     count: int
     median_seconds: float
-    most: float
+    longest_seconds: float
 
     @property
     def remark(self) -> str:
         """A warning about a slow check, or ""."""
-        return f"slow: a check may take {CHECK_SECONDS:g} s" if self.most >= SLOW else ""
+        return f"slow: a check may take {CHECK_SECONDS:g} s" if self.longest_seconds >= SLOW else ""
 
 
 def write_check_times(out: Path, key: str, judgement: Judgement) -> None:

@@ -307,7 +307,7 @@ def _check_surplus(
     topics = {row.arguments.get("topic") for row in of_class} - {None}
     max_displays = max(1, len(topics), 2 * any(row.check_function == COLORS_APART for row in of_class))
     if (count := display_counts[own_arguments["class_name"]]) > max_displays and (
-        own_row.is_personal or own_row is _last_weighted(of_class)
+        own_row.is_personal or own_row is _last_row_with_weight(of_class)
     ):
         message = (
             f"the layout has {count} enabled displays {own_arguments['class_name']}, expected at "
@@ -315,7 +315,7 @@ def _check_surplus(
         )
         return [Problem(f"{message}: remove or disable the others", TOO_MANY)]
     other_count = sum(display_counts.values()) - sum(display_counts[name] for name in classes)
-    if other_count > max(MOST_OTHERS, len(classes)) and own_row is _last_weighted(rows):
+    if other_count > max(MOST_OTHERS, len(classes)) and own_row is _last_row_with_weight(rows):
         message = f"the layout has {other_count} enabled displays that the task does not ask for"
         return [Problem(f"{message}: remove or disable them", TOO_MANY)]
     return []
@@ -329,7 +329,7 @@ def _display_checks(evidence: Evidence) -> list[ResolvedCheck]:
     return [resolve_check(check, evidence.personal) for check in checks]
 
 
-def _last_weighted(rows: Sequence[ResolvedCheck]) -> ResolvedCheck:
+def _last_row_with_weight(rows: Sequence[ResolvedCheck]) -> ResolvedCheck:
     """Return the last check with a weight, or the last check."""
     return ([row for row in rows if row.weight > 0] or rows)[-1]
 

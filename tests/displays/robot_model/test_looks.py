@@ -18,14 +18,14 @@ def test_texture_is_drawn_in_its_mean_color(tmp_path: Path) -> None:
     picture.putpixel((1, 0), (0, 0, 255))
     picture.save(tmp_path / "half.png")
     material = Material((1.0, 1.0, 1.0, 1.0), f"file://{tmp_path}/half.png")
-    drawn = LinkShapes(Link("a", (BOX,), (), material, None), None).drawn(BOX, 1.0, False)
+    drawn = LinkShapes(Link("a", (BOX,), (), material, None), None).draw(BOX, 1.0, False)
     assert isinstance(drawn, Solids)
     np.testing.assert_allclose(drawn.colors, [0.5, 0, 0.5, 1])
 
 
 def test_missing_texture_is_white() -> None:
     material = Material((1.0, 1.0, 1.0, 1.0), "file:///nowhere.png")
-    drawn = LinkShapes(Link("a", (BOX,), (), material, None), None).drawn(BOX, 0.5, False)
+    drawn = LinkShapes(Link("a", (BOX,), (), material, None), None).draw(BOX, 0.5, False)
     assert isinstance(drawn, Solids)
     np.testing.assert_allclose(drawn.colors, [1, 1, 1, 0.5])
 
