@@ -193,10 +193,17 @@ def _run(shell: "InteractiveShell", source: str) -> str:
     """Run a cell without displaying its output. Return its error on one line, or ""."""
     from unittest.mock import patch
 
+    from IPython.core.displaypub import CapturingDisplayPublisher
     from IPython.utils.capture import capture_output
 
+    # JupyterLab's messages of widgets arrive in another thread while a cell runs. The kernel would
+    # lose them, because it tells each one's header to the publisher, and only its own takes it.
+    receiving = patch.object(
+        CapturingDisplayPublisher, "set_parent", lambda publisher, parent: None, create=True
+    )
     # A kernel sends the traceback as a separate message, which cannot be captured as output.
-    with capture_output(), patch.object(shell, "_showtraceback", lambda *_: None):
+    silent = patch.object(shell, "_showtraceback", lambda *_: None)
+    with receiving, capture_output(), silent:
         result = shell.run_cell(source, store_history=False, silent=True)  # type: ignore[no-untyped-call]  # as above
     error = result.error_before_exec or result.error_in_exec
     return "" if error is None else f"{type(error).__name__}: {error}".splitlines()[0]

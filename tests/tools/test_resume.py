@@ -114,6 +114,26 @@ def test_new_kernel_runs_the_cells_above_without_their_outputs_and_reports_error
         assert kernel.run(7, "print(size)") == ("2\n", "")
 
 
+def test_message_from_another_thread_arrives_while_resume_runs_cells(notebook: Path) -> None:
+    message = """\
+from threading import Thread
+errors = []
+def receive():
+    try:
+        get_ipython().set_parent(get_ipython().get_parent())
+    except Exception as error:
+        errors.append(error)
+thread = Thread(target=receive)
+thread.start()
+thread.join()"""
+    content = json.loads(notebook.read_text())
+    content["cells"][1]["source"] = message
+    notebook.write_text(json.dumps(content))
+    with kernel_of(notebook) as kernel:
+        kernel.run(6, "from course_lib import resume\nresume()")
+        assert kernel.run(7, "print(thread.is_alive(), errors)") == ("False []\n", "")
+
+
 @pytest.mark.slow
 def test_cells_already_run_in_this_kernel_are_not_run_again(notebook: Path) -> None:
     with kernel_of(notebook) as kernel:
