@@ -5,17 +5,11 @@ from argparse import Namespace
 from collections.abc import Iterator
 
 from course_lib.ros.graph.graph import EndpointInfo
-from course_lib.ros.graph.topics import Qos, find_incompatible_policy
+from course_lib.ros.graph.topics import Qos
 from course_lib.tools.sources import ALWAYS_THERE, Source
 from course_lib.tools.verb import Verb, Write, flag
 
 # The texts of rmw_dds_common/src/qos.cpp.
-_REASONS = {
-    "RELIABILITY": "Best effort publisher and reliable subscription",
-    "DURABILITY": "Volatile publisher and transient local subscription",
-    "DEADLINE": "Subscription deadline is less than publisher deadline",
-    "LIVELINESS": "Publisher's liveliness is automatic and subscription's is manual by topic",
-}
 _PACKAGES = ("course-lib", "ipywidgets", "jupyterlab", "meshcat", "numpy", "rosbags")
 # Topics of these types contain the robot's time stamps and cause little traffic.
 _SMALL = (
@@ -81,13 +75,12 @@ def _link(source: Source) -> Rows:
 
 
 def problem(offered: Qos, requested: Qos) -> str:
-    """Return the QoS error of a pair with the text of rclpy's qos_check_compatible, or ""."""
-    policy = find_incompatible_policy(offered, requested)
-    if policy == "DEADLINE" and offered.deadline_ns is None:
-        return "ERROR: Subscription has a deadline, but publisher does not;"
-    if policy == "LIVELINESS" and offered.liveliness == requested.liveliness:
-        return "ERROR: Subscription liveliness lease duration is less than publisher;"
-    return f"ERROR: {_REASONS[policy]};" if policy else ""
+    """Return the QoS errors of a pair with the text of rclpy's qos_check_compatible, or ""."""
+    # Imported late because rclpy is slow to import.
+    from rclpy.impl.graph_queries import to_profile
+    from rclpy.qos import qos_check_compatible
+
+    return qos_check_compatible(to_profile(offered), to_profile(requested))[1]
 
 
 def _pairs(source: Source) -> Iterator[tuple[str, EndpointInfo, EndpointInfo]]:

@@ -83,11 +83,14 @@ def test_problem_is_reported_for_topics_without_matching_endpoints(offered: Qos,
     ("offered", "requested", "text"),
     [
         (Qos(), Qos(durability="transient_local"), "Volatile publisher and transient local subscription"),
-        (Qos(), Qos(deadline_ns=1), "Subscription has a deadline, but publisher does not"),
+        (Qos(), Qos(deadline_ns=1), "Subscription deadline is less than publisher deadline"),
         (Qos(deadline_ns=2), Qos(deadline_ns=1), "Subscription deadline is less than publisher deadline"),
         (Qos(), Qos(liveliness="manual_by_topic"),
          "Publisher's liveliness is automatic and subscription's is manual by topic"),
         (Qos(lease_ns=2), Qos(lease_ns=1), "Subscription liveliness lease duration is less than publisher"),
+        (Qos(reliability="best_effort"), Qos(durability="transient_local"),
+         "Best effort publisher and reliable subscription;"
+         "ERROR: Volatile publisher and transient local subscription"),
     ],
 )  # fmt: skip
 def test_problems_have_the_text_of_rmw(offered: Qos, requested: Qos, text: str) -> None:
