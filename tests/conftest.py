@@ -20,7 +20,11 @@ from course_lib.ros.programs.import_path import install
 from tests.kernels import listen_on_files
 from tests.patience import PATIENCE
 from tests.reruns import pytest_runtest_setup  # noqa: F401  # a hook of pytest
-from tests.scheduling import pytest_xdist_make_scheduler  # noqa: F401  # another one
+from tests.scheduling import (  # noqa: F401  # two more
+    may_be_slow,
+    pytest_ignore_collect,
+    pytest_xdist_make_scheduler,
+)
 
 if TYPE_CHECKING:
     from tests.once import Once
@@ -64,6 +68,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the parameter sets of a test as slow that are beyond its sample.
 
     First, as pytest selects by marks in the same hook.
+
+    Raises:
+        UsageError: A slow test is in a file that `pytest -m slow` would leave out.
     """
     seen = Counter[str]()
     for item in items:
@@ -73,6 +80,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             seen[name] += 1
             if seen[name] > sample.args[0]:
                 item.add_marker(pytest.mark.slow)
+        if item.get_closest_marker("slow") is not None and not may_be_slow(item.path):
+            raise pytest.UsageError(f"{item.nodeid} is slow: write pytest.mark.slow in its own file")
 
 
 @pytest.fixture(scope="session")

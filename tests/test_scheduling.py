@@ -1,11 +1,12 @@
-"""Workers of pytest-xdist run browsers and other files at the same time."""
+"""Workers of pytest-xdist run browsers and other files at the same time, and collect no file in vain."""
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from tests.scheduling import BrowsersBesideOthers
+from tests.scheduling import BrowsersBesideOthers, pytest_ignore_collect
 
 BROWSER_FILES = [f"tests/browser/test_{name}.py" for name in "bcd"]
 FILES = ["tests/book/test_a.py", *BROWSER_FILES, *(f"tests/ros/test_{name}.py" for name in "efghijk")]
@@ -44,3 +45,14 @@ def test_every_second_worker_starts_with_browsers_and_helps_the_others_afterward
                 scheduler.mark_test_complete(node, worker.tests[step])
     order = ["".join(FILES[number][-4] for number in worker.tests) for worker in workers]
     assert order == ["bcdgik", "aefhj"]
+
+
+@pytest.mark.parametrize("mark", ["slow", "sample(3)", ""])
+@pytest.mark.parametrize("selection", ["slow", "not slow", "slow or browser", ""])
+def test_file_without_slow_tests_is_left_out_if_only_these_are_selected(
+    mark: str, selection: str, tmp_path: Path, pytestconfig: pytest.Config, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pytestconfig.option, "markexpr", selection)
+    path = tmp_path / "test_one.py"
+    path.write_text(f"import pytest\n{mark and '@pytest.mark.'}{mark}\ndef test_one() -> None: ...\n")
+    assert bool(pytest_ignore_collect(path, pytestconfig)) == (selection == "slow" and not mark)
