@@ -102,16 +102,6 @@ def test_viewer_opens_in_a_tab_through_the_hub_proxy(running: Notebook) -> None:
     tab.close()
 
 
-def test_view_is_redrawn_after_page_reload_and_kernel_restart(running: Notebook) -> None:
-    running.page.evaluate("jupyterapp.commands.execute('docmanager:save')")
-    running.open()
-    wait_for_red(running.cell(SHOW))
-    running.page.evaluate("courseNotebook().context.sessionContext.session.kernel.restart()")
-    running.wait_idle()
-    running.run_to(LIVE)
-    wait_for_red(running.cell(SHOW))
-
-
 def test_lesson_one_runs_on_a_hub_with_rqt_and_checks(running: Notebook) -> None:
     running.cell(LIVE)
     running.run_rest()

@@ -59,7 +59,9 @@ def test_every_week_with_a_solution_is_verified() -> None:
 
 
 def kinds_of_files() -> list[tuple[str, str]]:
-    return [(week, kind) for week in WEEKS for kind in ("solution", "stub", "first_try", "second_try")]
+    # The stubs of all weeks raise the same exception.
+    stubs = [(week, "stub") for week in WEEKS[:1]]
+    return stubs + [(week, kind) for week in WEEKS for kind in ("solution", "first_try", "second_try")]
 
 
 @pytest.mark.sample(3)
