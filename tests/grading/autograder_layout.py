@@ -18,8 +18,11 @@ def graded_upload(archive: Path, handed_in: Path, root: Path) -> dict[str, Any]:
         folder.mkdir(parents=True)
     (tools / "apt-get").write_text('#!/bin/sh\n[ "$1" = update ]\n')  # the image's packages are there
     version = f"python{sys.version_info.major}.{sys.version_info.minor}"
-    (tools / version).symlink_to(sys.executable)
-    (tools / "apt-get").chmod(0o755)
+    # pip comes from this environment, too: its installation would take 4 s of processor time.
+    without_pip = f'[ "$2" != venv ] || set -- "$@" --without-pip\nexec {sys.executable} "$@"\n'
+    (tools / version).write_text(f"#!/bin/sh\n{without_pip}")
+    for program in ("apt-get", version):
+        (tools / program).chmod(0o755)
     subprocess.run(
         [sys.executable, "-m", "zipfile", "-e", archive, root / "source"], check=True, timeout=5 * PATIENCE
     )

@@ -16,4 +16,4 @@ if [ -z "$python" ]; then
   exit 1
 fi
 "$python" -m venv "$root/venv"
-"$root/venv/bin/pip" install KIT -e "$root/source/course"
+"$root/venv/bin/python" -m pip install KIT -e "$root/source/course"
