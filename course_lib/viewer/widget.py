@@ -221,7 +221,8 @@ class SceneWidget(anywidget.AnyWidget):
         """Return the view, and a picture for pages that run nothing: saved, untrusted, on GitHub."""
         data, metadata = super()._repr_mimebundle_(**kwargs) or ({}, {})
         data["text/plain"] = f"{self.label}: {len(self.scene.objects())} objects"
-        if _triangles(self.scene) <= _PICTURE_LIMIT:
+        is_wanted = "image/png" in (kwargs.get("include") or ("image/png",))
+        if is_wanted and _triangles(self.scene) <= _PICTURE_LIMIT:
             png = renderer.draw(self.scene, (_PICTURE_WIDTH, self.height * _PICTURE_WIDTH // 800))
             data["image/png"] = base64.b64encode(_with_caption(png)).decode()
         return data, metadata

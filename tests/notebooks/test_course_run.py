@@ -52,3 +52,12 @@ def test_notebook_runs_in_its_own_folder(tmp_path: Path) -> None:
     (tmp_path / "lessons").mkdir()
     write_notebook(tmp_path / "lessons" / "where.ipynb", ["from pathlib import Path\nprint(Path.cwd().name)"])
     assert course("run", "lessons/where.ipynb", cwd=tmp_path).stdout == "lessons\n"
+
+
+def test_view_is_printed_and_its_picture_is_not_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("course_lib.viewer.renderer.draw", lambda *_: pytest.fail("it was drawn"))
+    write_notebook(tmp_path / "view.ipynb", ["from course_lib import Viewer\nViewer()"])
+    code = run([tmp_path / "view.ipynb"], seconds=None, seed=0, bag=None, args=(), real_time=False)
+    assert (code, " objects\n" in capfd.readouterr().out) == (0, True)

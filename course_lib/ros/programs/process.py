@@ -302,6 +302,7 @@ def _event_loop() -> Iterator[None]:
 def make_shell() -> "InteractiveShell":
     """Create an IPython shell without history, colors or a page."""
     from IPython.core.displayhook import DisplayHook
+    from IPython.core.formatters import DisplayFormatter
     from IPython.core.interactiveshell import InteractiveShell
     from traitlets.config import Config
 
@@ -309,8 +310,18 @@ def make_shell() -> "InteractiveShell":
         def write_output_prompt(self) -> None:
             """Print nothing: results have no prompt such as `Out[1]:`."""
 
+    class TextFormatter(DisplayFormatter):
+        def format(self, obj: Any, include: Any = None, exclude: Any = None) -> Any:
+            """Return only the text of an object, because pictures take long and are not shown."""
+            return super().format(obj, {"text/plain"}, exclude)  # type: ignore[no-untyped-call]
+
     class Shell(InteractiveShell):
         displayhook_class = Quiet
+
+        def init_display_formatter(self) -> None:
+            """Use the formatter of a shell without pages."""
+            self.display_formatter = TextFormatter(parent=self)
+            self.configurables.append(self.display_formatter)  # type: ignore[arg-type]
 
         def enable_gui(self, gui: Any = None) -> None:
             """Do nothing, so that `%matplotlib inline` is accepted although there is no window."""
