@@ -39,14 +39,14 @@ class Operator:
         pattern: Regular expression for the code to replace.
         replacement: The replacement, which may refer to groups of the pattern.
         names: Regular expression that a message or a kind of mistake of a failed check must match.
-        is_right_for_public_inputs: Whether the mutant passes with the inputs of public scenarios.
+        only_other_inputs: Whether the mutant is correct for the inputs of the public scenario.
     """
 
     name: str
     pattern: str
     replacement: str
     names: str
-    is_right_for_public_inputs: bool = False
+    only_other_inputs: bool = False
 
 
 def operators(solutions: Path) -> tuple[Operator, ...]:
@@ -382,7 +382,7 @@ def _check_mutant(operator: Operator, name: str, path: Path, result: TaskResult)
         *["it has full marks"] * (result.score >= result.points),
         *["the hidden checks pass it"] * (not failure_text(result, hidden=True)),
         *["the public checks pass it"]
-        * (not operator.is_right_for_public_inputs and not failure_text(result, hidden=False)),
+        * (not operator.only_other_inputs and not failure_text(result, hidden=False)),
     ]
     if missed:
         row = f"[same] {result.task.split('.')[1]} = [{operator.name!r}]"
