@@ -42,7 +42,10 @@ POSE = {"shoulder_lift": -90, "elbow": 60, "wrist_1": -45, "wrist_2": 90, "wrist
 RANGES = (math.inf, 0.05, 1.5, 3.0, 2.0, 4.0, math.inf)  # [m]
 EARLIER = (math.nan, 3.0, 2.5, 2.5, 1.2, 4.0, math.inf)
 NOTHING = (math.inf, 0.05, math.nan, 31.0, math.inf, 0.0, -math.inf)  # 31 is more than range_max
-SCANS = (EARLIER, EARLIER, NOTHING, EARLIER, NOTHING, RANGES)  # twice a second
+# One beam counts: the first one, or the last one.
+FIRST = (2.0, *NOTHING[1:])
+LAST = (*NOTHING[:-1], 2.0)
+SCANS = (FIRST, EARLIER, NOTHING, EARLIER, NOTHING, EARLIER, LAST, RANGES)  # three times a second
 NEAREST = (1.5 * math.cos(-0.5), 1.5 * math.sin(-0.5), 0.0)  # [m]
 
 JOINT_WAVE = Task(
@@ -207,7 +210,7 @@ NEAREST_OBSTACLE = Task(
             "public",
             seconds=3.0,  # [s]
             seed=1,
-            inputs=tuple(_scan(ranges, at=0.3 + step / 2) for step, ranges in enumerate(SCANS)),
+            inputs=tuple(_scan(ranges, at=0.3 + step / 3) for step, ranges in enumerate(SCANS)),
             checks=(
                 AGAIN,
                 *with_formal(
