@@ -164,6 +164,11 @@ def known_name(class_name: str) -> str:
         )
     required = full_name(class_name)
     if required not in REGISTRY:
+        if class_name.startswith("/"):
+            raise CourseError(
+                f"There is no display {class_name!r}: the class comes first and then the topic, "
+                f"add('Marker', {class_name!r})."
+            )
         names = [short_name(name) for name in REGISTRY]
         same = [name for name in names if name.lower() == short_name(class_name).lower()]
         near = same or get_close_matches(short_name(class_name), names, 3) or names

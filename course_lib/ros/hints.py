@@ -6,6 +6,7 @@ ambiguous, by the mistake with which the raising code has marked the exception.
 
 import builtins
 import dis
+import linecache
 import re
 import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -113,6 +114,7 @@ def hint(error: BaseException) -> str:
         or _operand_hint(error, text)
         or _request_hint(error)
         or _list_hint(error, text)
+        or _pair_hint(error, text)
         or _program_arguments_hint(error)
         or _value_hint(error, text)
         or _table_hint(error, text)
@@ -335,15 +337,23 @@ def _super_hint(error: BaseException, text: str) -> str:
 
 
 def _callback_hint(error: BaseException) -> str:
-    """Return the hint for a callback whose name is in quotes, or ""."""
+    """Return the hint for a callback that is its name in quotes, or another value, or ""."""
     frame = frame_of(error)
     callback = frame.f_locals.get("callback") if frame is not None else None
-    if frame is not None and callback is None and "'str' object is not callable" in _text(error):
+    is_called = re.match(r"'\w+' object is not callable", _text(error))
+    if frame is not None and callback is None and is_called:
         # A timer accepts anything, and calls it when it is due.
         callback = getattr(frame.f_locals.get("entity"), "callback", None)
-    if not isinstance(error, RuntimeError | TypeError) or not isinstance(callback, str):
+    if not isinstance(error, RuntimeError | TypeError):
         return ""
-    return f"the callback is a function and not its name: write self.{callback}, without quotes."
+    if isinstance(callback, str):
+        return f"the callback is a function and not its name: write self.{callback}, without quotes."
+    if is_called and isinstance(callback, int | float | list | tuple | dict):
+        return (
+            f"the callback is {callback!r:.40}, of type {type(callback).__name__}: is it an attribute "
+            "with the name of a method, or is the callback at another place in the call?"
+        )
+    return ""
 
 
 def _parameter_callback_hint(error: BaseException, text: str) -> str:
@@ -358,7 +368,7 @@ def _parameter_callback_hint(error: BaseException, text: str) -> str:
 
 
 def _shadowed_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a function of Python that a variable of the student hides, or ""."""
+    """Return the hint for a function, a method or a class that a variable of the student hides, or ""."""
     frame, match = frame_of(error), re.match(r"'(\w+)' object is not callable", text)
     if frame is None or match is None or not isinstance(error, TypeError):
         return ""
@@ -370,6 +380,16 @@ def _shadowed_hint(error: BaseException, text: str) -> str:
                 f"{name} is a variable here, {name} = …, and hides Python's {name}(): choose "
                 f"another name for it. In a notebook, del {name} gives back Python's own."
             )
+        if name == match[1] and type(variables.get(name)).__name__ == name:
+            return (
+                f"{name} is an object here, {name} = …, and hides the class {name}: choose another name "
+                "for the object, and import the class again."
+            )
+    owner = frame.f_locals.get("self")
+    for name in re.findall(r"\bself\.(\w+)\(", line_of_student(error)):
+        value = getattr(owner, "__dict__", {}).get(name)
+        if type(value).__name__ == match[1] and callable(getattr(type(owner), name, None)):
+            return f"self.{name} = … hides the method {name}: choose another name for the attribute."
     return ""
 
 
@@ -496,9 +516,13 @@ def _list_hint(error: BaseException, text: str) -> str:
     The text of ROS does not say what was passed.
     """
     frame = frame_of(error)
-    if frame is None or "must be a set or sequence" not in text or "value" not in frame.f_locals:
+    if frame is None or "value" not in frame.f_locals:
         return ""
     value = frame.f_locals["value"]
+    # A constructor converts the value to an array, whose error is the one of a single item.
+    is_converted = frame.f_code.co_name == "pack" and "must be real number" in text
+    if "must be a set or sequence" not in text and not is_converted:
+        return ""
     if isinstance(value, Mapping):
         return "this is a dictionary, and the field takes a list: of its values, in the right order."
     if value is None:
@@ -511,7 +535,8 @@ def _list_hint(error: BaseException, text: str) -> str:
         )
     if isinstance(value, Iterable) and not isinstance(value, Collection):
         return f"this is of type {type(value).__name__}, which is not a list: put it into list( )."
-    are_plain = re.search(r"each value of type '(float|int|str|bool)'", text)
+    item_type = "each value of type 'float'" if is_converted else text
+    are_plain = re.search(r"each value of type '(float|int|str|bool)'", item_type)
     items = list(value) if are_plain and isinstance(value, Sequence | np.ndarray) else []
     for index, item in enumerate(items):
         if are_plain is not None and are_plain[1] == "int" and isinstance(item, int | np.integer):
@@ -521,10 +546,42 @@ def _list_hint(error: BaseException, text: str) -> str:
             continue
         if are_plain is not None and are_plain[1] == "int" and isinstance(item, float | np.floating):
             return f"item {index} of the list is {float(item)}, with a point: write int(…) or round(…)."
-        if item is None or (isinstance(item, str) and "'str'" not in text):
+        if item is None or (isinstance(item, str) and "'str'" not in item_type):
             return f"item {index} of the list is {item!r}, not a number."
         if isinstance(item, list | tuple | np.ndarray):
             return f"item {index} is a list in the list: does it have [ ] of its own, or is a * missing?"
+    return ""
+
+
+def _pair_hint(error: BaseException, text: str) -> str:
+    """Return the hint for a loop whose items are pairs, or the keys of a dictionary, or ""."""
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    if isinstance(error, AttributeError) and isinstance(error.obj, tuple):
+        for frame in frames:
+            lines = "".join(linecache.getlines(frame.f_code.co_filename))
+            names = [name for name, value in frame.f_locals.items() if value is error.obj]
+            if any(re.search(rf"\bfor {name} in enumerate\(", lines) for name in names):
+                return "enumerate gives pairs: `for index, item in enumerate(items)`."
+            if any(re.search(rf"\bfor {name} in [\w.]+\.items\(", lines) for name in names):
+                return "items() gives pairs, a key and a value: write two names between for and in."
+    if not isinstance(error, ValueError) or "values to unpack" not in text:
+        return ""
+    line = line_of_student(error)
+    if re.search(r"\bfor \w+(, \w+)+ in enumerate\(", line):
+        return (
+            "enumerate gives pairs, an index and an item. The names for the item's parts are in ( ): "
+            "`for index, (x, y) in enumerate([(1.0, 2.0)])`."
+        )
+    loop = re.search(r"\bfor [\w, ()]+ in (\w+(?:\.\w+)*)\s*(?:$|[:\])}]| if )", line)
+    if loop is None:
+        return ""
+    first, *attributes = loop[1].split(".")
+    for frame in reversed(frames):
+        value = {**frame.f_globals, **frame.f_locals}.get(first)
+        for attribute in attributes:
+            value = getattr(value, "__dict__", {}).get(attribute)
+        if isinstance(value, Mapping):
+            return f"{loop[1]} is a dictionary, whose loop gives only its keys: write {loop[1]}.items()."
     return ""
 
 

@@ -234,4 +234,14 @@ MESSAGES = [
         "AssertionError: The 'header' field must be a sub message of type 'Header'",
         "a header has a stamp and a frame: `message.header.frame_id = 'map'`.",
     ),
+    (
+        "from trajectory_msgs.msg import JointTrajectoryPoint\nJointTrajectoryPoint(positions={'arm': 1.0})",
+        "TypeError: must be real number, not str",
+        "this is a dictionary, and the field takes a list: of its values, in the right order.",
+    ),
+    (
+        "from trajectory_msgs.msg import JointTrajectoryPoint\nJointTrajectoryPoint(positions=['1.0'])",
+        "TypeError: must be real number, not str",
+        "item 0 of the list is '1.0', not a number.",
+    ),
 ]

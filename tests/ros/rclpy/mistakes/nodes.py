@@ -222,6 +222,31 @@ NODES = [
         "the callback is a function and not its name: write self.tick, without quotes.",
     ),
     (
+        "class Counter(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('counter')\n"
+        "        self.tick = 0\n"
+        "        self.create_timer(0.1, self.tick)\n"
+        "    def tick(self):\n"
+        "        self.tick += 1\n"
+        "rclpy.spin(Counter())",
+        "TypeError: 'int' object is not callable",
+        "the callback is 0, of type int: is it an attribute with the name of a method, or is the callback at "
+        "another place in the call?",
+    ),
+    (
+        "class Counter(Node):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('counter')\n"
+        "        self.steps = 0\n"
+        "        self.steps()\n"
+        "    def steps(self):\n"
+        "        pass\n"
+        "Counter()",
+        "TypeError: 'int' object is not callable",
+        "self.steps = … hides the method steps: choose another name for the attribute.",
+    ),
+    (
         "import asyncio\n"
         "async def tick():\n"
         "    await asyncio.sleep(0.1)\n"

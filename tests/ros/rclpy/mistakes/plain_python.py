@@ -436,6 +436,38 @@ PLAIN_PYTHON = [
         "notebook, del max gives back Python's own.",
     ),
     (
+        "Marker = Marker()\nmarker = Marker()",
+        "TypeError: 'Marker' object is not callable",
+        "Marker is an object here, Marker = …, and hides the class Marker: choose another name for the "
+        "object, and import the class again.",
+    ),
+    (
+        "for x, y, z in enumerate([(1.0, 2.0, 3.0)]):\n    pass",
+        "ValueError: not enough values to unpack (expected 3, got 2)",
+        "enumerate gives pairs, an index and an item. The names for the item's parts are in ( ): "
+        "`for index, (x, y) in enumerate([(1.0, 2.0)])`.",
+    ),
+    (
+        "for marker in enumerate([Marker()]):\n    marker.scale.x = 1.0",
+        "AttributeError: 'tuple' object has no attribute 'scale'",
+        "enumerate gives pairs: `for index, item in enumerate(items)`.",
+    ),
+    (
+        "markers = {'car': Marker()}\nfor marker in markers.items():\n    marker.scale.x = 1.0",
+        "AttributeError: 'tuple' object has no attribute 'scale'",
+        "items() gives pairs, a key and a value: write two names between for and in.",
+    ),
+    (
+        "node.limits = {'speed': 2.0}\nfor name, limit in node.limits:\n    pass",
+        "ValueError: too many values to unpack (expected 2)",
+        "node.limits is a dictionary, whose loop gives only its keys: write node.limits.items().",
+    ),
+    (
+        "(low, high), limits = [[1.0, 2.0, 3.0]] * 2",
+        "ValueError: too many values to unpack (expected 2)",
+        "there are more values than names on the left: print the value on the right.",
+    ),
+    (
         "x = 1.0 & 2.0",
         "TypeError: unsupported operand type(s) for &: 'float' and 'float'",
         "& and | compare the bits of whole numbers: conditions are joined by the words and, or.",
