@@ -26,7 +26,7 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.submission_run import NO_NODE
-from course_lib.grading.slips import IN_PLACE, Function, find_slip, parse
+from course_lib.grading.slips import IN_PLACE, Function, find_growing_list, find_slip, parse
 from course_lib.grading.task import HINTS, Task
 from course_lib.ros.messages import to_plain
 
@@ -39,6 +39,19 @@ SILENT = "nothing was published on an expected topic"
 AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
 )
+
+# Kinds of mistakes that a list causes which keeps the items of earlier calls, as far as the task has
+# no hint of its own for them. Old stamps are always a reason to look for such a list.
+_OLD_ITEMS = {"a stamp is in the past", "a stamp is not the expected one"}
+_SURPLUS = {
+    "markers with the same ns and id replace each other",
+    "a marker is twice in one array",
+    "the count is wrong",
+    "a topic shows more markers than the task asks for",
+    "a path has the wrong number of poses",
+    "the numbers of names and positions differ",
+    "a joint is named more than once",
+}
 
 TOO_MUCH = (
     "Your code publishes far too much. Is each timer's period in seconds, and not 0? Does no "
@@ -93,8 +106,11 @@ class Advice:
         elif causes[:1] == [SILENT]:
             texts = [_missing_call(code, result) or task.mistakes.get(SILENT) or _why_silent(code), *texts]
         slip = find_slip(source) if too_much or not result.errors else ""
-        unheard = "" if result.errors else _unheard_topic(task, code)
-        best_hint = slip or unheard or next((text for text in texts if text and not code.does(text)), "")
+        if not slip and not result.errors:
+            slip = _unheard_topic(task, code)
+        if not slip and (too_much or not result.errors):
+            slip = _growing_list(task, result, source)
+        best_hint = slip or next((text for text in texts if text and not code.does(text)), "")
         lines = [f"Hint: {best_hint}"] if best_hint else []
         if before is not None and (now.passed, now.fraction) > (before.passed, before.fraction):
             of = f"{now.passed} of {len(result.checks)}"
@@ -253,6 +269,12 @@ def _why_silent(code: Code) -> str:
         "Is your callback ever called, and does it get as far as publish()? Check that the timer's "
         "period is in seconds, then print something in the callback."
     )
+
+
+def _growing_list(task: Task, result: TaskResult, source: str) -> str:
+    """Return a sentence about a list that grows, if a failed check found too many or old items, or ""."""
+    failed = {kind for check in result.checks if not check.passed for kind in check.mistake.split("; ")}
+    return find_growing_list(source) if failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)) else ""
 
 
 def _first_cause(result: TaskResult) -> list[str]:

@@ -12,11 +12,9 @@ IN_PLACE = {"append", "extend", "insert", "remove", "reverse", "sort", "clear", 
 # Functions and methods that only return a value.
 _PURE = {"sorted", "reversed", "round", "abs", "replace", "strip", "lower", "upper", "format", "split"}
 _SENDING = ("publish", "sendTransform")
-# Communication objects of a node, which should be created only once.
-_KEPT = {
-    *("Buffer", "TransformListener", "TransformBroadcaster", "StaticTransformBroadcaster"),
-    *("create_publisher", "create_subscription"),
-}
+# Objects that receive messages only after they are created. A publisher that is created in a
+# callback does send, so it is never the reason that a check fails.
+_RECEIVERS = {"Buffer", "TransformListener", "create_subscription"}
 _SIGNS = {ast.UAdd: "+", ast.USub: "-"}
 _LONGEST = 60  # characters of a quoted line
 _FIELD = re.compile(r"\{[a-z_]\w*(\.\w+|\[\w+\])*(:[^{}]*)?\}")
@@ -36,7 +34,7 @@ def find_slip(source: str) -> str:
     tree = parse(source)
     for outer in ast.walk(tree):
         if isinstance(outer, ast.ClassDef):
-            for slip in (*_renewed_endpoints(outer), *_replaced_methods(outer)):
+            for slip in (*_renewed_receivers(outer), *_replaced_methods(outer)):
                 return slip
         attributes = _attributes_of_self(outer) if isinstance(outer, ast.ClassDef) else set()
         functions = outer.body if isinstance(outer, ast.ClassDef | ast.Module) else []
@@ -57,11 +55,13 @@ def _slips(function: Function, attributes: set[str]) -> Iterator[str]:
         yield from _late_assignments(block)
         yield from _loops(block, function.name)
         yield from _reused_objects(block)
+        yield from _shrinking_loops(block)
         yield from _unreachable(block)
     yield from _odd_operators(function)
     yield from _empty_results(function)
     yield from _lost_factors(function)
     yield from _shared_defaults(function)
+    yield from _lost_results(function)
     if function.args.args[:1] and function.args.args[0].arg == "self":
         yield from _blocking_calls(function)
         yield from _waiting_loops(function)
@@ -242,6 +242,58 @@ def _reused_objects(block: Sequence[ast.stmt]) -> Iterator[str]:
                     )
 
 
+def _shrinking_loops(block: Sequence[ast.stmt]) -> Iterator[str]:
+    """Yield a sentence for each loop over a list from which it removes items."""
+    for loop in block:
+        if not isinstance(loop, ast.For) or not isinstance(loop.iter, ast.Name | ast.Attribute):
+            continue
+        items = ast.unparse(loop.iter)
+        for part in ast.walk(loop):
+            body = getattr(part, "body", None)
+            statements: list[ast.stmt] = body if isinstance(body, list) else []
+            for index, statement in enumerate(statements):
+                match statement:
+                    case ast.Expr(
+                        value=ast.Call(func=ast.Attribute(value=changed, attr="remove" | "pop"))
+                    ) if (
+                        ast.unparse(changed) == items
+                        # A loop that ends with the removal skips nothing.
+                        and not any(isinstance(one, ast.Break | ast.Return) for one in statements[index:])
+                    ):
+                        yield (
+                            f"{_quote(statement)} changes {items} during the loop over it, which then "
+                            f"skips an item: loop over a copy, list({items})."
+                        )
+
+
+def _lost_results(function: Function) -> Iterator[str]:
+    """Yield a sentence for each recursive call whose list is not used."""
+    for inner in ast.walk(function):
+        if not isinstance(inner, Function):
+            continue
+        created = {
+            node.targets[0].id
+            for node in ast.walk(inner)
+            if isinstance(node, ast.Assign)
+            and isinstance(node.targets[0], ast.Name)
+            and isinstance(node.value, ast.List)
+        }
+        returned = {
+            node.value.id
+            for node in ast.walk(inner)
+            if isinstance(node, ast.Return) and isinstance(node.value, ast.Name)
+        }
+        for node in ast.walk(inner):
+            match node:
+                case ast.Expr(value=ast.Call(func=ast.Name(id=name)) as call) if name == inner.name:
+                    for result in sorted(created & returned):
+                        if not _uses(call, result):
+                            yield (
+                                f"{_quote(call)} returns a list that is not used: write "
+                                f"{result}.extend({ast.unparse(call)})."
+                            )
+
+
 def _shared_defaults(function: Function) -> Iterator[str]:
     arguments = [*function.args.posonlyargs, *function.args.args]
     for argument, default in zip(arguments[::-1], function.args.defaults[::-1], strict=False):
@@ -389,12 +441,12 @@ def _callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
             yield function
 
 
-def _renewed_endpoints(cls: ast.ClassDef) -> Iterator[str]:
-    """Yield a sentence for each buffer, publisher or subscription created in a callback."""
+def _renewed_receivers(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each buffer, listener or subscription created in a callback."""
     for function in _callbacks_of(cls):
         for node in ast.walk(function):
             match node:
-                case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _KEPT:
+                case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in _RECEIVERS:
                     yield (
                         f"{_quote(node)} is in {function.name}: each call creates a new one, "
                         "which has received nothing yet. Create it once, in __init__."
@@ -413,6 +465,64 @@ def _replaced_methods(cls: ast.ClassDef) -> Iterator[str]:
                     f"{_quote(node)} replaces the method {name}, which cannot be called after it: "
                     "choose another name for one of them."
                 )
+
+
+def find_growing_list(source: str) -> str:
+    """Return a sentence about a list of a node that grows with each call of a callback, or ""."""
+    for cls in ast.walk(parse(source)):
+        if not isinstance(cls, ast.ClassDef):
+            continue
+        created = set[str]()
+        for node in ast.walk(cls):
+            match node:
+                case ast.Assign(
+                    targets=[ast.Attribute(value=ast.Name(id="self")) as target],
+                    value=ast.List(elts=[]) | ast.Call(func=ast.Name(), args=[], keywords=[]),
+                ):
+                    created.add(ast.unparse(target))
+        for function in _callbacks_of(cls):
+            for node in ast.walk(function):
+                match node:
+                    case ast.Call(func=ast.Attribute(value=grown, attr="append" | "extend")):
+                        pass
+                    case ast.AugAssign(target=ast.Attribute() as grown, op=ast.Add(), value=ast.List()):
+                        pass
+                    case _:
+                        continue
+                items = ast.unparse(grown)
+                owner = ".".join(items.split(".")[:2])
+                if owner in created and not _shortens(cls, items, owner):
+                    return (
+                        f"{items} keeps the items of each earlier call of {function.name}: empty it there "
+                        "first, or create a new list in each call."
+                    )
+    return ""
+
+
+def _shortens(cls: ast.ClassDef, items: str, owner: str) -> bool:
+    """Return whether a class shortens or renews a list outside of __init__."""
+    for function in cls.body:
+        if not isinstance(function, Function) or function.name == "__init__":
+            continue
+        # += stores a list, and makes it longer.
+        longer = [node.target for node in ast.walk(function) if isinstance(node, ast.AugAssign)]
+        for node in ast.walk(function):
+            match node:
+                case ast.Call(func=ast.Attribute(value=changed, attr="clear" | "pop" | "popleft" | "remove")):
+                    pass
+                case ast.Attribute(ctx=ast.Store() | ast.Del()) as changed if changed not in longer:
+                    pass
+                case ast.Subscript(value=changed, slice=ast.Slice()):
+                    pass
+                case ast.Subscript(value=changed, ctx=ast.Store() | ast.Del()):
+                    pass
+                case ast.Call(func=ast.Name(id="len"), args=[changed]):
+                    pass
+                case _:
+                    continue
+            if ast.unparse(changed) in (items, owner):
+                return True
+    return False
 
 
 def _empty_results(function: Function) -> Iterator[str]:

@@ -281,6 +281,32 @@ def test_run_that_exceeds_its_limit_has_a_hint_for_the_cause() -> None:
 
 
 @pytest.mark.parametrize(
+    ("mistake", "errors", "is_reported"),
+    [
+        ("a stamp is in the past", (), True),
+        ("the numbers of names and positions differ", (), True),
+        ("the numbers of names and positions differ", ("they exceed the limit of a submission",), True),
+        ("the color of a marker is wrong", (), False),
+        ("a stamp is in the past", ("ValueError: x",), False),
+    ],
+)
+def test_growing_list_is_reported_if_a_check_found_too_many_or_old_items(
+    mistake: str, errors: tuple[str, ...], is_reported: bool
+) -> None:
+    code = """class Boxes(Node):
+    def __init__(self):
+        self.markers = []
+        self.create_timer(1.0, self.draw)
+
+    def draw(self):
+        self.markers.append(Marker())
+"""
+    failed = replace(result(failing(mistake)), errors=errors)
+    hint = Advice().hint(TASK, failed, code)[0]
+    assert hint.startswith("Hint: self.markers keeps the items of each earlier call of draw") == is_reported
+
+
+@pytest.mark.parametrize(
     ("topics", "hint"),
     [
         (("/robot/image",), "Your node subscribes to /robot/image, but the messages arrive on /image."),

@@ -2,7 +2,7 @@
 
 import pytest
 
-from course_lib.grading.slips import find_slip
+from course_lib.grading.slips import find_growing_list, find_slip
 from tests.notebooks.graded import WEEKS, cells_of, solution
 
 NODE = """class Lamp(Node):
@@ -57,6 +57,14 @@ SLIPS = [
         ("marker = Marker()", "for item in items:", "    marker.id = item", "    found.append(marker)"),
         "marker is a single Marker, created before the loop",
     ),
+    (
+        ("for item in items:", "    if item > 1:", "        items.remove(item)"),
+        '"items.remove(item)" changes items during the loop over it',
+    ),
+    (
+        ("def walk(folder):", "    found = []", "    walk(folder[0])", "    return found", "return walk(1)"),
+        '"walk(folder[0])" returns a list that is not used: write found.extend(walk(folder[0]))',
+    ),
     (("sorted(items)", "return items"), '"sorted(items)" returns a value and changes nothing'),
     (
         ("text.replace('a', 'b')", "return text"),
@@ -97,6 +105,10 @@ RIGHT = [
     ("marker = Marker()", "marker.id = 1", "self.p.publish(marker)", "marker = Marker()", "marker.id = 2"),
     ("marker = Marker()", "self.p.publish(marker)", "marker.id = 1", "self.p.publish(marker)"),
     ("for item in items:", "    if item:", "        return item"),
+    ("for item in items:", "    if item > 1:", "        items.remove(item)", "        break"),
+    ("for item in list(items):", "    items.remove(item)"),
+    ("def walk(folder):", "    found = []", "    found += walk(folder[0])", "    return found"),
+    ("def walk(folder, found):", "    found = found or []", "    walk(folder[0], found)", "    return found"),
     ("marker = Marker()", "for item in items:", "    marker = Marker()", "    found.append(marker)"),
     ("marker = Marker()", "for item in items:", "    marker.points.append(item)", "found.append(marker)"),
     ("found = sorted(items)", "return found"),
@@ -121,6 +133,43 @@ def test_buffer_created_in_a_callback_is_reported() -> None:
     source = method("self.buffer = Buffer()").replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")
     assert find_slip(source).startswith('"Buffer()" is in tick: each call creates a new one')
     assert find_slip(source.replace("self.create_timer(1.0, self.tick)", "self.tick()")) == ""
+
+
+def test_broadcaster_created_in_a_callback_is_accepted_as_it_sends() -> None:
+    lines = ("self.broadcaster = TransformBroadcaster(self)", "self.broadcaster.sendTransform(transform)")
+    assert find_slip(method(*lines).replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")) == ""
+
+
+GROWING = "self.markers.append(marker)"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "self.markers = []",
+        "self.markers.clear()",
+        "del self.markers[:]",
+        "self.markers = self.markers[-9:]",
+        "if len(self.markers) > 9: self.markers.pop(0)",
+        "markers = self.markers[-9:]",
+    ],
+)
+def test_list_that_grows_with_each_call_of_a_callback_is_reported(line: str) -> None:
+    creation = "self.markers = []; self.create_timer(1.0, self.tick)"
+    source = method(GROWING, "self.p.publish(self.markers)").replace("self.angle = 0.0", creation)
+    assert find_growing_list(source).startswith("self.markers keeps the items of each earlier call of tick")
+    assert find_growing_list(method(line, GROWING).replace("self.angle = 0.0", creation)) == ""
+
+
+def test_list_of_a_message_that_grows_is_reported() -> None:
+    creation = "self.array = MarkerArray(); self.create_timer(1.0, self.tick)"
+    lines = ("self.array.markers += [marker]", "self.p.publish(self.array)")
+    source = method(*lines).replace("self.angle = 0.0", creation)
+    assert find_growing_list(source).startswith("self.array.markers keeps the items")
+    renewed = source.replace(
+        "self.array.markers +=", "self.array = MarkerArray()\n        self.array.markers +="
+    )
+    assert find_growing_list(renewed) == ""
 
 
 @pytest.mark.parametrize(
