@@ -231,6 +231,7 @@ def ignore(cdr: bytes, source_ns: int, received_ns: int) -> None:
 HUMBLE_HASH = "TypeHashNotSupported"
 NO_SKEW = "not measured: no topic is received yet"
 MAX_SKEW = 0.5  # [s]
+SECONDS_PER_DAY, DAYS_PER_YEAR = 86_400, 365.25
 CLOCK = "/clock"
 # Time that a program or view has to subscribe to the robot's clock [s].
 CLOCK_SECONDS = 2.0
@@ -276,9 +277,17 @@ def clock_warning(skew: float) -> str:
     """Return a message if the robot's clock is `skew` [s] ahead of this computer's clock, else ""."""
     if abs(skew) < MAX_SKEW:
         return ""
+    days = abs(skew) / SECONDS_PER_DAY
+    # A computer without a clock battery starts years ago if it has no internet.
+    if days >= 2 * DAYS_PER_YEAR:
+        offset = f"{days / DAYS_PER_YEAR:.0f} years"
+    elif days >= 2:
+        offset = f"{days:.0f} days"
+    else:
+        offset = f"{abs(skew):.1f} s"
     return (
-        f"The robot's clock is {abs(skew):.1f} s {'ahead of' if skew > 0 else 'behind'} this "
-        "computer's: stamps and tf do not fit together. Set both by NTP (timedatectl)."
+        f"The robot's clock is {offset} {'ahead of' if skew > 0 else 'behind'} this computer's: "
+        "stamps and tf do not fit together. Set both by NTP (timedatectl)."
     )
 
 

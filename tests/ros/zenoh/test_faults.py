@@ -187,6 +187,16 @@ def test_two_subscriptions_of_a_topic_have_one_row(kits: Kits, monkeypatch: pyte
     subscriptions.close()
 
 
+@pytest.mark.parametrize(
+    ("days", "offset"),
+    [(1.9, "164160.0 s"), (-3.0, "3 days"), (700.0, "700 days"), (-20_770.0, "57 years")],
+)
+def test_large_clock_offset_is_reported_in_days_or_years(days: float, offset: str) -> None:
+    direction = "ahead of" if days > 0 else "behind"
+    start = f"The robot's clock is {offset} {direction} this computer's: stamps and tf do not fit"
+    assert clock_warning(days * 86_400).startswith(start)
+
+
 @pytest.mark.parametrize("skew", [-200.0, 300.0])
 def test_clock_offset_of_the_robot_is_measured_and_reported(kits: Kits, skew: float) -> None:
     student = kits.join()
