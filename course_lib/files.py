@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 
 _DRAFT = re.compile(r"\.(.+)\.\w+\.draft")
+_ERROR_CODE = re.compile(r"\[Errno (\d+)\]")
 # A draft that was unchanged for this long belongs to a program that was killed.
 _STALE_AFTER = 3600.0  # [s]
 # Folders from which this process has removed stale drafts.
@@ -70,6 +71,9 @@ def draft_folder(target: Path) -> Iterator[Path]:
         with suppress(OSError):
             for parent in missing:
                 parent.rmdir()
+        # shutil.copytree collects the errors of all files as strings.
+        if isinstance(error, shutil.Error) and (code := _ERROR_CODE.match(error.args[0][0][2])):
+            raise OSError(int(code[1]), os.strerror(int(code[1])), str(target)) from error
         if isinstance(error, OSError):
             raise OSError(error.errno, error.strerror, str(target)) from error
         raise

@@ -12,7 +12,6 @@ from importlib.util import find_spec
 from io import StringIO
 from pathlib import Path
 from subprocess import DEVNULL
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import nbclient
@@ -25,7 +24,7 @@ from course_lib.course.questions import NO_PREDICTION
 from course_lib.course.state import extras, lessons_dir, material_root
 from course_lib.course.student_folder import prepare
 from course_lib.errors import CourseError
-from course_lib.files import write_atomically
+from course_lib.files import draft_folder, write_atomically
 
 NEEDED = ("sphinx", "myst_nb", "sphinx_book_theme")
 # A file in the folder of every book. Only folders with this file may be replaced.
@@ -70,9 +69,7 @@ def build(out: Path, tell: Callable[[str], object] = print) -> Book:
         )
     if material_root().is_relative_to(out) or out.is_relative_to(material_root() / "docs"):
         raise CourseError(f"{out} is part of the course itself. Choose a folder outside of it.")
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as folder:
-        draft = Path(folder)
+    with draft_folder(out) as draft:
         sources = draft / "sources"
         students = draft / "students"
 

@@ -58,7 +58,7 @@ from course_lib.course.state import (
     solutions_dir,
 )
 from course_lib.errors import CourseError, format_count
-from course_lib.files import write_atomically
+from course_lib.files import draft_folder, write_atomically
 from course_lib.host import hub_prefix
 from course_lib.third_party import read_bytes, read_json, read_text
 
@@ -267,11 +267,17 @@ def release(out: Path, solved: Sequence[str] = ()) -> list[Path]:
     renew_exercises()
     settings = _without_extensions(root / "exercises" / "course.toml")
     try:
-        copies = [_copy(root / name, out / name) for name in _released_names() if (root / name).exists()]
-        (out / "exercises" / "course.toml").write_text(settings, encoding="utf-8")
-        copies += [_copy_solution(week, out / "exercises" / SOLUTIONS) for week in solved]
-        (out / "README.md").write_text(_readme(root), encoding="utf-8")
-        return [*copies, out / "README.md"]
+        # The draft lies inside of `out`, which may be a file system of its own. A release that is
+        # interrupted leaves no folder that looks complete.
+        with draft_folder(out / "release") as draft:
+            names = [name for name in _released_names() if (root / name).exists()]
+            copies = [_copy(root / name, draft / name) for name in names]
+            (draft / "exercises" / "course.toml").write_text(settings, encoding="utf-8")
+            copies += [_copy_solution(week, draft / "exercises" / SOLUTIONS) for week in solved]
+            (draft / "README.md").write_text(_readme(root), encoding="utf-8")
+            for path in list(draft.iterdir()):
+                path.replace(out / path.name)
+            return [out / path.relative_to(draft) for path in [*copies, draft / "README.md"]]
     except OSError as error:
         raise CourseError(
             f"can't write the release to {out}: {error.strerror}. Choose another folder."

@@ -1,5 +1,6 @@
 """`performance_report`: measurements of topics and callbacks, as tables and charts."""
 
+import os
 import struct
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
@@ -12,6 +13,7 @@ from statistics import fmean, pstdev
 from typing import TYPE_CHECKING, Any
 
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.recording import Recording, read_bag, record
 from course_lib.ros.graph.graph import Sample, current_graph
 from course_lib.ros.messages import message_class
@@ -177,7 +179,7 @@ class Chart:
 
     def save(self, path: str | Path) -> None:
         """Write the picture as a PNG file."""
-        Path(path).write_bytes(self.png())
+        write_atomically(Path(os.path.realpath(path)), self.png())
 
     def _repr_html_(self) -> str:
         data = b64encode(self.png()).decode()

@@ -1,5 +1,6 @@
 """The executables of tf2_ros and tf2_tools, like `tf2_echo` and `view_frames`."""
 
+import os
 import random
 import string
 import time
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from course_lib.errors import CourseError
+from course_lib.files import write_atomically
 from course_lib.ros import tf2
 from course_lib.ros.graph.graph import current_graph
 from course_lib.ros.graph.topics import Qos
@@ -370,8 +372,8 @@ def _view_frames(source: Source, arguments: Namespace, write: Write) -> None:
         return
     name = arguments.output or f"frames_{time.strftime('%Y-%m-%d_%H.%M.%S')}"
     write(log_line("view_frames", now_ns, f"Exporting graph in {name}.pdf file..."))
-    Path(f"{name}.gv").write_text(dot(frames, now_ns), encoding="utf-8")
-    Path(f"{name}.pdf").write_bytes(picture(frames, now_ns, "pdf"))
+    write_atomically(Path(os.path.realpath(f"{name}.gv")), dot(frames, now_ns).encode())
+    write_atomically(Path(os.path.realpath(f"{name}.pdf")), picture(frames, now_ns, "pdf"))
 
 
 def dot(frames: Mapping[str, Any], now_ns: int) -> str:

@@ -262,3 +262,20 @@ def test_release_of_a_custom_course_contains_a_student_readme(
     assert "verify" not in readme
     (tmp_path / "README_students.md").write_text("# Welcome")
     assert student_folder._readme(tmp_path) == "# Welcome"
+
+
+def test_release_on_a_full_disk_is_reported_and_leaves_the_folder_empty(small_disk: Path) -> None:
+    with pytest.raises(CourseError, match="No space left on device"):
+        release(small_disk)
+    assert not list(small_disk.iterdir())
+
+
+def test_killed_release_leaves_no_released_files(tmp_path: Path) -> None:
+    code = (
+        "import os, sys; from pathlib import Path; from course_lib.course import student_folder as f\n"
+        "f._readme = lambda root: os.kill(os.getpid(), 9)\n"
+        "f.release(Path(sys.argv[1]))"
+    )
+    command = (sys.executable, "-c", code, str(tmp_path))
+    assert subprocess.run(command, check=False, timeout=PATIENCE).returncode == -9
+    assert all(path.name.endswith(".draft") for path in tmp_path.iterdir())
