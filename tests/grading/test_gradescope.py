@@ -130,7 +130,7 @@ def test_upload_page_is_independent_of_hidden_checks(
     root: Path, run: Run, right: str, course: Course, write_notebook: Callable[..., Path], fault: str
 ) -> None:
     settings = course.exercises / "course.toml"
-    settings.write_text(settings.read_text().replace("scenario_seconds = 30", "scenario_seconds = 5"))
+    settings.write_text(settings.read_text().replace("scenario_seconds = 30", "scenario_seconds = 2"))
     (root / METADATA).write_text(
         metadata(created="2026-10-14T12:00:00Z")
     )  # late, so that points are taken off
