@@ -14,16 +14,17 @@ from pathlib import Path
 
 # A pattern for the line at which the older parser stops, and the newer rule that allows it.
 _NEWER = (
-    (
-        r"(?<!\w)([rR][fF]|[fF][rR]?)[\"']",
-        "an f-string may have quotes, backslashes and line breaks in braces",
-    ),
     (r"^\s*type\s+\w+", "`type NAME = …` names a type"),
     (
         r"^\s*(async\s+def|def|class)\s+\w+\s*\[",
         "there are type parameters, as in `def f[T](x: T)`",
     ),
 )
+_F_STRING = r"(?<!\w)([rR][fF]|[fF][rR]?)[\"']"
+# What an older Python reports where the quotes of a field end the f-string, for a backslash in it,
+# and for a line break after a bracket or an operator. Other errors of such a line are not the field's.
+_NEWER_FIELD = r"f-string: (unmatched '[(\[{]'|expecting '}')|f-string expression part cannot include"
+_OPEN_FIELD = r"\{[^}\"']*(?<=[-+*/,(\[{])\s*$"
 _HINTS = Path(__file__).with_name("hints.toml").read_text("utf-8")
 _TABLE: dict[str, list[list[str]]] = tomllib.loads(_HINTS)["syntax"]
 # Two numbers without a space, but not three of them.
@@ -78,10 +79,16 @@ def newer_python_hint(error: SyntaxError) -> str:
     """
     if sys.version_info >= (3, 12):
         return ""
-    line = error.text or ""
-    if "expecting '}'" in (error.msg or "") and line.count("{") != line.count("}"):
+    line, message = error.text or "", error.msg or ""
+    if "expecting '}'" in message and line.count("{") != line.count("}"):
         return ""
-    rule = next((rule for pattern, rule in _NEWER if re.search(pattern, line)), None)
+    is_field = re.match(_NEWER_FIELD, message) or (
+        message.startswith("unterminated string") and re.search(_OPEN_FIELD, line)
+    )
+    if is_field and re.search(_F_STRING, line):
+        rule: str | None = "an f-string may have quotes, backslashes and line breaks in braces"
+    else:
+        rule = next((rule for pattern, rule in _NEWER if re.search(pattern, line)), None)
     if rule is None:
         return ""
     here = ".".join(map(str, sys.version_info[:2]))

@@ -28,7 +28,20 @@ def test_python_3_12_syntax_gets_a_hint(program: str, tmp_path: Path) -> None:
         Program(tmp_path / "p.py", ())
 
 
-def test_other_syntax_errors_get_no_hint() -> None:
+@pytest.mark.parametrize(
+    "program",
+    [
+        "x = (1, 2",
+        "def report(x):\nprint(f'x is {x}')",
+        "x = 1\n    print(f'x is {x}')",
+        "if x == 1 print(f'x is {x}')",
+        "print(f'x is {x}' x)",
+        "print(f'x is {x)",
+        "print(f'x is {x y}')",
+        "print(f'x is {x)}')",
+    ],
+)
+def test_other_syntax_errors_get_no_hint(program: str) -> None:
     with pytest.raises(SyntaxError) as error:
-        ast.parse("x = (1, 2")
+        ast.parse(program)
     assert newer_python_hint(error.value) == ""
