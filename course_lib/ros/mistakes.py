@@ -19,6 +19,7 @@ class Mistake(Enum):
     REQUEST = auto()
     RESPONSE = auto()
     GOAL = auto()
+    FEEDBACK = auto()
     UNNAMED_FIELD = auto()
     NO_STATUS = auto()
     STAMP = auto()

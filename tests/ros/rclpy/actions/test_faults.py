@@ -1,5 +1,8 @@
 """Faults in actions, with ROS's texts."""
 
+from collections.abc import Callable
+from typing import Any
+
 import pytest
 import rclpy
 from action_msgs.msg import GoalStatus
@@ -11,6 +14,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from course_lib.ros.hints import hint as find_hint
 from course_lib.ros.time.time_lock import DeadlockError
 from tests.ros.rclpy.actions.fibonacci import Drive, count, send
 
@@ -104,3 +108,41 @@ def test_second_server_with_the_same_name_causes_a_warning(
         "[talker.action_client]: Ignoring unexpected goal response. There may be more than one action server "
         "for the action 'fibonacci'"
     ) in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("callback", "hint"),
+    [
+        (lambda goal: goal.order, "the goal that the client sent is goal_handle.request, with its fields."),
+        (
+            lambda goal: goal.goal.order,
+            "the goal that the client sent is goal_handle.request, with its fields.",
+        ),
+        (
+            lambda goal: goal.publish_feedback([1]),
+            "pass a feedback of the action, with (): MyAction.Feedback().",
+        ),
+        (lambda goal: goal.succed(), "did you mean `succeed`?"),
+    ],
+)
+def test_mistake_in_an_execute_callback_has_a_hint(
+    server_node: Node,
+    client: ActionClient,
+    until_done: Drive,
+    capfd: pytest.CaptureFixture[str],
+    callback: Callable[[ServerGoalHandle], Any],
+    hint: str,
+) -> None:
+    ActionServer(server_node, Fibonacci, "fibonacci", callback)
+    until_done(send(client, until_done).get_result_async())
+    assert f"hint: {hint}" in capfd.readouterr().err
+
+
+def test_result_that_is_read_from_the_goal_handle_has_a_hint(
+    server_node: Node, client: ActionClient, until_done: Drive
+) -> None:
+    ActionServer(server_node, Fibonacci, "fibonacci", lambda goal: Fibonacci.Result())
+    handle: Any = send(client, until_done)
+    with pytest.raises(AttributeError) as error:
+        _ = handle.result
+    assert find_hint(error.value).startswith("the result arrives later: goal_handle.get_result_async()")

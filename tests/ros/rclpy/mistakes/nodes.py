@@ -187,6 +187,13 @@ NODES = [
         "end the callback with `return TransitionCallbackReturn.SUCCESS`.",
     ),
     (
+        "from rclpy.lifecycle import LifecycleNode\n"
+        "class Camera(LifecycleNode):\n    def on_configure(self, state):\n        return True\n"
+        "Camera('camera').trigger_configure()",
+        "AttributeError: 'bool' object has no attribute 'to_label'",
+        "end the callback with `return TransitionCallbackReturn.SUCCESS`.",
+    ),
+    (
         "class Robot(Node):\n    publisher = self.create_publisher(String, 'chatter', 10)",
         "NameError: name 'self' is not defined",
         "only methods have self: move this line into `def __init__(self)` of the class.",

@@ -10,6 +10,7 @@ from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from unique_identifier_msgs.msg import UUID
 
+from course_lib.ros.mistakes import Mistake, marked
 from rclpy.callback_groups import CallbackGroup
 from rclpy.constants import S_TO_NS
 from rclpy.exceptions import RCLError
@@ -281,7 +282,7 @@ class ActionServer:
     def publish_feedback(self, goal: ServerGoalHandle, feedback: Any) -> None:
         """Publish feedback for a goal that has not been destroyed."""
         if not isinstance(feedback, self.action_type.Feedback):
-            raise TypeError
+            raise marked(TypeError(), Mistake.FEEDBACK)
         if goal.status != GoalStatus.STATUS_UNKNOWN:
             message = self.action_type.Impl.FeedbackMessage(goal_id=goal.goal_id, feedback=feedback)
             self.__feedback.publish(message)
