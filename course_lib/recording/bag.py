@@ -13,8 +13,9 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from course_lib.errors import CourseError, format_count
 from course_lib.files import draft_folder
@@ -23,7 +24,7 @@ from course_lib.ros.graph.graph import Graph, Sample, TopicSelector
 from course_lib.ros.graph.topics import Qos, read_tick
 from course_lib.ros.messages.definitions import definition, typestore
 from course_lib.ros.messages.hashes import type_hash
-from course_lib.third_party import MOST_TEXT, check_size, read_bytes, read_text
+from course_lib.third_party import MOST_TEXT, check_regular, check_size, read_text
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, QosTime
@@ -158,7 +159,7 @@ class BagWriter:
 
 _MAGIC = b"\x89MCAP0\r\n"
 # Opcodes of MCAP (mcap.dev/spec).
-_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = 3, 4, 5, 6
+_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = _OPCODES = (3, 4, 5, 6)
 _TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
 # Without the index, because it may be incomplete.
 _MESSAGES = "SELECT timestamp, topic_id, data FROM messages NOT INDEXED"
@@ -205,26 +206,37 @@ def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
     samples: list[Sample] = []
     damages: list[str] = []
     for path in files:
-        data = read_bytes(path) if path.suffix == ".mcap" else b""
-        try:
-            if path.suffix == ".mcap" and not (data.startswith(_MAGIC) and data.endswith(_MAGIC)):
-                damages.append(f"{path.name} does not begin and end as a MCAP file does")
-            samples.extend(_mcap(data, path) if path.suffix == ".mcap" else _sqlite(path))
-        except UnsupportedFormatError:
-            raise
-        # A damaged file can cause any error.
-        except Exception as error:
-            # sqlite3 raises an error with the text None at the end of the file.
-            damages.append(str(error) if error.args not in ((), (None,), ("None",)) else "its end is missing")
+        check_regular(path)
+        # The file may be larger than the memory.
+        with path.open("rb") as file:
+            try:
+                if path.suffix == ".mcap" and not _has_magic(file):
+                    damages.append(f"{path.name} does not begin and end as a MCAP file does")
+                samples.extend(_mcap(file, path) if path.suffix == ".mcap" else _sqlite(path))
+            except UnsupportedFormatError:
+                raise
+            # A damaged file can cause any error.
+            except Exception as error:
+                # sqlite3 raises an error with the text None at the end of the file.
+                has_reason = error.args not in ((), (None,), ("None",))
+                damages.append(str(error) if has_reason else "its end is missing")
     return sorted(samples, key=lambda sample: sample.stamp_ns), damages[0] if damages else ""
 
 
-def _mcap(data: bytes, path: Path) -> Iterator[Sample]:
+def _has_magic(file: BinaryIO) -> bool:
+    """Return whether a MCAP file begins and ends as it should. Then read on behind its beginning."""
+    file.seek(-min(len(_MAGIC), file.seek(0, os.SEEK_END)), os.SEEK_END)
+    end = file.read()
+    file.seek(0)
+    return file.read(len(_MAGIC)) == end == _MAGIC
+
+
+def _mcap(file: BinaryIO, path: Path) -> Iterator[Sample]:
     from rosbags.rosbag2.storage_mcap import get_qos
 
     types: dict[int, str] = {}
     channels: dict[int, tuple[str, str, Qos]] = {}
-    for opcode, content in _unpack_records(data, len(_MAGIC)):
+    for opcode, content in _unpack_records(file):
         if opcode == _SCHEMA:
             types[struct.unpack_from("<H", content)[0]] = _text(content, 2)[0]
         elif opcode == _CHANNEL:
@@ -241,18 +253,22 @@ def _mcap(data: bytes, path: Path) -> Iterator[Sample]:
             yield Sample(stamp_ns, topic, type_name, content[22:], qos, node=0)
 
 
-def _unpack_records(data: bytes, at: int = 0) -> Iterator[tuple[int, bytes]]:
+def _unpack_records(file: BinaryIO) -> Iterator[tuple[int, bytes]]:
     """Yield opcode and content of complete records, also within chunks and in the incomplete last chunk."""
-    while at + 9 <= len(data):
-        opcode, size = struct.unpack_from("<BQ", data, at)
+    at = file.tell()
+    length = file.seek(0, os.SEEK_END)
+    while at + 9 <= length:
+        file.seek(at)
+        opcode, size = struct.unpack("<BQ", file.read(9))
         # No record has this opcode. Space on the disk that was never written consists of zeros.
         if opcode == 0:
             return
-        content = data[at + 9 : at + 9 + size]
+        # The size of a damaged record may be beyond the end of the file, or beyond any memory.
+        content = file.read(min(size, length - at - 9)) if opcode in _OPCODES else b""
         at += 9 + size
         if opcode == _CHUNK:
             compression, begin = _text(content, 28)
-            yield from _unpack_records(_decompress(compression, content[begin + 8 :]))
+            yield from _unpack_records(BytesIO(_decompress(compression, content[begin + 8 :])))
         elif len(content) == size:
             yield opcode, content
 

@@ -1,5 +1,7 @@
 """Bags that were cut off open up to the last whole message, wherever the cut is."""
 
+import struct
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
@@ -211,3 +213,21 @@ def test_bag_with_malformed_metadata_is_described_by_its_messages(
     assert "Messages:          4" in text
     assert "Topic: /chatter | Type: std_msgs/msg/String | Count: 2" in text
     assert rosbag2_py.Info().read_metadata(str(file.parent), "").message_count == 4
+
+
+@pytest.mark.parametrize("opcode", [0, 3, 15])
+def test_huge_file_without_messages_is_rejected_within_little_memory(opcode: int, tmp_path: Path) -> None:
+    file = tmp_path / "huge.mcap"
+    with file.open("wb") as huge:
+        # One record of an exabyte. Its opcode is invalid, a schema's, or that of the end of the data.
+        huge.write(bytes(8) + struct.pack("<BQ", opcode, 10**18))
+        huge.truncate(2**27)
+    tracemalloc.start()
+    try:
+        with pytest.raises(CourseError, match="does not begin and end as a MCAP file does"):
+            read_bag(file)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    # Only a record that is read takes memory, and never more than the file.
+    assert peak < (2**24 if opcode != 3 else 2**28 + 2**24)
