@@ -24,6 +24,8 @@ from course_lib.third_party import read_bytes, read_json, read_text
 Notebook = dict[str, Any]
 BEGIN = re.compile(r"^(?P<indent>\s*)# solution: (?P<missing>.+)$")
 END = "# end of solution"
+# Notebooks in an error message.
+MAX_NAMES = 12
 
 
 def find_notebook(path: Path) -> Path:
@@ -54,6 +56,11 @@ def read_notebook(path: Path) -> Notebook:
     """
     try:
         notebook = read_json(read_bytes(path))
+    except FileNotFoundError as error:
+        names = sorted(file.name for file in path.parent.glob("*.ipynb"))
+        shown = ", ".join([*names[:MAX_NAMES], *["…"] * (len(names) > MAX_NAMES)])
+        others = f" Its folder has {shown}." if names else ""
+        raise CourseError(f"There is no notebook {path}.{others}") from error
     except (OSError, ValueError) as error:
         raise CourseError(f"{path} can't be read as a notebook: {error}") from error
     cells = notebook.get("cells") if isinstance(notebook, dict) and notebook.get("nbformat") == 4 else None

@@ -191,7 +191,10 @@ def find_student(users: Sequence[Access], query: str) -> Access:
     for user in users:
         if user.name != ROBOT and folded_query in (user.student.casefold(), user.name):
             return user
-    raise CourseError(f"--driver {query}: no such student. The column `student` of {TOKENS} lists all IDs.")
+    raise CourseError(
+        f"--driver {query}: no such student. The file {TOKENS} in the gateway's folder lists all IDs in "
+        "its column `student`."
+    )
 
 
 def _ros_names(ids: Iterable[str]) -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 import os
 import re
-import time
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,7 +21,8 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow]
 LESSONS = [path for path in lessons() if path.name >= "week02"]
 PICTURES = os.environ.get("COURSE_PICTURES")  # a folder: pictures for the README go there
 DRAWN = 150  # [px] that are clearly coloured, in the best view
-A_LOOK = 1.5  # [s], longer than the slowest node is silent
+# Pictures of a view, which span more robot time than the slowest node is silent.
+LOOKS = 5
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,12 @@ def views(notebook: Notebook) -> Iterator[NDArray[np.int64]]:
 
 
 def look(view: Locator) -> NDArray[np.int64]:
-    """Watch a view until it shows colors, with a timeout. Return the most colorful picture."""
+    """Watch a view until it shows colors, or for a few pictures. Return the most colorful one."""
     wait_until(lambda: np.ptp(pixels_of(view)) > 60, view.page, A_FRAME)
-    until = time.monotonic() + A_LOOK
     best = pixels_of(view)
-    while coloured(best) <= DRAWN and time.monotonic() < until:
+    for _ in range(LOOKS):
+        if coloured(best) > DRAWN:
+            break
         view.page.wait_for_timeout(A_FRAME * 1000)
         best = max(best, pixels_of(view), key=coloured)
     return best

@@ -93,3 +93,11 @@ def test_invalid_solution_marker_is_reported_in_one_line(
     assert line.startswith(f"error: {tmp_path / 'week09_solution.ipynb'}: ")
     assert message in line
     assert "\n" not in line
+
+
+def test_missing_notebook_is_reported_with_the_notebooks_of_its_folder(tmp_path: Path) -> None:
+    (tmp_path / "week07_mine.ipynb").touch()
+    with pytest.raises(
+        CourseError, match=r"no notebook .*week07\.ipynb\. Its folder has week07_mine\.ipynb\."
+    ):
+        read_notebook(tmp_path / "week07.ipynb")

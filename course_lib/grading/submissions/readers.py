@@ -67,7 +67,7 @@ class LmsFile:
             data = read_bytes(path)
         except OSError as error:
             raise CourseError(
-                f"{path} can't be read: {error.strerror}. Pass the platform's CSV file."
+                f"{path} can't be read: {error.strerror}. Pass the CSV file of a platform or a class."
             ) from error
         bom = next((bom for bom in BOMS if data.startswith(bom)), b"")
         encoding = BOMS.get(bom) or ("utf-8" if _is_utf8(data) else "latin-1")  # latin-1 decodes any byte
