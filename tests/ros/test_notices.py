@@ -12,6 +12,8 @@ from course_lib.ros.notices import ReplacedNodes, repeated_lines
 
 @pytest.fixture
 def node() -> Iterator[Node]:
+    # Other tests of this process may have logged a line repeatedly.
+    repeated_lines.end()
     with use_graph(Graph(notebook=True)):
         rclpy.init()
         yield Node("robot")
