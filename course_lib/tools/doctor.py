@@ -9,7 +9,6 @@ from course_lib.ros.graph.topics import Qos
 from course_lib.tools.sources import ALWAYS_THERE, Source
 from course_lib.tools.verb import Verb, Write, flag
 
-# The texts of rmw_dds_common/src/qos.cpp.
 _PACKAGES = ("course-lib", "ipywidgets", "jupyterlab", "meshcat", "numpy", "rosbags")
 # Topics of these types contain the robot's time stamps and cause little traffic.
 _SMALL = (

@@ -196,8 +196,8 @@ def _run(shell: "InteractiveShell", source: str) -> str:
     from IPython.core.displaypub import CapturingDisplayPublisher
     from IPython.utils.capture import capture_output
 
-    # JupyterLab's messages of widgets arrive in another thread while a cell runs. The kernel would
-    # lose them, because it tells each one's header to the publisher, and only its own takes it.
+    # Messages of JupyterLab's widgets arrive in another thread while a cell runs. For each of them
+    # the kernel calls `set_parent` of the display publisher, which only its own publisher has.
     receiving = patch.object(
         CapturingDisplayPublisher, "set_parent", lambda publisher, parent: None, create=True
     )

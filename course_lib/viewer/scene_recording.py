@@ -359,8 +359,12 @@ def copy_of(scene: Scene) -> Scene:
     return copy
 
 
+# The attribute of a node that has the value of each kind of change.
+_ATTRIBUTES: dict[ChangeKind, str] = {"object": "object", "transform": "matrix", "visible": "is_visible"}
+
+
 def _value(scene: Scene, kind: ChangeKind, path: str) -> Any:
     if kind in _OF_ALL:
         return getattr(scene, kind)
     node = scene.find(path)
-    return node and getattr(node, {"transform": "matrix"}.get(kind, kind), None)
+    return getattr(node, _ATTRIBUTES[kind]) if node and kind in _ATTRIBUTES else None

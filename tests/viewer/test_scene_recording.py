@@ -151,3 +151,14 @@ def test_recording_can_be_limited_to_an_end_time_and_fewer_frames(clock: Clock) 
     assert [batch["matrices"][9] for batch in data["batches"][1:]] == [2.0, 4.0, 6.0]
     (at_first,) = decoded(recording.packed(until=100.0))["commands"][-1:]
     assert at_first["path"] == "a"
+
+
+def test_recorded_objects_are_hidden_and_shown_at_their_times(clock: Clock) -> None:
+    scene = Scene()
+    scene.set_object("a", RED_BOX)
+    recording = SceneRecording(scene, clock)
+    for is_visible in (False, True):
+        clock.now += 1.0
+        scene.set_visible("a", is_visible)
+    commands = [c for batch in packed(recording)["batches"] for c in batch["commands"]]
+    assert [c["value"] for c in commands if c["type"] == "visible"] == [False, True]
