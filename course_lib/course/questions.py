@@ -274,12 +274,13 @@ def _prediction_form(key: str, question: Question, saved_answer: str | None) -> 
         return _as_html([row]), _as_text([row])
 
     choice.observe(keep, names="value")
-    form = widgets.VBox([widgets.HTML(_paragraph(f"<b>Predict:</b> {question.text}")), choice, status])
+    title = widgets.HTML(_paragraph(f"<b>Predict:</b> {question.text}"))
+    form = widgets.VBox([title, choice, status])
     return Form(form, saved, on_answer)
 
 
 def _paragraph(html: str) -> str:
-    """Return HTML whose wrapped lines are near each other: ipywidgets' lines are as high as a button."""
+    """Return HTML whose wrapped lines are close: ipywidgets' lines are as high as a button."""
     return f'<div style="line-height: 1.4; padding: 4px 0">{html}</div>'
 
 

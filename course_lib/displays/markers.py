@@ -543,7 +543,8 @@ class MarkerStore:
             scene.delete(f"{path}/{part}")
         for part, drawable in drawing.drawables.items():
             scene.set_object(f"{path}/{part}", drawable)
-        return DisplayedMarker(marker, drawing, path, received_ns, before.is_shown if before else True)
+        is_shown = before.is_shown if before else True
+        return DisplayedMarker(marker, drawing, path, received_ns, is_shown)
 
     def _node(self, marker: Any) -> str:
         """Return the path of a marker, below its frame if it is locked to it."""

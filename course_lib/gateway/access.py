@@ -192,8 +192,8 @@ def find_student(users: Sequence[Access], query: str) -> Access:
         if user.name != ROBOT and folded_query in (user.student.casefold(), user.name):
             return user
     raise CourseError(
-        f"--driver {query}: no such student. The file {TOKENS} in the gateway's folder lists all IDs in "
-        "its column `student`."
+        f"--driver {query}: no such student. The file {TOKENS} in the gateway's folder lists all "
+        "IDs in its column `student`."
     )
 
 

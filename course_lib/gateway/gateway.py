@@ -304,7 +304,8 @@ class Gateway:
             if stream is None:
                 self.held[name] += 1
                 return
-            stream.is_moving, stream.last = is_motion(payload, stream.entity.type_name), time.monotonic()
+            stream.is_moving = is_motion(payload, stream.entity.type_name)
+            stream.last = time.monotonic()
             self.passed[name] += 1
             self._put(stream, payload)
 

@@ -40,8 +40,8 @@ AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
 )
 
-# Kinds of mistakes that a list causes which keeps the items of earlier calls, as far as the task has
-# no hint of its own for them. Old stamps are always a reason to look for such a list.
+# Kinds of mistakes that a list causes which keeps the items of earlier calls, as far as the task
+# has no hint of its own for them. Old stamps are always a reason to look for such a list.
 _OLD_ITEMS = {"a stamp is in the past", "a stamp is not the expected one"}
 _SURPLUS = {
     "markers with the same ns and id replace each other",
@@ -272,9 +272,14 @@ def _why_silent(code: Code) -> str:
 
 
 def _growing_list(task: Task, result: TaskResult, source: str) -> str:
-    """Return a sentence about a list that grows, if a failed check found too many or old items, or ""."""
+    """Return a sentence about a list that grows, or "".
+
+    It is a reason only if a failed check found too many or old items.
+    """
     failed = {kind for check in result.checks if not check.passed for kind in check.mistake.split("; ")}
-    return find_growing_list(source) if failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)) else ""
+    if not failed & (_OLD_ITEMS | _SURPLUS - set(task.mistakes)):
+        return ""
+    return find_growing_list(source)
 
 
 def _first_cause(result: TaskResult) -> list[str]:

@@ -261,8 +261,8 @@ def _shrinking_loops(block: Sequence[ast.stmt]) -> Iterator[str]:
                         and not any(isinstance(one, ast.Break | ast.Return) for one in statements[index:])
                     ):
                         yield (
-                            f"{_quote(statement)} changes {items} during the loop over it, which then "
-                            f"skips an item: loop over a copy, list({items})."
+                            f"{_quote(statement)} changes {items} during the loop over it, which "
+                            f"then skips an item: loop over a copy, list({items})."
                         )
 
 
@@ -493,8 +493,8 @@ def find_growing_list(source: str) -> str:
                 owner = ".".join(items.split(".")[:2])
                 if owner in created and not _shortens(cls, items, owner):
                     return (
-                        f"{items} keeps the items of each earlier call of {function.name}: empty it there "
-                        "first, or create a new list in each call."
+                        f"{items} keeps the items of each earlier call of {function.name}: empty "
+                        "it there first, or create a new list in each call."
                     )
     return ""
 

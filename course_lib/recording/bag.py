@@ -224,7 +224,7 @@ def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
 
 
 def _has_magic(file: BinaryIO) -> bool:
-    """Return whether a MCAP file begins and ends as it should. Then read on behind its beginning."""
+    """Return whether a MCAP file begins and ends as it should; leave it behind its beginning."""
     file.seek(-min(len(_MAGIC), file.seek(0, os.SEEK_END)), os.SEEK_END)
     end = file.read()
     file.seek(0)

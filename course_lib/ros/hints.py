@@ -350,8 +350,8 @@ def _callback_hint(error: BaseException) -> str:
         return f"the callback is a function and not its name: write self.{callback}, without quotes."
     if is_called and isinstance(callback, int | float | list | tuple | dict):
         return (
-            f"the callback is {callback!r:.40}, of type {type(callback).__name__}: is it an attribute "
-            "with the name of a method, or is the callback at another place in the call?"
+            f"the callback is {callback!r:.40}, of type {type(callback).__name__}: is it an "
+            "attribute with the name of a method, or is the callback at another place in the call?"
         )
     return ""
 
@@ -368,7 +368,7 @@ def _parameter_callback_hint(error: BaseException, text: str) -> str:
 
 
 def _shadowed_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a function, a method or a class that a variable of the student hides, or ""."""
+    """Return the hint for a function, method or class that a student's variable hides, or ""."""
     frame, match = frame_of(error), re.match(r"'(\w+)' object is not callable", text)
     if frame is None or match is None or not isinstance(error, TypeError):
         return ""
@@ -382,8 +382,8 @@ def _shadowed_hint(error: BaseException, text: str) -> str:
             )
         if name == match[1] and type(variables.get(name)).__name__ == name:
             return (
-                f"{name} is an object here, {name} = …, and hides the class {name}: choose another name "
-                "for the object, and import the class again."
+                f"{name} is an object here, {name} = …, and hides the class {name}: choose another "
+                "name for the object, and import the class again."
             )
     owner = frame.f_locals.get("self")
     for name in re.findall(r"\bself\.(\w+)\(", line_of_student(error)):
@@ -569,8 +569,8 @@ def _pair_hint(error: BaseException, text: str) -> str:
     line = line_of_student(error)
     if re.search(r"\bfor \w+(, \w+)+ in enumerate\(", line):
         return (
-            "enumerate gives pairs, an index and an item. The names for the item's parts are in ( ): "
-            "`for index, (x, y) in enumerate([(1.0, 2.0)])`."
+            "enumerate gives pairs, an index and an item. The names for the item's parts are in "
+            "( ): `for index, (x, y) in enumerate([(1.0, 2.0)])`."
         )
     loop = re.search(r"\bfor [\w, ()]+ in (\w+(?:\.\w+)*)\s*(?:$|[:\])}]| if )", line)
     if loop is None:
@@ -581,7 +581,8 @@ def _pair_hint(error: BaseException, text: str) -> str:
         for attribute in attributes:
             value = getattr(value, "__dict__", {}).get(attribute)
         if isinstance(value, Mapping):
-            return f"{loop[1]} is a dictionary, whose loop gives only its keys: write {loop[1]}.items()."
+            items = loop[1]
+            return f"{items} is a dictionary, whose loop gives only its keys: write {items}.items()."
     return ""
 
 

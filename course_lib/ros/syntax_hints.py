@@ -22,7 +22,8 @@ _NEWER = (
 )
 _F_STRING = r"(?<!\w)([rR][fF]|[fF][rR]?)[\"']"
 # What an older Python reports where the quotes of a field end the f-string, for a backslash in it,
-# and for a line break after a bracket or an operator. Other errors of such a line are not the field's.
+# and for a line break after a bracket or an operator. Other errors of such a line are not the
+# field's.
 _NEWER_FIELD = r"f-string: (unmatched '[(\[{]'|expecting '}')|f-string expression part cannot include"
 _OPEN_FIELD = r"\{[^}\"']*(?<=[-+*/,(\[{])\s*$"
 _HINTS = Path(__file__).with_name("hints.toml").read_text("utf-8")

@@ -360,7 +360,11 @@ def copy_of(scene: Scene) -> Scene:
 
 
 # The attribute of a node that has the value of each kind of change.
-_ATTRIBUTES: dict[ChangeKind, str] = {"object": "object", "transform": "matrix", "visible": "is_visible"}
+_ATTRIBUTES: dict[ChangeKind, str] = {
+    "object": "object",
+    "transform": "matrix",
+    "visible": "is_visible",
+}
 
 
 def _value(scene: Scene, kind: ChangeKind, path: str) -> Any:
