@@ -197,7 +197,7 @@ def release(
 def book(
     out: Annotated[Path, typer.Argument(help="A new or empty folder, or a former book.")],
 ) -> None:
-    """Build the course's lessons and guides as web pages, with their scenes; they need no network."""
+    """Build the course's lessons and guides, with their scenes, as web pages that work offline."""
     from course_lib.book.book import build
 
     built_book = build(out, typer.echo)
@@ -619,7 +619,7 @@ def run(
         ),
     ] = None,
 ) -> None:
-    """Run programs on robot time, or on a robot. What follows `--` is passed on to them."""
+    """Run programs on robot time, or on a robot. Arguments after `--` are passed to them."""
     if ros:
         from course_lib.real.process import run_on_ros
 
@@ -751,7 +751,7 @@ def play(
         list[Path] | None, typer.Option(help="A program that subscribes; may be given again.")
     ] = None,
 ) -> None:
-    """Play a recording to programs, which end with it."""
+    """Play a recording to programs, which end at its end."""
     from course_lib.tools.run import ros2_over
 
     nobody = None if run else Path(words[0])

@@ -27,7 +27,7 @@ def load(shell: "InteractiveShell") -> None:
     """Install the stand-in, robot time and the magics. A second call has no effect."""
     import_path.install()
     virtual_time.install()
-    # Not at the head, because this imports the stand-in's rclpy.
+    # Imported here because this imports the stand-in's rclpy.
     from course_lib.tools.notebook import register, shorten_tracebacks
 
     current_graph().notebook = True

@@ -1,4 +1,4 @@
-"""Writing of files and folders that are complete or unchanged, whatever ends the program."""
+"""Atomic writing of files and folders: each is complete or unchanged, however the program ends."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""The host of this process: a notebook's kernel, a JupyterHub, and the way to the user's browser."""
+"""The environment of this process: a notebook's kernel, a JupyterHub, and access to the user's browser."""
 
 import os
 import sys
@@ -65,7 +65,7 @@ def announce(subject: str, url: str, *, browser: bool) -> None:
         if browser:
             webbrowser.open(url)
     elif in_notebook():
-        # Not at the head, because IPython is slow to import and not needed outside of notebooks.
+        # Imported here because IPython is slow to import and not needed outside of notebooks.
         from IPython.display import display
 
         link = f'{escape(subject)} is <a href="{escape(url)}" target="_blank">in a tab of its own</a>.'

@@ -1,4 +1,4 @@
-"""Reading of files, JSON and Python written by others: students, browsers or programs.
+"""Reading of files, JSON and Python from third parties: students, browsers or other programs.
 
 Files may be incomplete.
 """
@@ -18,7 +18,7 @@ TOO_DEEP = "it is nested too deeply for Python: split the expression"
 # calls.
 MAX_NESTING = 200
 NULL_BYTES = "it contains null bytes: save it as text in UTF-8"
-# Most bytes of a text that a parser for XML or YAML gets, which takes many times its size.
+# Maximum size [B] of the input of an XML or YAML parser, which uses a multiple of this memory.
 MOST_TEXT = 32_000_000
 _SPECIAL_FILES = {
     stat.S_ISFIFO: "a named pipe",

@@ -50,7 +50,7 @@ class Operator:
 
 
 def operators(solutions: Path) -> tuple[Operator, ...]:
-    """Return the general operators and the operators of the course's `answers/mutants.toml`.
+    """Return the general operators and the operators in the course's `answers/mutants.toml`.
 
     Raises:
         CourseError: The file is malformed.
@@ -248,7 +248,7 @@ class Edit:
 
 
 def failure_text(result: TaskResult, *, hidden: bool | None = None) -> str:
-    """Return the messages or exceptions, and the kinds of mistake, of the failed checks."""
+    """Return the messages (or exceptions) of the failed checks, and their kinds of mistake."""
     failed = [c for c in result.checks if not c.passed and hidden in (None, c.hidden)]
     return "\n".join(f"{check.broken or check.message}\n{check.mistake}" for check in failed)
 

@@ -141,7 +141,7 @@ def overlong_cells(page: NotebookPage) -> Iterator[str]:
 
 
 def first_cell_flaws(page: NotebookPage) -> Iterator[str]:
-    """Yield a first cell that does not load the extension, and unused imports from course_lib."""
+    """Yield a flaw if the first cell does not load the extension, and for each unused import of the kit."""
     first, *later_cells = page.code_cells or [""]
     if first.splitlines()[:1] != ["%load_ext course_lib"]:
         yield "the first code cell must begin with: %load_ext course_lib"
@@ -164,7 +164,7 @@ def syntax_errors(page: NotebookPage) -> Iterator[str]:
 
 
 def misplaced_headings(page: NotebookPage) -> Iterator[str]:
-    """Yield a missing or second title, and headings that skip a level."""
+    """Yield a flaw for a missing or second title, and for each heading that skips a level."""
     levels = [level for level, _ in page.headings]
     if levels[:1] != [1] or levels.count(1) != 1:
         yield "expected one title (# …) above all other headings"
@@ -202,7 +202,7 @@ def sentences(text: str) -> list[list[str]]:
 
 
 def long_sentences(page: NotebookPage) -> Iterator[str]:
-    """Yield sentences that are too long, and an average length that is too high."""
+    """Yield a flaw for each sentence that is too long, and for an average length that is too high."""
     sentences_of_page = sentences(page.markdown)
     average = sum(map(len, sentences_of_page)) / max(len(sentences_of_page), 1)
     if average > AVERAGE_SENTENCE:
@@ -256,7 +256,7 @@ def missing_parts(page: NotebookPage) -> Iterator[str]:
 
 
 def missing_story(page: NotebookPage) -> Iterator[str]:
-    """Yield a missing true story at the beginning, and a missing source of the story."""
+    """Yield a flaw if the true story at the beginning is missing, or its source."""
     opening, _, story_text = page.markdown.partition("## Do you remember?")
     story = opening.partition("> **A true story.**")[2]
     lines = sum(line.startswith("> ") for line in story.splitlines())
@@ -278,7 +278,7 @@ def missing_quizzes(page: NotebookPage) -> Iterator[str]:
 
 
 def missing_page(page: NotebookPage) -> Iterator[str]:
-    """Yield missing sections at the end, a missing page to show, and too few links for further reading."""
+    """Yield a flaw for each missing section at the end, a missing page to show, and too few links."""
     titles = [re.sub(r"^\d+\. | \(\d+ min\)$", "", title) for _, title in page.headings]
     ends = [title for title in titles if title in ("Show it", "Recap", "Further reading")]
     if ends != ["Show it", "Recap", "Further reading"]:
@@ -291,7 +291,7 @@ def missing_page(page: NotebookPage) -> Iterator[str]:
 
 
 def missing_answers(page: NotebookPage) -> Iterator[str]:
-    """Yield each "Try it" without a collapsed answer below it."""
+    """Yield a flaw for each "Try it" without a collapsed answer below it."""
     for tried in re.split(r"^\*\*Try it", page.markdown, flags=re.MULTILINE)[1:]:
         if not ANSWER.match(tried):
             yield f"'**Try it{tried[:40]}…' has no <details><summary>Answer</summary> … </details> below it"
@@ -305,21 +305,21 @@ def misplaced_files(page: NotebookPage) -> Iterator[str]:
 
 
 def missing_references(page: NotebookPage) -> Iterator[str]:
-    """Yield missing references to RViz2, to the real robot and to the exercise."""
+    """Yield a flaw for each missing reference to RViz2, to the real robot and to the exercise."""
     for phrase in ("> **In RViz2**", "> **On the robot**", "Try it", "_exercise.ipynb`"):
         if phrase not in page.markdown:
             yield f"missing: {phrase!r}"
 
 
 def wrong_minutes(page: NotebookPage) -> Iterator[str]:
-    """Yield a stated total time that is not the sum of the sections' minutes."""
+    """Yield a flaw if the stated total time differs from the sum of the sections' minutes."""
     total = sum(map(int, MINUTES.findall(page.markdown)))
     if f"**Time: {total} minutes in total.**" not in page.markdown:
         yield f"the sections sum to {total} min, expected a line **Time: {total} minutes in total.**"
 
 
 def wrong_minutes_in_metadata(page: NotebookPage) -> Iterator[str]:
-    """Yield a total time in the metadata (for the table of contents) that is not the sum."""
+    """Yield a flaw if the total time in the metadata, for the contents page, differs from that sum."""
     total = sum(map(int, MINUTES.findall(page.markdown)))
     minutes = page.notebook["metadata"].get("course", {}).get("minutes")
     if minutes != total:
@@ -327,7 +327,7 @@ def wrong_minutes_in_metadata(page: NotebookPage) -> Iterator[str]:
 
 
 def wrong_predictions(page: NotebookPage) -> Iterator[str]:
-    """Yield predictions that are not requested or not compared, and answers shown too early."""
+    """Yield a flaw for each prediction that is not requested or not compared, or shown too early."""
     name = page.week if "your_review" not in page.path.stem else page.path.stem.replace("_your", "")
     predicted, compared = ([key for call, key in page.questions if call == c] for c in ("predict", "compare"))
     quizzes = page.exercises / "quizzes"
@@ -363,7 +363,7 @@ def _predictions(path: Path) -> tuple[Question, ...]:
 
 
 def missing_review_quiz(page: NotebookPage) -> Iterator[str]:
-    """Yield a missing quiz of a review."""
+    """Yield a flaw if a review lacks a quiz."""
     name = page.path.stem.replace("_your", "")
     if f'quiz("{name}")' not in page.code:
         yield f'no cell with quiz("{name}")'
@@ -420,7 +420,7 @@ def names_in_answers(code: str) -> Iterator[str]:
 
 
 def lines_of_answers(code: str) -> set[int]:
-    """Return the numbers of the lines between `# solution:` and its end mark."""
+    """Return the line numbers between `# solution:` and its end mark."""
     line_numbers, inside = set[int](), False
     for number, line in enumerate(code.splitlines(), 1):
         inside = (inside or bool(BEGIN.match(line))) and END not in line
@@ -494,7 +494,7 @@ def names_in(cells: Iterable[str]) -> frozenset[str]:
 def misspelled_topics(
     task: Task, scenarios: Iterable[Scenario], names: Collection[str], path: Path
 ) -> Iterator[Flaw]:
-    """Yield a flaw for each input topic that is not in the solution although a similar name is.
+    """Yield a flaw for each input topic that is not in the solution, if the solution has a similar name.
 
     Other names are not flaws, because a TransformListener subscribes to topics that its code does
     not mention, and a name may be composed at run time.

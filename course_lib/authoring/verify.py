@@ -126,7 +126,7 @@ class WeekRehearsals:
         yield from self._check_solution(rehearsal_result)
         is_broken = any(check.broken for result in rehearsal_result.results for check in result.checks)
         if rehearsal_result.limit == "time" or is_broken:
-            # Every other answer would take as long, or fail by the same check.
+            # All other answers would also take too long, or fail because of the same check.
             return
         edits = list(make_edits(self._tasks, self._answers, self._cells, operators(self._course.solutions)))
         yield from (one for one in edits if isinstance(one, Flaw))
@@ -601,7 +601,7 @@ def _count_placeholders(week: str, course: Course) -> dict[str, int]:
 
 
 def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
-    """Return each flaw as one line, with paths relative to the course's folder, and a summary."""
+    """Return a line for each flaw, with paths relative to the course's folder, and a summary."""
     top = f"{course.exercises.parent}{os.sep}"
     flaws = [f"{report.week}, {flaw.aspect}: {flaw}" for report in reports for flaw in report.flaws]
     output = [flaw.replace(top, "") for flaw in flaws]

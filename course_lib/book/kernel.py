@@ -1,4 +1,4 @@
-"""The part of the book in a lesson's kernel, which saves each 3D view as a scene in a file."""
+"""The code of the book that runs in a lesson's kernel and saves each 3D view as a scene in a file."""
 
 import base64
 import gzip
@@ -281,7 +281,7 @@ class Scenes:
         return self._scene_html(name, summary)
 
     def add_resting_view(self, view: RestingView) -> dict[str, Any]:
-        """Save a finished view with its recording and return the HTML that its cell displays."""
+        """Save a frozen view with its recording and return the HTML that its cell displays."""
         return self._save_picture(view, _fit(view.packed), plays=view.plays)
 
     def add_widget(self, widget: SceneWidget) -> dict[str, Any]:

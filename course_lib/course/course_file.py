@@ -226,7 +226,7 @@ def machine_zone() -> ZoneInfo:
     try:
         zone = get_localzone()
         return zone if isinstance(zone, ZoneInfo) else ZoneInfo(str(zone))
-    # tzlocal passes on errors of zoneinfo, of the Windows registry and of configuration files.
+    # tzlocal does not handle errors of zoneinfo, the Windows registry and configuration files.
     except Exception as error:
         raise CourseError(
             f"this machine does not report its time zone ({error}). Write one like "

@@ -1,4 +1,4 @@
-"""Starts JupyterLab as `python -m jupyterlab` does, but in half the time."""
+"""Start JupyterLab as `python -m jupyterlab` does, but in half the time."""
 
 import sys
 

@@ -216,7 +216,7 @@ def _comparison(question: Question, guess: Answer | None, measured: str) -> str:
     return "\n".join(textwrap.fill(line, WIDTH) for line in lines)
 
 
-# By the key of a prediction: the function that shows the answer that `compare` holds back.
+# Functions that show the answers withheld by `compare`, by the prediction's key.
 _waiting: dict[str, Callable[[], None]] = {}
 
 
@@ -280,7 +280,7 @@ def _prediction_form(key: str, question: Question, saved_answer: str | None) -> 
 
 
 def _paragraph(html: str) -> str:
-    """Return HTML whose wrapped lines are close: ipywidgets' lines are as high as a button."""
+    """Return HTML with a small line height: ipywidgets' lines are as high as a button."""
     return f'<div style="line-height: 1.4; padding: 4px 0">{html}</div>'
 
 

@@ -83,8 +83,8 @@ course submit week01_exercise    # one file to hand in; warns of what is unfinis
 DEFAULT_FOLDER = Path("my_course")
 # Folder of released solutions, in exercises/ of the students' copy and in a student's folder.
 SOLUTIONS = "solutions"
-# solutions/, tests/ (with right and wrong answers) and hidden checks are only for instructors.
-# In addition to the course's package.
+# Files that are released in addition to the course's package. solutions/, tests/ (with right and
+# wrong answers) and hidden checks are only for instructors.
 RELEASED = (
     "notebooks",
     "exercises",
@@ -297,7 +297,7 @@ def _copy_solution(week: str, folder: Path) -> Path:
 
 
 def renew_exercises() -> None:
-    """Write the exercises from the solutions, which takes no time, unlike verifying them.
+    """Write the exercises from the solutions. Unlike verification, this takes no noticeable time.
 
     Raises:
         CourseError: One of them has changed, and somebody must look at it; or a solution has a
@@ -453,7 +453,7 @@ def progress(week: Week, state: State) -> Progress:
 
 
 def _is_done(state: State, task: str, result: Mapping[str, float]) -> bool:
-    """Return whether a task has all its points, or has passed its checks if a person marks it."""
+    """Return whether a task has all its points or, if a person marks it, has passed its checks."""
     last = last_check(state, task)
     return result["score"] >= result["of"] or (last is not None and last.passed)
 

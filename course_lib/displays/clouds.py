@@ -209,7 +209,7 @@ def _rgb8(cloud: Cloud, holder: PropertyHolder) -> tuple[Reals, Bounds]:
 
 
 def _bounds(values: Float32s, limit: float) -> tuple[float, float]:
-    """Return minimum and maximum as RViz computes them, starting from and clipped to a limit."""
+    """Return the minimum and maximum, starting from a limit and clipped to it, as RViz does."""
     numbers = values[~np.isnan(values)]
     low, high = min(numbers.min(initial=limit), limit), max(numbers.max(initial=-limit), -limit)
     return max(float(low), -limit), min(float(high), limit)
@@ -265,7 +265,10 @@ class DisplayedCloud(NamedTuple):
 
 
 class CloudDisplay(TopicDisplay):
-    """Base class of clouds, each displayed for its decay time; new ones appear in the next frame."""
+    """Base class of displays of clouds.
+
+    A cloud is drawn in the next frame and removed after its decay time.
+    """
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
@@ -375,7 +378,7 @@ class PointCloud2Display(CloudDisplay):
 
 
 class PointCloudDisplay(CloudDisplay):
-    """Clouds of ROS 1's older type, with a list of numbers for each channel."""
+    """Clouds of the older type from ROS 1, with a list of numbers for each channel."""
 
     queue_label = QUEUE_LABEL
     class_name = "rviz_default_plugins/PointCloud"
@@ -663,7 +666,7 @@ class Shadows:
     def with_hidden(
         self, points: Float32s, rgb: Pixels, now: float, timeout: float
     ) -> tuple[Float32s, Pixels]:
-        """Return the points and colors of an image, together with the points that it hides.
+        """Return the points and colors of an image, followed by the hidden points.
 
         Args:
             points: Points as returned by `project_depths`.

@@ -263,11 +263,11 @@ class Display(PropertyHolder):
 
     @property
     def enabled(self) -> bool:
-        """Whether the display and all groups around it are ticked in RViz's tree."""
+        """Whether the display and all enclosing groups are enabled in RViz's tree."""
         return bool(self["Enabled"]) and self._is_group_visible
 
     def rows(self) -> list[StatusRow]:
-        """Return the statuses as rows; a display that is not ticked has none."""
+        """Return the statuses as rows; a disabled display has none."""
         return self.statuses.rows(self.name) if self.enabled else []
 
     def load(self, config: Mapping[str, Any]) -> list[str]:
@@ -345,7 +345,7 @@ class Group:
         self.members: list[Display | Group] = []
 
     def update_visibility(self, above: bool = True) -> None:
-        """Show each display whose enclosing groups are all ticked, and hide the others."""
+        """Show the displays whose enclosing groups are all enabled, and hide the others."""
         for member in self.members:
             if isinstance(member, Group):
                 member.update_visibility(above and self.ticked)
@@ -455,7 +455,7 @@ class TopicDisplay(Display):
         return qos_of(self, self.topic_label)
 
     def start(self) -> None:
-        """Subscribe to the topic, if the display is ticked and has one."""
+        """Subscribe to the topic, if the display is enabled and has one."""
         super().start()
         self._since_ns = self.context.now_ns
         self.subscriptions = ()

@@ -216,7 +216,7 @@ class ViewTime:
         self.robot_ns, self._sim_ns, self._due_ns = 0, 0, None
 
     def request_frame(self) -> None:
-        """Schedule a frame one interval after the last one, or from now if that is over.
+        """Schedule a frame one interval after the last frame, or from now if that time has passed.
 
         Messages that follow each other more quickly than frames do not delay them.
         """
@@ -226,7 +226,7 @@ class ViewTime:
             self._due_ns = (self._frame_ns if is_recent else self.robot_ns) + self._interval_ns
 
     def overdue_ns(self, robot_ns: int) -> int | None:
-        """Return the time at which a requested frame was due, if not after a robot time; else None."""
+        """Return the due time of a requested frame if it is at or before a robot time [ns], else None."""
         return self._due_ns if self._due_ns is not None and self._due_ns <= robot_ns else None
 
     def is_frame_due(self, robot_ns: int) -> bool:

@@ -259,7 +259,7 @@ class PictureDisplay(TopicDisplay):
         self.context.scene.set_object(f"{self.path}/picture", Inset(pixels))
 
     def limits(self, values: AnyArray) -> tuple[float, float]:
-        """Return the values of black and white: minimum and maximum of the last five images."""
+        """Return the values of black and white: the minimum and maximum of the last five images."""
         return self._range.add(values, 5)
 
 

@@ -218,7 +218,7 @@ class MarkerClient:
             self._actions.follow(update)
 
     def _missing(self, items: Iterable[Any]) -> tuple[str, bool]:
-        """Return why tf2 cannot place markers or poses: an error, and whether to wait for transforms."""
+        """Return an error if tf2 cannot place markers or poses, and whether to wait for transforms."""
         waits = False
         headers = []
         for item in items:
@@ -348,7 +348,7 @@ class SceneMarker:
         self._follow(changed=True)
 
     def move(self, header: Message, pose: Message) -> None:
-        """Move to a pose from the server, or store it until a drag has ended."""
+        """Move to a pose from the server. During a drag, store the pose until the drag ends."""
         if self._drag is not None:
             self._requested = header, pose
             return
@@ -405,7 +405,7 @@ class SceneMarker:
             self.move(*requested)
 
     def ask(self, control: SceneControl, point: Floats | None) -> None:
-        """Remember where the menu was opened."""
+        """Store the position at which the menu was opened."""
         self._menu_request = control.message.name, point
 
     def choose(self, entry: int) -> None:
@@ -551,18 +551,18 @@ class InteractiveMarkersDisplay(Display):
 
     @property
     def handles(self) -> str:
-        """The node of the scene below which all markers are."""
+        """The scene node that contains all markers."""
         return f"{self.path}/handles"
 
     def start(self) -> None:
-        """Connect to the server, if the display is ticked and has a namespace."""
+        """Connect to the server, if the display is enabled and has a namespace."""
         self.subscriptions, self._client = (), None
         super().start()
         if self.enabled:
             self._connect()
 
     def on_changed(self, label: str) -> None:
-        """Reconnect, or show and hide parts."""
+        """Reconnect, or show and hide parts of the markers."""
         super().on_changed(label)
         if self.is_started and label in (self.topic_label, "Enable Transparency"):
             self.start()
@@ -728,7 +728,7 @@ def _drag(marker: SceneMarker, control: SceneControl, order: UseControl) -> None
 
 
 def _pointer(order: UseControl) -> Pointer:
-    """Return the pointer of an order, in the fixed frame."""
+    """Return the pointer of a page's order, in the fixed frame."""
     direction = np.array(order.direction)
     if not direction.any() or order.pixel <= 0:
         raise CourseError(

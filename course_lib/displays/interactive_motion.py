@@ -329,7 +329,7 @@ def _rotate_axis(drag: Drag, pointer: Pointer) -> Drag:
 
 
 def _move_rotate(drag: Drag, pointer: Pointer) -> Drag:
-    """Turn the marker towards the pointer and pull it there, like a trailer."""
+    """Turn the marker towards the pointer and move it there, like a towed trailer."""
     axis, at, start = drag.axes[:, 0], drag.pose[:3, 3], drag.start[:3, 3]
     offset = rotation(axis, drag.turned) @ (drag.grab - start)
     center = at + axis * (axis @ offset)

@@ -237,7 +237,7 @@ def text_at(config: Config, label: str) -> str:
 
 
 class _LayoutReader:
-    """The parts of a parsed file, and errors about parts with an invalid structure."""
+    """Reads the parts of a parsed file, and collects errors about parts with an invalid structure."""
 
     def __init__(self, parsed: Parsed) -> None:
         self._parsed = parsed

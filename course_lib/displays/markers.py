@@ -597,7 +597,7 @@ _REPEATED = (
 
 
 def _drawing_key(marker: Any) -> tuple[Any, ...] | None:
-    """Return everything that a drawing depends on, or None if comparing would cost as much as drawing."""
+    """Return a key with all inputs of a drawing, or None if comparing it would cost as much as drawing."""
     if len(marker.points) or len(marker.colors):
         return None
     s, c = marker.scale, marker.color

@@ -117,7 +117,7 @@ def integer(low: int, high: int = 2**31 - 1) -> Limited:
 
 
 def flag(value: Any) -> bool:
-    """Convert a value to a boolean; it may be a boolean, or a string in the notation of layouts."""
+    """Convert a value, a boolean or a string in the notation of layouts, to a boolean."""
     value = {"true": True, "false": False}.get(value.lower(), value) if isinstance(value, str) else value
     if not isinstance(value, bool):
         raise ValueError("True or False")
@@ -137,7 +137,7 @@ def frame(value: Any) -> str:
 
 
 def words(*options: str) -> Limited:
-    """Return a conversion that accepts only the given options."""
+    """Return a conversion that accepts only these strings."""
 
     def convert(value: Any) -> str:
         if value not in options:

@@ -146,7 +146,7 @@ def make_display(context: Context, class_name: str, name: str, path: str) -> Dis
 
 
 def full_name(class_name: str) -> str:
-    """Return a class name with its package, which may be omitted."""
+    """Return a class name with its package, which `name` may omit."""
     full_names = (name for name in REGISTRY if short_name(name) == class_name)
     return class_name if "/" in class_name else next(full_names, f"{PACKAGE}/{class_name}")
 

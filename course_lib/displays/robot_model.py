@@ -174,7 +174,7 @@ class DrawnLink:
 
     @property
     def is_shown_as_lost(self) -> bool | None:
-        """Whether it is drawn without a transform; None before it is drawn."""
+        """Whether the link is drawn without a transform; None before it is drawn."""
         return None if self._settings is None else self._settings.is_lost
 
     def show(self, settings: LinkSettings) -> None:
@@ -300,7 +300,10 @@ class RobotModelDisplay(TopicDisplay):
         return super().qos() if is_changed else Qos(depth=1, durability="transient_local")
 
     def on_changed(self, label: str) -> None:
-        """Restart with another description; other properties take effect in the next frame."""
+        """Restart after a change of the description.
+
+        Other properties take effect in the next frame.
+        """
         super().on_changed(label)
         switches = [f"Links/{link.name}" for link in self._links if link.has_geometry]
         if label == _ALL:

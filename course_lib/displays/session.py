@@ -49,7 +49,7 @@ _TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="tr
 
 @dataclass
 class _Attached:
-    """A node of the scene that follows a frame, "" is the fixed frame, and what was drawn last."""
+    """A node of the scene that follows a frame ("" is the fixed frame), and the state drawn last."""
 
     frame: str
     transform_node_to_frame: Matrix
@@ -120,7 +120,10 @@ class RvizSession:
         return [*self._tf_subscriptions, *([self._clock_subscription] if self.time.use_sim_time else [])]
 
     def set_sim_time(self, use_sim_time: bool) -> None:
-        """Set RViz's parameter `use_sim_time`, whether /clock is the time source; a change resets all."""
+        """Set RViz's parameter `use_sim_time`: whether /clock is the time source.
+
+        A change resets all displays.
+        """
         if use_sim_time != self.time.use_sim_time:
             self.time.use_sim_time = use_sim_time
             self._on_time_jump("Detected time source change.")
@@ -312,7 +315,7 @@ class RvizSession:
         self.update(self.time.robot_ns)
 
     def update(self, now_ns: int, *, is_look: bool = True, is_opened: bool = False) -> None:
-        """Update the scene at a robot time [ns], because it was requested or a frame is due.
+        """Update the scene at a robot time [ns], because an update was requested or a frame is due.
 
         Args:
             now_ns: The robot time.
@@ -354,7 +357,10 @@ class RvizSession:
         self.refresh()
 
     def _place_attached(self) -> None:
-        """Move the attached nodes whose frames have moved, because each change is drawn."""
+        """Move the attached nodes whose frames have moved.
+
+        Others are left alone, because each change is drawn again.
+        """
         for path, node in self._attached.items():
             transform_frame_to_fixed = self.context.frames.transform(node.frame or self.fixed_frame)
             is_known = transform_frame_to_fixed is not None
@@ -435,7 +441,7 @@ class RvizSession:
         return "\n".join([head, *summary(self.context.scene), str(StatusTable(self.rows()))])
 
     def deliver_latched(self, subscriptions: Iterable[Subscription]) -> None:
-        """Deliver messages kept by publishers to transient-local subscriptions; add a hint for others."""
+        """Deliver latched messages to transient-local subscriptions, and add a hint for others."""
         samples = list(self.latched())
         late_joining = [s for s in subscriptions if s.qos.durability == "transient_local"]
         for sample in samples:

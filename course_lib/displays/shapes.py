@@ -107,7 +107,7 @@ def draw_shapes(
     holder: PropertyHolder,
     below: str = "",
 ) -> dict[str, Drawable]:
-    """Draw axes or arrows at poses, shape (N, 4, 4), according to the properties of `shape_properties`."""
+    """Draw axes or arrows at poses, shape (N, 4, 4), as set by the properties of `shape_properties`."""
     if holder["Shape"] == "Axes":
         return draw_axes(poses, holder[f"{below}Axes Length"], holder[f"{below}Axes Radius"])
     labels = ("Shaft Length", "Shaft Radius", "Head Length", "Head Radius")

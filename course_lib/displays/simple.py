@@ -531,7 +531,7 @@ class EffortDisplay(DrawnDisplay):
         super().start()
 
     def process(self, message: Any) -> None:
-        """Show the efforts of a joint state.
+        """Show the efforts in a joint state.
 
         Joints without an effort in it keep their previous one.
         """

@@ -45,7 +45,7 @@ _HEAD = "<tr><th>Display</th><th>Status</th><th>Level</th><th style='text-align:
 
 
 class StatusRow(NamedTuple):
-    """One row of the status table. Level ``hint`` belongs to this viewer, the others to RViz."""
+    """One row of the status table. RViz has all levels except ``hint``."""
 
     display: str
     name: str
@@ -79,7 +79,7 @@ class Statuses:
             self._failures.pop(name, None)
 
     def delete(self, name: str) -> None:
-        """Remove the status and the hints of a name."""
+        """Remove the status and the hints with this name."""
         self._texts.pop(name, None)
         self._hints.pop(name, None)
 

@@ -312,7 +312,7 @@ class TfDisplay(Display):
         return value() if callable(value) else value
 
     def on_changed(self, label: str) -> None:
-        """Tick all frames or one; other properties take effect in the next frame."""
+        """Enable or disable all frames or one. Other properties take effect in the next frame."""
         super().on_changed(label)
         switches = [f"Frames/{frame}" for frame in self._frames]
         if label == _ALL:

@@ -243,7 +243,7 @@ class Viewer(KnownAttributes):
         frame: str | None = None,
         at: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> None:
-        """Draw a robot's links in a frame, without any messages except tf2's.
+        """Draw a robot's links in a frame. No messages are needed except transforms.
 
         Args:
             robot: A robot from `load_robot`.
@@ -290,7 +290,7 @@ class Viewer(KnownAttributes):
         return picture
 
     def beside(self) -> None:
-        """Show the viewer in a panel next to the notebook in JupyterLab, else in the cell.
+        """Show the viewer in a panel next to the notebook in JupyterLab, or otherwise in the cell.
 
         The viewers of later cells take the panel in turn, until the reader closes it or moves the
         view back. A window of less than 1200 px has no room for it.
@@ -307,7 +307,7 @@ class Viewer(KnownAttributes):
         return self._cell.at_rest(self.film, seconds)
 
     def replay(self, seconds: float = 5.0) -> "RestingView":
-        """Return a recording for the last line of a cell, which plays again and again while it is in sight.
+        """Return a recording for the last line of a cell. It plays in a loop while it is visible.
 
         Args:
             seconds: The length [s] of robot time before now that it plays.

@@ -1,4 +1,4 @@
-"""RViz's view controllers, which compute a camera from properties and the target frame; the default view."""
+"""RViz's view controllers, which compute a camera from properties and the target frame."""
 
 from collections.abc import Callable, Iterable, Mapping
 from math import asin, atan2, cos, pi, sin, tan
@@ -122,7 +122,7 @@ class ViewController(PropertyHolder):
         self._values |= {label: self._property(label).convert(value) for label, value in values.items()}
 
     def mimic(self, other: "ViewController", frames: Frames) -> None:
-        """Look from the same position as another view, as far as this type of view permits."""
+        """Move the camera to the position of another view, as far as this type of view permits."""
         self._values["Target Frame"] = other["Target Frame"]
         # This determines the pose of the target frame.
         self.camera(frames)
@@ -419,15 +419,15 @@ def view_of(config: Mapping[str, Any]) -> "tuple[ViewController, *tuple[str, ...
 
 # Half the height of a picture at a distance of 1 m.
 _SLOPE = tan(pi / 8)
-# Width of the picture divided by its height that things have to fit in: views in cells are wider,
-# and views beside the notebook may be a little narrower.
+# Aspect ratio (width / height) into which objects have to fit: views in cells are wider, and views
+# next to the notebook may be slightly narrower.
 _ASPECT = 1.0
 # The maximum fraction of the picture that the drawn objects fill.
 _FILLED_SHARE = 0.85
 # Half the side of the cube around the origin that is always in the picture, [m].
 _AROUND_ORIGIN = 0.5
-# Size of the drawn things, as a multiple of their distance to the origin, below which it is left
-# out.
+# Size of the drawn objects, as a multiple of their distance to the origin, below which the origin
+# is left out.
 _FAR_AWAY = 0.03
 # [m] range of the distance of a view.
 _NEAREST, _FARTHEST = 2.0, 500.0
@@ -531,7 +531,7 @@ def _move(view: Orbit, corners: Floats) -> bool:
 
 
 def _with_origin(bounds: Floats) -> Floats:
-    """Return the box with the origin, unless the drawn things are small and far away from it."""
+    """Extend a box by the origin, unless the drawn objects are small and far away from it."""
     low, high = bounds
     distance = np.linalg.norm(np.maximum(0, np.maximum(low, -high)))
     if np.linalg.norm(high - low) < _FAR_AWAY * distance:

@@ -1,4 +1,4 @@
-"""ROS 2 packages out of notebooks and Python files."""
+"""Export of notebooks and Python files as ROS 2 packages."""
 
 import lazy_loader
 

@@ -25,14 +25,14 @@ INNER = "unixsock-stream"
 ROS_NAME = re.compile(r"(/[A-Za-z_]\w*)+", re.ASCII)
 LOOK = ["declare_subscriber", "declare_liveliness_subscriber", "liveliness_query"]
 MESSAGES = [*LOOK, "put", "delete", "declare_queryable", "query", "reply", "liveliness_token"]
-# ** does not match parts that begin with @.
+# ** does not match chunks of a key that begin with @.
 EVERYWHERE = ["**", "**/@adv/**", f"{ADMIN}/**", f"{PRESENCE}/**"]
 # The domain IDs of ROS 2.
 DOMAINS = range(233)
 
 
 def relative_names(names: Iterable[str], option: str) -> list[str]:
-    """Return names of topics or services without their first slash.
+    """Return topic or service names without their leading slash.
 
     Raises:
         CourseError: A name is not an absolute ROS name.
@@ -101,7 +101,7 @@ def _rule(name: str, flows: list[str], messages: list[str], keys: list[str]) -> 
 
 
 def _tokens(domain: int, kind: str, topic: str = "") -> str:
-    """Return the key expression of ROS's tokens of a kind.
+    """Return the key expression for ROS's liveliness tokens of one kind.
 
     `topic` is mangled and without its first %.
     """

@@ -163,7 +163,7 @@ class DdsBridge:
         self._commands[topic, type_name].publisher.put(cdr)
 
     def close(self) -> None:
-        """Leave both networks after the robot has acknowledged its last command."""
+        """Disconnect from both networks after the robot has acknowledged its last command."""
         self._robot.close()
         self._class.close()
 

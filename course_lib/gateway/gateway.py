@@ -74,7 +74,7 @@ def open_router(settings: dict[str, Any], option: str = "--listen") -> zenoh.Ses
         return zenoh.open(config)
     except zenoh.ZError as error:
         place = settings["listen/endpoints"][-1]
-        # The rest is a position in Zenoh's source.
+        # The rest of the message is a location in Zenoh's source code.
         reason = str(error).split(" at /")[0]
         raise CourseError(
             f"Zenoh can't listen at {place}: {reason}. Is the port taken? {option} takes another."
@@ -138,7 +138,7 @@ class Settings:
 
 @dataclass
 class _Stream:
-    """The driver's commands on a key: their publisher, and whether they move the robot."""
+    """The stream of a driver's commands on a key: its publisher, and whether it moves the robot."""
 
     entity: ZenohEntity
     token: Any
@@ -475,7 +475,7 @@ def router(
         return
     if (settings.certificate is None) != (settings.key is None):
         raise CourseError("TLS needs two files: --certificate cert.pem --key key.pem")
-    # Before the first file is written.
+    # Malformed addresses are reported before the first file is written.
     if settings.robot:
         settings = replace(settings, robot=full_address(settings.robot))
     if not LISTEN.fullmatch(settings.listen):

@@ -20,8 +20,8 @@ REAL_KIND = "driving"
 THIS_COMPUTER = f"{DDS}127.0.0.1"
 # Polling period [s].
 POLL = 0.05
-START_SECONDS = 120.0  # [s] in which a robot's process is ready, also on a busy computer
-END_SECONDS = 30.0  # [s] in which a robot's process ends after its input
+START_SECONDS = 120.0  # [s] time limit for the start of a robot's process on a busy computer
+END_SECONDS = 30.0  # [s] time limit for a robot's process to exit after its input was closed
 WITHOUT_ZENOH = "course robot --dds and start_robot('dds') run a robot that needs none."
 # The program logs this when the robot is ready.
 READY = "The robot is ready"

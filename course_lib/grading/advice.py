@@ -40,8 +40,8 @@ AFTER_AN_ERROR = (
     "Your code stopped with the error above. Fix that line first: the failed checks follow from it."
 )
 
-# Kinds of mistakes that a list causes which keeps the items of earlier calls, as far as the task
-# has no hint of its own for them. Old stamps are always a reason to look for such a list.
+# Kinds of mistakes that may be caused by a list that keeps the items of earlier calls, unless the
+# task has its own hint for them. Old stamps are always a reason to look for such a list.
 _OLD_ITEMS = {"a stamp is in the past", "a stamp is not the expected one"}
 _SURPLUS = {
     "markers with the same ns and id replace each other",
@@ -164,7 +164,7 @@ class Code:
         return any(isinstance(one, str) and one.strip("/") == topic.strip("/") for one in strings)
 
     def subscriptions(self) -> list[str]:
-        """Return the topics of all subscriptions, or [] if one of them is not a string in the code."""
+        """Return the topics of all subscriptions, or [] if one topic is not a string literal in the code."""
         topics = []
         for node in self._nodes:
             if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "create_subscription":
@@ -283,7 +283,7 @@ def _growing_list(task: Task, result: TaskResult, source: str) -> str:
 
 
 def _first_cause(result: TaskResult) -> list[str]:
-    """Return the kinds of mistakes of the first check that fails for a reason of its own."""
+    """Return the kinds of mistakes of the first check whose failure does not follow from another one."""
     failing = (check for check in result.checks if not check.passed and check.mistake != NEEDS_ANOTHER)
     first = next(failing, None)
     return first.mistake.split("; ") if first is not None else []
@@ -308,7 +308,7 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
     ):
         tree = parse(source)
         returned = [node.value for node in ast.walk(tree) if isinstance(node, ast.Return)]
-        # The loop that return ends early is the cause, and has a hint of its own.
+        # A loop that `return` ends early is the cause then, and has its own hint.
         if find_slip(source).startswith("return ends the loop"):
             return []
         last = next((one.body[-1] for one in getattr(tree, "body", ()) if isinstance(one, Function)), None)
@@ -342,7 +342,7 @@ def missing_return_hint(task: Task, evidence: Iterable[Evidence], source: str = 
 
 
 def parameter_order_hint(task: Task, source: str) -> list[str]:
-    """Return a sentence about parameters that are in another order than in the exercise, or []."""
+    """Return a sentence about parameters whose order differs from the exercise, or []."""
     given = _released_parameters(task.week, task.name)
     for name, own in _parameters(parse(source)):
         expected = given.get(name, [])
@@ -408,7 +408,7 @@ def wrong_type_hint(evidence: Iterable[Evidence]) -> list[str]:
 
 
 def missing_node_hint(evidence: Iterable[Evidence], source: str) -> list[str]:
-    """Return a sentence about a node whose parameters were to be set and that does not exist, or []."""
+    """Return a sentence about a missing node whose parameters the scenario sets, or []."""
     ran = (one for one in evidence if not one.errors and not one.stopped)
     matches = [re.search(rf"{NO_NODE} (/\w+)", one.output) for one in ran]
     names = [node.args[0] for node in ast.walk(parse(source)) if _is_super_init(node)]
@@ -442,7 +442,7 @@ def reliable_subscription_hint(evidence: Iterable[Evidence]) -> list[str]:
 
 
 def large_message_hint(evidence: Iterable[Evidence]) -> list[str]:
-    """Return a sentence about the topic whose messages are so large that they take most of the time."""
+    """Return a sentence about the topic whose large messages take most of the time, or []."""
     descriptions = [one.large_message for one in evidence if one.large_message]
     advice = "and each message must be built, sent and checked. Are that many points needed?"
     return [f"This took long: {text}, {advice}" for text in descriptions[:1]]
@@ -464,7 +464,7 @@ def best_effort_hint(evidence: Iterable[Evidence]) -> list[str]:
 
 
 def _may_hold_nan(cdr: bytes) -> bool:
-    """Return whether some bytes, read as numbers, are NaN.
+    """Return whether some bytes, interpreted as floating-point numbers, are NaN.
 
     This filter is fast; decoding and searching a million points takes seconds.
     """

@@ -131,7 +131,7 @@ def next_step(catalog: Catalog, task: Task) -> str:
 
 
 def _own_modules() -> list[str]:
-    """Return the imported Python files of the current folder, which is the notebook's in a kernel."""
+    """Return the imported Python files of the current folder, in a kernel the notebook's folder."""
     here = Path.cwd()
     paths = [
         getattr(module, "__file__", None) for name, module in sys.modules.copy().items() if name != "__main__"
@@ -189,7 +189,10 @@ def _call_text(task: Task) -> str:
 
 
 def _example(catalog: Catalog, subject: Any) -> str:
-    """Return an example call, for the task whose object was passed in place of the id if there is one."""
+    """Return an example call.
+
+    If a task's object was passed in place of the id, the example is for this task.
+    """
     name = getattr(subject, "__name__", "")
     tasks = list(catalog.tasks.values())
     matching = [task for task in tasks if task.name == name] or tasks

@@ -179,14 +179,14 @@ class Evidence:
         return {sample.topic: sample.type_name for sample in self.samples}
 
     def messages(self, topic: str) -> list[tuple[float, Any]]:
-        """Return ([s] since the start, message) pairs of one topic, skipping bytes of another type."""
+        """Return (time since the start [s], message) pairs of a topic, skipping other message types."""
         if topic not in self._decoded:
             pairs = [(s.stamp_ns, _decode(s)) for s in self.samples if s.topic == topic]
             self._decoded[topic] = [((ns - START_NS) / 1e9, m) for ns, m in pairs if m is not None]
         return self._decoded[topic]
 
     def once(self, make: Callable[[Evidence], Found]) -> Found:
-        """Return `make(self)`, computed once however many checks request it."""
+        """Return `make(self)`, computed once and shared by all checks."""
         if make not in self._computed:
             self._computed[make] = make(self)
         found: Found = self._computed[make]
@@ -298,7 +298,7 @@ class Check:
         return replace(self, title=title)
 
     def worth(self, weight: float) -> Check:
-        """Return the check with another weight; 0 makes it a check that only reports."""
+        """Return the check with another weight; with 0 the check is only reported."""
         return replace(self, weight=weight)
 
     def requiring(self, *checks: Check) -> Check:

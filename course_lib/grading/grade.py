@@ -72,7 +72,7 @@ from course_lib.grading.submissions.submission import (
 
 STUDENT = "preflight"  # the student ID that determines the personal values
 FOLDER = "preflight"  # subfolder of the results
-MOST_SHOWN = 3  # differences per message
+MOST_SHOWN = 3  # maximum number of differences in a message
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,7 +251,7 @@ def _failure_message(wrong: Mapping[Trial, str], course: Course) -> str:
 
 
 GRADED = ("graded", "needs_marking", "limit")
-Faults = Mapping[str, Fault]  # by the key of the evidence that is missing
+Faults = Mapping[str, Fault]  # by the key of the missing evidence
 
 
 def grade(
@@ -375,7 +375,7 @@ def _read_stored(attempts: Attempts, out: Path) -> Result | None:
 
 @contextmanager
 def second_interrupt_ends_process() -> Iterator[None]:
-    """Let a second Ctrl+C terminate this process by the signal itself.
+    """Let a second Ctrl+C terminate this process through the default action of the signal.
 
     After the first one, grading needs a moment to stop. An exception during that time, or while
     Python waits for threads at exit, would print a traceback. No file is left incomplete, because

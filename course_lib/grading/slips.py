@@ -139,7 +139,7 @@ def _sets_field(statement: ast.stmt, name: str) -> bool:
 
 
 def _root(node: ast.AST) -> str:
-    """Return the variable whose attribute or item an expression is, or "" for a plain variable."""
+    """Return the variable at the root of an attribute or subscript expression, or "" for a plain variable."""
     is_inside = False
     while isinstance(node, ast.Attribute | ast.Subscript):
         node, is_inside = node.value, True
@@ -151,7 +151,7 @@ def _uses(node: ast.AST, name: str) -> bool:
 
 
 def _recreations(block: Sequence[ast.stmt]) -> Iterator[str]:
-    # Whether a field of each object is set, and it was not used for anything else yet.
+    # Whether a field of each object has been set and the object has not been used otherwise yet.
     is_filled: dict[str, bool] = {}
     for statement in block:
         name, kind = _created_object(statement)
@@ -306,7 +306,7 @@ def _shared_defaults(function: Function) -> Iterator[str]:
 
 
 def _changes(function: Function, name: str) -> bool:
-    """Return whether a function changes the object of a variable."""
+    """Return whether a function mutates the object that a variable refers to."""
     for node in ast.walk(function):
         match node:
             case ast.Call(func=ast.Attribute(value=ast.Name(id=changed), attr=method)) if method in IN_PLACE:
@@ -343,7 +343,7 @@ def _blocking_calls(function: Function) -> Iterator[str]:
 
 
 def _waiting_loops(function: Function) -> Iterator[str]:
-    """Yield a sentence for each loop that waits for messages, which arrive only after the method."""
+    """Yield a sentence for each loop that waits for messages, which arrive only after the method ends."""
     for node in ast.walk(function):
         match node:
             case ast.While(test=ast.Constant() | ast.Compare()):
@@ -429,7 +429,7 @@ def _other_files(function: Function) -> Iterator[str]:
 
 
 def _callbacks_of(cls: ast.ClassDef) -> Iterator[Function]:
-    """Yield the methods of a class that are passed to be called."""
+    """Yield the methods of a class that are passed as callbacks."""
     called = [node.func for node in ast.walk(cls) if isinstance(node, ast.Call)]
     passed = {
         node.attr
@@ -500,7 +500,7 @@ def find_growing_list(source: str) -> str:
 
 
 def _shortens(cls: ast.ClassDef, items: str, owner: str) -> bool:
-    """Return whether a class shortens or renews a list outside of __init__."""
+    """Return whether a class shortens or replaces a list outside of __init__."""
     for function in cls.body:
         if not isinstance(function, Function) or function.name == "__init__":
             continue
@@ -606,7 +606,7 @@ def _whole_quotients(function: Function) -> Iterator[str]:
 
 
 def _places_of_whole_numbers(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the parts of an expression that need a whole number."""
+    """Yield the subexpressions that must be integers."""
     match node:
         case ast.Subscript(slice=index):
             yield index

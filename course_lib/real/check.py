@@ -1,4 +1,4 @@
-"""`course check --ros`: the public checks of an exercise on the messages of its nodes in the real ROS 2.
+"""`course check --ros`: the public checks, applied to the messages of an exercise's nodes in the real ROS 2.
 
 The student's own code runs on the student's own computer, as with `course run`. Grading never uses
 this. Times differ from run to run there, so they are reported and not counted. Values are compared
@@ -346,7 +346,7 @@ def _is_timing(check: Check) -> bool:
 
 
 class ScenarioOnRos:
-    """A scenario of a task: the student's nodes run on the real rclpy, inputs and recorder in the kit."""
+    """A scenario of a task. The student's nodes run on the real rclpy; inputs and recorder run in the kit."""
 
     def __init__(
         self,

@@ -66,7 +66,7 @@ def types_of(package: str) -> dict[str, dict[str, Any]]:
 
 
 def _add_own_packages(programs: Iterable[Path]) -> list[str]:
-    """Add the packages of the workspace and those in the programs' folders. Return the problems."""
+    """Add the packages of the workspace and of the programs' folders. Return the problems."""
     ros_packages = {name.partition("/")[0] for name in field_definitions()}
     folders = {name: folder for name, folder in packages().items() if has_interfaces(folder)}
     for parent in {program.resolve().parent for program in programs}:

@@ -170,7 +170,7 @@ _CDR = "cdr"
 
 
 class UnsupportedFormatError(CourseError):
-    """A bag has messages in another serialization format than CDR."""
+    """A bag has messages in a serialization format other than CDR."""
 
 
 def _check_format(bag: Path, topic: str, serialization_format: str) -> None:
@@ -224,7 +224,7 @@ def salvage(files: Sequence[Path]) -> tuple[list[Sample], str]:
 
 
 def _has_magic(file: BinaryIO) -> bool:
-    """Return whether a MCAP file begins and ends as it should; leave it behind its beginning."""
+    """Return whether an MCAP file has its magic bytes at both ends, and seek to the end of the first ones."""
     file.seek(-min(len(_MAGIC), file.seek(0, os.SEEK_END)), os.SEEK_END)
     end = file.read()
     file.seek(0)
@@ -582,7 +582,7 @@ def recorded(
 
 
 class _SimTime:
-    """Stamps samples with the last time on /clock."""
+    """Stamps samples with the last time received on /clock."""
 
     def __init__(self) -> None:
         self._now_ns: int | None = None

@@ -110,7 +110,7 @@ def _coefficients(angle: float) -> tuple[float, float]:
         return 1 / 12 - angle**4 / 30240, -1 / 720 - angle**2 / 15120
     half = angle / 2
     value = half / tan(half)
-    # The derivative by the square of the angle.
+    # The derivative with respect to the square of the angle.
     slope = (1 / tan(half) - half / sin(half) ** 2) / (8 * half)
     fourth = float(1 + angle**2 * slope - value) / angle**4
     return 2 * angle**2 * fourth - float(slope), fourth
@@ -360,7 +360,7 @@ class Arm:
     offsets: Floats
 
     def with_mimic_joints(self, positions: Floats) -> Floats:
-        """Return positions in which mimic joints follow theirs."""
+        """Return the positions with mimic joints set from the joints that they follow."""
         with_mimic_joints: Floats = self.factors @ positions + self.offsets
         return with_mimic_joints
 
@@ -401,7 +401,7 @@ def arm_of(robot: Robot, link: str) -> Arm:
 
 
 def _mimic_matrices(tree: Urdf, motions: Motions) -> tuple[Matrix, Floats]:
-    """Return the matrix and the offsets that let mimic joints follow theirs."""
+    """Return the matrix and the offsets that compute mimic joints from the joints that they follow."""
     factors, offsets = np.eye(len(motions.joints)), np.zeros(len(motions.joints))
     for number, joint in enumerate(motions.joints):
         follow = tree.resolve_mimic(joint)

@@ -46,8 +46,8 @@ _LOOK, _REPORT = 0.05, 2.0
 class LifecycleManager(Node):
     """Configures and activates the nodes of the parameter `node_names`, in this order.
 
-    A node that the launch has left out, such as a compiled server, is passed over with a warning.
-    There are no bonds: a node that ends is not noticed.
+    A node that the launch has left out, such as a compiled server, is skipped with a warning. There
+    are no bonds, so the end of a node is not detected.
 
     Raises:
         CourseError: The parameter `node_names` is missing.
@@ -87,7 +87,7 @@ class LifecycleManager(Node):
         self._timer = self.create_timer(_LOOK, self._wait_for_nodes, callback_group=group)
 
     async def _wait_for_nodes(self) -> None:
-        """Start the nodes once all of them are there."""
+        """Start the nodes as soon as all of them exist."""
         for name in [name for name in self._managed if name in current_graph().left_out_nodes]:
             self.get_logger().warning(f"'{name}' cannot run here: the other nodes are managed without it.")
             self._managed.remove(name)

@@ -45,7 +45,7 @@ class MapImageError(CourseError):
 
 @dataclass(frozen=True)
 class MapSettings:
-    """The content of a map's YAML file: its scale, and what its gray levels mean.
+    """The content of a map's YAML file: its scale, and the meaning of its gray levels.
 
     Args:
         image: The path of the image.

@@ -119,7 +119,7 @@ def _package_folders(name: str, near: Path | None) -> Iterator[Path]:
 
 
 def _package_indexes(near: Path | None) -> Iterator[Mapping[str, Path]]:
-    """Yield the folders of packages by name: all in use, and those of the workspace of the file `near`."""
+    """Yield the folders of packages by name: all in use, and those in the workspace of the file `near`."""
     # An untrusted address must not reach files in the working folder.
     yield packages(in_working_folder="file" in _schemes)
     if near is not None and (workspace := workspace_of(near)):
@@ -499,7 +499,7 @@ def _advice_for_macros(text: str) -> str:
 
 
 def _line_of_error(text: str, message: str) -> str:
-    """Return ", line 12" for the line of a file that has a name which the message quotes, or ""."""
+    """Return ", line 12" for the line of a file that contains a name quoted in the message, or ""."""
     files = re.findall(r"/([^\s/:]+\.\w+)", message)
     names = ["".join(groups) for groups in re.findall(r"\[([^\[\]]+)\]|'([^']+)'", message)]
     # The name of a broken or missing file is more specific than the robot's name in the same

@@ -242,7 +242,7 @@ def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
         return None
     import ipywidgets
 
-    # Not at the head, because importing anywidget is slow.
+    # Imported here because anywidget is slow to import.
     from course_lib.controls import ControlBox
 
     center = ipywidgets.Button(description="Center", tooltip="All joints to where they began")
@@ -363,7 +363,7 @@ class RobotStatePublisher(Node):
                         raise CourseError("Empty URDF is not allowed")
                     parse_urdf(parameter.value)
                 elif parameter.name == "publish_frequency":
-                    # ROS writes the limits in another way than at the start.
+                    # ROS formats the limits differently than at startup.
                     _check_frequency(parameter.value, "0.0 and 1000.0")
             except CourseError as error:
                 return SetParametersResult(successful=False, reason=str(error))

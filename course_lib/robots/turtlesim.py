@@ -427,7 +427,7 @@ class DrawSquare(Node):
 
 
 class TurtleTeleop(Node):
-    """Controls the first turtle by keys, which a program or a button presses."""
+    """Controls the first turtle by keys, pressed by a program or a button."""
 
     def __init__(self) -> None:
         super().__init__("teleop_turtle")
@@ -475,7 +475,7 @@ FIXED_DISTANCE, RADIUS = 2.0, 10.0
 
 
 class TurtleBroadcaster(Node):
-    """Broadcasts the frame of the turtle that the parameter `turtlename` names."""
+    """Broadcasts the frame of the turtle given by the parameter `turtlename`."""
 
     def __init__(self) -> None:
         super().__init__("turtle_tf2_frame_publisher")
@@ -534,7 +534,7 @@ class StaticTurtleBroadcaster(Node):
 
 
 class TurtleFollower(Node):
-    """Spawns the second turtle, which follows the frame that the parameter `target_frame` names."""
+    """Spawns the second turtle, which follows the frame given by the parameter `target_frame`."""
 
     def __init__(self) -> None:
         super().__init__("turtle_tf2_frame_listener")

@@ -314,7 +314,7 @@ _NEEDED: Mapping[str, tuple[set[str], str]] = {
 
 
 def _material(element: ET.Element, problems: list[str]) -> Material | None:
-    """Return the material that an element defines, or None if it only refers to one or is malformed."""
+    """Return the material that an element defines, or None if it is malformed or only a reference."""
     name, color, texture = element.get("name", ""), element.find("color"), element.find("texture")
     if texture is not None and "filename" in texture.attrib:
         return Material((1.0, 1.0, 1.0, 1.0), texture.attrib["filename"])

@@ -180,7 +180,10 @@ def _has_parameter(thing: object, name: str) -> bool:
 
 
 def _is_message(thing: object) -> bool:
-    """Return whether an object is a message or its class, or unknown. rclpy also has a class Time."""
+    """Return whether an object is a message or a message class, or unknown.
+
+    rclpy also has a class Time.
+    """
     return thing is None or hasattr(thing, "get_fields_and_field_types")
 
 
@@ -221,7 +224,7 @@ def _rclpy_attribute_hint(error: BaseException) -> str:
 def _value_hint(error: BaseException, text: str) -> str:
     """Return the hint for a field that is set to a value of another type, or "".
 
-    The text of ROS states the type that the field needs, but not the value.
+    ROS's error text states the type that the field needs, but not the value.
     """
     frame = frame_of(error)
     match = re.search(r"field must be (?:of type|a sub message of type) '(\w+)'", text)
@@ -293,7 +296,7 @@ def _nested_message_hint(value: object, kind: str, field: re.Match[str] | None) 
 
 
 def _number_hint(value: object, kind: str, text: str) -> str:
-    """Return the hint for a field of a number that is set to something like a number, or ""."""
+    """Return the hint for a number field that is set to a number-like value, such as a string, or ""."""
     name = type(value).__name__
     if isinstance(value, tuple) and all(isinstance(one, int | float) for one in value):
         if len(value) == 1:
@@ -329,7 +332,7 @@ def _table_hint(error: BaseException, text: str) -> str:
 
 
 def _super_hint(error: BaseException, text: str) -> str:
-    """Return the hint for names in super( ) that skip the class Node, or ""."""
+    """Return the hint for class names in `super(…)` that skip the class Node, or ""."""
     if "object.__init__() takes exactly one argument" not in text:
         return ""
     is_named = re.search(r"\bsuper\(\s*\w+\s*,", line_of_student(error))
@@ -337,7 +340,7 @@ def _super_hint(error: BaseException, text: str) -> str:
 
 
 def _callback_hint(error: BaseException) -> str:
-    """Return the hint for a callback that is its name in quotes, or another value, or ""."""
+    """Return the hint for a callback that is given as a string, or as another value, or ""."""
     frame = frame_of(error)
     callback = frame.f_locals.get("callback") if frame is not None else None
     is_called = re.match(r"'\w+' object is not callable", _text(error))
@@ -357,7 +360,7 @@ def _callback_hint(error: BaseException) -> str:
 
 
 def _parameter_callback_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a callback of new parameters that has another signature, or ""."""
+    """Return the hint for a parameter callback with a wrong signature, or ""."""
     frame = frame_of(error)
     match = re.match(r"(?:\w+\.)*(\w+)\(\) (?:missing|takes) .*positional argument", text)
     if frame is None or match is None or not isinstance(error, TypeError):
@@ -435,7 +438,7 @@ _CREATE_CALLS = {
 
 
 def _order_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a call that passes the type or the name of a topic at another place, or ""."""
+    """Return the hint for a call that passes the type or the name of a topic in the wrong position, or ""."""
     texts = "rclpy_resolve_name|incompatible constructor arguments|no attribute '_TYPE_SUPPORT'"
     if not re.search(texts, text):
         return ""
@@ -452,7 +455,7 @@ def _order_hint(error: BaseException, text: str) -> str:
 
 
 def _executor_hint(error: BaseException) -> str:
-    """Return the hint for a MultiThreadedExecutor that gets a node as the number of threads, or ""."""
+    """Return the hint for a MultiThreadedExecutor whose number of threads is a node, or ""."""
     frame = frame_of(error)
     if frame is None or not hasattr(frame.f_locals.get("num_threads"), "create_publisher"):
         return ""
@@ -494,7 +497,7 @@ def _operand_hint(error: BaseException, text: str) -> str:
 
 
 def _request_hint(error: BaseException) -> str:
-    """Return the hint for a service's client that is called with something else than a request, or ""."""
+    """Return the hint for a service client that is called with a value other than a request, or ""."""
     frame = frame_of(error)
     service = getattr(frame.f_locals.get("self"), "srv_type", None) if frame is not None else None
     if mistake_of(error) is not Mistake.REQUEST or service is None:
@@ -511,9 +514,9 @@ def _request_hint(error: BaseException) -> str:
 
 
 def _list_hint(error: BaseException, text: str) -> str:
-    """Return the hint for a field with many values that is set to something else, or "".
+    """Return the hint for an array field that is set to a value of another type, or "".
 
-    The text of ROS does not say what was passed.
+    ROS's error text does not contain the passed value.
     """
     frame = frame_of(error)
     if frame is None or "value" not in frame.f_locals:
@@ -620,7 +623,7 @@ def _missing_self_hint(error: NameError, text: str) -> str:
 
 
 def _imported_interfaces(error: ModuleNotFoundError) -> tuple[str, str] | None:
-    """Return package and kind if the import of a missing package requests its interfaces."""
+    """Return the package and the kind if the import of a missing package requests its interfaces."""
     names = [error.name or ""]
     trace = error.__traceback__
     while trace is not None:

@@ -254,7 +254,7 @@ def frame_of(error: BaseException) -> FrameType | None:
 
 
 def line_of_student(error: BaseException) -> str:
-    """Return the innermost line of the traceback that is not of the kit, Python or a library, or ""."""
+    """Return the innermost line of the traceback outside the kit, Python and its libraries, or ""."""
     others = (_KIT_FOLDER, "<frozen", *sysconfig.get_paths().values())
     lines = [(frame.f_code.co_filename, number) for frame, number in walk_tb(error.__traceback__)]
     own = [(name, number) for name, number in lines if not name.startswith(others)]
@@ -396,7 +396,7 @@ def _is_set_before(error: BaseException, name: str) -> bool:
 
 
 def _constant_of(name: str, names: Mapping[str, object]) -> str:
-    """Return a constant of a message class that is in reach, like "Marker.CUBE", or ""."""
+    """Return a constant of a message class that is in scope, like "Marker.CUBE", or ""."""
     if not name.isupper():
         return ""
     kinds = {key: one for key, one in names.items() if isinstance(one, type)}
@@ -420,9 +420,10 @@ def parameter_hint(error: BaseException) -> str:
 
 
 def key_hint(error: BaseException) -> str:
-    """Return a question with the key closest to a missing one, how to set an environment variable, or "".
+    """Return a question with the key closest to a missing one, or how to set an environment variable, or "".
 
-    The exception does not contain its dictionary, so those within reach of the line are searched.
+    The exception does not contain its dictionary, so the dictionaries in scope of the line are
+    searched.
     """
     frame = frame_of(error)
     missing_key = error.args[0] if isinstance(error, KeyError) and error.args else None
@@ -567,7 +568,7 @@ def keyword_hint(error: BaseException) -> str:
 
 
 def surplus_hint(error: BaseException) -> str:
-    """Return the hint for a method that gets more values than it takes, although self is its first name."""
+    """Return the hint for a method that receives more arguments than it accepts, although it has `self`."""
     match = re.match(
         r"(?:.*\.)?(\w+)\.(\w+)\(\) takes \d+ positional arguments? but (\d+) (?:was|were) given", str(error)
     )
@@ -589,7 +590,7 @@ def surplus_hint(error: BaseException) -> str:
 
 
 def _reachable_object(frame: FrameType, name: str) -> Any:
-    """Return the object of a name: a variable, a method of self, or of an object in reach of the line."""
+    """Return the object of a name: a variable, or a method of self or of an object in scope."""
     instance = frame.f_locals.get("self")
     for one in (frame.f_locals, frame.f_globals, vars(builtins)):
         if name in one:
@@ -618,7 +619,7 @@ def constructor_hint(error: BaseException) -> str:
 
 
 def near_field(missing: str, names: Sequence[str]) -> str:
-    """Return the field or constant of a message that a name stands for, or "".
+    """Return the field or constant of a message that a name probably means, or "".
 
     The candidates are names that differ in case only, everyday words for a field, similar names,
     and names that contain the word.
@@ -632,17 +633,17 @@ def near_field(missing: str, names: Sequence[str]) -> str:
 
 
 def synonyms(name: str) -> tuple[str, ...]:
-    """Return the names of fields for which a word of everyday speech stands."""
+    """Return the field names that an everyday word may mean."""
     return _SYNONYMS.get(name.lower(), ())
 
 
 def is_angle(name: str) -> bool:
-    """Return whether a name is one of an angle that students look for in a quaternion."""
+    """Return whether a name is that of an angle, such as yaw, which students expect in a quaternion."""
     return name.lower() in _ANGLES
 
 
 def is_native(kind: type) -> bool:
-    """Return whether a class is defined in C, like Python's built-in classes."""
+    """Return whether a class is implemented in C, like Python's built-in classes."""
     return not kind.__flags__ & _HEAP_TYPE
 
 
@@ -733,7 +734,7 @@ def _interfaces() -> Mapping[str, Mapping[str, Sequence[str]]]:
 
 
 def _import_of_interface(name: str, package: str) -> str:
-    """Return the import of an interface with exactly this name, if possible from a package, or ""."""
+    """Return the import of an interface with exactly this name, preferably from a given package, or ""."""
     places = [(p, kind) for p, kinds in _interfaces().items() for kind in kinds if name in kinds[kind]]
     places.sort(key=lambda place: (place[0] != package, place[0] not in _COMMON))
     return next((f"from {p}.{kind} import {name}" for p, kind in places), "")

@@ -1,4 +1,4 @@
-"""Hints for syntax errors: the cause that Python's own message does not name to a beginner.
+"""Hints for syntax errors: the cause that Python's own message does not explain to a beginner.
 
 A hint is found by the parser's message and the line at which it stops. Typical causes are text
 pasted from web pages, chats and C++, the decimal comma of many languages, and commands of a
@@ -33,7 +33,7 @@ _DECIMAL_COMMA = re.compile(r"(?<![\w.,])-?\d+,\d+(?!\w|\.|,\d)")
 
 
 def syntax_hint(error: SyntaxError) -> str:
-    """Return the hint for a syntax error, or "" if Python's message says it all."""
+    """Return the hint for a syntax error, or "" if Python's message needs no explanation."""
     line, message = error.text or "", error.msg or ""
     if found := re.match(r"invalid character '(.)'", message):
         return _character_hint(found[1])

@@ -1,6 +1,6 @@
 """A pytest plugin for testing nodes: ``pytest_plugins = ["course_lib.ros.testing"]`` in a conftest.py.
 
-ROS's packages are then the stand-in's, and the tests and their threads run in robot time.
+The stand-in then provides ROS's packages, and the tests and their threads run in robot time.
 """
 
 from collections.abc import Iterator

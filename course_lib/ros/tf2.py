@@ -130,7 +130,7 @@ def invert(pose: Pose) -> Pose:
 
 
 def normalized(rotation: Quaternion) -> Quaternion:
-    """Return the unit quaternion (x, y, z, w), with the sign that tf2's conversion through a matrix has."""
+    """Return the unit quaternion (x, y, z, w), with the sign given by tf2's conversion through a matrix."""
     x, y, z, w = to_unit_quaternion(rotation)
     leading = w if abs(w) > 0.5 else max((x, y, z), key=abs)
     return (-x, -y, -z, -w) if leading < 0 else (x, y, z, w)
@@ -155,7 +155,7 @@ _NORM_TOLERANCE = 10e-3
 
 
 class NoDataError(Exception):
-    """A cache has no data at the requested time. The message is the first half of tf2's message."""
+    """A cache has no data at the requested time. The message is the first part of tf2's message."""
 
 
 class StaticCache:
@@ -355,9 +355,9 @@ class BufferCore:
         return Transform(target, source, time_ns, translation, normalized(rotation))
 
     def is_too_old(self, target: str, source: str, time_ns: int) -> bool:
-        """Return whether a time is further back than the caches reach, so that it can never be looked up.
+        """Return whether a time is older than all cached transforms, so that a lookup can never succeed.
 
-        As in tf2, this is asked for times at which the transform is unknown.
+        As in tf2, call it only for times at which the transform is unknown.
         """
         try:
             latest_ns = self._latest_common_time(target, source)

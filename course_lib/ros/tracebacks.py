@@ -20,8 +20,8 @@ from course_lib.ros.notices import say
 
 KIT = str(Path(__file__).resolve().parent.parent)
 OTHERS = (KIT, *sysconfig.get_paths().values())
-# Frames between an import and the module, which Python does not
-# show either, and those of context managers.
+# Frames between an import and the module, which Python does not show either, and frames of context
+# managers.
 _HIDDEN = (KIT, "<frozen importlib", importlib.__file__, contextlib.__file__)
 # Number of frames at each end of a very long traceback.
 SHOWN_FRAMES = 6
@@ -108,8 +108,8 @@ def print_error_of_thread(args: threading.ExceptHookArgs) -> None:
 
 def _shorten(trace: TracebackException) -> None:
     own_frames = [frame for frame in trace.stack if not frame.filename.startswith(_HIDDEN)]
-    # A syntax error names its file and line itself; another error of the kit alone needs all
-    # frames.
+    # A syntax error contains its file and line; any other error without a line of the user's code
+    # needs all frames.
     trace.stack = _AbbreviatedStack(
         own_frames if own_frames or trace.exc_type is SyntaxError else trace.stack
     )
@@ -149,7 +149,7 @@ def is_own(filename: str) -> bool:
 
 
 def format_location(filename: str, line: int) -> str:
-    """Return the description of a line with its text.
+    """Return the description of a line, with its text.
 
     Cells have the names that IPython gives them.
     """

@@ -127,7 +127,7 @@ class CameraNode(SensorNode):
 
 
 def shade(rays: Floats, distance: Floats, width: int) -> Floats:
-    """Return the light on surfaces by their angle to the camera, shape (N,), 0 to 1; edges are dark.
+    """Return the brightness of surfaces by their angle to the camera, shape (N,), 0 to 1; edges are dark.
 
     The surface at a pixel is spanned by the points of its neighbors, so shapes need no normals.
     """
@@ -140,7 +140,7 @@ def shade(rays: Floats, distance: Floats, width: int) -> Floats:
 
 
 def _shade(rays: Floats, distance: Floats, width: int) -> Floats:
-    """Return the light on some rows of a picture."""
+    """Return the brightness of some rows of a picture."""
     points = (rays * np.where(np.isfinite(distance), distance, 1e3)).reshape(3, -1, width)
     right, down = (np.diff(points, axis=axis, append=points.take([-1], axis)) for axis in (2, 1))
     normals = np.cross(right, down, axis=0).reshape(3, -1)

@@ -78,7 +78,7 @@ class SensorNode(Node, ABC):
     ) -> Floats:
         """Return distances with noise.
 
-        As in REP 117, inf is too far, -inf is too near, and NaN is lost.
+        As in REP 117, inf means too far, -inf too near, and NaN a lost measurement.
 
         Args:
             distance: The measured distances, shape (N,), [m].

@@ -376,7 +376,7 @@ class World:
         return np.array([thing.transform_at(seconds) for thing in self.things]).reshape(-1, 4, 4)
 
     def cast_among(self, poses: Floats, pose: Floats, rays: Floats, far: float) -> Hits:
-        """Cast rays as `cast` does, without checks of the poses of things, the sensor's pose and the rays."""
+        """Cast rays as `cast` does, without checking the poses of things, the sensor's pose and the rays."""
         origin, rays = pose[:3, 3], pose[:3, :3] @ rays
         distance, hit_numbers = np.full(rays.shape[1], np.inf), np.full(rays.shape[1], -1)
         for number, ray_indices in enumerate(self._near(poses[:, :3, 3] - origin, rays, far)):

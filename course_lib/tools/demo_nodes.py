@@ -1,4 +1,4 @@
-"""demo_nodes_py and demo_nodes_cpp: the nodes at the beginning of ROS's tutorials, with their output.
+"""demo_nodes_py and demo_nodes_cpp: the nodes of ROS's first tutorials, with the same output.
 
 The nodes of demo_nodes_cpp are programs in C++ on a robot. Here they are written in Python.
 """

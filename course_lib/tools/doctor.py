@@ -54,7 +54,7 @@ def _run(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _link(source: Source) -> Rows:
-    """Return the state of the link to a robot, after receiving its small topics for a moment."""
+    """Return the state of the link to a robot, after briefly receiving its small topics."""
     import rclpy
 
     graph = source.graph

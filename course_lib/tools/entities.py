@@ -429,7 +429,7 @@ def _print_prototype(source: Source, arguments: Namespace, write: Write) -> None
 
 
 def _kinds(arguments: Namespace) -> list[str]:
-    """Return the kinds that the flags select; all kinds without a flag."""
+    """Return the kinds selected by flags, or all kinds without a flag."""
     return [kind for kind in _TITLES if getattr(arguments, f"only_{kind}s")] or list(_TITLES)
 
 

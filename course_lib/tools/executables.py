@@ -128,10 +128,10 @@ def _joint_state_publisher(*, sliders: bool = False) -> None:
 
 
 def _urdf_argument() -> str:
-    """Return the text of the URDF file given as first argument (deprecated in ROS), or "".
+    """Return the content of the URDF file given as the first argument (deprecated in ROS), or "".
 
     ROS ignores the argument if the parameter robot_description is set. In the launch file of ROS's
-    tutorial both are the text of the description.
+    tutorial both have the description itself.
     """
     argument = next(iter(program_arguments()), "")
     if not argument or "<" in argument:

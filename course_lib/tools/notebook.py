@@ -283,18 +283,18 @@ def catch_shell(shell: "InteractiveShell") -> None:
 
 
 def _script(shell: "InteractiveShell", program: str, line: str, cell: str) -> Any:
-    """Run a cell of shell script. If it calls `ros2`, print a hint to the magic first."""
+    """Run a cell of shell script. If it calls `ros2`, first print a hint about the magic."""
     match = re.search(r"^\s*((?:timeout\s+\S+\s+)?ros2\s.+)", cell, re.MULTILINE)
     if match:
         sys.stderr.write(f"A shell can't see this notebook's nodes. In a cell write %{match[1].strip()}\n")
-    # IPython's own %%bash does the same. It is looked up as late as here, because IPython then
-    # imports its magics for scripts, which takes most of the time of `%load_ext course_lib`.
+    # IPython's own %%bash does the same. It is looked up here, not earlier, because IPython then
+    # imports its script magics, which would take most of the time of `%load_ext course_lib`.
     script = shell.find_cell_magic("script")  # type: ignore[no-untyped-call]  # IPython does not annotate it
     return script(f"{program} {line}", cell)
 
 
 def _magic_for(command: str) -> Callable[[], None] | None:
-    """Return the magic for a line that is addressed to the shell, if there is one."""
+    """Return the magic that replaces a shell command, or None."""
     # Programs find their workspace without `source install/setup.bash`.
     command = _SOURCED.sub("", command)
     if command.split()[:1] == ["rviz2"]:

@@ -211,7 +211,7 @@ class PerformanceReport:
         return nodes
 
     def to_plain(self) -> dict[str, Any]:
-        """Return the measurements that are equal in every run, without `load`, as dicts and lists."""
+        """Return the reproducible measurements (all except `load`) as dicts and lists."""
         callbacks = [{k: v for k, v in asdict(row).items() if k != "load"} for row in self.callbacks]
         return {
             "seconds": self.seconds,
@@ -251,7 +251,7 @@ class PerformanceReport:
         return Chart(figure, "Bars. " + " ".join(lines))
 
     def timeline(self, begin: float = 0.0, end: float | None = None) -> Chart:
-        """Draw the callbacks' runs and waits from `begin` to `end` [s] of the measured time.
+        """Draw when the callbacks ran and waited, from `begin` to `end` [s] of the measured time.
 
         Each callback has a lane, dark while it ran and hatched while it was ready and waited.
 

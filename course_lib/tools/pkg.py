@@ -155,7 +155,7 @@ def _user() -> str:
 
     try:
         return getpass.getuser()
-    # On some hubs, users have numbers only.
+    # On some hubs, users have a numeric ID but no name.
     except (KeyError, OSError) as error:
         raise CourseError(
             "Your name is not configured on this machine: add --maintainer-name NAME."

@@ -1,4 +1,4 @@
-"""`resume()`, which brings a new kernel to the cell where the student stopped.
+"""`resume()`, which runs the cells up to the one where the student stopped in a new kernel.
 
 Lessons run in a few seconds at full speed, so all cells above are run again, not only those that
 define names used below: a view also depends on nodes that no later cell refers to. The outputs of
@@ -139,7 +139,7 @@ def _code_cells(path: Path) -> Iterator[_Cell]:
 
 
 def _cells_to_run(shell: "InteractiveShell", cells: list[_Cell]) -> list[_Cell]:
-    """Return the cells from the first one that this kernel has not run, except cells that only ask.
+    """Return the cells from the first one that this kernel has not run, except interactive cells.
 
     A cell that was run before another one that was not run is run again, because it may depend on
     it.

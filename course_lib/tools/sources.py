@@ -1,6 +1,6 @@
 """Sources of data for the tools: the nodes of a run, or a recording.
 
-A tool does not know which of them it reads. A recording is streamed as if it were played, with the
+A tool works the same way on both. A recording is streamed as if it were played, with the
 player as its only node, so `ros2 topic hz` gives the same result for both.
 """
 
@@ -170,7 +170,7 @@ class GraphSource(Source):
 
     @contextmanager
     def _arrivals(self, topics: Topics) -> Iterator[deque[tuple[int, Sample]]]:
-        """Subscribe to topics within a `with` block, and provide a queue of their messages."""
+        """Subscribe to topics during a `with` block, and provide a queue of their messages."""
         arrived: deque[tuple[int, Sample]] = deque()
         node = self.graph.add_node(NODE_NAME, "/")
 
@@ -269,8 +269,8 @@ def answer(
 ) -> Any:
     """Return a future's result.
 
-    Raise a CourseError if it is not complete after a number of seconds, if the server disappears, or
-    if a link has held the call back.
+    Raise a CourseError if it is not complete after a number of seconds, if the server disappears,
+    or if a link has blocked the call.
     """
     blocked = [name for name in source.graph.take_blocked_calls() if f"{name}/".startswith(f"{server}/")]
     if blocked:

@@ -165,7 +165,7 @@ class TransformDelays:
         self._longest = max(self._longest, delay)
 
     def text(self, chain: list[str]) -> str:
-        """Return the results for the frames of a chain, or for all frames if it is empty."""
+        """Return the results for the frames of a chain, or for all frames if the chain is empty."""
         title = "for all Frames\n"
         if chain:
             title = (

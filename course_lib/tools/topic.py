@@ -443,7 +443,7 @@ def _bw(source: Source, arguments: Namespace, write: Write) -> None:
 
 
 def _delay(source: Source, arguments: Namespace, write: Write) -> None:
-    """Print the age of messages at their arrival, from their headers.
+    """Print the age of messages on arrival, from their headers.
 
     As in ROS, the first is skipped.
     """
@@ -481,7 +481,7 @@ def _discard_measurements(values_ns: deque[int], write: Write) -> None:
 
 
 def bandwidth(sizes: list[int], seconds: float) -> str:
-    """Return bandwidth and message sizes over a time [s] as text, in the unit that fits the bandwidth."""
+    """Return the bandwidth and message sizes over a time [s] as text, in a unit that suits the bandwidth."""
     rate = sum(sizes) / seconds
     total, mean, smallest, largest = in_bytes(rate, sum(sizes) / len(sizes), min(sizes), max(sizes))
     return (
@@ -490,7 +490,7 @@ def bandwidth(sizes: list[int], seconds: float) -> str:
 
 
 def in_bytes(*numbers: float) -> list[str]:
-    """Return numbers of bytes as text, in the unit that fits the first one."""
+    """Return numbers of bytes as text, in a unit that suits the first number."""
     divisor, unit, digits = next((by, name, n) for below, by, name, n in _UNITS if numbers[0] < below)
     return [f"{number / divisor:.{digits}f} {unit}" for number in numbers]
 

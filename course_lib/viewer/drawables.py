@@ -355,7 +355,7 @@ Drawable: TypeAlias = Solids | Mesh | Lines | Points | Text | Sheet | Inset | Me
 def are_equal(one: Drawable, other: Drawable) -> bool:
     """Return whether two drawables are of one class and have equal arguments.
 
-    NaN equals nothing, and an object of meshcat only itself.
+    NaN is not equal to anything, and an object of meshcat is equal only to itself.
     """
     if one is other or type(one) is not type(other) or isinstance(one, MeshcatObject):
         return one is other
@@ -374,7 +374,7 @@ logging.getLogger("trimesh").addHandler(logging.NullHandler())
 Part: TypeAlias = tuple[Any, Matrix]
 
 FORMATS = ("dae", "stl", "obj")
-# Most bytes of a file, of which the reader and the scene have several copies.
+# Maximum size [B] of a file, of which the reader and the scene hold several copies.
 MOST_BYTES = 300_000_000
 
 # Material bindings of a DAE file. pycollada drops parts with a broken material, RViz does not.

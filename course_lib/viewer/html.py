@@ -134,7 +134,7 @@ def save_html(scene: Scene | SceneRecording, path: str | Path, title: str = "3D 
 
 
 def static_page(scene: Scene | SceneRecording, title: str = "3D view") -> str:
-    """Return the text of such a page."""
+    """Return the HTML of a page that shows a scene, or plays a recording."""
     fragment = scene_fragment(scene, height="100%", label=title, alone=True)
     shown_scene = scene.scene if isinstance(scene, SceneRecording) else scene
     background = str(shown_scene.background)

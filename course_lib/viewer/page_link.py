@@ -144,7 +144,7 @@ class Flow:
         return len(pending) < _MAX_PENDING_ACKS or (cannot_receive and self._idle_at < pending[0][1])
 
     def drop_silent_pages(self) -> None:
-        """Remove the pages whose acknowledgement is pending."""
+        """Remove the pages whose acknowledgements are pending."""
         number, ack = self._pending[0] if self._pending else (-1, -1)
         up_to_date = {name: page for name, page in self.pages.items() if page.number >= number}
         self.pages = {name: page for name, page in up_to_date.items() if page.ack >= ack}

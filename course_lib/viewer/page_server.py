@@ -1,4 +1,4 @@
-"""A scene as a separate page, on 127.0.0.1 or behind the proxy of a JupyterHub."""
+"""A server for a scene as a separate page, on 127.0.0.1 or behind the proxy of a JupyterHub."""
 
 import asyncio
 import json

@@ -82,7 +82,7 @@ class Scene:
     def set_object(self, path: str, drawable: Drawable) -> None:
         """Set the object of a node, replacing the current one.
 
-        An equal object is no change: nodes often publish the same lines or points again and again.
+        An equal object is not a change: nodes often publish the same lines or points repeatedly.
         """
         with self.lock:
             node = self._ensure_node(path)
@@ -94,7 +94,7 @@ class Scene:
     def set_transform(self, path: str, matrix: npt.ArrayLike) -> None:
         """Set the transform from a node to its parent, shape (4, 4), in [m].
 
-        An equal transform is no change, because pages draw a moving scene with a lower quality.
+        An equal transform is not a change, because pages draw a moving scene with a lower quality.
         """
         transform_node_to_parent = np.array(matrix, np.float64)
         # `checked` would double the time of this call.
@@ -225,7 +225,7 @@ class Scene:
         return self._nodes.get(path) or self._nodes.get(_normal(path))
 
     def listen(self, listener: Listener) -> Callable[[], None]:
-        """Call a function with kind and path of every change, and return a function that ends this."""
+        """Call a function with kind and path of every change, and return a function that removes it."""
         self._listeners += (listener,)
 
         def stop() -> None:
@@ -326,7 +326,8 @@ def bounds_of(scene: Scene, paths: Iterable[str]) -> Floats | None:
     Of many points, the farthest 2 % on each side are ignored.
 
     Returns:
-        None if nothing has a place: no object, only pictures in a corner, or no finite number.
+        None if no object has a position: there is none, all are pictures in a corner, or no number
+        is finite.
     """
     boxes = [
         _box(scene, path, drawable) for path in paths if (drawable := scene.node(path).object) is not None
@@ -340,7 +341,7 @@ def bounds_of(scene: Scene, paths: Iterable[str]) -> Floats | None:
 
 
 def _box(scene: Scene, path: str, drawable: Drawable) -> Floats | None:
-    """Return the corners of an object's box in the scene's frame, or None if it has no place."""
+    """Return the corners of an object's box in the scene's frame, or None if it has no position."""
     points, reach = _places(drawable)
     transform = scene.world_transform(path)
     # Distant points may overflow; such boxes are left out.
@@ -357,7 +358,7 @@ def _box(scene: Scene, path: str, drawable: Drawable) -> Floats | None:
 
 
 def _places(drawable: Drawable) -> tuple[Reals, Reals]:
-    """Return the points of an object, shape (N, 3), and how far it reaches beyond them, shape (N or 1, 3)."""
+    """Return the points of an object, shape (N, 3), and its extent beyond them, shape (N or 1, 3)."""
     nothing = np.zeros((1, 3))
     if isinstance(drawable, Solids):
         return drawable.placements[:, :3, 3], np.abs(drawable.placements[:, :3, :3]).sum(axis=2) / 2

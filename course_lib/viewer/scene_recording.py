@@ -76,7 +76,7 @@ class _Chunk:
         self.size = 0.0
 
     def pack(self) -> None:
-        """Compress the frames, unless it saves nothing or a value cannot be pickled."""
+        """Compress the frames, unless that saves no space or a value cannot be pickled."""
         if self.size > _LARGE * len(self.frames):
             return
         try:

@@ -172,7 +172,7 @@ def _cylinder_surface(cylinder: Json) -> Surface:
 def _triangles(geometry: Json) -> Surface:
     """Return the triangles of a BufferGeometry, subdivided into small ones.
 
-    Without uv there are none.
+    Without uv, the result is empty.
     """
     attributes = geometry["data"]["attributes"]
     if "uv" not in attributes:

@@ -37,7 +37,7 @@ class SidePanel:
         self._panel: Widget | None = None
 
     def take(self, widget: "SceneWidget") -> None:
-        """Have a widget, which a cell is about to show, take the panel, if the notebook uses one."""
+        """Show a widget, which a cell is about to display, in the panel, if the notebook uses one."""
         with self._lock:
             if self.is_wanted:
                 self._add(widget)
@@ -181,8 +181,8 @@ class SceneWidget(anywidget.AnyWidget):
         self.on_msg(lambda _, content, buffers: self.link.receive(content, buffers))
         self.comm.on_close(lambda _: self.close())
         if hasattr(self.comm, "_reply_subshell_for"):
-            # ipykernel 7.4 holds a page's messages back while a cell runs, JupyterLab's subshell or
-            # not.
+            # ipykernel 7.4 delays a page's messages while a cell runs, with or without JupyterLab's
+            # subshells.
             self.comm._reply_subshell_for = lambda data, default: default
         if "JPY_SESSION_NAME" in os.environ:
             # A page is open, but after a restart its messages wait for the running cell's end.
@@ -218,7 +218,7 @@ class SceneWidget(anywidget.AnyWidget):
             self.send_state(["snapshot", "number"])
 
     def _repr_mimebundle_(self, **kwargs: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the view, and a picture for pages that run nothing: saved, untrusted, on GitHub."""
+        """Return the view, and a picture for pages that run no scripts: saved, untrusted, on GitHub."""
         data, metadata = super()._repr_mimebundle_(**kwargs) or ({}, {})
         data["text/plain"] = f"{self.label}: {len(self.scene.objects())} objects"
         is_wanted = "image/png" in (kwargs.get("include") or ("image/png",))
@@ -232,7 +232,7 @@ _code: _Code | None = None
 
 
 def _with_caption(png: bytes) -> bytes:
-    """Add a caption to a picture, which explains how to get the interactive view."""
+    """Add a caption to a picture that explains how to get the interactive view."""
     picture = Image.open(BytesIO(png)).convert("RGB")
     font = ImageFont.load_default(12)
     captioned = Image.new("RGB", (picture.width, picture.height + 20), "white")

@@ -66,7 +66,10 @@ class ViewerCell:
         return data | {"text/plain": text}, metadata
 
     def dock(self, viewer: object) -> None:
-        """Show the viewer in a cell, from which JupyterLab moves it to a side panel, as all later views."""
+        """Show the viewer in a cell.
+
+        JupyterLab moves this view and all later ones to a side panel.
+        """
         # Imported here because they are slow to load and not needed outside notebooks.
         from IPython.display import display
 
@@ -83,7 +86,7 @@ class ViewerCell:
         *,
         plays: bool = False,
     ) -> "RestingView":
-        """Return a view that can play, or `plays`, the last part of a recording, until no page shows it."""
+        """Return a view that can play the last part of a recording until no page shows it."""
         # Imported here because anywidget is slow to load.
         from course_lib.displays.panel.resting_view import RestingView
 
@@ -169,7 +172,7 @@ class ViewerCell:
         return [page.link for page in (self._view, self._server) if page is not None]
 
     def _is_hidden(self) -> bool:
-        """Return whether the tabs of all pages that show the scene are hidden."""
+        """Return whether all pages that show the scene are in hidden tabs."""
         links = self._links()
         return any(link.is_hidden for link in links) and not any(link.is_ready for link in links)
 

@@ -1,4 +1,4 @@
-"""RViz's panels around a view: the state that a page receives, its rows, its orders, and the Time panel."""
+"""RViz's panels around a view: the rows that a page receives, its orders, and the Time panel."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -492,7 +492,7 @@ class Desk:
             self.post()
 
     def _wake(self, _: Mapping[str, Any]) -> None:
-        """Send changes to a page that was hidden; a page that has just been loaded sends an order first."""
+        """Send changes to a page that was hidden. A newly loaded page sends an order first."""
         if self._sent_state is not None:
             self.post()
 
@@ -507,7 +507,7 @@ class Desk:
             self._loop.call_soon_threadsafe(self._loop.call_later, PERIOD, self._post_regularly)
 
     def _post_regularly(self) -> None:
-        """Send what has changed, without the rows while the panels of all pages are folded."""
+        """Send the changes, without the rows while the panels are folded in all pages."""
         self._row_watchers &= self._link.pages
         self.post(with_rows=bool(self._row_watchers))
 

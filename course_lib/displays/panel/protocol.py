@@ -170,7 +170,10 @@ class Layouts(Message, frozen=True):
 
 
 class PanelState(Message, frozen=True):
-    """The whole state of the panels; `tree`, `view` and `tools` are the keys of their rows, parents first."""
+    """The whole state of the panels.
+
+    `tree`, `view` and `tools` are the keys of their rows, parents first.
+    """
 
     tree: tuple[str, ...]
     view: tuple[str, ...]
@@ -209,7 +212,7 @@ class LookAgain(Order, frozen=True):
 
 
 class WatchRows(Order, frozen=True):
-    """Request changed rows from now on, because a panel was opened, or no longer."""
+    """Start or stop requesting changed rows, because a panel was opened or closed."""
 
     watched: bool
 

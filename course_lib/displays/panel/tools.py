@@ -78,7 +78,7 @@ class PublishPoint(Tool):
         return f"Published ({p.x:.2f}, {p.y:.2f}, {p.z:.2f}) in {message.header.frame_id} on {topic}."
 
     def on_changed(self, label: str) -> None:
-        """Advertise the current topic, replacing the former one."""
+        """Advertise the current topic instead of the previous one."""
         if self.node is not None and self.advertised is not None:
             self.node.withdraw(*self.advertised)
         self.advertise()

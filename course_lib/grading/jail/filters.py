@@ -40,7 +40,7 @@ def call_function(name: str, *arguments: Any) -> int:
 
 
 def syscall(number: int, *arguments: Any) -> int:
-    """Make a system call whose number is the same on all machines, or raise an OSError."""
+    """Make a system call whose number is the same on all architectures, or raise an OSError."""
     return call_function("syscall", ctypes.c_long(number), *arguments)
 
 

@@ -1,4 +1,4 @@
-"""The grader's end of the template: start it inside as many isolation layers as work here.
+"""The grader's end of the template: start it inside as many isolation layers as this machine supports.
 
 A place is the environment in which submissions run: a root with readable files, a user, and a
 scratch folder. Readable are the interpreter, the declared distributions and the kit.
@@ -302,7 +302,7 @@ def settle(
     roots: Collection[Root], users: Sequence[User], scratch: str, read: Sequence[str], listed: Sequence[str],
     links: Sequence[tuple[str, str]],
 ) -> JailPlace:  # fmt: skip
-    """Move this process to the first root and user that work.
+    """Switch this process to the first root folder and user that work.
 
     Each pair is tried in a forked process.
 
@@ -335,7 +335,7 @@ def settle(
 
 
 def works(layer: Callable[[], object]) -> bool:
-    """Return whether a call succeeds in a fork; a fork that is killed is repeated.
+    """Return whether a call succeeds in a fork. If the fork is killed, the call is repeated.
 
     The call may fork itself.
     """

@@ -117,7 +117,7 @@ class _MountAttributes(ctypes.Structure):
 
 
 def enter_namespaces() -> None:
-    """Leave the parent's namespaces. The next fork is the first process of the new process tree.
+    """Enter new namespaces. The next fork is the first process of the new process tree.
 
     Raises:
         OSError: The system does not allow it.

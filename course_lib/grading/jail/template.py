@@ -75,8 +75,8 @@ def enter_jail(place: JailPlace, layers: Collection[str], limits: Limits) -> Non
         folder = tempfile.mkdtemp(dir=place.scratch)
     os.chdir(folder)
     os.environ.update(dict.fromkeys(HOMES, folder))
-    # A module that the template has imported may have asked for the folder of temporary files,
-    # which Python then keeps.
+    # A module that the template has imported may have called tempfile.gettempdir(), whose result
+    # Python caches.
     tempfile.tempdir = None
     if "limits" in layers:
         counts_from_zero = "namespaces" in layers or place.user != "same"

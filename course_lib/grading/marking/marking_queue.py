@@ -194,7 +194,7 @@ class MarkingQueue:
         self.out = out
         self._lock = threading.Lock()
         self._stamps: dict[Path, tuple[Stamp, Stamp]] = {}
-        self._items: dict[str, tuple[int, QueueItem]] = {}  # with the number of their last change
+        self._items: dict[str, tuple[int, QueueItem]] = {}  # (number of the last change, item) by key
         self._comments: dict[Path, list[HandMark]] = {}
         self._problems: dict[Path, str] = {}
         # item, grader and time of the last request, by page
@@ -263,7 +263,7 @@ class MarkingQueue:
         }
 
     def save(self, key: str, given: Sequence[MarkEntry], by: str, revision: str) -> None:
-        """Store a grader's marks, all or none; they are flushed to the disk.
+        """Store a grader's marks, all or none, and flush them to the disk.
 
         Raises:
             MarksConflictError: Someone else has marked the task since that revision.

@@ -276,7 +276,7 @@ class _MarkingHandler(Guarded):
         self.clear_header("Server")
 
     def write_error(self, status_code: int, **details: Any) -> None:
-        """Respond with one line that contains nothing of the request."""
+        """Respond with one line that does not echo any part of the request."""
         self.set_header("Content-Type", "text/plain; charset=utf-8")
         self.finish(f"{status_code}: {self._reason}\n")
 
@@ -355,7 +355,7 @@ class ItemHandler(_Answer):
 
 
 class _SceneFileHandler(_MarkingHandler):
-    """Base of the handlers for content of the frame; each of its URLs has its own secret."""
+    """Base of the handlers for the content of the frame, in which each URL has its own secret."""
 
     def prepare(self) -> None:
         """Check the secret of the requested content."""

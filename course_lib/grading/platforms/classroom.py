@@ -117,7 +117,7 @@ def _stage_all(
 ) -> tuple[list[str], dict[str, PlatformTime]]:
     """Copy changed exercises into PLACE/STUDENT.
 
-    Return a line for each other clone, and the times.
+    Return a line for each clone that is skipped, and the times.
     """
     lines, receipts = list[str](), dict[str, PlatformTime]()
     for clone in clones:

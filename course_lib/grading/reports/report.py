@@ -210,7 +210,7 @@ def _section(
 
 
 def _grader_texts(result: TaskResult, runs: Iterable[Run]) -> list[str]:
-    """Return the text that a grader reads and marks, and the grader's comments."""
+    """Return the text that a grader marks, and the grader's comments."""
     if not result.rubric:
         return list(result.comments)
     answers = [str(text)[:MAX_OUTPUT] for run in runs for text in run.evidence.returns]

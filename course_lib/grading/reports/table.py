@@ -80,7 +80,7 @@ Row = tuple[str, str, str, str]  # icon, word, title, reason
 
 
 def rows(checks: Iterable[CheckResult]) -> list[Row]:
-    """Return icon, state, title and reason of each check.
+    """Return the icon, state, title and reason of each check.
 
     A hidden check has only a number and its mistake.
 

@@ -26,7 +26,7 @@ from course_lib.ros.programs.package_programs import Executables, find_executabl
 from course_lib.tools.executables import run_with_rclpy, spin
 from course_lib.tools.ros2 import EXECUTABLES
 
-FILE_NAME = "your.launch"  # plus the suffix of the file's language
+FILE_NAME = "your.launch"  # without the suffix, which depends on the file's language
 MAX_STARTED = 100  # nodes
 MAX_ARGUMENTS = 20
 OPPOSITES = {"true": "false", "false": "true", "True": "False", "False": "True"}

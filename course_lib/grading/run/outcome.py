@@ -25,7 +25,8 @@ BYTES_PER_ITEM = 32  # [B] size of an object and the reference to it
 MAX_DEPTH = 20
 MAX_TEXT = 100_000  # characters
 MAX_INT = 2**63
-RAISED = {"object": "nothing, as the call raised an exception"}  # replaces a returned value
+# Replaces the returned value of a call that raised an exception.
+RAISED = {"object": "nothing, as the call raised an exception"}
 
 
 MAX_ERRORS = 20

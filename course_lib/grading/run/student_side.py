@@ -99,7 +99,10 @@ def _launch(subject: Any, args: Sequence[Any], kwargs: dict[str, Any], outcome: 
 
 
 def run_node(make: Any) -> None:
-    """Create the node or nodes and spin them. A function that returns None has spun them itself."""
+    """Create the node or nodes and spin them.
+
+    If the function returns None, it has spun them itself.
+    """
     import rclpy
     from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
     from rclpy.node import Node

@@ -98,7 +98,7 @@ class WaitingTime:
         self._since, self._times_at_start = wall.monotonic(), dict(_threads(self._top))
 
     def extend(self) -> float:
-        """Return the extension [s] of a limit that was just reached, or 0 if nothing waited."""
+        """Return the extension [s] of a limit that was just reached, or 0 if no thread waited."""
         # The extension is the longest waiting time of a thread, without times in which another one
         # ran.
         spent = {n: one.after(self._times_at_start.get(n, ThreadTimes())) for n, one in _threads(self._top)}
@@ -166,7 +166,7 @@ class WorkerProcess:
             raise WorkerError(f"a worker can't be put into the jail: {problem} {worker_output}")
 
     def allow(self, seconds: float) -> None:
-        """Set the time [s] in which the worker must answer, without times of waiting for a processor."""
+        """Set the time [s] within which the worker must answer, excluding waiting for a processor."""
         self.channel.deadline = wall.monotonic() + seconds
 
     def take_output(self) -> str:
@@ -340,7 +340,7 @@ class ScenarioGraph:
             self._rejections += texts[: MOST_REJECTIONS - len(self._rejections)]
 
     def _record_rejections(self, service: str) -> None:
-        """Record the text that `ros2 param set` would print about a rejected parameter."""
+        """Record the text that `ros2 param set` would print for a rejected parameter."""
 
         def hear(data: bytes, source_ns: int, _: int) -> None:
             seconds, reasons = (source_ns - START_NS) * 1e-9, rejection_reasons(data[SERVICE_HEADER.size :])
@@ -369,7 +369,7 @@ def _serialize_input(topic: str, type_name: str, fields: bytes) -> bytes:
 
 
 def rejection_reasons(cdr: bytes) -> list[str]:
-    """Return the reasons for rejected parameters in a reply of a student's node."""
+    """Return the reasons for rejecting parameters in a reply from a student's node."""
     try:
         reply: Any = deserialize(cdr, message_class(f"{SET_PARAMETERS}_Response"))
     except Exception:
@@ -648,7 +648,7 @@ def _limit_texts(texts: list[Any]) -> list[str]:
 
 
 class Budget:
-    """A budget of time or memory: one half in equal shares for the tasks, the other half common.
+    """A budget of time or memory: half of it in equal shares for the tasks, the other half shared.
 
     The shares keep one task from using up the budget of the others.
 
@@ -669,7 +669,7 @@ class Budget:
         return self._reserved[task] + self._common
 
     def charge(self, task: str, amount: float) -> None:
-        """Charge a task: first its own share, then the common half."""
+        """Charge a task: first its own share, then the shared half."""
         from_reserve = min(amount, self._reserved[task])
         self._reserved[task] -= from_reserve
         self._common = max(self._common - (amount - from_reserve), 0.0)

@@ -164,7 +164,7 @@ class Worker:
         return [describe(error)] if error is not None else []
 
     def _is_crowded(self) -> bool:
-        """Return whether so many processes and threads are left running that no further one can start."""
+        """Return whether so many processes and threads are still running that no further one can start."""
         if not hasattr(os, "waitid"):
             # On macOS the number of processes is not limited.
             return False

@@ -31,7 +31,7 @@ UTF_8 = 0x800  # flag of a name in UTF-8
 MAX_DEPTH = 3  # nesting depth of archives
 MAX_NAME = 200  # [B] per path component
 MAX_PATH = 1000  # [B] per path
-MAX_UNPACKED_FILES = 1000  # per student, from all archives that the student submitted
+MAX_UNPACKED_FILES = 1000  # files per student, in all archives that the student submitted
 MAX_UNPACKED_BYTES = 50_000_000  # [B] likewise, including nested archives
 RECEIPT = "receipt.json"  # in a file written by `course submit`
 JUNK = ("__MACOSX", "Thumbs.db")
@@ -350,7 +350,7 @@ def working_files(path: Path, cells: Sequence[str]) -> dict[str, str]:
 
 
 def _read_folder(folder: Path, cells: Sequence[str]) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of the folder that the cells name between quotes."""
+    """Yield the files of the folder whose names occur in string literals of the cells."""
     home = folder.resolve()
     quoted = (name for cell in cells for name in _QUOTED.findall(cell) if _is_fine(name))
     for name in dict.fromkeys(islice(quoted, MAX_NAMES)):

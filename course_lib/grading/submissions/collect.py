@@ -281,7 +281,7 @@ def _lines(items: Iterable[DownloadedFile], exercise: str) -> list[str]:
 
 
 def _exercise_of(notebooks: Sequence[DownloadedFile], layout: Layout) -> str:
-    """Return the exercise of a download, or "" if there is none.
+    """Return the exercise of a download, or "" if it cannot be determined.
 
     It is the only one that students have worked on, else the only one that every student submitted.
     Any other rule would let one student's files decide for the others.
@@ -797,7 +797,7 @@ def _reject(
 
 
 def _platform_notes(download_name: DownloadName, exports: Exports, layout: Layout) -> Iterator[str]:
-    """Yield notes for the instructor about a file's name and time."""
+    """Yield notes for the instructor on a file's name and time."""
     reader = layout.reader
     is_by_platform = reader is not None and download_name.layout == reader.layout != NBGRADER
     if (is_by_platform or layout.name == FOLDERS) and exports.ids and not exports.id_of(download_name):

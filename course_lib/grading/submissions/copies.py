@@ -1,6 +1,7 @@
 """Find similar code in a class, and write the instructor's page about it.
 
-The amount of compared code is limited, because a class is compared pair by pair. In long code, the
+The amount of compared code is limited, because all pairs of students are compared. In long code,
+the
 statements that bind a task's object come first, with the last binding of each name first, because
 that is the one in effect: statements before it would change nothing. Code that is left out is
 reported, and so is code that unpacks or builds other code at run time.
@@ -263,7 +264,10 @@ def compare(
 
 
 def _text_pairs(texts: Mapping[str, frozenset[str]]) -> Iterator[Pair]:
-    """Yield pairs of students with the same long string; a common string has another source."""
+    """Yield pairs of students with the same long string.
+
+    A string that many have is from another source.
+    """
     owners = defaultdict[str, list[str]](list)
     for student, texts_of_student in texts.items():
         for text in texts_of_student:
@@ -395,7 +399,7 @@ def select_code(
 
 
 def _sort_by_weight(parts: Sequence[str], names: Sequence[str]) -> list[str]:
-    """Sort statements: bindings of a task's object, other definitions, the rest.
+    """Sort statements: definitions of a task's object first, then other definitions, then the rest.
 
     Within each group, later statements come first.
     """
@@ -442,7 +446,7 @@ def _find_suspect_names(text: str) -> Iterator[str]:
 
 
 def long_texts(cells: Iterable[str]) -> frozenset[str]:
-    """Return the strings that may contain a packed program: long ones with almost no blanks."""
+    """Return the strings that may contain a packed program: long strings with hardly any spaces."""
     from pygments.token import String
 
     literals = set[str]()
@@ -556,7 +560,7 @@ def _match_lines(
         if run in where and run not in released_code:
             place = (
                 place + 1 if place + 1 in where[run] else where[run][0]
-            )  # prefer the place after the last match
+            )  # prefer the position after the last match
             for own_line, its in zip(lines, other.lines[place], strict=True):
                 like.setdefault(own_line, its)
     return like

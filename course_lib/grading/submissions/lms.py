@@ -193,7 +193,7 @@ def _problem(key: str, mark: dict[str, str] | None, count: int, is_short: bool) 
 
 
 def _maxima(file: LmsFile, place: int) -> set[float]:
-    """Return the platform's maximum points: from a row in Canvas, from a column in Moodle.
+    """Return the platform's maximum points, from a row of Canvas's CSV or a column of Moodle's CSV.
 
     In languages other than English, Moodle's column is recognized by its position after the marks
     and its single distinct number.

@@ -46,8 +46,8 @@ MAX_HEAD = 40  # characters of a cell's first line
 class Notebook:
     """A submitted notebook: its code cells, its exercise, and the ID in it.
 
-    `ran` says for each code cell whether the file records that it was run. `is_lesson` is True if
-    the metadata are those of a lesson. `digest` is that of all cells without outputs.
+    `ran` is True for each code cell that was run, as recorded in the file. `is_lesson` is True if
+    the metadata are from a lesson. `digest` is the digest of all cells without outputs.
     """
 
     cells: tuple[str, ...]

@@ -67,7 +67,7 @@ class Ledger:
         return cls(top, zone, entries)
 
     def received(self, path: Path, receipt: Mapping[str, Any]) -> Received:
-        """Return the best known time of a file.
+        """Return the most reliable known time of a file.
 
         The list takes precedence, then nbgrader's time stamp next to the file, then the platform's
         flag, then the receipt. Data that a student can write is not trusted if the platform has

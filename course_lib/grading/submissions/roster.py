@@ -254,7 +254,8 @@ def _find_duplicates(members: Sequence[Member]) -> Iterator[str]:
 
 # headings in Moodle, Canvas, and the class list; Canvas's "ID" is its own number
 ID_HEADINGS = ("ID number", "SIS User ID", "SIS Login ID", "id")
-SUBMISSION = re.compile("submi", re.IGNORECASE)  # in the headings of times in Moodle and Canvas
+# Part of the headings of submission times in Moodle and Canvas.
+SUBMISSION = re.compile("submi", re.IGNORECASE)
 NUMBER = re.compile(r"(\D*)(\d+)")  # "Participant 4101000", "Teilnehmer/in4101000", or only the number
 EXPORTS = (
     "Export it for the same assignment: in Moodle the grading worksheet, in Canvas the gradebook "

@@ -61,7 +61,7 @@ def find_submissions(
     with_refused: bool = False,
     is_accepted: Callable[[Submission], bool] = lambda _: True,
 ) -> list[Submission]:
-    """Return the newest submission per student and exercise, or all, oldest first, if the best is used.
+    """Return the newest submission per student and exercise, or all, oldest first, if the best one counts.
 
     Args:
         top: One folder per student, or files that `course submit` wrote.
@@ -153,7 +153,7 @@ def sort_submissions(
 
 
 def _age(one: Submission, top: Path, timed: bool) -> tuple[Any, ...]:
-    """Return a key that sorts one student's files from oldest to newest."""
+    """Return a sort key that orders one student's files from oldest to newest."""
     time = one.received.time if timed else None
     folders = one.path.relative_to(top).parts[1:-1]
     tries = max((_split_attempt(folder)[1] for folder in folders), default=0)
@@ -228,7 +228,7 @@ def read_submission(path: Path, ledger: Ledger) -> Submission:
 
 
 def lesson_of(notebook: Notebook) -> str:
-    """Return the lesson if a notebook with the name of an exercise is one, else "".
+    """Return the lesson if a notebook with the name of an exercise is a lesson, else "".
 
     The metadata identify it, or its cells, because exercises have others.
     """
@@ -393,7 +393,7 @@ def missing_file_lines(
 
 @dataclass(frozen=True)
 class Attempts:
-    """One student's submissions of one exercise: the last one, or all of them if the best is used.
+    """One student's submissions of one exercise: the last one, or all of them if the best one counts.
 
     Args:
         student: The folder's name, or the ID in the files.
@@ -461,7 +461,7 @@ def _make_attempts(
 
 
 def _add_twins(submission: Submission, twin_names: Collection[str]) -> Submission:
-    """Return a submission with the first of the students who submitted the same file."""
+    """Return a submission with its first twin: another student who submitted the same file."""
     shown_names = nsmallest(MOST_NAMED, twin_names)
     more = len(twin_names) - len(shown_names)
     return replace(submission, twins=(*shown_names, f"{more} more") if more else tuple(shown_names))

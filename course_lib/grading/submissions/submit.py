@@ -132,7 +132,7 @@ class NotebookReview:
         return next((cell for cell in (*unparsable, *before) if cell.syntax_error or cell.is_stub), None)
 
     def _unchecked_cells(self) -> Iterator[str]:
-        """Yield a warning for each cell without a task, up to the last check, that no check has seen."""
+        """Yield a warning for each cell up to the last check that has no task and was not part of a check."""
         checked_digests = frozenset[str]().union(*(last.cells for last in self._last_checks.values()))
         if not checked_digests and not any(cell.ran for cell in self._cells):
             # Nothing is known about any cell.

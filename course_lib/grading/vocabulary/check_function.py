@@ -164,7 +164,7 @@ def are_angles_close(value: float, expected: float, tolerance: float) -> bool:
 
 
 def yaw_of(x: float, y: float, z: float, w: float) -> float:
-    """Return the rotation of a quaternion about z [rad]."""
+    """Return the yaw of a quaternion, its rotation about z [rad]."""
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
@@ -182,14 +182,17 @@ def format_numbers(values: Iterable[float]) -> str:
 
 
 def describe_offset(value: float, expected: float, more: str, less: str, unit: str = "m") -> str:
-    """Describe a difference with its direction, "0.30 m too low"; handles NaN and infinity, too."""
+    """Describe a difference with its direction, "0.30 m too low".
+
+    NaN and infinity are accepted, too.
+    """
     if not math.isfinite(value):
         return "not a number" if math.isnan(value) else "infinitely far off"
     return f"{format_number(abs(value - expected), unit)} {more if value > expected else less}"
 
 
 def received_messages(evidence: Evidence, topic: str, *types: str) -> list[tuple[float, Any]]:
-    """Return ([s] since the start, message) for each message on a topic.
+    """Return (time since the start [s], message) for each message on a topic.
 
     Args:
         evidence: The evidence of the scenario.
@@ -214,12 +217,12 @@ def received_messages(evidence: Evidence, topic: str, *types: str) -> list[tuple
 
 
 def slash_hint(frame: str) -> str:
-    """Return the end of a message about a frame whose name begins with a slash, as in ROS 1, or ""."""
+    """Return the end of a message about a frame name with a leading slash, as in ROS 1, or ""."""
     return ": a frame's name has no slash" if frame.startswith("/") else ""
 
 
 def silent_topic_problem(evidence: Evidence, topic: str) -> Problem:
-    """Return the problem of a topic without messages; it lists the topics that have some."""
+    """Return the problem of a topic without messages, which lists the topics with messages."""
     elsewhere = (
         f"only on {', '.join(sorted(evidence.topics))}" if evidence.topics else "nor on any other topic"
     )

@@ -1,4 +1,4 @@
-"""Checks of submitted files: launch files, by the record of their run, and layouts of RViz2."""
+"""Checks of submitted files: launch files, judged by the record of their run, and layouts of RViz2."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -146,9 +146,9 @@ TOPICS = ("Topic", "Description Topic", "Depth Map Topic")
 DISPLAY, DRAWN = "expect_display", "expect_drawn"
 COLORS_APART, DISPLAYS_ON = "expect_colors_apart", "expect_displays_on"
 TOO_MANY = "a layout has more displays than the task asks for"
-MOST_OTHERS = 5  # enabled displays of classes that no check names
+MOST_OTHERS = 5  # limit on enabled displays of classes to which no check refers
 MAX_TEXT = 200_000  # characters of a layout
-MOST_COLORS = 20  # colors that are compared pairwise
+MOST_COLORS = 20  # limit on colors that are compared pairwise
 USUAL_COLOR = "25; 255; 0"  # default color of a display
 
 
@@ -231,7 +231,7 @@ def expect_displays_on(evidence: Evidence, *topics: str, call: int = 0) -> Itera
 def expect_colors_apart(
     evidence: Evidence, class_name: str, by: float, *, call: int = 0
 ) -> Iterable[Problem]:
-    """Expect colors of displays of a class that differ pairwise, in some channel, by at least `by` of 255."""
+    """Expect the colors of a class's displays to differ pairwise by at least `by` of 255 in some channel."""
     arguments = {name: value for name, value in locals().items() if name != "evidence"}
     configs = _displays_of_class(_read_layout(evidence, call), class_name)[:MOST_COLORS]
     colors = [_color_of(config) for config in configs]

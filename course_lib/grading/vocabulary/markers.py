@@ -73,7 +73,7 @@ def matches(marker: Any, *expected: Any) -> bool:
 
 
 def iter_markers(evidence: Evidence, topic: str) -> Iterator[tuple[float, Any]]:
-    """Yield ([s] since the start, marker) for every published marker."""
+    """Yield (time since the start [s], marker) for every published marker."""
     for seconds, message in evidence.messages(topic):
         if type_name(message) in MARKER_MESSAGES:
             for marker in getattr(message, "markers", [message]):
@@ -379,7 +379,7 @@ class MarkerScene:
         )
 
     def _is_missing(self, subject: Iterable[int], marker: int) -> bool:
-        """Return whether the bound marker has another ns or id than the subject."""
+        """Return whether the ns or id of the bound marker differs from the subject."""
         return any(_is_misnamed(self.markers[marker], self.asked[i].arguments) for i in subject)
 
     def _misfit_key(self, subject: Sequence[int], marker: int) -> tuple[float, ...]:
@@ -510,7 +510,7 @@ def expect_marker(
     tolerance: float = 0.01,
     allow_others: bool = False,
 ) -> Iterable[Problem]:
-    """Expect such a visible marker on the topic (Marker or MarkerArray), `at` [s] or at the end.
+    """Expect a visible marker with these fields on the topic (Marker or MarkerArray), `at` [s] or at the end.
 
     All checks of a scenario that may refer to one marker judge the same marker: the one that fits
     them best. Markers beyond those that the checks require cost points, unless one of the checks

@@ -110,7 +110,7 @@ def _circle_problems(evidence: Evidence, arguments: Arguments, marker: Any) -> l
 
 
 def _marker_paths(evidence: Evidence) -> dict[str, dict[tuple[str, int], list[tuple[float, Any]]]]:
-    """Return ([s] since the start, marker) of all added markers, by topic and by (ns, id)."""
+    """Return (time since the start [s], marker) of all added markers, by topic and by (ns, id)."""
     paths_by_topic: dict[str, dict[tuple[str, int], list[tuple[float, Any]]]] = {}
     for topic in evidence.topics:
         for seconds, marker in iter_markers(evidence, topic):
@@ -276,8 +276,8 @@ def expect_circling_frame(
         return ambiguous
     poses = [(seconds, pose) for seconds, pose in _iter_transforms(evidence, "/tf") if pose.child == frame]
     if len(poses) > 1 and not any(pose.stamp_ns for _, pose in poses):
-        # Such a frame answers requests for the latest time only, and
-        # displays ask for the stamps of messages.
+        # Such a frame can be looked up at the latest time only, but displays request the stamps of
+        # messages.
         message = f"every transform of {frame!r} has the stamp 0: tf2 knows it at no other time"
         return [Problem(message, "a transform has wrong stamps")]
     if not poses:
@@ -348,7 +348,7 @@ def transform_buffer(evidence: Evidence) -> BufferCore:
 
 
 def _iter_transforms(evidence: Evidence, topic: str) -> Iterator[tuple[float, Transform]]:
-    """Yield ([s] since the start, transform) for each transform published on a topic."""
+    """Yield (time since the start [s], transform) for each transform published on a topic."""
     for seconds, message in evidence.messages(topic):
         for transform in message.transforms if type_name(message) == TF else ():
             yield seconds, Transform.from_message(transform)
@@ -448,7 +448,7 @@ PHASE_TOLERANCE = 0.2
 TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 NOT_ALL_THE_TIME = "a joint is not published all the time"
 TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
-UNIT_TOLERANCE = 0.01  # of the length of a quaternion
+UNIT_TOLERANCE = 0.01  # tolerance of a quaternion's length
 
 
 @check_function("every joint has a name and a position")
@@ -656,7 +656,7 @@ def expect_trajectory(
 def _find_trajectory(
     evidence: Evidence, topic: str, index: int, points: int | None, of: int | None
 ) -> tuple[float, Any]:
-    """Return ([s] since the start, trajectory), or raise a Problem if a count is wrong."""
+    """Return (time since the start [s], trajectory), or raise a Problem if a count is wrong."""
     actual = received_messages(evidence, topic, TRAJECTORY)
     were = "trajectory was" if len(actual) == 1 else "trajectories were"
     counts = f"{len(actual)} {were} published on {topic}, expected"

@@ -176,7 +176,7 @@ def expect_rate(
 
 
 def _repetition_problems(received: list[tuple[float, Any]], topic: str) -> list[Problem]:
-    """Return the problem of a topic on which most messages are published more than once at a time."""
+    """Return the problem of a topic on which most messages are published several times simultaneously."""
     by_time: dict[float, list[Any]] = {}
     for seconds, message in received:
         by_time.setdefault(seconds, []).append(message)
@@ -198,7 +198,7 @@ def _repetition_problems(received: list[tuple[float, Any]], topic: str) -> list[
 
 
 def _identity(value: Any) -> Iterator[object]:
-    """Yield the names, frames and ids in a message as plain data: they say what it is about."""
+    """Yield the names, frames and ids in a message as plain data. They identify its subject."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict):
@@ -302,10 +302,10 @@ def expect_frame(evidence: Evidence, topic: str, frame: str) -> Iterable[Problem
 def expect_stamps(
     evidence: Evidence, topic: str, *, tolerance: float = 0.05, delay: float = 0.0
 ) -> Iterable[Problem]:
-    """Expect the robot time of publishing in the stamp of each header, within a tolerance [s].
+    """Expect the robot time of publication in the stamp of each header, within a tolerance [s].
 
     Stamps of markers that delete are not checked. With `delay` a task copies the stamps of its
-    input, which are so much earlier [s]: the time of publishing is then a mistake.
+    input, which are `delay` [s] earlier: the time of publishing is then a mistake.
     """
     for seconds, message in _stamped_messages(evidence, topic):
         stamp = message.header.stamp
@@ -326,7 +326,7 @@ def expect_stamps(
 
 
 def _stamped_messages(evidence: Evidence, topic: str) -> list[tuple[float, Any]]:
-    """Return ([s] since the start, message or marker with a header), except markers that delete.
+    """Return (time since the start [s], message or marker with a header), except markers that delete.
 
     Raises:
         Problem: No marker is added, or the type has no header.
@@ -477,7 +477,7 @@ def expect_level(
 
 
 def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[Check, ...]:
-    """Return a check for each of `parts` (level, word in its message, title) of a run, `seconds` [s] each.
+    """Return a check for each part of a run: (level, word in its message, title), `seconds` [s] long.
 
     The first part requires the last one, and all others require the first, so that a constant level
     gets few points.
@@ -491,7 +491,7 @@ def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[C
 
 
 def _other_spellings(text: str) -> list[str]:
-    """Return a fact as constants and full names are spelled."""
+    """Return a fact in the other spellings of constants and names, like the full name."""
     plain = text.strip().strip("/")
     return [re.sub(r"[\s-]+", "_", plain).upper(), f"/{plain}", f"/robot/{plain}"]
 

@@ -20,7 +20,7 @@ from course_lib.ros.programs.parameter_yaml import read_text
 
 WRONG, WRONG_KIND = "a value is wrong", "a value is of the wrong kind"
 WRONG_ORDER, NOT_CALLED = "values are in the wrong order", "a value is a function that is not called"
-_INDEX = re.compile(r"(\[.*?\]) of (.*)", re.DOTALL)  # in the name of an item
+_INDEX = re.compile(r"(\[.*?\]) of (.*)", re.DOTALL)  # name of an item: its index, and the list's name
 LONGEST = 10_000  # characters of a parameters file
 EVERY_NODE = "/**"
 NAMES = {bool: "bool", int: "integer", float: "double", str: "string", list: "list"}
@@ -127,7 +127,7 @@ def expect_length(evidence: Evidence, fewest: int, most: int) -> Iterable[Proble
 
 
 def _is_same_joint_angle(value: Any, expected: float, tolerance: float) -> bool:
-    """Return whether two angles [rad] put a joint into the same place, within its limits of a turn."""
+    """Return whether two angles [rad] are the same position of a joint, which is limited to one turn."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     return abs(value) <= math.tau and are_angles_close(value, expected, tolerance)
@@ -188,7 +188,7 @@ def _order_problem(
     tolerance: float,
     name: str,
 ) -> Problem | None:
-    """Return the problem of a list that has the expected numbers or strings in another order."""
+    """Return the problem of a list that has the expected numbers or strings in a different order."""
     if not {type(one) for one in (*value, *expected)} <= {int, float, str}:
         return None
     if not any(_is_different(*pair, tolerance) for pair in zip(value, expected, strict=True)):

@@ -189,7 +189,7 @@ class Writer(OwnEndpoint[MatchedReader]):
             self._send_heartbeat(reader)
 
     def request_acknowledgements(self) -> None:
-        """Send a heartbeat to all readers, which each of them has to answer."""
+        """Send a heartbeat that every reader has to answer."""
         for reader in self.matched.values():
             self._send_heartbeat(reader)
 
@@ -433,8 +433,8 @@ class Reader(OwnEndpoint[MatchedWriter]):
             # more.
             first = max(first, last - self._latched_depth + 1)
         if writer.due is None or first > writer.due:
-            # The writer no longer keeps the messages before `first`. It skips those from before the
-            # match by a GAP.
+            # The writer no longer keeps the messages before `first`. It skips messages from before
+            # the match by a GAP.
             writer.skip_to(first)
         due = self._deliver(writer)
         end = min(last, due + wire.MAX_SET - 1) + 1

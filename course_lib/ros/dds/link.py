@@ -259,7 +259,7 @@ class DdsClient(ServiceEndpoints, NetworkClient):
         """Send a request. `on_reply` is queued when its reply arrives."""
 
         def send() -> None:
-            # The server sends its reply to the reader that is named here.
+            # The server sends its reply to the reader that is given here.
             related = related_request(RequestId(self._reader.endpoint.guid, 0))
             self._open[self._participant.write(self._writer, cdr, related)] = on_reply
             if len(self._open) > MAX_OPEN:
@@ -370,7 +370,7 @@ class DdsLink(Link):
         self._on_entity = on_entity
 
     def no_nodes_message(self) -> str:
-        """Return a message for a domain without nodes. Nodes of other domains use other ports."""
+        """Return a message for a domain without nodes. Nodes in other domains use other ports."""
         if self.participant.datagrams:
             return f"There are no nodes in domain {self.domain} yet."
         self._is_silence_reported = True
@@ -382,7 +382,7 @@ class DdsLink(Link):
         return [("malformed datagrams", dropped)] if dropped else []
 
     def warnings(self) -> Iterable[tuple[str, str]]:
-        """Yield a line if nothing answers, and for each topic whose messages mostly arrive in part."""
+        """Yield a line if no participant answers, and for each topic with mostly incomplete messages."""
         is_silent = not self.participant.datagrams and wall.monotonic() - self._started > SILENT_SECONDS
         if is_silent and not self._is_silence_reported:
             yield "silent", self.no_nodes_message()
@@ -437,7 +437,7 @@ class DdsLink(Link):
         def on_sample(sample: ReceivedSample) -> None:
             on_packet(Packet(sample.data, sample.sequence, sample.source_ns, sample.writer, wall.time_ns()))
 
-        # A gateway passes types on that are not known on its computer.
+        # A gateway also forwards topics whose types are unknown on its computer.
         data = user_data(type_hash(type_name)) if is_known(type_name) else b""
         reader = self.participant.add_reader(*topic_names(topic, type_name), qos, on_sample, data)
         self._own_readers[topic, type_name] = reader.endpoint.guid

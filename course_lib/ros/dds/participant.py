@@ -39,7 +39,7 @@ ANNOUNCE_SECONDS, EAGER_SECONDS, HEARTBEAT_SECONDS = 2.0, 0.1, 0.1
 # A participant that has just started misses the first announcements.
 EAGER_ANNOUNCEMENTS = 10
 LEASE_SECONDS = 20.0
-# Time without a datagram after which the remote participants are asked for an answer [s].
+# Time without a datagram after which the remote participants are requested to answer [s].
 ASK_SECONDS = 2.0
 # Waiting time for acknowledgements at the end, and interval between checks [s].
 LINGER_SECONDS, POLL_SECONDS = 1.0, 0.01
@@ -87,7 +87,7 @@ def common_bits(address: str, other: str) -> int:
 
 
 def socket_towards(host: str, port: int) -> socket.socket:
-    """Return a socket that is connected to a port, which notices if nothing listens there.
+    """Return a socket connected to a port, so that it reports an error if nothing listens there.
 
     Raises:
         CourseError: No network leads to the host.
@@ -225,7 +225,7 @@ class Participant:
             _match(own, remote)
 
     def incomplete_topics(self) -> list[tuple[str, int, int]]:
-        """Return topic, number and size [B] of messages that arrived in part, where these are most."""
+        """Return (topic, number, size [B]) of the incomplete messages, if most messages of a topic are."""
         with self.lock:
             return [
                 (reader.endpoint.topic, reader.incomplete, reader.incomplete_size)

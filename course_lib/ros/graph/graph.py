@@ -285,7 +285,7 @@ class Graph:
     ) -> Callable[[], None]:
         """Call `listener` with every sample on a topic when it is published.
 
-        Return a function that ends this. As in `ros2 bag record`, requests and responses of
+        Return a function that removes the listener. As in `ros2 bag record`, requests and responses of
         services are not included. `select_topics` returns the topics that a robot has to send for
         the listener; None stands for all.
         """
@@ -303,11 +303,11 @@ class Graph:
         return []
 
     def link_error(self) -> str:
-        """Return why nothing arrives from the robot, or "" if the link works or there is none."""
+        """Return why nothing is received from the robot, or "" if the link works or there is none."""
         return ""
 
     def take_blocked_calls(self) -> list[str]:
-        """Return the services whose calls a link has held back since the last time; empty without a link."""
+        """Return the services whose calls a link has blocked since the last call; empty without a link."""
         return []
 
     def close(self) -> None:
@@ -316,7 +316,7 @@ class Graph:
     def watch_time(self, listener: Callable[[int], None]) -> Callable[[], None]:
         """Call `listener(now_ns)` whenever robot time advances.
 
-        Return a function that ends this.
+        Return a function that removes the listener.
         """
         self._watchers.append(listener)
         return lambda: self._watchers.remove(listener)
@@ -376,7 +376,7 @@ class UnspunNodes:
 
 @dataclass
 class FailedNodes:
-    """What stopped live nodes, by their full names, until a node of the same name is spun."""
+    """The errors that stopped live nodes, by full name, until a node of the same name is spun."""
 
     errors: dict[str, str] = field(default_factory=dict)
 

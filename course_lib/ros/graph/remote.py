@@ -525,7 +525,7 @@ class RemoteGraph(Graph):
             self._channel.send(frame)
 
     def call_at(self, due_ns: int, action: Callable[[], None], *, node: int, entity: int) -> Alarm:
-        """Schedule `action` for the moment at which the other process reports the time `due_ns`."""
+        """Schedule `action` for the time `due_ns`, as reported by the other process."""
         self._last_alarm += 1
         number = self._last_alarm
 

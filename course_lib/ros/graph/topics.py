@@ -53,8 +53,8 @@ class Qos:
 def find_incompatible_policy(offered: Qos, requested: Qos) -> str | None:
     """Return a requested policy that the publisher does not offer, named as in DDS, or None.
 
-    Of several policies it returns the one that Fast DDS reports as the last one, which has the
-    highest number in DDS.
+    Of several policies, return the one that Fast DDS reports last: the policy with the highest
+    number in DDS.
     """
     if offered.reliability == "best_effort" and requested.reliability == "reliable":
         return "RELIABILITY"

@@ -97,7 +97,7 @@ def field_definitions() -> LazyTypes:
 
 @cache
 def typestore() -> "Typestore":
-    """Return rosbags' own store, with all types, for tasks that rosbags does better, like writing bags."""
+    """Return rosbags' own store with all types, for tasks left to rosbags, such as writing bags."""
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)

@@ -1,4 +1,4 @@
-"""The types of message fields, in the terms of IDL."""
+"""The types of message fields, as in IDL."""
 
 from dataclasses import dataclass
 

@@ -24,7 +24,7 @@ from course_lib.ros.programs.missing_packages import (
 
 
 class AbsentModules(Loader):
-    """Finds modules that a launch file imports and that no other finder has.
+    """Finds modules that a launch file imports and that no other finder provides.
 
     It is the last finder.
     """

@@ -354,7 +354,7 @@ class _CMake:
         self._budget = _MAX_FILES
 
     def run(self, commands: Iterable[tuple[str, str]]) -> Iterator[tuple[str, list[str]]]:
-        """Yield commands in lower case with their arguments, also those of loops, macros and functions."""
+        """Yield commands in lower case with their arguments, also inside loops, macros and functions."""
         rest = deque(commands)
         while rest and self._budget > 0:
             self._budget -= 1
@@ -443,7 +443,7 @@ def _placed_by_cmake(
 
 
 def _sources_of_install(arguments: list[str]) -> list[str]:
-    """Return the files and folders of one `install(…)`, which stand before its other arguments."""
+    """Return the files and folders of one `install(…)`, which precede its other arguments."""
     end = next((at for at, word in enumerate(arguments) if word in _KINDS_OF_INSTALL), len(arguments))
     return arguments[:end]
 

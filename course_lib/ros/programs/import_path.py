@@ -172,7 +172,7 @@ def _find_in_workspace(name: str) -> ModuleSpec | None:
 
 
 def _is_library(frame: FrameType | None) -> bool:
-    """Return whether a library's module does the import, which then is not meant for a workspace.
+    """Return whether a library's module is importing, so that the workspace need not be searched.
 
     numpy alone tries a dozen optional modules, each of which would be searched for in all packages.
     """

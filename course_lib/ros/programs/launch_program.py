@@ -427,7 +427,7 @@ class LaunchProgram(Process):
                 raise
             except Exception as error:
                 if not isinstance(error, _COMPLAINTS) and line_of_traceback(error.__traceback__):
-                    # The error comes from a line of the launch file, which the traceback shows.
+                    # A line of the launch file, which the traceback shows, raised the error.
                     if reason := reason_in(str(error)):
                         error.add_note(f"hint: {reason}")
                     raise

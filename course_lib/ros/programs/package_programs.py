@@ -50,7 +50,7 @@ class RunProgram(Function):
         super().__init__(executable, find_executable(package, executable, kit_executables), args)
 
     def run(self) -> None:
-        """Run the executable to its end. Report a failure with ros2cli's line."""
+        """Run the executable until it ends. Report a failure as ros2cli does."""
         unload_packages()
         super().run()
         if self.exit_code:

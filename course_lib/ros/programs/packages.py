@@ -1,6 +1,6 @@
 """The index of ROS packages: which package lies in which folder.
 
-Everything that looks a package up by its name asks this index: `course run`, the `ros2` verbs,
+Everything that looks up a package by its name uses this index: `course run`, the `ros2` verbs,
 `ament_index_python`, `$(find …)` of launch and xacro, `package://` of displays, `load_robot` and
 imports. Sources are found as colcon finds them (colcon-recursive-crawl): at any depth, by the
 `<name>` of a `package.xml` whatever the folder is called, not below a folder with an ignore file,
@@ -35,7 +35,8 @@ IGNORED = frozenset({"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE", "pyvenv.c
 _NOT_SEARCHED = frozenset({"node_modules", "__pycache__", "site-packages"})
 # A working folder can be a home directory: the search ends there, the nearest folders first.
 _MOST_FOLDERS = 20_000
-# How many duplicate names are reported in a line each, and how many more are listed.
+# Number of duplicate names that are reported in a line each, and number of further names that are
+# listed.
 _MOST_REPORTED, _MOST_NAMED = 3, 10
 # A folder changed this recently may change again within one tick of the file system.
 _FRESH_NS = 50_000_000
@@ -288,7 +289,7 @@ def prefix_of(share: Path) -> Path:
 
 
 def why_not_found(name: str) -> str:
-    """Explain that a package is missing, which packages there are, and how to add it."""
+    """Explain that a package is missing, list the available packages, and explain how to add it."""
     if reason := why_not_offered(name):
         return f"package '{name}' not found: {reason}"
     if reason := _why_skipped(name):
@@ -438,7 +439,7 @@ def share_folder(name: str, sources: Path) -> Path:
 
 
 def _is_in_place(file: Path, place: Path) -> bool:
-    """Return whether the sources have an installed file at its place, or a folder's files in theirs."""
+    """Return whether an installed file, or each file of a folder, has the same path in the sources."""
     if place.exists() and (place.samefile(file) or not place.is_dir() or not file.is_dir()):
         return True
     return file.is_dir() and place.is_dir() and all((place / one.name).exists() for one in file.iterdir())
@@ -462,7 +463,7 @@ def _create_links(sources: Path, relocated: tuple[tuple[str, Path], ...]) -> Pat
 def _link(place: Path, file: Path) -> None:
     """Create a link to a file or folder.
 
-    A folder that is there already gets links to the new files.
+    In a folder that already exists, links to the new files are added.
     """
     if not place.exists():
         place.symlink_to(file.resolve())

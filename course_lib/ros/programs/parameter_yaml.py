@@ -98,7 +98,7 @@ def _flat(mapping: Any, prefix: str) -> Iterator[tuple[str, Any]]:
 
 
 def _only_item(value: Any) -> Any:
-    """Return the item of a list of one, or of such lists in each other, or None."""
+    """Return the only item of a list, or of nested lists with one item each, or None."""
     while isinstance(value, yaml.SequenceNode):
         value = value.value[0] if len(value.value) == 1 else None
     return value

@@ -49,7 +49,7 @@ class Process:
         raise NotImplementedError
 
     def run(self) -> None:
-        """Run the program to its end. Print an uncaught exception as Python does."""
+        """Run the program until it ends. Print an uncaught exception as Python does."""
         sys.argv = self.argv
         try:
             with time_lock.at_end(self.at_end):
@@ -152,7 +152,7 @@ def _only_defines_main(tree: ast.Module) -> bool:
 
 
 def _idle_hint(tree: ast.Module) -> str:
-    """Return what is missing in a file that only defines functions and a node class, or ""."""
+    """Return a hint for a file that only defines functions and a node class, or ""."""
     nodes, guards = list[str](), list[tuple[int, str]]()
     for statement in tree.body:
         match statement:

@@ -123,10 +123,10 @@ MAX_LATCHED = 100
 
 
 class RemoteEntities:
-    """The entities of other sessions in the graph.
+    """The entities of other kits and of the robot in the graph.
 
-    They are added with the methods of `Graph`, because those of `RobotGraph` would announce them
-    again.
+    They are added with the methods of `Graph`, because the methods of `RobotGraph` would announce
+    them again.
 
     Args:
         graph: The graph that lists them.
@@ -263,7 +263,7 @@ def type_warning(entity: Entity) -> str:
 
 
 def qos_warning(topic: str, policy: str, publisher: str, subscriber: str, *, is_enforced: bool) -> str:
-    """Return a message about a publisher and a subscription, of two nodes, with incompatible QoS."""
+    """Return a message about a publisher and a subscription of different nodes with incompatible QoS."""
     line = (
         f"{topic}: the publisher of {publisher} and the subscription of {subscriber} have "
         f"incompatible QoS ({policy})."
@@ -476,13 +476,13 @@ class RobotGraph(Graph):
         ]
 
     def link_error(self) -> str:
-        """Return why nothing arrives from the robot, or "" if the link works."""
+        """Return why nothing is received from the robot, or "" if the link works."""
         if not self._is_up:
             return f"The link to {self.link.address} is lost." if self._down_since else no_answer(self.link)
         return no_answer(self.link) if self._is_silent else ""
 
     def take_blocked_calls(self) -> list[str]:
-        """Return the services whose calls have been held back since the last time."""
+        """Return the services whose calls have been blocked since the last call."""
         calls, self.blocked.calls = self.blocked.calls, []
         return calls
 

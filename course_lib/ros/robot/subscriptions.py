@@ -196,7 +196,7 @@ class TopicSubscriptions:
                 del self._by_key[key]
 
     def status_rows(self) -> list[tuple[str, object]]:
-        """Return a row of `ros2 doctor` for each topic, of its subscription with the most messages."""
+        """Return each topic's row of `ros2 doctor`: the row of its subscription with the most messages."""
         rows: dict[str, tuple[str, object]] = {}
         for subscription in sorted(self, key=lambda subscription: subscription.traffic.received):
             rows[subscription.topic] = subscription.status_row()

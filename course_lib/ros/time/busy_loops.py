@@ -44,7 +44,10 @@ _real_get_code = SourceFileLoader.get_code
 
 
 class BusyWaitTransformer(ast.NodeTransformer):
-    """Inserts the call into the waiting loops of a syntax tree; also one of IPython's `ast_transformers`."""
+    """Inserts the call into the waiting loops of a syntax tree.
+
+    Also used as one of IPython's `ast_transformers`.
+    """
 
     def visit(self, node: ast.AST) -> Any:
         """Insert the call into each loop of the tree that only waits."""

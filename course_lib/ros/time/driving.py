@@ -151,7 +151,7 @@ class LiveRun:
         return ", ".join(node.handle.name for node in self.nodes)
 
     def is_over(self) -> bool:
-        """Return whether all its nodes were destroyed, or replaced because their cell was run again."""
+        """Return whether all of its nodes were destroyed, or replaced because their cell was run again."""
         return all(node.handle.has_left for node in self.nodes)
 
     def has_node(self, full_name: str) -> bool:
@@ -176,7 +176,7 @@ class LiveRun:
         self.show_state()
 
     def state(self, note: str = "") -> str:
-        """Return a short text: whether it runs, for how long, and a note."""
+        """Return a short description: whether the run is active, for how long, and a note."""
         seconds = (self._graph.now_ns - self.started_ns) * 1e-9
         status = "✗ stopped by an error" if self.error else "▶ running" if self.is_running else "■ stopped"
         state = f"{status}: {self.name} ({seconds:.1f} s of robot time)"

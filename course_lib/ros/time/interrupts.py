@@ -1,4 +1,4 @@
-"""Interrupts of callbacks in a notebook: ■, Stop, and the watch that reports lines that take long.
+"""Interrupts of callbacks in a notebook: ■, Stop, and the watch, which reports lines that take long.
 
 Jupyter ignores ■ while no cell runs, and for cells that await it only sets an event, which waits
 until the event loop is free. A callback that does not end would block both, so SIGINT is handled
@@ -120,7 +120,7 @@ class Watch:
 
     @contextmanager
     def stopping(self) -> Iterator[None]:
-        """Interrupt the main thread during the block if a callback that Stop waits for does not end."""
+        """Interrupt the main thread during the block if a callback for which Stop waits does not end."""
         click_time = wall.monotonic()
         self._clicks.append(click_time)
         try:
@@ -258,7 +258,7 @@ def until_interrupted() -> Iterator[None]:
     except KeyboardInterrupt as interrupt:
         line = line_of_traceback(interrupt.__traceback__)
         location = line and f", in {line}"
-        # At the end of a run the interrupt does not come from a user.
+        # At the end of a run the interrupt is not from a user.
         if graph.ended:
             return
         say(f"Stopped after {(graph.now_ns - start_ns) * 1e-9:.1f} s of robot time{location}.")

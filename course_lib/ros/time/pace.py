@@ -80,7 +80,7 @@ def keep_pace(graph: Graph) -> Iterator[None]:
 
 
 class WallPace:
-    """Keeps a graph's time to the wall clock, at its speed, from now on.
+    """Keeps a graph's time in step with the wall clock, at the graph's speed.
 
     The graph calls it before each event.
     """
@@ -102,7 +102,7 @@ class WallPace:
     def __call__(self, due_ns: int) -> bool:
         """Return whether the wall clock has reached robot time `due_ns` [ns].
 
-        If not, wait a little.
+        If not, wait briefly.
         """
         previous, self._wall_time = self._wall_time, wall.monotonic()
         self._allowed_ns += self._speed.advance_ns(self._wall_time - previous)

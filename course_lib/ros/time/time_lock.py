@@ -64,7 +64,7 @@ class StoppedThread(SystemExit):
 
 
 def never() -> bool:
-    """Return False, as the condition of a wait that only its deadline ends."""
+    """Return False. The condition of a wait that ends only at its deadline."""
     return False
 
 
@@ -162,12 +162,12 @@ class ProgramThread:
             self.interrupt()
 
     def waits_in(self, graph: Graph) -> bool:
-        """Return whether the thread waits in a run."""
+        """Return whether the thread is waiting in a run."""
         wait = self.wait
         return wait is not None and wait.graph is graph
 
     def can_run(self, graph: Graph) -> bool:
-        """Return whether the thread waits in a run and its wait is over."""
+        """Return whether the thread is waiting in a run and its wait is over."""
         wait = self.wait
         if wait is None or wait.graph is not graph:
             return False
@@ -192,11 +192,11 @@ LOOKS_AFTER_INTERRUPT = 2
 
 
 class DeadlockError(CourseError):
-    """All threads wait for each other, so nothing can happen anymore."""
+    """All threads wait for each other, so none of them can ever continue."""
 
 
 class TimeLock:
-    """The right to run, which passes between threads in an order that depends on the program alone."""
+    """The right to run, passed between threads in an order that depends only on the program."""
 
     def __init__(self) -> None:
         # By thread identifier.
@@ -385,8 +385,8 @@ class TimeLock:
     ) -> None:
         """Count a call that does not wait.
 
-        A program that makes such calls in a loop waits for something, so after many calls they let
-        time advance.
+        A program that makes such calls in a loop is waiting, so after many calls they let time
+        advance.
 
         Args:
             describe_unmet: Describes what is not there yet, for the hint if the run ends during
@@ -415,7 +415,7 @@ class TimeLock:
 
     @contextmanager
     def polling(self) -> Iterator[None]:
-        """If the end of the run or Ctrl+C interrupts the block, print what the thread polled for in vain."""
+        """If the end of the run or Ctrl+C interrupts the block, print the condition polled in vain."""
         try:
             yield
         except KeyboardInterrupt:
@@ -581,7 +581,7 @@ class TimeLock:
                 return
 
     def _pass_lock(self, giver: ProgramThread | None, heir: ProgramThread | None) -> None:
-        """Pass the lock on, under the mutex, unless an impatient interrupt has taken it from the giver."""
+        """Pass the lock on, under the mutex, unless an urgent interrupt has already taken it."""
         if self._holder is giver:
             self._holder = heir
             if heir is not None:

@@ -279,7 +279,7 @@ class SimpleQueue(_RealSimpleQueue[Any]):
 
 
 def _is_made_for_program() -> bool:
-    """Return whether the program may use an object created now, including objects that a cell creates.
+    """Return whether an object created now may be used by the program, as for objects that a cell creates.
 
     `current_thread()` is not used because it would create an object with locks for a thread that
     Python has not started.

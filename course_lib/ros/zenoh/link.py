@@ -79,7 +79,10 @@ class ZenohPublisher(NetworkPublisher):
         self._token.withdraw()
 
     def put(self, cdr: bytes, source_ns: int = 0) -> None:
-        """Publish a message; may be called from any thread. Its source time is now by default."""
+        """Publish a message; may be called from any thread.
+
+        The source time is by default the current time.
+        """
         if self._link.is_open and self._removals:
             attachment = encode_attachment(next(self._sequence), self._gid, source_ns or wall.time_ns())
             self._publisher.put(cdr, attachment=attachment)
@@ -317,7 +320,7 @@ class ZenohLink(Link):
         return ZenohClient(self, entity, querier, self._declare_token(entity))
 
     def undeclare(self, *declarations: Any) -> None:
-        """Undeclare what was declared in the session, unless the session is closed."""
+        """Undeclare an entity of the session, unless the session is closed."""
         for declaration in declarations if self.is_open else ():
             declaration.undeclare()
 

@@ -27,7 +27,7 @@ class BagView(RqtView):
 
     def build(self) -> None:
         """Read the bag, or raise a CourseError if it does not exist."""
-        # Not at the head, because importing anywidget is slow.
+        # Imported here because anywidget is slow to import.
         from course_lib.controls import Slider
 
         if len(self.words) != 1:
@@ -71,7 +71,7 @@ class BagView(RqtView):
         return drawing(shapes, _LEFT + _WIDTH + 90, height, description) + self._message()
 
     def _line(self, row: int, topic: str) -> str:
-        """Draw a topic's name, a mark per pixel with messages, and the number of messages."""
+        """Draw a topic's name, a mark at each pixel with messages, and the number of messages."""
         stamps = self._times[[s.topic == topic for s in self._samples]] * 1e-9
         pixels = np.unique((stamps / self.controls["Time [s]"].max * _WIDTH).round()).astype(int)
         marks = "".join(f"M{_LEFT + pixel} {_ROW * row + 5}v12" for pixel in pixels.tolist())

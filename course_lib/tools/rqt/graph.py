@@ -90,7 +90,7 @@ def _chain(edge: Edge, depths: Mapping[str, int]) -> list[tuple[str, int]]:
 
 
 def _untangle(cells: Mapping[tuple[str, int], list[str]], links: Sequence[Edge]) -> None:
-    """Sort each cell by the mean position of its neighbors."""
+    """Sort the nodes of each cell by the mean position of their neighbors."""
     neighbors: dict[str, list[str]] = {}
     for start, end in links:
         neighbors.setdefault(start, []).append(end)

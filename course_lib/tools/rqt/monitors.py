@@ -32,7 +32,7 @@ class ConsoleView(RqtView):
 
     def build(self) -> None:
         """Create the filters of rqt_console: severity, node, text and highlighting."""
-        # Number and message.
+        # The collected messages with their numbers, (number, message).
         self._logs: deque[tuple[int, Any]] = deque(maxlen=_LOG_LIMIT)
         self._count = 0
         for severity, _ in _SEVERITIES.values():
@@ -113,7 +113,7 @@ class TopicView(RqtView):
         return {endpoint.topic for endpoint in self.graph.endpoints()}
 
     def on_sample(self, sample: Sample) -> None:
-        """Add a message to the rate and bandwidth of its topic."""
+        """Update the rate and bandwidth of a message's topic."""
         window = self._received.setdefault(sample.topic, deque())
         window.append((sample.stamp_ns, len(sample.cdr)))
         while window[0][0] < sample.stamp_ns - _WINDOW_NS:

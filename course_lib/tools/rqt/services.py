@@ -241,7 +241,7 @@ def _slider(is_int: bool, step: float, **settings: Any) -> Any:
 
     A step of 0 is replaced by a default.
     """
-    # Not at the head, because importing anywidget is slow.
+    # Imported here because anywidget is slow to import.
     from course_lib.controls import IntSlider, Slider
 
     if is_int:

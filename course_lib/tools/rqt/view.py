@@ -43,7 +43,7 @@ def colour_of(sign: str) -> str:
 
 
 def tag(name: str, inside: str = "", /, **attributes: object) -> str:
-    """Return an element.
+    """Return an HTML or SVG element.
 
     Floats are rounded to one decimal, and ``stroke_width`` becomes ``stroke-width``.
     """
@@ -261,7 +261,7 @@ class RqtView:
         """Return the widget for a cell, and start to process messages."""
         from ipywidgets import HTML, HBox, VBox
 
-        # Not at the head, because importing anywidget is slow.
+        # Imported here because anywidget is slow to import.
         from course_lib.controls import SAVED_AS_HTML
 
         self._loop = asyncio.get_running_loop()

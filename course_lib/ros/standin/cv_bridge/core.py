@@ -200,7 +200,7 @@ _FORMATS = {
 
 
 class CvBridgeError(TypeError):
-    """A conversion that is not possible."""
+    """A conversion is not possible."""
 
 
 class CvBridge:

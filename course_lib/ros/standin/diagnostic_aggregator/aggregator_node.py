@@ -38,8 +38,8 @@ AGGREGATOR: _Table = {
 class GenericAnalyzer:
     """Keeps the last status of each name that matches.
 
-    A status without recent updates becomes stale. `path` is the path of its parent, `parameters`
-    are its YAML. Raises a ValueError if no name could match.
+    A status without recent updates becomes stale. `path` is the path of its parent, `parameters` is
+    its configuration. Raises a ValueError if no name could match.
     """
 
     def __init__(self, path: str, parameters: Parameters) -> None:
@@ -206,7 +206,7 @@ def checked(parameters: Parameters, table: _Table) -> dict[str, Any]:
 def children(parameters: Parameters) -> dict[str, dict[str, Any]]:
     """Group parameters by analyzer.
 
-    Ignored analyzers, and those without a type or path, are left out.
+    Ignored analyzers, and analyzers without a type or path, are left out.
     """
     parameters_by_child: dict[str, dict[str, Any]] = {}
     for name, value in sorted(parameters.items()):

@@ -1,5 +1,5 @@
 # ruff: noqa: N802, N803 - the names are ROS's
-"""Camera models created from a CameraInfo: pixels of 3D points, and rays of pixels."""
+"""Camera models created from a CameraInfo, which map 3D points to pixels and pixels to rays."""
 
 import copy
 import math

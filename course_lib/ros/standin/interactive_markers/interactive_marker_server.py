@@ -103,7 +103,10 @@ class InteractiveMarkerServer:
         )
 
     def shutdown(self) -> None:
-        """Erase all markers and leave the topics. Call it before the node is destroyed."""
+        """Erase all markers and destroy the publisher, the subscription and the service.
+
+        Call it before the node is destroyed.
+        """
         if self.update_pub is None:
             return
         if self.node.context.ok():

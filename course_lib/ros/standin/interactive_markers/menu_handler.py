@@ -76,7 +76,7 @@ class MenuHandler:
         return self.entry_contexts_[handle].title if handle in self.entry_contexts_ else None
 
     def apply(self, server: InteractiveMarkerServer, marker_name: str) -> bool:
-        """Write the current menu into a marker and subscribe to its selections."""
+        """Write the current menu into a marker and register for its selections."""
         marker = server.get(marker_name)
         if marker is None:
             self.managed_markers_.discard(marker_name)

@@ -42,7 +42,7 @@ _STATES: Mapping[str, Callable[[LaunchContext], MutableMapping[str, Any]]] = {
 
 
 class DeclareLaunchArgument(Action):
-    """Declares an argument, which `name:=value` after the name of the launch file sets."""
+    """Declares an argument, which is set by `name:=value` after the name of the launch file."""
 
     def __init__(
         self,
@@ -157,7 +157,7 @@ class AppendEnvironmentVariable(Action):
 
 
 class ResetEnvironment(Action):
-    """Restores the environment from the beginning of the launch."""
+    """Restores the environment that the launch started with."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(lambda context: _replace(os.environ, context.environment_at_start), **options)

@@ -31,7 +31,7 @@ class UnlessCondition(Condition):
 
 
 class LaunchConfigurationEquals(Condition):
-    """True if a launch configuration has the expected value; with None, if it is not set."""
+    """True if a launch configuration has the expected value, or is not set if that value is None."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class LaunchConfigurationEquals(Condition):
 
 
 class LaunchConfigurationNotEquals(Condition):
-    """True if a launch configuration does not have the expected value; with None, if it is set."""
+    """True if a launch configuration does not have the expected value, or is set if that value is None."""
 
     def __init__(
         self,

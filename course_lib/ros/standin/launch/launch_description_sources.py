@@ -79,7 +79,7 @@ def get_launch_description_from_python_launch_file(
 
 
 def _short(value: object) -> str:
-    """Describe a value by its type, unless its representation says more."""
+    """Describe a value by its type, or by its representation if that is short."""
     is_plain = value is None or isinstance(value, str | int | float)
     return repr(value) if is_plain else f"a {type(value).__name__}"
 

@@ -323,7 +323,7 @@ class LifecycleEventManager:
         return self._lifecycle_node.node_name
 
     def setup_lifecycle_manager(self, context: LaunchContext) -> None:
-        """Connect to the node, which need not be there yet."""
+        """Connect to the node, which need not exist yet."""
         runner, node = context.runner, self._lifecycle_node
 
         def on_rejection(number: int) -> None:

@@ -57,7 +57,7 @@ def normalize_remap_rules(remap_rules: SomeRemapRules) -> Iterable[RemapRule]:
 
 
 def normalize_parameters(parameters: SomeParameters) -> Parameters:
-    """Return a node's `parameters` in the form that `evaluate_parameters` takes.
+    """Return a node's `parameters` in the form that `evaluate_parameters` accepts.
 
     Raises:
         TypeError: They are not a list, or no parameter can have a value.

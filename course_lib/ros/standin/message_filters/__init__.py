@@ -1,4 +1,4 @@
-"""Message filters, which messages pass between a subscription and a callback."""
+"""Message filters, through which messages pass between a subscription and a callback."""
 
 # ruff: noqa: N802 - the names are ROS's
 
@@ -39,7 +39,10 @@ class SimpleFilter:
 
 
 class Subscriber(SimpleFilter):
-    """A filter that outputs the messages of a subscription; arguments as of `create_subscription`."""
+    """A filter that outputs the messages of a subscription.
+
+    The arguments are those of `create_subscription`.
+    """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__()
@@ -51,7 +54,7 @@ class Subscriber(SimpleFilter):
         self.signalMessage(msg)
 
     def getTopic(self) -> str:
-        """Return the topic as it was passed in."""
+        """Return the topic name as passed to the constructor."""
         return str(self.topic)
 
     def __getattr__(self, key: str) -> Any:
@@ -166,7 +169,7 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
         self.slop, self.allow_headerless = Duration(seconds=slop), allow_headerless
 
     def add(self, msg: Any, my_queue: Queue, my_queue_index: int | None = None) -> None:
-        """Store a message and forward the set that it completes, with stamps as close to it as possible."""
+        """Store a message and forward the set that it completes, with the stamps closest to its own."""
         time = _stamp_of(msg, self.allow_headerless, "message_filters_approx")
         if time is None:
             return

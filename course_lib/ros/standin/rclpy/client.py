@@ -134,7 +134,7 @@ class Client(ServiceEnd):
         return f"it waited for the service {self._course_full_name}, which is not there."
 
     def __describe_missing(self) -> str:
-        """Return why a response does not arrive, or "" if it may be on its way."""
+        """Return why no response arrives, or "" if one may still arrive."""
         if not self.__is_spun():
             return (
                 f"the future is done only after {self._course_node.full_name} has been spun, as in "

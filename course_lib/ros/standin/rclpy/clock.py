@@ -1,4 +1,4 @@
-"""Clocks. All of them show robot time, except a ROSClock whose time a time source overrides."""
+"""Clocks. They show robot time, except a ROSClock whose time is overridden by a time source."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -108,7 +108,7 @@ class JumpHandle(AbstractContextManager["JumpHandle"]):
         clock.handle.jump_handles.append(self)
 
     def unregister(self) -> None:
-        """Stop the callbacks."""
+        """Unregister the callbacks."""
         if self._clock is not None:
             self._clock.handle.jump_handles.remove(self)
             self._clock = None
@@ -132,7 +132,7 @@ class ClockHandle:
         return self.override_ns if self.is_overridden else current_graph().now_ns
 
     def activate(self, enabled: bool) -> None:
-        """Switch to the override's time if `enabled`, else back to robot time."""
+        """Switch to the override's time if `enabled`, or back to robot time."""
         if self.is_overridden != enabled:
             change = ClockChange.ROS_TIME_ACTIVATED if enabled else ClockChange.ROS_TIME_DEACTIVATED
             self._jump(TimeJump(change, Duration()), enabled, self.override_ns)
@@ -215,11 +215,11 @@ class Clock:
         )
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
-        """Sleep until a time of this clock. Return False if something else ended the sleep.
+        """Sleep until a time of this clock. Return False if the sleep ended earlier.
 
-        That is a shutdown, the end of the run, or the activation or deactivation of ROS time. While
-        ROS time is overridden, only a jump wakes the sleeper, even if `until` has already passed,
-        as in rclpy.
+        It ends earlier at a shutdown, at the end of the run, and at the activation or deactivation
+        of ROS time. While ROS time is overridden, only a jump wakes the sleeper, even if `until`
+        has already passed, as in rclpy.
         """
         context = context or get_default_context()
         if not context.is_valid:

@@ -42,14 +42,14 @@ class QoSRequestedDeadlineMissedInfo:
 
 @dataclass
 class QoSRequestedIncompatibleQoSInfo(QoSRequestedDeadlineMissedInfo):
-    """The number of incompatible endpoints, and the policy that the last one was rejected for."""
+    """The number of incompatible endpoints, and the policy because of which the last one was rejected."""
 
     last_policy_kind: RmwPolicyKind
 
 
 @dataclass
 class QoSSubscriptionMatchedInfo(QoSRequestedDeadlineMissedInfo):
-    """The number of matched endpoints in total, and of the ones that still exist."""
+    """The number of matched endpoints in total, and the number of those that still exist."""
 
     current_count: int
     current_count_change: int

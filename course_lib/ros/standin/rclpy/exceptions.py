@@ -80,7 +80,7 @@ class ROSInterruptException(ShutDown):
 
 
 class NameValidationException(Exception):
-    """A name is invalid. The message points at the wrong character."""
+    """A name is invalid. The message points to the invalid character."""
 
     _kind = "name"
 

@@ -86,7 +86,10 @@ class _Completion:
 
 
 class _Waits:
-    """Waits with equal arguments, which share one generator in rclpy: only one thread can be in it."""
+    """Waits with equal arguments.
+
+    In rclpy they share a generator, which only one thread can run at a time.
+    """
 
     def __init__(self, arguments: tuple[int, Callable[[], bool]]) -> None:
         self.arguments = arguments
@@ -133,7 +136,7 @@ class Executor(AbstractContextManager["Executor"]):
         self.__awaited = "a callback of no node"
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Report attributes of a student's class that have private names of rclpy."""
+        """Report attributes of a student's class whose names are private in rclpy."""
         super().__init_subclass__(**kwargs)
         private_names.check_class("Executor", cls, private_names.OF_EXECUTORS)
 
@@ -234,7 +237,7 @@ class Executor(AbstractContextManager["Executor"]):
         until_ns: int | None,
         ready: Callable[[], bool] = lambda: False,
     ) -> None:
-        """Run callbacks until `ready()` or robot time `until_ns`, including events at that time.
+        """Run callbacks until `ready()` is true or robot time is `until_ns`, including events at that time.
 
         A callback that takes robot time may end later. No callback is started after that.
         """
@@ -503,7 +506,7 @@ class Executor(AbstractContextManager["Executor"]):
                 return task
 
     def __take(self, turn: Turn) -> Task | None:
-        """Return the task for an entity's turn, or None if its event is no longer valid."""
+        """Return the task for an entity's turn, or None if the event is no longer valid."""
         call = turn.entity._course_node.take(turn)
         if call is None:
             return None

@@ -185,7 +185,7 @@ class Node:
     PARAM_REL_TOL = 1e-6
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Report attributes of a student's class that have private names of rclpy."""
+        """Report attributes of a student's class whose names are private in rclpy."""
         super().__init_subclass__(**kwargs)
         private_names.check_class("Node", cls, private_names.USES | private_names.METHODS)
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class ParameterCallbackHandle:
-    """Identifies a callback for one parameter, to remove it."""
+    """Handle with which a callback for one parameter is removed."""
 
     parameter_name: str
     node_name: str
@@ -49,7 +49,7 @@ class ParameterEventHandler:
     def add_parameter_callback(
         self, parameter_name: str, node_name: str, callback: Callable[[ParameterMsg], object]
     ) -> ParameterCallbackHandle:
-        """Call back with each new value of a parameter.
+        """Register a callback for each new value of a parameter.
 
         `node_name` "" stands for the handler's own node.
         """
@@ -66,7 +66,7 @@ class ParameterEventHandler:
     def add_parameter_event_callback(
         self, callback: Callable[[ParameterEvent], object]
     ) -> ParameterEventCallbackHandle:
-        """Call back with each parameter event."""
+        """Register a callback for each parameter event."""
         handle = ParameterEventCallbackHandle(callback)
         self.__handles.insert(0, handle)
         return handle

@@ -13,7 +13,7 @@ class Publisher(TopicEnd[MsgT]):
     def publish(self, msg: MsgT | bytes) -> None:
         """Publish a message, or the bytes of a serialized message.
 
-        The message is copied, so later changes of it have no effect. Raises a TypeError for a
+        The message is copied, so later changes to it have no effect. Raises a TypeError for a
         message of another type.
         """
         handle = self.handle.require()

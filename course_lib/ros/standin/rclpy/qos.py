@@ -106,7 +106,7 @@ def _errors(publisher: Any, subscription: Any) -> Iterator[str]:
 
 
 class QoSPolicyKind(IntEnum):
-    """The QoS policies, as events report an incompatible policy."""
+    """The QoS policies, as reported in events about incompatible QoS."""
 
     INVALID = 1
     DURABILITY = 2

@@ -101,7 +101,7 @@ class ServiceEnd(Entity):
             )
 
     def _course_note_taken(self, client: int, number: int, cdr: bytes) -> None:
-        """Publish the event that a message was received, if introspection is enabled."""
+        """Publish the event of a received message, if introspection is enabled."""
         if self.__events is not None:
             self.__events.publish(self.__taken, client, number, deserialize(cdr, self.__received_type))
 
@@ -130,7 +130,7 @@ class ServiceEnd(Entity):
         return self.__ends[0].require()._course_partner_count()
 
     def _course_send(self, client: int, number: int, message: RosMessage) -> None:
-        """Send a request of a client, or the response to it."""
+        """Send a request, as a client, or a response, as a service."""
         self.__ends[0].require()
         # In ROS, the middleware accepts the response, but does not deliver it.
         if not self._course_node.context.is_valid:

@@ -40,7 +40,7 @@ class ServiceEvents:
         )
 
     def publish(self, event_type: int, client: int, number: int, message: RosMessage) -> None:
-        """Publish the event that a request or response was sent or received."""
+        """Publish the event of a request or response that was sent or received."""
         info = ServiceEventInfo(
             event_type=event_type,
             stamp=Time(nanoseconds=self._clock.handle.now_ns).to_msg(),

@@ -1,4 +1,4 @@
-"""Ctrl+C and SIGTERM: both shut the contexts down.
+"""Handling of Ctrl+C and SIGTERM: both shut the contexts down.
 
 Ctrl+C also raises KeyboardInterrupt, as usual.
 """

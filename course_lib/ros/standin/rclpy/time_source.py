@@ -90,7 +90,7 @@ class TimeSource:
         self._clock_sub = self._node_weak_ref = None
 
     def attach_clock(self, clock: Clock) -> None:
-        """Override the time of a clock from now on."""
+        """Let this time source set the time of a clock."""
         if not isinstance(clock, ROSClock):
             raise ValueError("Only clocks with type ROS_TIME can be attached.")
         clock.set_ros_time_override(self._last_time_set)

@@ -129,7 +129,7 @@ class Timer(Entity):
 
     @property
     def _course_is_due(self) -> bool:
-        """Whether a call is due that no executor has made yet."""
+        """Whether a call is due that no executor has executed yet."""
         return self.__due
 
     def is_canceled(self) -> bool:
@@ -264,7 +264,7 @@ class Rate:
             raise ROSInterruptException
 
     def __remind(self, sleeper: int) -> None:
-        """Print a hint, once, with a thread's line if it sleeps although no thread spins the node."""
+        """Print a hint, once, with the line of a thread that sleeps although no thread spins the node."""
         from course_lib.ros.tracebacks import line_of_thread
 
         node = self._timer._course_node

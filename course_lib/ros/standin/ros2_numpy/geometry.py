@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 @converts_to_numpy(Vector3)
 def vector3_to_numpy(msg: Vector3, hom: bool = False) -> Floats:
-    """Return [x, y, z], or the homogeneous coordinates [x, y, z, 0] if `hom`."""
+    """Return [x, y, z] or, if `hom` is true, the homogeneous coordinates [x, y, z, 0]."""
     return np.array([msg.x, msg.y, msg.z, 0.0] if hom else [msg.x, msg.y, msg.z])
 
 
@@ -26,7 +26,7 @@ def numpy_to_vector3(arr: Any) -> Any:
 
 @converts_to_numpy(Point)
 def point_to_numpy(msg: Point, hom: bool = False) -> Floats:
-    """Return [x, y, z], or the homogeneous coordinates [x, y, z, 1] if `hom`."""
+    """Return [x, y, z] or, if `hom` is true, the homogeneous coordinates [x, y, z, 1]."""
     return np.array([msg.x, msg.y, msg.z, 1.0] if hom else [msg.x, msg.y, msg.z])
 
 

@@ -10,7 +10,7 @@ _from_numpy: dict[_Key, Converter] = {}
 
 
 def converts_to_numpy(msgtype: type[Any], plural: bool = False) -> Callable[[Converter], Converter]:
-    """Decorate a function that `numpify` calls for a type, or for lists of it if `plural`."""
+    """Register the decorated function with `numpify` for a type, or for lists of it if `plural`."""
     return lambda function: _to_numpy.setdefault((msgtype, plural), function)
 
 
@@ -18,7 +18,7 @@ def converts_from_numpy(
     msgtype: type[Any],
     plural: bool = False,
 ) -> Callable[[Converter], Converter]:
-    """Decorate a function that `msgify` calls for a type, or for lists of it if `plural`."""
+    """Register the decorated function with `msgify` for a type, or for lists of it if `plural`."""
     return lambda function: _from_numpy.setdefault((msgtype, plural), function)
 
 

@@ -63,7 +63,7 @@ PRESETS = {
 
 @dataclass
 class StorageFilter:
-    """The topics to read: listed topics and those matching `regex`, or all; without the excluded topics."""
+    """The topics to read: the listed ones and those that match `regex`, or all, without the excluded ones."""
 
     topics: list[str] = field(default_factory=list)
     services_events: list[str] = field(default_factory=list)

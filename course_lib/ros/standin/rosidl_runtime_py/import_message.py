@@ -1,4 +1,4 @@
-"""Import of the message class that a field's type names."""
+"""Import of the message class to which a field's type refers."""
 
 from importlib import import_module
 from typing import Any

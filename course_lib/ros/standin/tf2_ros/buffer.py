@@ -96,7 +96,7 @@ class Buffer(BufferInterface):
         timeout: Duration = NO_WAIT,
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Return whether a lookup would succeed; with `return_debug_tuple` also the reason if not."""
+        """Return whether a lookup would succeed and, with `return_debug_tuple`, the reason why not."""
         query = target_frame, source_frame, _ns(time)
         problem = self._wait(lambda: self._core.can_transform(*query), timeout)
         time_lock.poll()

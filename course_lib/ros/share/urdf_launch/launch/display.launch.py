@@ -1,4 +1,4 @@
-"""Shows a robot description in RViz, with the joints at their sliders or at their zeros."""
+"""Shows a robot description in RViz, with joint positions set by sliders or zero."""
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription

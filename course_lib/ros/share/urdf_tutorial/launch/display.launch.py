@@ -1,4 +1,4 @@
-"""Shows the description that `model` names, a path in this package or an absolute one."""
+"""Shows the description given by `model`, a path in this package or an absolute path."""
 
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription

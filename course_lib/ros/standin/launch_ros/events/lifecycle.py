@@ -13,7 +13,7 @@ _TRANSITIONS = [f"TRANSITION_{name}" for name in (*_NAMES, "INACTIVE_SHUTDOWN", 
 
 
 class ChangeState(Event):
-    """The request that the matching lifecycle nodes execute a transition."""
+    """A request to the matching lifecycle nodes to execute a transition."""
 
     valid_transitions: ClassVar[dict[int, str]] = {getattr(Transition, name): name for name in _TRANSITIONS}
 

@@ -34,7 +34,7 @@ class ClientGoalHandle:
     """A goal on the client's side: the result of the future of `send_goal_async`.
 
     `accepted` and `stamp` are the server's response. `status`, a constant of
-    action_msgs/msg/GoalStatus, is the status that the server published last.
+    action_msgs/msg/GoalStatus, is the last status published by the server.
     """
 
     def __init__(self, action_client: ActionClient, goal_id: UUID, goal_response: Any) -> None:

@@ -192,7 +192,10 @@ def _check_parameter_name(name: str) -> None:
 
 
 def _check_remap(match: str, to: str) -> None:
-    """Raise a ValueError if a name in a remapping rule is invalid. rcl quotes its text in its own error."""
+    """Raise a ValueError if a name in a remapping rule is invalid.
+
+    rcl's own error quotes its text.
+    """
     try:
         if match in ("__node", "__name"):
             names.validate_node_name(to)

@@ -134,7 +134,7 @@ def describe(info: EndpointInfo, nodes: Iterable[NodeInfo]) -> TopicEndpointInfo
 
 
 def _parse_hash(text: str | None) -> TypeHash:
-    """Return the hash in a text like `RIHS01_…`, or an invalid hash for None."""
+    """Return the hash in a string like `RIHS01_…`, or an invalid hash for None."""
     if text is None:
         return TypeHash()
     version, _, value = text.removeprefix("RIHS").partition("_")

@@ -108,7 +108,7 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
 
 
 def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:
-    """Expand a topic name of a node to its full name, which is not validated itself.
+    """Expand a node's topic name to a full name, without validating the result.
 
     Raises ValueError with rcl's message if one of the names is invalid.
     """

@@ -151,7 +151,7 @@ class NodeHandle:
         return self.full_name[1:].replace("/", ".")
 
     def require(self, failed: str = "") -> "NodeHandle":
-        """Return the handle itself, as a check before an rcl call with the node.
+        """Return the handle itself. Checks, before an rcl call, that the node is usable.
 
         Raises:
             InvalidHandle: The node was destroyed.

@@ -80,7 +80,7 @@ class Throttle(LoggingFilter):
 
     @staticmethod
     def should_log(context: dict[str, Any]) -> bool:
-        """Return whether the duration is over."""
+        """Return whether the duration has passed."""
         now_ns: int = context["throttle_time_source_type"].now().nanoseconds
         is_over: bool = now_ns >= context["throttle_last_logged"] + context["throttle_duration_sec"] * 1e9
         if is_over:

@@ -129,7 +129,7 @@ class StateMachine:
     def go(self, transition: int | str) -> None:
         """Execute a transition.
 
-        Raise an RCLError if the current state has none with this id or label.
+        Raise an RCLError if the current state has no transition with this id or label.
         """
         step = self.find(transition)
         if step is None:
@@ -241,7 +241,7 @@ class LifecycleNodeMixin(ManagedEntity):
             LifecycleServices(node, self.__state_machine, self.__change_state, callback_group)
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Report attributes of a student's class that have private names of rclpy."""
+        """Report attributes of a student's class whose names are private in rclpy."""
         super().__init_subclass__(**kwargs)
         private_names.check_class("Node", cls, private_names.OF_LIFECYCLE_NODES)
 
