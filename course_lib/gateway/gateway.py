@@ -37,7 +37,7 @@ from course_lib.gateway.access import (
     load_users,
 )
 from course_lib.ros.graph.topics import ros_type
-from course_lib.ros.robot.connect import full_address, is_over_dds
+from course_lib.ros.robot.addresses import full_address, is_over_dds
 from course_lib.ros.robot.sending import is_motion, stop_message
 from course_lib.ros.zenoh.session import PRESENCE, ROBOT, STUDENTS, Handlers, gateway_key
 from course_lib.ros.zenoh.tokens import ZenohEntity, encode_attachment

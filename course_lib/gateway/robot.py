@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Literal
 
 from course_lib.errors import CourseError
-from course_lib.ros.robot.connect import DDS, RobotAddress, require_zenoh
+from course_lib.ros.robot.addresses import DDS
+from course_lib.ros.robot.connect import RobotAddress, require_zenoh
 
 FOLDER = Path(__file__).parent
 PROGRAMS = {"driving": "driving_robot.py", "unknown": "unknown_robot.py"}

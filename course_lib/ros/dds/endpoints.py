@@ -7,17 +7,17 @@ which messages it lacks. All methods are called under the participant's lock.
 
 import itertools
 import struct
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from itertools import takewhile
+from io import BytesIO
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from course_lib.ros.dds import wire
 from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Locator, RequestId, sequence_number
 
 FRAGMENT_SIZE = 60_000  # [B]
-# First and last sequence number, each in two parts, and the count.
-HEARTBEAT_BODY = struct.Struct("<iIiII")
+# Number of a heartbeat or a request, by which its receiver recognizes repetitions.
+COUNT = struct.Struct("<I")
 # Messages that a writer with history KEEP_ALL keeps.
 KEEP_ALL_DEPTH = 10_000
 # Number of times that a reader requests a writer's first heartbeat.
@@ -28,8 +28,8 @@ MAX_PENDING = 256
 MAX_PARTIAL = 8
 # Limit on the bytes of all incomplete messages of a reader.
 MAX_PARTIAL_BYTES = 2 * wire.MAX_MESSAGE
-# Memory that a fragment needs in addition to its data [B].
-FRAGMENT_OVERHEAD = 350
+# Memory of the number of a missing fragment [B].
+FRAGMENT_OVERHEAD = 100
 
 
 class ReceivedSample(NamedTuple):
@@ -41,6 +41,7 @@ class ReceivedSample(NamedTuple):
         source_ns: Source time, [ns] since 1970.
         related: The request that a reply belongs to.
         is_disposed: Whether it removes an instance, which discovery uses for endpoints that leave.
+        key: The GUID of that endpoint or participant, if it is not in `data`.
     """
 
     data: bytes
@@ -49,6 +50,7 @@ class ReceivedSample(NamedTuple):
     source_ns: int
     related: RequestId | None = None
     is_disposed: bool = False
+    key: bytes = b""
 
 
 OnSample = Callable[[ReceivedSample], None]
@@ -134,12 +136,10 @@ class Writer(OwnEndpoint[MatchedReader]):
             self._history[self.last] = change
             if len(self._history) > self._depth:
                 del self._history[next(iter(self._history))]
-        reached = set[Locator]()
-        for reader in self.matched.values():
-            unreached = [address for address in reader.endpoint.locators if address not in reached]
-            reached.update(unreached)
-            if unreached:
-                self._send(self.last, change, unreached, with_heartbeat=self.endpoint.is_reliable)
+        # Readers at one address, of which a participant has only one, share a datagram.
+        addresses = {address for reader in self.matched.values() for address in reader.endpoint.locators}
+        if addresses:
+            self._send(self.last, change, addresses, with_heartbeat=self.endpoint.is_reliable)
         return self.last
 
     def match(self, endpoint: Endpoint) -> None:
@@ -200,12 +200,10 @@ class Writer(OwnEndpoint[MatchedReader]):
 
     def _send_heartbeat(self, reader: MatchedReader) -> None:
         first = max(reader.first, next(iter(self._history), self.last + 1))
-        self._send_to(reader.endpoint, wire.HEARTBEAT, 0, self._heartbeat_body(first, self.last))
+        self._send_to(reader.endpoint, wire.HEARTBEAT, 0, self._heartbeat_body(first))
 
-    def _heartbeat_body(self, first: int, last: int) -> bytes:
-        return HEARTBEAT_BODY.pack(
-            first >> 32, first & 0xFFFFFFFF, last >> 32, last & 0xFFFFFFFF, next(self._counts)
-        )
+    def _heartbeat_body(self, first: int) -> bytes:
+        return sequence_number(first) + sequence_number(self.last) + COUNT.pack(next(self._counts))
 
     def _send(
         self,
@@ -222,7 +220,7 @@ class Writer(OwnEndpoint[MatchedReader]):
         parts = self._data(number, change, entity, count if count > 1 else 0)
         if with_heartbeat:
             entities = wire.UNKNOWN_ENTITY + self.endpoint.guid[PREFIX_SIZE:]
-            body = self._heartbeat_body(next(iter(self._history), number), number)
+            body = self._heartbeat_body(next(iter(self._history), number))
             parts += wire.submessage(wire.HEARTBEAT, 0, entities, body)
         self._sender.send(parts, locators)
 
@@ -261,33 +259,26 @@ class PartialMessage:
 
     def __init__(self, size: int, fragment_size: int) -> None:
         self._size, self._fragment_size = size, fragment_size
-        self._count = -(-size // fragment_size)
+        # Numbers of the fragments that have not arrived, counted from 1.
+        self.missing = set(range(1, -(-size // fragment_size) + 1))
         # Limit on the memory that it needs, [bytes].
-        self.memory = size + self._count * FRAGMENT_OVERHEAD
-        # Views of the received datagrams by number, so that `data` is the only copy.
-        self._fragments: dict[int, memoryview] = {}
+        self.memory = size + len(self.missing) * FRAGMENT_OVERHEAD
+        # It grows with the fragments, and returns its bytes without a copy.
+        self._data = BytesIO()
 
-    def add(self, first: int, count: int, payload: memoryview) -> bool:
-        """Add consecutive fragments; return True once the message is complete."""
+    def add(self, first: int, count: int, payload: memoryview) -> None:
+        """Add consecutive fragments."""
         begin = (first - 1) * self._fragment_size
         size = min(count * self._fragment_size, self._size - begin)
         if begin < 0 or not 0 < size <= len(payload):
             raise ValueError("a fragment outside of its message")
-        if size < memoryview(payload.obj).nbytes // 2:
-            # Copy a small fragment, which would otherwise keep a large datagram in memory.
-            payload = memoryview(bytes(payload[:size]))
-        for at in range(0, size, self._fragment_size):
-            end = min(at + self._fragment_size, size)
-            self._fragments.setdefault(first + at // self._fragment_size, payload[at:end])
-        return len(self._fragments) == self._count
-
-    def missing(self) -> Iterator[int]:
-        """Yield the numbers of the missing fragments."""
-        return (number for number in range(1, self._count + 1) if number not in self._fragments)
+        self._data.seek(begin)
+        self._data.write(payload[:size])
+        self.missing.difference_update(range(first, first + count))
 
     def data(self) -> bytes:
         """Return the complete message."""
-        return b"".join(self._fragments[number] for number in range(1, self._count + 1))
+        return self._data.getvalue()
 
 
 @dataclass
@@ -399,7 +390,8 @@ class Reader(OwnEndpoint[MatchedWriter]):
             self._free_memory(writer, partial.memory)
             writer.partial[number] = partial
         partial = writer.partial[number]
-        if partial.add(first, count, payload):
+        partial.add(first, count, payload)
+        if not partial.missing:
             del writer.partial[number]
             self.on_data(sample._replace(data=partial.data()))
 
@@ -485,14 +477,13 @@ class Reader(OwnEndpoint[MatchedWriter]):
         self._send_acknack(writer, 0 if is_fast_dds else writer.due or 1, [], is_final=False)
 
     def _request_fragments(self, writer: MatchedWriter, number: int) -> None:
-        missing = writer.partial[number].missing()
-        first = next(missing)
-        fragments = [first, *takewhile(lambda fragment: fragment < first + wire.MAX_SET, missing)]
+        missing = writer.partial[number].missing
+        first = min(missing)
+        fragments = [fragment for fragment in missing if fragment < first + wire.MAX_SET]
         body = sequence_number(number) + struct.pack("<I", first) + wire.number_bitmap(first, fragments)
-        self._send_to(writer.endpoint, wire.NACK_FRAG, 0, body + struct.pack("<I", next(self._counts)))
+        self._send_to(writer.endpoint, wire.NACK_FRAG, 0, body + COUNT.pack(next(self._counts)))
 
     def _send_acknack(self, writer: MatchedWriter, base: int, missing: list[int], *, is_final: bool) -> None:
         writer.is_ack_due = False
-        body = sequence_number(base) + wire.number_bitmap(base, missing)
-        body += struct.pack("<I", next(self._counts))
+        body = sequence_number(base) + wire.number_bitmap(base, missing) + COUNT.pack(next(self._counts))
         self._send_to(writer.endpoint, wire.ACKNACK, 0x02 if is_final else 0, body)

@@ -5,7 +5,6 @@ The thread that receives, which may be the graph's, only queues actions and fill
 """
 
 import contextlib
-import errno
 import itertools
 import re
 from _queue import SimpleQueue
@@ -19,11 +18,19 @@ import numpy as np
 
 from course_lib.errors import CourseError
 from course_lib.ros.dds.endpoints import OnSample, Reader, ReceivedSample, Writer
-from course_lib.ros.dds.participant import Participant, resolve
-from course_lib.ros.dds.wire import PARTICIPANT_ENTITY, PREFIX_SIZE, Endpoint, RequestId, related_request
+from course_lib.ros.dds.participant import Participant
+from course_lib.ros.dds.wire import (
+    PARTICIPANT_ENTITY,
+    PREFIX_SIZE,
+    Endpoint,
+    RequestId,
+    kind_of,
+    related_request,
+)
 from course_lib.ros.graph.topics import Qos, dds_type, ros_type
 from course_lib.ros.messages import deserialize, message_class, serialize
 from course_lib.ros.messages.hashes import is_known, type_hash
+from course_lib.ros.robot.addresses import resolve
 from course_lib.ros.robot.link import (
     Action,
     Actions,
@@ -39,6 +46,7 @@ from course_lib.ros.robot.link import (
     Packet,
     Report,
 )
+from course_lib.ros.robot.reports import incomplete_message, moved_message, silence_message
 from course_lib.ros.time import wall
 
 # Limit on calls without a reply, and on requests and replies that wait for a match.
@@ -56,6 +64,8 @@ DISCOVERY_QOS = Qos(depth=1, durability="transient_local")
 DISCOVERY_MESSAGE, NODE_INFO, GID = (
     f"rmw_dds_common/msg/{name}" for name in ("ParticipantEntitiesInfo", "NodeEntitiesInfo", "Gid")
 )
+# The GUIDs of the endpoints of each node, which has a namespace and a name.
+NodeEndpoints = dict[tuple[str, str], list[bytes]]
 TYPE_HASH = re.compile(rb"typehash=(RIHS01_[0-9a-f]{64});")
 
 
@@ -64,12 +74,12 @@ class DdsEntity:
     """A node or an endpoint on the network.
 
     Args:
-        node_key: GUID of the participant, and the node's full name there.
+        node_key: GUID of the participant, and the node's namespace and name.
         gid: GUID of the endpoint; for a node of the kit a number that only the kit uses.
     """
 
     kind: EntityKind
-    node_key: tuple[bytes, str]
+    node_key: tuple[bytes, str, str]
     namespace: str
     node: str
     topic: str = ""
@@ -79,24 +89,9 @@ class DdsEntity:
     gid: bytes = b""
 
     @property
-    def key(self) -> tuple[tuple[bytes, str], bytes]:
+    def key(self) -> tuple[tuple[bytes, str, str], bytes]:
         """The key that identifies the entity."""
         return self.node_key, self.gid
-
-
-@dataclass
-class NodeEndpoints:
-    """A node in a discovery message, with the GUIDs of its endpoints."""
-
-    namespace: str
-    name: str
-    readers: list[bytes] = field(default_factory=list)
-    writers: list[bytes] = field(default_factory=list)
-
-    @property
-    def full_name(self) -> str:
-        """The fully qualified name."""
-        return f"{self.namespace.rstrip('/')}/{self.name}"
 
 
 def topic_names(topic: str, type_name: str) -> tuple[str, str]:
@@ -134,42 +129,37 @@ def read_names(endpoint: Endpoint) -> tuple[EntityKind, str, str] | None:
     return None
 
 
-def read_discovery(cdr: bytes) -> tuple[bytes, list[NodeEndpoints]]:
+def read_discovery(cdr: bytes) -> tuple[bytes, NodeEndpoints]:
     """Decode a discovery message into the participant's GUID and its nodes.
 
     Raises:
         CourseError: The message is malformed.
     """
     message: Any = deserialize(cdr, message_class(DISCOVERY_MESSAGE))
-    nodes = [
-        NodeEndpoints(
-            info.node_namespace,
-            info.node_name,
-            [bytes(gid.data) for gid in info.reader_gid_seq],
-            [bytes(gid.data) for gid in info.writer_gid_seq],
-        )
-        for info in message.node_entities_info_seq
-    ]
+    nodes: NodeEndpoints = {}
+    for info in message.node_entities_info_seq:
+        guids = nodes.setdefault((info.node_namespace, info.node_name), [])
+        guids.extend(bytes(gid.data) for gid in (*info.reader_gid_seq, *info.writer_gid_seq))
     return bytes(message.gid.data), nodes
 
 
-def write_discovery(participant: bytes, nodes: Iterable[NodeEndpoints]) -> bytes:
+def write_discovery(participant: bytes, nodes: NodeEndpoints) -> bytes:
     """Encode the discovery message of a participant."""
     message_type, node_type, gid_type = map(message_class, (DISCOVERY_MESSAGE, NODE_INFO, GID))
 
-    def gids(guids: Iterable[bytes]) -> list[Any]:
-        return [gid_type(data=np.frombuffer(guid, np.uint8)) for guid in guids]
+    def gid(guid: bytes) -> Any:
+        return gid_type(data=np.frombuffer(guid, np.uint8))
 
     infos = [
         node_type(
-            node_namespace=node.namespace,
-            node_name=node.name,
-            reader_gid_seq=gids(node.readers),
-            writer_gid_seq=gids(node.writers),
+            node_namespace=namespace,
+            node_name=name,
+            reader_gid_seq=[gid(guid) for guid in guids if kind_of(guid) == "reader"],
+            writer_gid_seq=[gid(guid) for guid in guids if kind_of(guid) == "writer"],
         )
-        for node in nodes
+        for (namespace, name), guids in nodes.items()
     ]
-    return serialize(message_type(gid=gids([participant])[0], node_entities_info_seq=infos))
+    return serialize(message_type(gid=gid(participant), node_entities_info_seq=infos))
 
 
 class DdsPublisher(NetworkPublisher):
@@ -291,7 +281,7 @@ class DdsServer(ServiceEndpoints):
         # Fast DDS sends the reader that waits for the reply; otherwise the writer identifies the
         # client.
         client = sample.related.guid if sample.related else sample.writer
-        is_reader = Endpoint(client, "", "").kind == "reader"
+        is_reader = kind_of(client) == "reader"
         related = related_request(RequestId(client, sample.sequence))
 
         def is_matched() -> bool:
@@ -323,7 +313,7 @@ class DdsLink(Link):
         self.actions: Actions = SimpleQueue()
         self._started, self._is_silence_reported = wall.monotonic(), False
         self._node_numbers = itertools.count(1)
-        self._own_nodes: dict[tuple[bytes, str], NodeEndpoints] = {}
+        self._own_nodes: NodeEndpoints = {}
         # The newest GUID by topic and type.
         self._own_readers: dict[tuple[str, str], bytes] = {}
         self._on_entity: OnEntity = lambda entity, has_joined: None
@@ -331,8 +321,8 @@ class DdsLink(Link):
         self._endpoints: dict[bytes, Endpoint] = {}
         # The node of each remote endpoint, by its GUID.
         self._owners: dict[bytes, DdsEntity] = {}
-        # Remote nodes by participant and full name.
-        self._nodes: dict[bytes, dict[str, DdsEntity]] = {}
+        # Remote nodes by participant, namespace and name.
+        self._nodes: dict[bytes, dict[tuple[str, str], DdsEntity]] = {}
         # Remote endpoints that the graph contains.
         self._listed: dict[bytes, DdsEntity] = {}
         self._host = resolve(host)
@@ -388,25 +378,15 @@ class DdsLink(Link):
             yield "silent", self.no_nodes_message()
         host = self.participant.current_peer
         if host != self._host:
-            yield (
-                f"moved {host}",
-                f"The robot {self.address} now has the address {host}, and the link follows it. "
-                f"Next time connect to dds/{host}.",
-            )
+            yield f"moved {host}", moved_message(self.address, host)
         for topic, count, size in self.participant.incomplete_topics():
             if count >= INCOMPLETE_MESSAGES:
-                yield (
-                    f"incomplete {topic}",
-                    f"{topic.removeprefix('rt')}: {count} messages of {size / 1e6:.1f} MB have "
-                    "arrived only in part, more than whole ones. They are too large for this "
-                    "network: use a compressed topic, a smaller image or a reliable publisher.",
-                )
+                yield f"incomplete {topic}", incomplete_message(topic.removeprefix("rt"), count, size)
 
     def node(self, name: str, namespace: str) -> DdsEntity:
         """Return a node of the kit that is not announced yet."""
         gid = self.participant.prefix + next(self._node_numbers).to_bytes(4, "big")
-        key = (self.participant.guid, NodeEndpoints(namespace, name).full_name)
-        return DdsEntity("node", key, namespace, name, gid=gid)
+        return DdsEntity("node", (self.participant.guid, namespace, name), namespace, name, gid=gid)
 
     def endpoint(
         self, node: DdsEntity, kind: EntityKind, topic: str, type_name: str, qos: Qos, known_hash: str = ""
@@ -418,9 +398,10 @@ class DdsLink(Link):
     def announce(self, entity: DdsEntity) -> Declaration:
         """Announce a node, or a subscription that shares a reader."""
         if entity.kind == "node":
-            self._own_nodes[entity.node_key] = NodeEndpoints(entity.namespace, entity.node)
+            self._own_nodes[entity.namespace, entity.node] = []
             self._publish_discovery()
-            return Declaration(partial(self._own_nodes.pop, entity.node_key, None), self._publish_discovery)
+            name = (entity.namespace, entity.node)
+            return Declaration(partial(self._own_nodes.pop, name, None), self._publish_discovery)
         guid = self._own_readers[entity.topic, entity.type_name]
         self.set_owner(entity, guid)
         return Declaration(partial(self.set_owner, entity, guid, is_owned=False))
@@ -469,10 +450,9 @@ class DdsLink(Link):
 
     def set_owner(self, entity: DdsEntity, guid: bytes, *, is_owned: bool = True) -> None:
         """Announce that an endpoint belongs, or no longer belongs, to a node of the kit."""
-        node = self._own_nodes.get(entity.node_key)
-        if node is None:
+        guids = self._own_nodes.get((entity.namespace, entity.node))
+        if guids is None:
             return
-        guids = node.writers if Endpoint(guid, "", "").kind == "writer" else node.readers
         if is_owned:
             guids.append(guid)
         elif guid in guids:
@@ -480,8 +460,7 @@ class DdsLink(Link):
         self._publish_discovery()
 
     def _publish_discovery(self) -> None:
-        data = write_discovery(self.participant.guid, list(self._own_nodes.values()))
-        self.participant.write(self._discovery, data)
+        self.participant.write(self._discovery, write_discovery(self.participant.guid, self._own_nodes))
 
     # The following methods run in the graph's thread and handle remote entities.
 
@@ -492,22 +471,21 @@ class DdsLink(Link):
     def _on_discovery(self, sample: ReceivedSample) -> None:
         """Process the list of nodes of a participant."""
         with contextlib.suppress(CourseError):
-            participant, infos = read_discovery(sample.data)
+            participant, nodes = read_discovery(sample.data)
             if participant[:PREFIX_SIZE] == self.participant.prefix:
                 return
-            before, now = self._nodes.get(participant, {}), dict[str, DdsEntity]()
-            for info in infos:
-                key = (participant, info.full_name)
-                node = before.get(info.full_name) or DdsEntity("node", key, info.namespace, info.name)
-                now[info.full_name] = node
-                if info.full_name not in before:
+            before = self._nodes.get(participant, {})
+            self._nodes[participant] = {
+                name: before.get(name) or DdsEntity("node", (participant, *name), *name) for name in nodes
+            }
+            for name, node in self._nodes[participant].items():
+                if name not in before:
                     self._on_entity(node, True)
-                for guid in info.readers + info.writers:
+                for guid in nodes[name]:
                     self._owners[guid] = node
                     self._list(guid)
-            self._nodes[participant] = now
-            for full_name in before.keys() - now.keys():
-                self._on_entity(before[full_name], False)
+            for name in before.keys() - nodes.keys():
+                self._on_entity(before[name], False)
 
     def _on_endpoint(self, endpoint: Endpoint, has_joined: bool) -> None:
         """Process a remote endpoint that has joined or left."""
@@ -543,26 +521,3 @@ class DdsLink(Link):
         )
         self._listed[guid] = entity
         self._on_entity(entity, True)
-
-
-def silence_message(address: str, domain: int, error: int) -> str:
-    """Return a message for a robot from which nothing is received.
-
-    Args:
-        address: The robot, like `dds/192.168.1.5`.
-        domain: ROS_DOMAIN_ID.
-        error: The error number with which datagrams to it are rejected, or 0.
-    """
-    start = f"Nothing comes from {address} in domain {domain}."
-    if error == errno.ECONNREFUSED:
-        return (
-            f"{start} The computer is there, but no ROS 2 program has opened a port of this "
-            "domain: start one, or pass its domain (ROS_DOMAIN_ID on the robot, --domain here). A "
-            "firewall that rejects UDP looks the same."
-        )
-    return (
-        f"{start} Is the robot on, does a ROS 2 program run there in this domain (ROS_DOMAIN_ID), "
-        "and are both in the same network? Firewalls and WSL2 often let no UDP in. A robot with a "
-        "Fast DDS discovery server, or with ROS_AUTOMATIC_DISCOVERY_RANGE=OFF, does not answer. A "
-        "link over Zenoh (tcp/HOST:7447) needs only an outgoing TCP connection."
-    )

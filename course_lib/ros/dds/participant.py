@@ -23,12 +23,14 @@ import struct
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from course_lib.errors import CourseError
 from course_lib.ros.dds import wire
 from course_lib.ros.dds.endpoints import OnSample, Reader, ReceivedSample, Writer, data_submessage
 from course_lib.ros.dds.wire import PREFIX_SIZE, Buffer, Endpoint, Kind, Locator, ParameterList, Pid
 from course_lib.ros.graph.topics import Qos, find_incompatible_policy
+from course_lib.ros.robot.addresses import common_bits, socket_towards
 from course_lib.ros.time import wall
 
 PORT_BASE, PORTS_PER_DOMAIN, FIRST_UNICAST = 7400, 250, 10
@@ -61,47 +63,7 @@ SEDP: Mapping[Kind, tuple[bytes, bytes]] = {
 
 # Called with an endpoint, and False if it was removed.
 OnEndpoint = Callable[[Endpoint, bool], None]
-
-
-def resolve(host: str) -> str:
-    """Return the IPv4 address of a host.
-
-    Raises:
-        CourseError: The name is unknown.
-    """
-    try:
-        return socket.gethostbyname(host)
-    # A label that is empty or longer than 63 characters raises UnicodeError.
-    except (OSError, UnicodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise CourseError(
-            f"There is no computer {host!r} in this network ({reason}): write the robot's address "
-            "like dds/192.168.1.5."
-        ) from error
-
-
-def common_bits(address: str, other: str) -> int:
-    """Return the number of leading bits that two IPv4 addresses have in common."""
-    first, second = (int.from_bytes(socket.inet_aton(text), "big") for text in (address, other))
-    return 32 - (first ^ second).bit_length()
-
-
-def socket_towards(host: str, port: int) -> socket.socket:
-    """Return a socket connected to a port, so that it reports an error if nothing listens there.
-
-    Raises:
-        CourseError: No network leads to the host.
-    """
-    probe = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    try:
-        probe.connect((host, port))
-    except OSError as error:
-        probe.close()
-        raise CourseError(
-            f"No network of this computer leads to {host} ({error.strerror or error}). Is it the "
-            "robot's address, and are both in the same network?"
-        ) from error
-    return probe
+Own = TypeVar("Own", Writer, Reader)
 
 
 @dataclass
@@ -197,32 +159,28 @@ class Participant:
 
     def add_writer(self, topic: str, type_name: str, qos: Qos, user_data: bytes = b"") -> Writer:
         """Create a writer and announce it."""
-        with self.lock:
-            guid = self._new_guid(wire.USER_WRITER)
-            writer = Writer(self, Endpoint(guid, topic, type_name, qos, user_data))
-            self._add(writer)
-            return writer
+        guid = self._new_guid(wire.USER_WRITER)
+        return self._add(Writer(self, Endpoint(guid, topic, type_name, qos, user_data)))
 
     def add_reader(
         self, topic: str, type_name: str, qos: Qos, on_sample: OnSample, user_data: bytes = b""
     ) -> Reader:
         """Create a reader and announce it. `on_sample` is called in the thread that receives."""
-        with self.lock:
-            guid = self._new_guid(wire.USER_READER)
-            reader = Reader(self, Endpoint(guid, topic, type_name, qos, user_data), on_sample)
-            self._add(reader)
-            return reader
+        guid = self._new_guid(wire.USER_READER)
+        return self._add(Reader(self, Endpoint(guid, topic, type_name, qos, user_data), on_sample))
 
     def _new_guid(self, kind: int) -> bytes:
         return self.prefix + next(self._entities).to_bytes(3, "big") + bytes([kind])
 
-    def _add(self, own: Writer | Reader) -> None:
+    def _add(self, own: Own) -> Own:
         endpoint = own.endpoint
-        self._own[endpoint.guid[PREFIX_SIZE:]] = own
-        description = wire.describe(endpoint, self.guid, self._own_locator)
-        self._announcers[endpoint.kind].write(description, b"", wall.time_ns())
-        for remote in tuple(self._endpoints.values()):
-            _match(own, remote)
+        with self.lock:
+            self._own[endpoint.guid[PREFIX_SIZE:]] = own
+            description = wire.describe(endpoint, self.guid, self._own_locator)
+            self._announcers[endpoint.kind].write(description, b"", wall.time_ns())
+            for remote in tuple(self._endpoints.values()):
+                _match(own, remote)
+        return own
 
     def incomplete_topics(self) -> list[tuple[str, int, int]]:
         """Return (topic, number, size [B]) of the incomplete messages, if most messages of a topic are."""
@@ -311,14 +269,14 @@ class Participant:
         body = data_submessage(writer, next(self._announcements), data, inline_qos, wire.SPDP_READER)
         self.send((wire.timestamp(wall.time_ns()), *body), locators)
 
-    def _on_spdp(self, payload: bytes, source: bytes, key: bytes, sender: str, *, is_disposed: bool) -> None:
+    def _on_spdp(self, sample: ReceivedSample, sender: str) -> None:
         """Process the announcement or departure of a participant, from the address `sender`."""
-        if is_disposed:
-            guid = key or ParameterList(payload).first(Pid.PARTICIPANT)
+        if sample.is_disposed:
+            guid = sample.key or ParameterList.from_payload(sample.data).first(Pid.PARTICIPANT)
             self._remove_participant(guid[:PREFIX_SIZE])
             return
-        parameters = ParameterList(payload)
-        prefix = parameters.first(Pid.PARTICIPANT)[:PREFIX_SIZE] or source
+        parameters = ParameterList.from_payload(sample.data)
+        prefix = (parameters.first(Pid.PARTICIPANT) or sample.writer)[:PREFIX_SIZE]
         if prefix == self.prefix or parameters.number(Pid.DOMAIN, self.domain) != self.domain:
             return
         lease_ns = parameters.duration(Pid.LEASE, default=round(LEASE_SECONDS * 1e9))
@@ -395,13 +353,14 @@ class Participant:
             self.dropped[type(error).__name__] += 1
 
     def _update_endpoint(self, sample: ReceivedSample) -> None:
-        parameters = ParameterList(sample.data)
-        guid = parameters.first(Pid.ENDPOINT) or parameters.first(Pid.KEY_HASH)
-        if len(guid) != 16:
-            raise ValueError("an endpoint without a GUID")
         if sample.is_disposed:
+            guid = sample.key or ParameterList.from_payload(sample.data).first(Pid.ENDPOINT)
             self._remove_endpoint(guid)
             return
+        parameters = ParameterList.from_payload(sample.data)
+        guid = parameters.first(Pid.ENDPOINT)
+        if len(guid) != 16:
+            raise ValueError("an endpoint without a GUID")
         if guid not in self._endpoints and len(self._endpoints) >= MAX_ENDPOINTS:
             self.dropped["too many endpoints"] += 1
             return
@@ -411,7 +370,7 @@ class Participant:
             guid,
             parameters.string(Pid.TOPIC),
             parameters.string(Pid.TYPE),
-            parameters.qos("writer" if guid[15] & 0x0F in (2, 3) else "reader"),
+            parameters.qos(wire.kind_of(guid)),
             parameters.octets(Pid.USER_DATA),
             _locators_at(host, parameters.locators(Pid.UNICAST)) or default_locators,
             # An empty sequence of partitions has the length 0.
@@ -548,30 +507,19 @@ class Participant:
         reader_entity, writer_entity = bytes(body[4:8]), bytes(body[8:12])
         number = wire.read_sequence_number(body, 12, order)
         begin = 4 + struct.unpack_from(f"{order}H", body, 2)[0]
-        related, status, key = None, 0, b""
+        related, is_disposed, key = None, False, b""
         if received.flags & 0x02:
-            inline, begin = wire.read_parameters(body, order, begin)
-            for pid, value in inline:
-                if pid in (Pid.RELATED, Pid.RELATED_OLD):
-                    related = wire.RequestId(value[:16], wire.read_sequence_number(value, 16, order))
-                elif pid == Pid.STATUS:
-                    status = value[3]
-                elif pid == Pid.KEY_HASH:
-                    key = value
-        is_disposed = bool(status & wire.DISPOSED[3])
+            inline = ParameterList(body, order, begin)
+            begin, key = inline.end, inline.first(Pid.KEY_HASH)
+            is_disposed = bool(inline.first(Pid.STATUS, bytes(4))[3] & wire.DISPOSED[3])
+            identity = inline.first(Pid.RELATED) or inline.first(Pid.RELATED_OLD)
+            if identity:
+                related = wire.RequestId(identity[:16], wire.read_sequence_number(identity, 16, order))
+        payload = bytes(body[begin:]) if received.kind == wire.DATA else b""
+        writer, source_ns = received.source + writer_entity, received.stamp_ns
+        sample = ReceivedSample(payload, writer, number, source_ns, related, is_disposed, key)
         if writer_entity == wire.SPDP_WRITER:
-            self._on_spdp(bytes(body[begin:]), received.source, key, host, is_disposed=is_disposed)
-            return
-        payload = b""
-        if received.kind == wire.DATA:
-            payload = (
-                bytes(body[begin:])
-                if received.flags & 0x0C
-                else wire.PL_CDR_LE + wire.parameter_list((Pid.KEY_HASH, key))
-            )
-        sample = ReceivedSample(
-            payload, received.source + writer_entity, number, received.stamp_ns, related, is_disposed
-        )
+            self._on_spdp(sample, host)
         for reader in self._readers_of(reader_entity, sample.writer):
             if received.kind == wire.DATA:
                 reader.on_data(sample)

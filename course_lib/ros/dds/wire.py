@@ -11,7 +11,7 @@ import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, Self
 
 from course_lib.ros.graph.topics import Qos
 
@@ -109,6 +109,11 @@ class RequestId(NamedTuple):
     sequence: int
 
 
+def kind_of(guid: bytes) -> Kind:
+    """Return whether a GUID belongs to a writer or a reader."""
+    return "writer" if guid[15] & 0x0F in (2, 3) else "reader"
+
+
 @dataclass(frozen=True)
 class Endpoint:
     """A writer or a reader, as discovery describes it.
@@ -132,7 +137,7 @@ class Endpoint:
     @property
     def kind(self) -> Kind:
         """Whether it is a writer or a reader."""
-        return "writer" if self.guid[15] & 0x0F in (2, 3) else "reader"
+        return kind_of(self.guid)
 
     @property
     def is_reliable(self) -> bool:
@@ -257,36 +262,32 @@ def locator(address: Locator) -> bytes:
     return struct.pack("<iI12s4s", 1, address[1], bytes(12), socket.inet_aton(address[0]))
 
 
-def read_parameters(data: Buffer, order: str, at: int) -> tuple[list[tuple[int, bytes]], int]:
-    """Return the parameters (pid, value) of the list at a position, and the position after the list."""
-    parameters: list[tuple[int, bytes]] = []
-    while at + 4 <= len(data):
-        pid, size = struct.unpack_from(f"{order}HH", data, at)
-        at += 4
-        if pid == Pid.SENTINEL:
-            return parameters, at
-        parameters.append((int(pid), bytes(data[at : at + size])))
-        at += size
-    raise ValueError("a parameter list without an end")
-
-
 class ParameterList:
-    """A received parameter list, with an encapsulation header of 4 bytes."""
+    """A received parameter list, which begins at a position and ends at `end`."""
 
-    def __init__(self, payload: bytes) -> None:
-        if len(payload) < 4:
-            raise ValueError("a parameter list without a header")
-        self.order = "<" if payload[1] & 1 else ">"
+    def __init__(self, data: Buffer, order: str, at: int = 0) -> None:
+        self.order = order
         self._values: dict[int, list[bytes]] = {}
-        for pid, value in read_parameters(payload, self.order, 4)[0]:
-            self._values.setdefault(pid, []).append(value)
+        while True:
+            pid, size = struct.unpack_from(f"{order}HH", data, at)
+            at += 4
+            if pid == Pid.SENTINEL:
+                break
+            self._values.setdefault(pid, []).append(bytes(data[at : at + size]))
+            at += size
+        self.end = at
+
+    @classmethod
+    def from_payload(cls, payload: bytes) -> Self:
+        """Read the list of a message, behind its encapsulation header of 4 bytes."""
+        return cls(payload, "<" if payload[1] & 1 else ">", 4)
 
     def __contains__(self, pid: int) -> bool:
         return pid in self._values
 
-    def first(self, pid: int) -> bytes:
-        """Return the first value of a parameter, or b""."""
-        return self._values.get(pid, [b""])[0]
+    def first(self, pid: int, default: bytes = b"") -> bytes:
+        """Return the first value of a parameter."""
+        return self._values.get(pid, [default])[0]
 
     def number(self, pid: int, default: int) -> int:
         """Return an unsigned integer of 32 bits."""

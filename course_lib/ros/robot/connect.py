@@ -2,7 +2,6 @@
 
 import atexit
 import os
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING
 from course_lib.errors import CourseError, format_count
 from course_lib.ros.graph.graph import Graph, current_graph, set_graph
 from course_lib.ros.notices import print_to_stderr, say
+from course_lib.ros.robot.addresses import DDS, full_address, is_over_dds
 from course_lib.ros.time import wall
 
 if TYPE_CHECKING:
@@ -18,15 +18,6 @@ if TYPE_CHECKING:
     from course_lib.ros.robot.link import Link
     from course_lib.ros.robot.robot_graph import RobotGraph
 
-# Address prefix of links over DDS.
-DDS = "dds/"
-# An IPv4 address or a name.
-HOST = re.compile(r"\d+(?:\.\d+){3}|(?![\d.]+$)[\w.-]+", re.ASCII)
-# A Zenoh router: protocol, login, host and port, of which only the host is required.
-ROUTER = re.compile(r"(?:(\w+)/)?(\w+:[\w-]+@)?([\w.-]+|\[[0-9a-fA-F:]+\])(?::(\d+))?", re.ASCII)
-# The default port of rmw_zenohd.
-PORT = 7447
-LAST_PORT = 65535
 MAX_DOMAIN = 232
 # Time in which the first node of the robot must be discovered [s].
 DISCOVERY = 1.0
@@ -86,21 +77,6 @@ def link_to(robot: RobotAddress, *, notebook: bool = False) -> "RobotGraph":
     return graph
 
 
-def is_over_dds(address: str) -> bool:
-    """Return whether an address, which may be malformed, is meant for a link over DDS.
-
-    Raises:
-        CourseError: It is not a string.
-    """
-    # A robot from start_robot has its address as an attribute.
-    if not isinstance(address, str):
-        raise CourseError(
-            f"{address!r} is not an address of a robot, but an object of type "
-            f"{type(address).__name__}: give a string like {DDS}192.168.1.5, or robot.address."
-        )
-    return re.match(r"dds([:/]|$)", address, re.IGNORECASE) is not None
-
-
 def _open_link(address: str, domain: int) -> "Link":
     """Open a link over DDS for `dds/HOST`, else over Zenoh."""
     if is_over_dds(address):
@@ -129,30 +105,6 @@ def require_zenoh(instead: str) -> None:
         )
 
 
-def full_address(address: str) -> str:
-    """Return `dds/HOST` unchanged, and the address of a Zenoh router with its protocol and port.
-
-    Raises:
-        CourseError: The address is malformed.
-    """
-    if is_over_dds(address):
-        if not address.startswith(DDS) or not HOST.fullmatch(address.removeprefix(DDS)):
-            raise CourseError(f"{address!r} is not an address of a robot: {_dds_advice(address)}")
-        return address
-    match = ROUTER.fullmatch(address)
-    if match is None:
-        raise CourseError(
-            f"{address!r} is not an address of a robot: write it like tcp/192.168.1.5:{PORT} or "
-            f"{DDS}192.168.1.5."
-        )
-    if match[4] and not 0 < int(match[4]) <= LAST_PORT:
-        raise CourseError(
-            f"{address!r} is not an address of a robot: a port is a number from 1 to {LAST_PORT}, "
-            f"and a router usually has {PORT}."
-        )
-    return f"{match[1] or 'tcp'}/{match[2] or ''}{match[3]}:{match[4] or PORT}"
-
-
 def open_dds_link(address: str, domain: int) -> "DdsLink":
     """Open a link over DDS for an address like `dds/HOST`.
 
@@ -162,19 +114,6 @@ def open_dds_link(address: str, domain: int) -> "DdsLink":
     from course_lib.ros.dds.link import DdsLink
 
     return DdsLink(full_address(address).removeprefix(DDS), domain)
-
-
-def _dds_advice(address: str) -> str:
-    """Return how to write a malformed address of a link over DDS."""
-    host = re.sub(r"^dds(/+|:/*|$)", "", address, flags=re.IGNORECASE)
-    if host.count(":") > 1:
-        return f"a link over DDS needs the robot's IPv4 address, like {DDS}192.168.1.5."
-    if re.fullmatch(r"[\d.]+", host) and not HOST.fullmatch(host):
-        return f"an IPv4 address has four numbers, like {DDS}192.168.1.5."
-    host_match = HOST.fullmatch(host.partition(":")[0].rstrip("/"))
-    if host_match:
-        return f"write it without a port or other signs, {DDS}{host_match[0]}."
-    return f"write it like {DDS}192.168.1.5."
 
 
 def _read_domain(domain: int | None) -> int:

@@ -35,8 +35,17 @@ from course_lib.ros.graph.topics import (
     Topics,
     find_incompatible_policy,
 )
-from course_lib.ros.messages.hashes import is_known, type_hash
+from course_lib.ros.messages.hashes import is_known
 from course_lib.ros.robot.link import Declaration, Entity, Link, NetworkClient, Packet, Report, SendReply
+from course_lib.ros.robot.reports import (
+    NO_STOP,
+    SIMULATED_TIME,
+    STOP_IS_DUE,
+    clock_warning,
+    no_answer,
+    qos_warning,
+    type_warning,
+)
 from course_lib.ros.robot.sending import BlockedTraffic, OutgoingTraffic, Permissions
 from course_lib.ros.robot.subscriptions import TopicSubscription, TopicSubscriptions
 from course_lib.ros.time import wall
@@ -228,75 +237,10 @@ def ignore(cdr: bytes, source_ns: int, received_ns: int) -> None:
     """Do nothing: the network delivers a message to remote subscriptions, and taps receive every sample."""
 
 
-HUMBLE_HASH = "TypeHashNotSupported"
 NO_SKEW = "not measured: no topic is received yet"
-MAX_SKEW = 0.5  # [s]
-SECONDS_PER_DAY, DAYS_PER_YEAR = 86_400, 365.25
 CLOCK = "/clock"
 # Time that a program or view has to subscribe to the robot's clock [s].
 CLOCK_SECONDS = 2.0
-SIMULATED_TIME = (
-    "The robot publishes /clock: its time is simulated. Set use_sim_time to true here as well, or "
-    "stamps and tf do not fit: -p use_sim_time:=true behind --ros-args, Viewer(use_sim_time=True)."
-)
-STOP_IS_DUE = "The link is down, and the robot may still move: it gets its stop when the link is back."
-NO_STOP = "The link is down: the robot has not got its stop. If it moves, use its emergency stop."
-
-
-def type_warning(entity: Entity) -> str:
-    """Return a message if the kit cannot read an entity's messages, else ""."""
-    if entity.type_hash == HUMBLE_HASH:
-        return (
-            "The robot runs ROS 2 Humble, whose messages Jazzy does not receive over Zenoh. "
-            "Install Jazzy on the robot, with ros-jazzy-rmw-zenoh-cpp."
-        )
-    # Humble and Cyclone DDS transmit no hash.
-    if not entity.type_hash or not is_known(entity.type_name):
-        return ""
-    if entity.type_hash == type_hash(entity.type_name):
-        return ""
-    return (
-        f"The robot has another definition of {entity.type_name} than this kit, so {entity.topic} "
-        "stays silent. If the package is yours, copy its interface file from the robot. If it is "
-        "ROS's, the robot needs ROS 2 Jazzy."
-    )
-
-
-def qos_warning(topic: str, policy: str, publisher: str, subscriber: str, *, is_enforced: bool) -> str:
-    """Return a message about a publisher and a subscription of different nodes with incompatible QoS."""
-    line = (
-        f"{topic}: the publisher of {publisher} and the subscription of {subscriber} have "
-        f"incompatible QoS ({policy})."
-    )
-    if is_enforced:
-        return f"{line} DDS does not connect them, so no message arrives. Give both the same {policy}."
-    return f"{line} Zenoh delivers all the same; on a robot with DDS the topic would be silent."
-
-
-def clock_warning(skew: float) -> str:
-    """Return a message if the robot's clock is `skew` [s] ahead of this computer's clock, else ""."""
-    if abs(skew) < MAX_SKEW:
-        return ""
-    days = abs(skew) / SECONDS_PER_DAY
-    # A computer without a clock battery starts years ago if it has no internet.
-    if days >= 2 * DAYS_PER_YEAR:
-        offset = f"{days / DAYS_PER_YEAR:.0f} years"
-    elif days >= 2:
-        offset = f"{days:.0f} days"
-    else:
-        offset = f"{abs(skew):.1f} s"
-    return (
-        f"The robot's clock is {offset} {'ahead of' if skew > 0 else 'behind'} this computer's: "
-        "stamps and tf do not fit together. Set both by NTP (timedatectl)."
-    )
-
-
-def no_answer(link: Link) -> str:
-    """Return a message about a robot that does not answer."""
-    seconds = link.silent_seconds()
-    return f"{link.address} has not answered " + (f"for {seconds:.0f} s." if seconds else "yet.")
-
-
 # Limit on a wait, so that an interrupt is noticed soon [s].
 MAX_WAIT = 0.02
 # Time that Python's exit waits for a lost link. A restarting kernel is killed after 5 s.

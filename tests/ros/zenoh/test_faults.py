@@ -13,7 +13,8 @@ from course_lib.ros.graph.topics import Qos
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.messages.hashes import type_hash
 from course_lib.ros.robot.link import Packet
-from course_lib.ros.robot.robot_graph import NO_STOP, STOP_IS_DUE, RobotGraph, clock_warning
+from course_lib.ros.robot.reports import NO_STOP, STOP_IS_DUE, clock_warning
+from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import STALE
 from course_lib.ros.robot.subscriptions import (
     MAX_BYTES,
