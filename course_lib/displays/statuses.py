@@ -196,7 +196,7 @@ def _warn(error: Exception, error_text: str) -> None:
     warnings.warn(
         f"A display failed with {error_text}, in {where}. This is an error of the kit: please "
         "report it with this "
-        "line. Your program continues, and the status of the display says what is missing.",
+        "line. Your program continues, and the display's status describes the error.",
         DisplayFaultWarning,
         stacklevel=4,
     )

@@ -502,7 +502,7 @@ def router(
         ):
             write(line)
         for topic in settings.sends:
-            write(f"/{STUDENTS}/NAME/{topic} goes to /{topic} while NAME drives")
+            write(f"/{STUDENTS}/NAME/{topic} is forwarded to /{topic} while NAME drives")
         for service in settings.calls:
             write(f"Everybody may call /{service}")
         write(f"Status: {page.address}")
@@ -545,7 +545,7 @@ def _serve(gateway: Gateway, driver_file: Path, write: Write) -> None:
                 try:
                     gateway.set_driver(None if text == NOBODY else find_student(gateway.users, text))
                 except CourseError as error:
-                    write(f"{error} The driver stays.")
+                    write(f"{error} The driver is unchanged.")
                 else:
                     write(f"{text} drives.")
             if is_linked != gateway.is_robot_connected():

@@ -328,7 +328,7 @@ def model_of(name: str) -> Model:
         suggestion = did_you_mean(name, list(MODELS), 3) or f", like {next(iter(MODELS))}."
         raise CourseError(
             f"There is no robot {name!r} among the {len(MODELS)} models{suggestion} "
-            'A file ends in .urdf, like load_robot("my_robot.urdf").'
+            'For a file, pass its path, like load_robot("my_robot.urdf").'
         )
     return MODELS[name]
 

@@ -128,7 +128,7 @@ def _warn_of_course_options(arguments: Namespace) -> None:
     for option, number in pairwise([*launch_arguments, "…"]):
         if option in COURSE_OPTIONS:
             sys.stderr.write(
-                f"hint: {option} is passed on to {arguments.executable_name}. To pass it to course, "
+                f"hint: {option} is passed to {arguments.executable_name}. To pass it to course, "
                 f"write it first: course ros2 {option} {number} run {arguments.package_name} …\n"
             )
 

@@ -105,7 +105,7 @@ def test_topic_without_a_display_or_with_two_is_reported() -> None:
         (("255; 0; 0", "160; 0; 0"), "the colors of Path are 255; 0; 0 and 160; 0; 0: no channel differs by"),
         (("25; 255; 0", ""), "no channel differs by 100 or more"),
         (("255; 0; 0",), "the layout has one enabled display Path, expected two"),
-        (("red", "0; 0; 0"), "the color is 'red', expected like '25; 255; 0'"),
+        (("red", "0; 0; 0"), "the color is 'red', expected a color like '25; 255; 0'"),
         (("nan; 0; 0", "0; 0; 0"), "no channel differs"),
     ],
 )

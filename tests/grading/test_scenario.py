@@ -211,7 +211,7 @@ def test_process_exit_is_an_error_of_the_student() -> None:
     ("subject", "error"),
     [
         ("CubeNode", "got an object of str, expected a node class: pass CubeNode without quotes"),
-        (lambda: None, "<lambda>() has made no node, expected a class: class <lambda>(Node): …"),
+        (lambda: None, "<lambda>() created no node, expected a class: class <lambda>(Node): …"),
     ],
 )
 def test_error_explains_a_subject_that_is_not_a_node(subject: Any, error: str) -> None:

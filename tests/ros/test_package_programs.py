@@ -157,7 +157,7 @@ def test_compiled_executable_is_rejected_with_the_reason(
         ("slam_toolbox", "navigation runs"),
         ("joy", "a gamepad is read"),
         ("teleop_twist_joy", "a gamepad is read"),
-        ("twist_mux", "this passes messages on"),
+        ("twist_mux", "this forwards messages"),
         ("foxglove_bridge", "this is a server"),
         ("image_proc", "images are processed"),
         ("pointcloud_to_laserscan", "sensor data is filtered"),

@@ -327,7 +327,7 @@ class OrderDesk:
     def _duplicate(self, order: DuplicateDisplay) -> None:
         member = self._member(order.row)
         if isinstance(member, Group):
-            raise CourseError("Groups cannot be duplicated; duplicate the displays in it.")
+            raise CourseError("A group cannot be duplicated; duplicate its displays.")
         config = member_config(member)
         holder = self._session.tree.find_group_of(member)
         self._session.add(str(config["Class"]), member.name, config, group=holder)

@@ -193,7 +193,8 @@ def publish(node: RvizNode, tools: Iterable[Tool], fixed_frame: str, order: Publ
     """
     tools_by_label = {tool.label: tool for tool in tools if isinstance(tool, PublishPoint)}
     if order.tool not in tools_by_label:
-        raise CourseError(f"There is no tool {order.tool!r} that publishes, but {', '.join(tools_by_label)}.")
+        tool_names = ", ".join(tools_by_label)
+        raise CourseError(f"There is no publishing tool {order.tool!r}; choose one of {tool_names}.")
     tool = tools_by_label[order.tool]
     message = tool.message(fixed_frame, node.now_ns, order.point, order.angle)
     node.publish(tool.topic, tool.type_name, qos_of(tool), message)

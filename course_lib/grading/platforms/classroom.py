@@ -123,7 +123,7 @@ def _stage_all(
     for clone in clones:
         student = _student(clone.name, members)
         if not student:
-            lines.append(f"refused: {clone.name}: its name ends with no login of the class list")
+            lines.append(f"refused: {clone.name}: its name does not end with a login from the class list")
         elif student in receipts:
             lines.append(f"refused: {clone.name}: {student} has two clones")
         elif not _stage(clone, place / student):

@@ -124,7 +124,7 @@ def run_node(make: Any) -> None:
             executor.spin()
         elif returned is None and current_graph().now_ns == START_NS and current_graph().nodes() == before:
             name = getattr(make, "__name__", "the function")
-            raise CourseError(f"{name}() has made no node, expected a class: class {name}(Node): …")
+            raise CourseError(f"{name}() created no node, expected a class: class {name}(Node): …")
     except ExternalShutdownException:
         # The student's code called rclpy.shutdown(), which is a regular end.
         pass

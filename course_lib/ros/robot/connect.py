@@ -163,7 +163,7 @@ def connect(
     drive_between_cells(linked)
     allowed_names = ", ".join(sorted([*send, *call])) or "nothing: read-only"
     nodes = format_count(len(linked.nodes()), "node")
-    say(f"Linked to {linked.link.address}: {nodes}. What may go out: {allowed_names}.")
+    say(f"Linked to {linked.link.address}: {nodes}. Sending is allowed for: {allowed_names}.")
 
 
 def disconnect() -> None:
@@ -180,4 +180,4 @@ def disconnect() -> None:
     stop_all()
     set_graph(Graph(notebook=True))
     graph.close()
-    say("The link is ended. Nodes and viewers of before have ended too: run their cells again.")
+    say("The link is closed, and its nodes and viewers have ended: run their cells again.")
