@@ -137,7 +137,7 @@ def frame(value: Any) -> str:
 
 
 def words(*options: str) -> Limited:
-    """Return a conversion that accepts only these strings."""
+    """Return a conversion that accepts only the strings in `options`."""
 
     def convert(value: Any) -> str:
         if value not in options:

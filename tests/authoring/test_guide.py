@@ -22,7 +22,7 @@ BLOCK = re.compile(r"^```(\w+)((?: \w+=\S+)*)\n(.*?)^```$", re.MULTILINE | re.DO
 WORD = re.compile(r"^\| `(expect_\w+)` \| [^|]* \| ([^|]*) \|$", re.MULTILINE)
 # The machine of the example has one, so that no command starts two processes, each with a jail.
 ONE_PROCESSOR = "import os; os.cpu_count = lambda: 1\n"
-SAID_ONCE = PAGE.split("Every word with a topic names three more:")[1].split("\n| word")[0]
+TOPIC_MISTAKES = PAGE.split("check function with a topic can report three more:")[1].partition("\n| check")[0]
 
 
 class Author:
@@ -105,7 +105,7 @@ def test_guide_page_lists_every_expect_function() -> None:
 def test_guide_page_lists_every_mistake_reported_by_a_check() -> None:
     text = resources.files("course_lib.grading.vocabulary").joinpath("hints.toml").read_text("utf-8")
     named = {mistake for _, row in WORD.findall(PAGE) for mistake in row.split("; ")}
-    named |= set(re.findall(r'"([^"]+)"', SAID_ONCE.replace("\n", " ")))
+    named |= set(re.findall(r'"([^"]+)"', TOPIC_MISTAKES.replace("\n", " ")))
     known = set(tomllib.loads(text))
     assert known - named == set(), "docs/author.md names each mistake in the row of its check function"
     unknown = {mistake for mistake in named - known if mistake != "as `expect_level`"}

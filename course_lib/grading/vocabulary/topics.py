@@ -477,7 +477,7 @@ def expect_level(
 
 
 def expect_levels(*parts: tuple[str, str, str], seconds: float = 3.0) -> tuple[Check, ...]:
-    """Return a check for each part of a run: (level, word in its message, title), `seconds` [s] long.
+    """Return a check for each of `parts`: (level, word in its message, title), each `seconds` [s] long.
 
     The first part requires the last one, and all others require the first, so that a constant level
     gets few points.
