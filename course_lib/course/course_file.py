@@ -68,6 +68,7 @@ class Limits:
     """Limits of a submission during grading: time in [s], output in [kB], memory and files in [MB].
 
     Time is wall-clock time, without the time a submission waits for a processor on a busy machine.
+    The memory is that of each process, and twice that of all processes of a submission together.
     """
 
     cell_seconds: float = 10.0
@@ -81,6 +82,15 @@ class Limits:
     def __post_init__(self) -> None:
         if none := [name for name, limit in vars(self).items() if not limit]:
             raise CourseError(f"{none[0]}: 0, expected a number above 0, as nothing could run")
+
+    @property
+    def memory_of_all_processes(self) -> float:
+        """The limit on the memory of all processes of a submission together [MB].
+
+        A node runs in a fork of the process that ran the cells, and what they share counts twice. So
+        these two can never exceed this limit before one of them exceeds its own.
+        """
+        return 2 * self.memory_megabytes
 
 
 @dataclass(frozen=True)

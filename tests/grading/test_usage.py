@@ -1,5 +1,9 @@
+import json
 import os
+import re
+import sys
 from contextlib import closing
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -12,6 +16,17 @@ from course_lib.grading.store import usage_path
 from course_lib.grading.task import Call, Scenario, Task
 
 ANSWER = Task("week01.answer", "An answer", "value", "answer", ("a", "b", "c"), (Scenario("public"),))
+
+linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux lists the memory of processes")
+
+FORK = """
+import os, signal
+for _ in range({count}):
+    if os.fork() == 0:
+        {statement}
+        signal.pause()
+signal.pause()
+"""
 
 
 def used(*cells: str) -> Usage:
@@ -31,6 +46,64 @@ def test_resource_usage_includes_child_processes() -> None:
     assert busy.cpu_seconds > 2 * idle.cpu_seconds
     assert child.cpu_seconds > 2 * idle.cpu_seconds
     assert large.memory_megabytes > idle.memory_megabytes + 190
+
+
+def run_with_limit(*cells: str, megabytes: float = 400) -> SubmissionRun:
+    """Run cells, then a task that needs another one, and return the closed run."""
+    limits = Limits(memory_megabytes=megabytes)
+    with closing(SubmissionRun([*cells, "answer = 1"], {ANSWER.id: {}}, limits)) as session:
+        assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
+    return session
+
+
+@linux
+@pytest.mark.parametrize(
+    "cell",
+    [
+        FORK.format(count=20, statement="x = bytearray(b'x') * 100_000_000"),
+        "x = bytearray(b'x') * 150_000_000"
+        + FORK.format(count=20, statement="x[::4096] = bytes(len(x[::4096]))"),
+        FORK.format(count=20, statement="os.setsid(); x = bytearray(b'x') * 100_000_000"),
+        FORK.format(count=20, statement="os.fork() and os._exit(0); x = bytearray(b'x') * 100_000_000"),
+        "for _ in range(20):\n    x = bytearray(b'x') * 100_000_000; import os, signal\n"
+        "    if os.fork() == 0: signal.pause()\nsignal.pause()",
+    ],
+    ids=["forks", "written pages of forks", "sessions", "grandchildren", "pages of a former parent"],
+)
+def test_all_processes_together_exceeding_memory_are_killed_and_the_cell_skipped(cell: str) -> None:
+    session = run_with_limit(cell)
+    (problem,) = session.log.stopped.values()
+    assert re.fullmatch(
+        r"cell 1 was stopped: its \d+ processes together used [\d,]+ MB of memory, more than 800 MB", problem
+    )
+    assert session.log.limit == "memory"
+
+
+@linux
+def test_many_idle_processes_do_not_exceed_the_memory_of_all_processes() -> None:
+    cell = (
+        "import os\nreader, writer = os.pipe()\nchildren = []\nfor _ in range(50):\n"
+        "    child = os.fork()\n    if child == 0: os.close(writer); os.read(reader, 1); os._exit(0)\n"
+        "    children.append(child)\nx = sum(range(10_000_000))\nos.close(writer)\n"
+        "for child in children: os.waitpid(child, 0)"
+    )
+    assert run_with_limit(cell).log.stopped == {}
+
+
+@linux
+def test_scenario_exceeding_the_memory_of_all_processes_is_stopped_and_the_next_one_runs() -> None:
+    cell = "def crowd():\n" + FORK.format(count=20, statement="x = bytearray(b'x') * 100_000_000").replace(
+        "\n", "\n    "
+    )
+    crowd = Task(
+        "week01.crowd", "Crowd", "function", "crowd", ("a", "b", "c"), (Scenario("p", calls=(Call(),)),)
+    )
+    limits = Limits(memory_megabytes=400)
+    with closing(SubmissionRun([cell, "answer = 1"], {ANSWER.id: {}, crowd.id: {}}, limits)) as session:
+        evidence = session.run(crowd, crowd.scenarios[0])
+        assert evidence.stopped == "memory"
+        assert "processes together used" in evidence.errors[0]
+        assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
 
 
 @pytest.mark.parametrize("show", ["print", "display", "sys.stderr.write"])
@@ -68,7 +141,7 @@ def test_usage_is_read_from_its_file_and_invalid_usage_is_none(tmp_path: Path) -
     path = usage_path(tmp_path, "key")
     assert read_usage(tmp_path, "key") is None
     path.parent.mkdir()
-    path.write_text(Usage(1.5, 90.0).as_json())
+    path.write_text(json.dumps(asdict(Usage(1.5, 90.0))))
     assert read_usage(tmp_path, "key") == Usage(1.5, 90.0)
     path.write_text('{"cpu": 1')
     assert read_usage(tmp_path, "key") is None

@@ -34,7 +34,7 @@ from course_lib.grading.jail.filters import (
     prctl,
     use_capabilities,
 )
-from course_lib.grading.run.outcome import Usage
+from course_lib.grading.run.outcome import Excess, Usage
 from course_lib.third_party import read_json
 
 DISTRIBUTION = "course-lib"
@@ -266,7 +266,8 @@ Root = Literal["own", "bubblewrap", "host"]
 User = Literal["another", "real", "same"]
 INSIDE = "/submission/home"  # the scratch folder in a separate root
 HOMES = ("HOME", "TMPDIR", "IPYTHONDIR", "MPLCONFIGDIR")
-DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
+# Not /dev/zero: memory that is mapped from it belongs to no process, so no limit would count it.
+DEVICES = ("/dev/null", "/dev/urandom", "/dev/random")
 # The range of systemd's temporary service users, which own no files.
 FIRST_USER, USERS = 61184, 4336
 
@@ -504,16 +505,22 @@ class TemplateProcess:
         """True unless the template was killed."""
         return self._process.poll() in (None, 0)
 
-    def stop(self) -> Usage:
-        """Kill the submission with all its processes, and return its usage."""
+    def stop(self) -> tuple[Usage, Excess | None]:
+        """Kill the submission with all its processes.
+
+        Returns:
+            Its usage, and the limit for which the template had killed it before, if any.
+        """
         try:
             self._control.settimeout(STOP_SECONDS)
             self._control.send(b"stop")
-            return Usage(**read_json(self._control.recv(200)))
+            report = read_json(self._control.recv(2**12))
+            excess = Excess(**report["excess"]) if report["excess"] else None
+            return Usage(**report["usage"]), excess
         except (OSError, ValueError):
             # No answer or half an answer means that the template was killed.
             self.close()
-            return Usage()
+            return Usage(), None
 
     def close(self) -> None:
         """End the template."""

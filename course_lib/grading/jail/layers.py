@@ -14,13 +14,13 @@ from pathlib import Path
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.jail.filters import DUMPABLE, call_function, prctl, syscall
-from course_lib.grading.run.outcome import Usage
+from course_lib.grading.run.outcome import Excess, Usage
 
 MEGABYTE = 2**20
 OPEN_FILES = 128
 SPARE_SECONDS = 10  # [s] CPU time beyond the wall-clock limit, which is reached first
-EVERY = 0.05  # [s] interval of the size checks
-MANY = 4096  # number of files at which counting stops
+EVERY = 0.05  # [s] interval of the checks of all files and of all processes together
+PAGE_FAULTS = 7  # index of the minor page faults in /proc/PID/stat, counted after the name
 
 
 def apply_limits(limits: Limits, *, counts_from_zero: bool) -> None:
@@ -58,13 +58,15 @@ def _threads_of(user: int) -> int:
     return count
 
 
-def stop_writing(folder: str, megabytes: float) -> Usage:
+def stop_writing(folder: str, megabytes: float) -> tuple[Usage, Excess | None]:
     """Forbid descendants to write more if the folder far exceeds its limit.
 
     Returns:
-        The size of the folder.
+        The size of the folder, and why the descendants must be killed: files that are empty or
+        small can't be forbidden otherwise.
     """
-    usage = Usage(files_megabytes=round(_folder_size(folder) / 2**20, 1))
+    size, count = _folder_size(folder)
+    usage = Usage(files_megabytes=round(size / 2**20, 1))
     if usage.exceeds_by_far(megabytes):
         for pid in descendants(os.getpid()):
             with suppress(ProcessLookupError):
@@ -74,20 +76,65 @@ def stop_writing(folder: str, megabytes: float) -> Usage:
                 except PermissionError:
                     # Not permitted for a process with another real user id.
                     os.kill(pid, signal.SIGKILL)
-    return usage
+    return usage, Excess("size", f"it wrote more than {INODES} files") if count > INODES else None
 
 
-def _folder_size(folder: str) -> int:
-    """Return the size of a folder [B], without folders that can't be read."""
+def check_memory(pid: int, inherited_bytes: int, megabytes: float) -> Excess | None:
+    """Return an excess if the memory of all descendants of a process together exceeds a limit.
+
+    The memory is the sum of the resident sets (RSS). The proportional sets (PSS) would count shared pages
+    once, but only root may read them. A process that was just forked shares nearly all pages with
+    its parent, so the pages of the template are subtracted from each, up to the pages that the
+    process has written itself: it had a page fault for each of them.
+
+    Args:
+        pid: The process id of the template.
+        inherited_bytes: The memory of the template [B].
+        megabytes: The limit.
+    """
+    total, processes = 0, 0
+    for process in descendants(pid):
+        # The process may have just ended.
+        with suppress(OSError, ValueError, IndexError):
+            resident = resident_bytes(process)
+            fields = Path(f"/proc/{process}/stat").read_bytes().rpartition(b")")[2].split()
+            written = int(fields[PAGE_FAULTS]) * resource.getpagesize()
+            total += max(resident - inherited_bytes, min(resident, written))
+            # Ended processes have no memory.
+            processes += resident > 0
+    if total <= megabytes * MEGABYTE:
+        return None
+    return Excess(
+        "memory",
+        f"its {processes} processes together used {total / MEGABYTE:,.0f} MB of memory, more than "
+        f"{megabytes:,.0f} MB",
+    )
+
+
+def resident_bytes(pid: int) -> int:
+    """Return the resident anonymous and shared memory of a process [B].
+
+    Raises:
+        OSError: The process has ended, or the system is not Linux.
+    """
+    lines = Path(f"/proc/{pid}/status").read_bytes().splitlines()
+    return sum(int(line.split()[1]) * 1024 for line in lines if line.startswith((b"RssAnon", b"RssShmem")))
+
+
+def _folder_size(folder: str) -> tuple[int, int]:
+    """Return the size of a folder [B] and the number of its files, without folders that can't be read.
+
+    Counting stops after INODES files.
+    """
     total, visited, waiting = 0, 0, [folder]
-    while waiting and visited < MANY:
+    while waiting and visited <= INODES:
         with suppress(OSError):
             for entry in os.scandir(waiting.pop()):
                 visited += 1
                 total += entry.stat(follow_symlinks=False).st_blocks * 512
                 if entry.is_dir(follow_symlinks=False):
                     waiting.append(entry.path)
-    return total
+    return total, visited
 
 
 def descendants(pid: int) -> Iterator[int]:

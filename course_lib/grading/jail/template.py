@@ -17,6 +17,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Collection
 from contextlib import suppress
+from dataclasses import asdict
 from itertools import count
 from pathlib import Path
 from select import select
@@ -32,8 +33,16 @@ from course_lib.grading.jail.filters import (
     restrict_files,
 )
 from course_lib.grading.jail.launch import DEVICES, HOMES, JailPlace, settle, works
-from course_lib.grading.jail.layers import EVERY, apply_limits, enter_namespaces, mount_files, stop_writing
-from course_lib.grading.run.outcome import Usage, wait_any_child
+from course_lib.grading.jail.layers import (
+    EVERY,
+    apply_limits,
+    check_memory,
+    enter_namespaces,
+    mount_files,
+    resident_bytes,
+    stop_writing,
+)
+from course_lib.grading.run.outcome import Excess, Usage, wait_any_child
 from course_lib.grading.run.worker import Worker, warm_up
 from course_lib.ros.graph.remote import Channel
 from course_lib.third_party import read_json
@@ -131,28 +140,30 @@ class Template:
         self._control, self._place = control, place
         self._shell = warm_up()
         self._submission = 0  # process id of the submission's first process, or 0
-        self._limits, self._files = Limits(), Usage()
+        self._inherited_bytes = 0  # memory of this process [B] when it forked the submission
+        self._limits, self._usage = Limits(), Usage()
+        self._excess: Excess | None = None
         # Only Linux has these operations.
         with suppress(OSError):
             prctl(CHILD_SUBREAPER, 1)
             prctl(DUMPABLE, 0)
         self._layers = working_layers(place, off)
         gc.collect()
+        self._is_watching = "limits" in self._layers and platform.system() == "Linux"
 
     def serve(self) -> None:
         """Start and stop submissions until the grader disconnects."""
         self._control.send(json.dumps(self._layers).encode())
         while True:
-            # Without a limit of its own, the size of the files written to the disk is checked while
-            # waiting.
-            has_own = "namespaces" in self._layers or "limits" not in self._layers or sys.platform != "linux"
-            while not select([self._control], [], [], None if has_own or not self._submission else EVERY)[0]:
-                self._files += stop_writing(self._place.scratch, self._limits.scratch_megabytes)
+            # The kernel limits each process. Sums over all of them are checked while waiting.
+            interval = EVERY if self._submission and self._is_watching else None
+            while not select([self._control], [], [], interval)[0]:
+                self._limit_sums()
             message, descriptors, *_ = socket.recv_fds(self._control, 2**16, 2)
             if not message:
                 break
             if message == b"stop":
-                self._control.send(self._stop().as_json().encode())
+                self._control.send(self._stop().encode())
             else:
                 request = read_json(message)
                 # Imports in the template are done once for all later submissions.
@@ -169,6 +180,8 @@ class Template:
         self._stop()
 
     def _start(self, limits: Limits, descriptors: list[int]) -> None:
+        if self._is_watching:
+            self._inherited_bytes = resident_bytes(os.getpid())
         self._submission = os.fork()
         if self._submission == 0:
             try:
@@ -191,9 +204,30 @@ class Template:
         if not problem:
             Worker(channel, self._shell).serve()
 
-    def _stop(self) -> Usage:
+    def _limit_sums(self) -> None:
+        """Stop writing if all files are too large, and kill the submission if its memory is."""
+        excess = check_memory(os.getpid(), self._inherited_bytes, self._limits.memory_of_all_processes)
+        # In namespaces, the scratch folder is in memory and has a size of its own.
+        if "namespaces" not in self._layers:
+            files, too_many = stop_writing(self._place.scratch, self._limits.scratch_megabytes)
+            self._usage += files
+            excess = excess or too_many
+        if excess:
+            self._usage += self._kill()
+            self._excess = self._excess or excess
+
+    def _stop(self) -> str:
+        """Kill the submission, and return its usage and the limit for which it was killed before, if any."""
+        report = {"usage": asdict(self._usage + self._kill()), "excess": self._excess}
+        self._usage, self._excess = Usage(), None
+        # With namespaces, the kernel has removed the scratch folder.
+        if "namespaces" not in self._layers:
+            empty_folder(self._place.scratch)
+        return json.dumps(report, default=asdict)
+
+    def _kill(self) -> Usage:
         """Kill the submission with all its processes. Orphans become children of this process."""
-        usage, self._files = self._files, Usage()
+        usage = Usage()
         while True:
             for pid in _children() or [self._submission] * bool(self._submission):
                 with suppress(ProcessLookupError):
@@ -201,12 +235,8 @@ class Template:
             try:
                 usage += wait_any_child()
             except ChildProcessError:
-                break
-        # With namespaces, the kernel has removed the scratch folder.
-        if "namespaces" not in self._layers:
-            empty_folder(self._place.scratch)
-        self._submission = 0
-        return usage
+                self._submission = 0
+                return usage
 
 
 def _keep_only(channel: int, output: int) -> Channel:

@@ -5,12 +5,11 @@ sent, and checked again on arrival, because student code can send anything.
 """
 
 import io
-import json
 import os
 import re
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any
 
@@ -207,9 +206,18 @@ class Usage:
         """Return whether all files together take far more than the limit of a single one."""
         return self.files_megabytes > 2 * megabytes
 
-    def as_json(self) -> str:
-        """Encode the usage for a file or a message."""
-        return json.dumps(asdict(self))
+
+@dataclass(frozen=True)
+class Excess:
+    """Why the template killed a submission: a limit on the sum over all of its processes or files.
+
+    Args:
+        limit: The limit: "memory" or "size".
+        message: What the submission did, for "it was stopped: …".
+    """
+
+    limit: str
+    message: str
 
 
 def wait_any_child() -> Usage:

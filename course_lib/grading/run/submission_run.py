@@ -36,6 +36,7 @@ from course_lib.grading.jail.layers import descendants
 from course_lib.grading.run.outcome import (
     MAX_ERRORS,
     MAX_LENGTH,
+    Excess,
     Outcome,
     Usage,
     is_plain,
@@ -148,7 +149,9 @@ class WorkerProcess:
 
     def __init__(self, template: TemplateProcess, limits: Limits, cells: Sequence[str]) -> None:
         self._template = template
-        self.usage = Usage()  # known after `close`
+        # Known after `close`.
+        self.usage = Usage()
+        self.excess: Excess | None = None
         imports = [module for word, module in HEAVY.items() if any(word in cell for cell in cells)]
         connection, output = template.start(limits, imports)
         self.channel = Channel(connection)
@@ -175,7 +178,7 @@ class WorkerProcess:
 
     def close(self) -> None:
         """Kill the worker and all processes it has started; its scratch folder is deleted."""
-        self.usage = self._template.stop()
+        self.usage, self.excess = self._template.stop()
         self.channel.close()
         self._output.close()
 
@@ -511,6 +514,9 @@ class SubmissionRun:
         output = worker.take_output()
         if self._worker is None:
             self._end(worker)
+            if worker.excess:
+                outcome = Outcome(errors=[f"it was stopped: {worker.excess.message}"])
+                stopped = worker.excess.limit
         return stage.evidence(outcome, output=output, stopped=stopped)
 
     def close(self) -> None:
@@ -568,7 +574,11 @@ class SubmissionRun:
                 return False
             if current < 0:
                 raise WorkerError(f"a worker does not start: {worker.take_output() or error}") from error
+            # Only then it is known whether the template has killed the worker.
+            self.close()
             match error:
+                case _ if worker.excess:
+                    met, why = worker.excess.limit, f"was stopped: {worker.excess.message}"
                 case ChannelTimeoutError():
                     met, why = "time", f"was stopped after {limit:g} s"
                 case CrowdedError():

@@ -205,6 +205,29 @@ def test_total_size_of_scratch_files_is_limited() -> None:
         assert session.log.limit == "size"
 
 
+@pytest.mark.slow
+def test_number_of_empty_scratch_files_is_limited() -> None:
+    cells = ["for n in range(10**7): open(str(n), 'wb').close()", "answer = 1"]
+    with closing(TemplateProcess((BUBBLEWRAP, "namespaces"))) as template:
+        session = SubmissionRun(cells, {ANSWER.id: {}}, Limits(), template)
+        with closing(session):
+            assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
+    assert session.log.stopped == {0: "cell 1 was stopped: it wrote more than 4096 files"}
+    assert session.log.limit == "size"
+
+
+@pytest.mark.slow
+def test_memory_of_all_processes_is_limited_without_namespaces() -> None:
+    fork = "import os, signal\nfor _ in range(20):\n    if os.fork() == 0:\n"
+    cells = [f"{fork}        x = bytearray(b'x') * 10**8; signal.pause()\nsignal.pause()", "answer = 1"]
+    with closing(TemplateProcess((BUBBLEWRAP, "namespaces"))) as template:
+        session = SubmissionRun(cells, {ANSWER.id: {}}, Limits(memory_megabytes=400), template)
+        with closing(session):
+            assert session.run(ANSWER, ANSWER.scenarios[0]).returns == (1,)
+    assert "processes together used" in session.log.stopped[0]
+    assert session.log.limit == "memory"
+
+
 @pytest.mark.parametrize(
     ("layers", "need", "refused"),
     [
