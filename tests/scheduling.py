@@ -14,18 +14,38 @@ import pytest
 from xdist.scheduler import LoadFileScheduling  # type: ignore[import-untyped]  # ships no types
 
 BROWSER = "tests/browser/"
+# The longest files, first those that take minutes. If one of them began last, the other workers would
+# wait for its end.
+LONGEST = (
+    "tests/browser/test_lessons.py",
+    "tests/notebooks/test_answers.py",
+    "tests/browser/test_hub.py",
+    "tests/golden/test_golden.py",
+    "tests/notebooks/test_resumed_lessons.py",
+    "tests/authoring/test_new_course.py",
+    "tests/browser/test_lesson_one.py",
+    "tests/mistakes/test_mistakes.py",
+    "tests/browser/test_book.py",
+    "tests/authoring/test_guide.py",
+    "tests/tools/test_determinism.py",
+)
 
 
 class BrowsersBesideOthers(LoadFileScheduling):  # type: ignore[misc]  # as above
     """Assign the files with browsers to every second worker first, and other files to the others.
 
     A worker runs the files of one kind one after the other: they share a browser and a JupyterLab.
+    The longest files of each kind come first.
     """
 
     def _assign_work_unit(self, node: Any) -> None:
         takes_browsers = self.nodes.index(node) % 2 == 0
-        own = (file for file in self.workqueue if file.startswith(BROWSER) == takes_browsers)
-        self.workqueue.move_to_end(next(own, next(iter(self.workqueue))), last=False)
+
+        def order(file: str) -> tuple[bool, int]:
+            rank = LONGEST.index(file) if file in LONGEST else len(LONGEST)
+            return file.startswith(BROWSER) != takes_browsers, rank
+
+        self.workqueue.move_to_end(min(self.workqueue, key=order), last=False)
         super()._assign_work_unit(node)
 
 
