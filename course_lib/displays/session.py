@@ -44,6 +44,10 @@ _NOT_SPUN = (
     "the node {} was created but is not spun, so its callbacks never run: pass it to "
     "run_live(...), spin_for(2.0, ...) or rclpy.spin(...)."
 )
+CLOCK_WAS_SET_BACK = (
+    "If a robot or a bag started again with an earlier time, the newer transforms of before hide its "
+    "own: viewer.reset(), or open the view again."
+)
 _TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="transient_local")}
 
 
@@ -476,7 +480,8 @@ class RvizSession:
     def _on_tf(self, is_static: bool, message: Any) -> None:
         complaints = self.context.frames.add_transforms(message.transforms, is_static)
         if complaints:
-            self.statuses.hint("TF", *complaints)
+            is_old = any(complaint.startswith("TF_OLD_DATA") for complaint in complaints)
+            self.statuses.hint("TF", *complaints, *[CLOCK_WAS_SET_BACK] * is_old)
 
     def _on_clock(self, message: Any) -> None:
         if self.time.on_clock(nanoseconds(message.clock)):
@@ -485,6 +490,7 @@ class RvizSession:
     def reset(self) -> None:
         """Discard the messages of all displays and all transforms."""
         self.context.frames.buffer.clear()
+        self.statuses.hint("TF")
         for display in self.displays:
             display.reset_contained()
         self.time.request_frame()

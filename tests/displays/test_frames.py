@@ -2,8 +2,11 @@ from itertools import pairwise
 
 import pytest
 from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
 
 from course_lib.displays.frames import NS, Frames, ViewTime
+from course_lib.displays.session import CLOCK_WAS_SET_BACK
+from tests.displays.bench import Bench
 
 
 def transform(parent: str, child: str, x: float = 0.0) -> TransformStamped:
@@ -44,6 +47,23 @@ def test_lookups_are_cached_until_transforms_arrive_or_the_fixed_frame_changes()
     third = frames.transform("base")
     assert third is not None
     assert third[0, 3] == 0.0
+
+
+def test_view_of_a_robot_whose_clock_was_set_back_recovers_by_a_reset() -> None:
+    bench = Bench("odom")
+    late, early = transform("odom", "base"), transform("odom", "base", 1.0)
+    late.header.stamp.sec, early.header.stamp.sec = 1300, 1000
+    for message in (late, early):
+        bench.publish("/tf", TFMessage(transforms=[message]))
+    hints = [row.text for row in bench.session.rows() if (row.name, row.level) == ("TF", "hint")]
+    assert hints[0].startswith("TF_OLD_DATA ignoring data from the past for frame base")
+    assert hints[1:] == [CLOCK_WAS_SET_BACK]
+    bench.session.reset()
+    bench.publish("/tf", TFMessage(transforms=[early]))
+    transform_to_odom = bench.session.context.frames.transform("base")
+    assert transform_to_odom is not None
+    assert transform_to_odom[0, 3] == 1.0
+    assert [row.text for row in bench.session.rows() if row.level == "hint"] == []
 
 
 def test_transform_ignored_by_tf2_is_reported() -> None:

@@ -2,6 +2,7 @@
 
 import re
 import socket
+from ipaddress import ip_address
 
 from course_lib.errors import CourseError
 
@@ -72,10 +73,10 @@ def resolve(host: str) -> str:
     """Return the IPv4 address of a host.
 
     Raises:
-        CourseError: The name is unknown.
+        CourseError: The name is unknown, or the address does not belong to a single computer.
     """
     try:
-        return socket.gethostbyname(host)
+        address = ip_address(socket.gethostbyname(host))
     # A label that is empty or longer than 63 characters raises UnicodeError.
     except (OSError, UnicodeError) as error:
         reason = getattr(error, "strerror", None) or error
@@ -83,6 +84,17 @@ def resolve(host: str) -> str:
             f"There is no computer {host!r} in this network ({reason}): write the robot's address "
             "like dds/192.168.1.5."
         ) from error
+    if address.is_unspecified:
+        raise CourseError(
+            f"{address} stands for all addresses of a computer: write the robot's own address like "
+            f"{DDS}192.168.1.5, or {DDS}127.0.0.1 if its programs run on this computer."
+        )
+    if address.is_multicast:
+        raise CourseError(
+            f"{address} is a multicast address, which belongs to a group of computers: write the "
+            f"robot's own address like {DDS}192.168.1.5. The link finds it without multicast."
+        )
+    return str(address)
 
 
 def common_bits(address: str, other: str) -> int:
@@ -100,6 +112,12 @@ def socket_towards(host: str, port: int) -> socket.socket:
     probe = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         probe.connect((host, port))
+    except PermissionError as error:
+        probe.close()
+        raise CourseError(
+            f"{host} is the broadcast address of a network, to which all its computers listen: "
+            f"write the robot's own address like {DDS}192.168.1.5."
+        ) from error
     except OSError as error:
         probe.close()
         raise CourseError(

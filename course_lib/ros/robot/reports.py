@@ -46,6 +46,14 @@ def qos_warning(topic: str, policy: str, publisher: str, subscriber: str, *, is_
     return f"{line} Zenoh delivers all the same; on a robot with DDS the topic would be silent."
 
 
+def second_driver_warning(topic: str, node: str) -> str:
+    """Return a message about another node that publishes velocity commands."""
+    return (
+        f"{topic}: {node} can drive the robot as well, and the robot obeys the newest command of "
+        "either. Let only one of them publish."
+    )
+
+
 def clock_warning(skew: float) -> str:
     """Return a message if the robot's clock is `skew` [s] ahead of this computer's clock, else ""."""
     if abs(skew) < MAX_SKEW:

@@ -44,6 +44,7 @@ from course_lib.ros.robot.reports import (
     clock_warning,
     no_answer,
     qos_warning,
+    second_driver_warning,
     type_warning,
 )
 from course_lib.ros.robot.sending import BlockedTraffic, OutgoingTraffic, Permissions
@@ -349,6 +350,7 @@ class RobotGraph(Graph):
                 entity = self.link.endpoint(own_node, "publisher", network_topic, type_name, qos)
                 self._sending.add(endpoint, type_name, self.link.publisher(entity))
                 self._check_qos(topic)
+                self._check_drivers(topic)
         elif info.is_client and self._allowed.is_service_allowed(info.service[0]):
             self._services.add(own_node, info)
         return endpoint
@@ -490,6 +492,7 @@ class RobotGraph(Graph):
                 self._clock_found = wall.monotonic()
             # Poll immediately, so that taps miss as few of the first messages as possible.
             self._polled_ns = 0
+            self._check_drivers(entity.topic)
         if entity.kind in ("publisher", "subscription"):
             self._check_qos(entity.topic)
 
@@ -506,6 +509,15 @@ class RobotGraph(Graph):
                 # Once for each node of the kit, even if the robot's node restarts.
                 own_node = nodes[subscription.node in self._own_nodes]
                 self._report_once(f"qos {topic} {policy} {own_node}", line)
+
+    def _check_drivers(self, topic: str) -> None:
+        """Warn about remote nodes that drive the robot on a topic on which this kit drives it."""
+        if not self._sending.drives_on(topic):
+            return
+        for publisher in self._remote.publisher_infos():
+            if publisher.topic == topic:
+                node = self._nodes[publisher.node].full_name
+                self._report_once(f"driver {topic} {node}", second_driver_warning(topic, node))
 
     def _is_over_link(self, publisher: EndpointInfo, subscription: EndpointInfo) -> bool:
         return (publisher.node in self._own_nodes) != (subscription.node in self._own_nodes)

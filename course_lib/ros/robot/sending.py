@@ -214,6 +214,10 @@ class OutgoingTraffic:
         if type_name in VELOCITY_TYPES:
             self._stops[endpoint] = StopCommand(publisher, type_name)
 
+    def drives_on(self, topic: str) -> bool:
+        """Return whether a publisher of velocity commands on a topic is on the network."""
+        return any(stop.publisher.topic == topic for stop in self._stops.values())
+
     def put(self, endpoint: int, cdr: bytes) -> bool:
         """Publish a message, after all stops that are due.
 

@@ -47,6 +47,7 @@ from tests.ros.zenoh.test_two_kits import (  # noqa: F401  # pytest collects the
     test_remote_nodes_and_endpoints_are_listed_until_they_leave,
     test_robot_stops_when_its_commands_stop,
     test_robot_stops_when_the_link_is_closed_or_interrupted,
+    test_second_node_that_drives_the_robot_is_reported_once,
     test_service_calls_that_are_not_allowed_are_not_forwarded,
     test_service_is_called_over_the_link,
     test_service_is_not_offered_unless_it_is_allowed,

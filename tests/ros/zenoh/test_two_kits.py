@@ -12,6 +12,7 @@ from std_srvs.srv import Trigger
 from course_lib.ros.graph.topics import SERVICE_HEADER, Qos
 from course_lib.ros.messages import deserialize, serialize, type_name
 from course_lib.ros.robot import robot_graph
+from course_lib.ros.robot.reports import second_driver_warning
 from course_lib.ros.robot.robot_graph import RobotGraph
 from course_lib.ros.robot.sending import STALE, BlockedTraffic, Permissions
 from course_lib.ros.time import wall
@@ -21,6 +22,7 @@ from tests.ros.zenoh.conftest import Kits, zenoh_link
 STRING, CLOCK = "std_msgs/msg/String", "rosgraph_msgs/msg/Clock"
 VOLATILE, LATCHED = Qos(), Qos(depth=1, durability="transient_local")
 BEST_EFFORT = Qos(reliability="best_effort")
+TWIST = "geometry_msgs/msg/Twist"
 MOVING = Twist()
 MOVING.linear.x = 0.2
 
@@ -167,6 +169,27 @@ def speeds(heard: list[bytes], kind: Any) -> list[float]:
     """Return the speeds ahead from the first one that moves."""
     commands = [deserialize(cdr, kind) for cdr in heard]
     return list(dropwhile(lambda x: x == 0.0, (getattr(one, "twist", one).linear.x for one in commands)))
+
+
+@pytest.mark.parametrize("kit_is_first", [False, True])
+def test_second_node_that_drives_the_robot_is_reported_once(kits: Kits, kit_is_first: bool) -> None:
+    robot, student = kits.join(send="/cmd_vel"), kits.join(send="/cmd_vel")
+
+    def second_driver_lines() -> list[str]:
+        return [line for line in kits.lines if "can drive the robot as well" in line]
+
+    drivers = (student, robot) if kit_is_first else (robot, student)
+    talker(drivers[0], "/cmd_vel", TWIST)
+    kits.until(lambda: "/cmd_vel" in topics(drivers[1], "pub"), "the first driver")
+    # A node that only shows what the robot does is not warned.
+    assert not second_driver_lines()
+    talker(drivers[1], "/cmd_vel", TWIST)
+    # Both kits are drivers, so each of them reports the other one.
+    kits.until(lambda: len(second_driver_lines()) == 2, "the lines")
+    assert second_driver_lines() == [second_driver_warning("/cmd_vel", "/talker")] * 2
+    talker(robot, "/cmd_vel", TWIST)
+    kits.until(lambda: topics(student, "pub").count("/cmd_vel") == 3, "a third publisher")
+    assert len(second_driver_lines()) == 2
 
 
 @pytest.mark.parametrize("kind", [Twist, TwistStamped])
