@@ -15,6 +15,7 @@ import signal
 import socket
 import subprocess
 import sys
+import sysconfig
 import time
 import tomllib
 import webbrowser
@@ -629,7 +630,10 @@ def _start_jupyterlab(folder: Path, port: int) -> tuple["subprocess.Popen[bytes]
     """Start JupyterLab on a port, or on another one if the port has been taken in the meantime."""
     token = secrets.token_hex(24)
     settings = [str(JUPYTER_SETTINGS), *filter(None, [os.environ.get("JUPYTER_CONFIG_PATH")])]
+    paths = [sysconfig.get_path("scripts"), *filter(None, [os.environ.get("PATH")])]
     environment = {
+        # JupyterLab's terminals find `course`, also if no virtual environment was activated.
+        "PATH": os.pathsep.join(paths),
         "JUPYTER_TOKEN": token,
         "JUPYTER_CONFIG_PATH": os.pathsep.join(settings),
         # For the kernels: the order of sets is the same in every run, as in grading.

@@ -1,5 +1,6 @@
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -11,6 +12,7 @@ from typing import Any
 
 import psutil
 import pytest
+from jupyter_client.blocking.client import BlockingKernelClient
 
 from course_lib.course import student_folder as lab_module
 from course_lib.course.student_folder import can_open_browser, command, free_port, lab
@@ -139,3 +141,31 @@ def test_server_serves_only_the_student_folder_and_leaves_no_files_or_processes(
     process.find("Your files are kept.")
     assert process.wait(60) == 0
     assert not [p for p in server if p.is_running() and p.status() != psutil.STATUS_ZOMBIE]
+
+
+@pytest.mark.slow
+def test_kernels_of_the_server_are_encrypted_and_find_the_commands_of_the_kit(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    for name in HOME_DIRS:
+        monkeypatch.setenv(name, str(tmp_path / "home" / name.lower()))
+    monkeypatch.setenv("PATH", os.defpath)
+    (tmp_path / "mine").mkdir()
+    with lab_module.server(tmp_path / "mine", free_port(8888)) as (process, address):
+        base, _, token = address.partition("lab/tree")
+        body, headers = b"{}", {"Authorization": f"token {token.partition('token=')[2]}"}
+        request = urllib.request.Request(f"{base}api/kernels", body, headers)
+        with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
+            kernel = json.loads(answer.read())["id"]
+        file = tmp_path / "home/jupyter_runtime_dir" / f"kernel-{kernel}.json"
+        assert json.loads(file.read_text())["curve_publickey"]
+        path = psutil.Process(process.pid).environ()["PATH"]
+        assert shutil.which("course", path=path)
+        client = BlockingKernelClient(connection_file=str(file))
+        client.load_connection_file()
+        client.start_channels(hb=False)
+        client.wait_for_ready(PATIENCE)
+        client.stop_channels()
+    output = capfd.readouterr()
+    # ipykernel would warn of missing encryption, and the server of an unknown option.
+    assert "WARNING" not in output.out + output.err
