@@ -124,7 +124,7 @@ def statements(cells: Sequence[Cell]) -> list[Statement]:
             ) from error
         for node, text in _split_imports(cell.source, nodes):
             now, later = _needs(text)
-            bindings, changes = frozenset(bound_names(node)), frozenset(_mutated_names(node))
+            bindings, changes = frozenset(bound_names(node)), frozenset(mutated_names(node))
             if isinstance(node, ast.AugAssign):
                 now |= bindings
             # An assignment like X = X + 1 needs the previous X.
@@ -184,7 +184,7 @@ def imported_modules(tree: ast.AST) -> frozenset[str]:
     return frozenset(name.partition(".")[0] for name in names)
 
 
-def _mutated_names(node: ast.stmt) -> Iterator[str]:
+def mutated_names(node: ast.stmt) -> Iterator[str]:
     """Yield the names of objects that a statement mutates by a subscript, an attribute or a method call."""
     targets: list[ast.expr] = []
     if isinstance(node, ast.Assign | ast.Delete):

@@ -118,10 +118,25 @@ def test_task_of_a_deleted_cell_is_reported_as_missing(
 def test_unrun_cell_is_reported_except_after_the_last_check(
     checked: list[str], write: Callable[..., Path]
 ) -> None:
-    found = warned(write(["HEIGHT = 3\n", *checked, "live.stop()"], ran=False))
-    assert found == ["code cell 1 (HEIGHT = 3) was never run"]
-    found = warned(write(["HEIGHT = 3\n", *checked]))
-    assert found == ["code cell 1 (HEIGHT = 3) has changed since the last check"]
+    values = "my_values = dict\n"
+    found = warned(write([values, *checked, "live.stop()"], ran=False))
+    assert found == ["code cell 1 (my_values = dict) was never run"]
+    found = warned(write([values, *checked]))
+    assert found == ["code cell 1 (my_values = dict) has changed since the last check"]
+
+
+def test_cells_that_tasks_depend_on_are_reported_and_measurements_are_not(
+    checked: list[str], write: Callable[..., Path]
+) -> None:
+    own = ["%ros2 topic hz /cube", "live = run_live(Node('two'))\nlive.rate = 2.0", "print(half(3.0))"]
+    assert warned(write([*own, *checked])) == []
+    assert warned(write([*own, *checked], ran=False)) == []
+    indirect = ["FACTOR = 2\n", "def my_values(task):\n    return {'n': FACTOR}\n", "Marker.CUBE = 3\n"]
+    assert warned(write([*own, *indirect, *checked])) == [
+        "code cell 4 (FACTOR = 2) has changed since the last check",
+        "code cell 5 (def my_values(task):) has changed since the last check",
+        "code cell 6 (Marker.CUBE = 3) has changed since the last check",
+    ]
 
 
 def test_failed_and_unchecked_tasks_are_reported(

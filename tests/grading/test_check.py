@@ -18,7 +18,7 @@ from course_lib.grading.check import CheckFailedError, check, next_step
 from course_lib.grading.records import CheckResult, TaskResult
 from course_lib.grading.reports.table import Table
 from course_lib.grading.store import Course
-from course_lib.grading.task import load_catalog, shipped_catalog
+from course_lib.grading.task import Row, load_catalog, shipped_catalog
 
 
 @pytest.fixture(autouse=True)
@@ -50,7 +50,7 @@ def test_full_public_score_announces_the_hidden_checks(
     assert "week01.red_cube (A red cube): 2 of 2 checks passed" in output
     assert output.strip().splitlines()[-2:] == [
         "all public checks passed; hidden checks run at grading",
-        "60 of 60 points so far. Next is task 2: Half of it.",
+        "This task: 60 of 60 points so far. Next is task 2: Half of it.",
     ]
     assert student_state().get("progress", "week01.red_cube") == {"score": 60.0, "of": 60.0}
 
@@ -86,8 +86,11 @@ def test_success_message_has_an_icon_and_the_next_step_unlike_failure() -> None:
     html = Table(task, next_step="Next is task 2: A wall.")._repr_mimebundle_()["text/html"]
     block = html[html.index("border-left") :]
     assert "✓ all public checks passed" in block
-    assert "20 of 20 points so far. Next is task 2: A wall." in block
+    assert "This task: 20 of 20 points so far. Next is task 2: A wall." in block
     failed = replace(task, checks=(replace(passed, score=0.0),))
+    report = replace(task, rubric=(Row("It is complete", 20.0),))
+    lines = str(Table(report, next_step="Next is task 2: A wall.")).splitlines()
+    assert lines[-2:] == ["recorded; a person reads and marks it", "Next is task 2: A wall."]
     assert "border-left" not in Table(failed, next_step="Next")._repr_mimebundle_()["text/html"]
 
 

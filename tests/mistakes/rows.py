@@ -25,7 +25,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.advice import Advice
 from course_lib.grading.check import table_of
 from course_lib.grading.judge import judge_task
-from course_lib.grading.reports.table import ALL_PASSED
+from course_lib.grading.reports.table import ALL_PASSED, FOR_A_PERSON
 from course_lib.grading.run.outcome import describe
 from course_lib.grading.run.run import Run
 from course_lib.grading.run.submission_run import ScenarioGraph
@@ -169,7 +169,7 @@ def _rows(mistakes: Iterable[Mistake]) -> Iterator[tuple[str, str]]:
     for mistake in mistakes:
         lines = [line.strip()[:LONGEST] for line in seen(mistake)]
         # An edit may leave correct code, such as a new name of a topic that no check requires.
-        if ALL_PASSED not in lines:
+        if {ALL_PASSED, FOR_A_PERSON}.isdisjoint(lines):
             row = "\n".join([f"{mistake.where}: {mistake.what}", *(f"    {line}" for line in lines)])
             yield mistake.where, f"{row}\n"
 

@@ -68,12 +68,12 @@ class Table:
         """Return the lines about a passed task: the verdict, then its points and the next step."""
         if not self.result.passed:
             return []
-        if not self.result.checks:
-            return [FOR_A_PERSON, *filter(None, [self.next_step])]
-        score = f"{self.result.score:g} of {self.result.points:g} points so far."
-        # A person gives the points of a task with a rubric.
-        points = [] if self.result.rubric or not self.next_step else [score]
-        return [ALL_PASSED, *filter(None, [" ".join([*points, self.next_step])])]
+        if self.result.rubric or not self.result.checks:
+            verdict, points = FOR_A_PERSON, []
+        else:
+            verdict = ALL_PASSED
+            points = [f"This task: {self.result.score:g} of {self.result.points:g} points so far."]
+        return [verdict, *([" ".join([*points, self.next_step])] if self.next_step else [])]
 
 
 Row = tuple[str, str, str, str]  # icon, word, title, reason

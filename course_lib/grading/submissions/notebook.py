@@ -13,7 +13,7 @@ from typing import Any
 from course_lib.course.exercise import normalise, source
 from course_lib.course.state import cell_digest
 from course_lib.errors import CourseError
-from course_lib.export.module import bound_names, imported_modules, without_magics
+from course_lib.export.module import bound_names, imported_modules, mutated_names, without_magics
 from course_lib.third_party import compile_python, parse_python, read_json
 
 MAX_BYTES = 20_000_000  # [B] limit for a notebook without its outputs, and for any other file
@@ -205,6 +205,18 @@ class CodeCell:
     def bindings(self) -> frozenset[str]:
         """The names that it binds, except inside functions and classes."""
         return frozenset(bound_names(self.tree))
+
+    @cached_property
+    def changed_names(self) -> frozenset[str]:
+        """The names that it binds, or whose objects it mutates."""
+        mutated = frozenset(name for statement in self.tree.body for name in mutated_names(statement))
+        return self.bindings | mutated
+
+    @cached_property
+    def used_names(self) -> frozenset[str]:
+        """The names that it reads, even inside functions and classes."""
+        names = (node for node in ast.walk(self.tree) if isinstance(node, ast.Name))
+        return frozenset(name.id for name in names if isinstance(name.ctx, ast.Load))
 
     @cached_property
     def checks(self) -> Mapping[str, ast.expr]:

@@ -3,7 +3,7 @@
 import ast
 import json
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property
@@ -132,20 +132,37 @@ class NotebookReview:
         return next((cell for cell in (*unparsable, *before) if cell.syntax_error or cell.is_stub), None)
 
     def _unchecked_cells(self) -> Iterator[str]:
-        """Yield a warning for each cell up to the last check that has no task and was not part of a check."""
+        """Yield a warning for each cell up to the last check on which a task depends, but that no check ran.
+
+        Students measure and try things in other cells, which need no check.
+        """
         checked_digests = frozenset[str]().union(*(last.cells for last in self._last_checks.values()))
         if not checked_digests and not any(cell.ran for cell in self._cells):
             # Nothing is known about any cell.
             return
         of_tasks = [self._own_cell(task) for task in self._tasks]
         end = max((cell.number for cell in self._cells if cell.checks), default=0)
+        names = self._names_of_tasks([cell for cell in of_tasks if cell is not None])
         for cell in self._cells[:end]:
-            if not cell.source.strip() or cell in of_tasks or cell.checks or cell.digest in checked_digests:
+            if cell in of_tasks or cell.checks or cell.digest in checked_digests:
+                continue
+            # A missing task may be in a cell that now defines another name.
+            may_be_task = None in of_tasks and cell.bindings
+            if names.isdisjoint(cell.changed_names) and not may_be_task:
                 continue
             if not cell.ran:
                 yield f"{cell.name} was never run"
             elif checked_digests:
                 yield f"{cell.name} has changed since the last check"
+
+    def _names_of_tasks(self, of_tasks: Iterable[CodeCell]) -> frozenset[str]:
+        """Return the names that the tasks use, directly or in other cells."""
+        names = frozenset[str]().union(*(cell.used_names for cell in of_tasks))
+        while True:
+            definitions = [cell.used_names for cell in self._cells if names & cell.bindings]
+            if (more := names.union(*definitions)) == names:
+                return names
+            names = more
 
     def _unsaved_warning(self) -> Iterator[str]:
         """Warn if the last check may have used changes that are not in the saved file."""
