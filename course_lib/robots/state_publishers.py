@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from ipywidgets import HBox, VBox
 
 _KINDS = ("position", "velocity", "effort")
+# In characters. The end of a longer name of a slider is cut off.
+LONGEST_NAME = 26
 _DEPENDENT = ("parent", "factor", "offset")
 _DEFAULTS: dict[str, Any] = {
     "publish_default_efforts": False,
@@ -249,7 +251,8 @@ def joint_sliders(publisher: JointStatePublisher) -> "VBox | None":
     box = ControlBox([center], lambda: _describe(publisher.joints))
 
     def build() -> None:
-        box.children = [center, *(_row(name, joint) for name, joint in publisher.joints.items())]
+        width = f"{min(max(map(len, publisher.joints), default=0), LONGEST_NAME)}ch"
+        box.children = [center, *(_row(name, joint, width) for name, joint in publisher.joints.items())]
 
     def reset_joints(_: Any) -> None:
         for row, joint in zip(box.children[1:], publisher.joints.values(), strict=True):
@@ -271,7 +274,8 @@ def _describe(joints: Mapping[str, FreeJoint]) -> str:
     return "\n".join(lines)
 
 
-def _row(name: str, joint: FreeJoint) -> "HBox":
+def _row(name: str, joint: FreeJoint, width: str) -> "HBox":
+    """Return a slider whose name is `width` wide, and its limits, which are never cut off."""
     import ipywidgets
 
     from course_lib.controls import Slider
@@ -283,11 +287,12 @@ def _row(name: str, joint: FreeJoint) -> "HBox":
         max=upper,
         step=(upper - lower) / 1000,
         description=name,
-        description_width="14em",
+        description_width=width,
         layout={"width": "34em"},
     )
     slider.observe(lambda change: setattr(joint, "position", change["new"]), "value")
-    return ipywidgets.HBox([slider, ipywidgets.Label(f"{lower:.3f} … {upper:.3f} {joint.unit}")])
+    limits = ipywidgets.Label(f"{lower:.3f} … {upper:.3f} {joint.unit}", layout={"flex": "none"})
+    return ipywidgets.HBox([slider, limits])
 
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
