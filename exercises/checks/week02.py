@@ -38,15 +38,16 @@ WRIST = [0.0, 0.0, 0.5723]  # [m] in the forearm's frame
 SIDE, FORWARD, UP = 0.220941 - 0.1719, 0.612 + 0.5723, 0.1273  # [m]
 WRISTS = {f"wrist_{number}_joint": 0.0 for number in (1, 2, 3)}  # [rad]
 POSE = {"shoulder_lift": -90, "elbow": 60, "wrist_1": -45, "wrist_2": 90, "wrist_3": 0}  # [deg]
-# Two beams that do not count follow each other: 0.05 is less than range_min.
-RANGES = (math.inf, 0.05, 1.5, 3.0, 2.0, 4.0, math.inf)  # [m]
+# Two beams that do not count follow each other: 0.05 is less than range_min. The first beam that
+# counts is not the nearest one.
+RANGES = (math.inf, 0.05, 3.0, 2.0, 1.5, 4.0, math.inf)  # [m]
 EARLIER = (math.nan, 3.0, 2.5, 2.5, 1.2, 4.0, math.inf)
 NOTHING = (math.inf, 0.05, math.nan, 31.0, math.inf, 0.0, -math.inf)  # 31 is more than range_max
 # One beam counts: the first one, or the last one.
 FIRST = (2.0, *NOTHING[1:])
 LAST = (*NOTHING[:-1], 2.0)
 SCANS = (FIRST, EARLIER, NOTHING, EARLIER, NOTHING, EARLIER, LAST, RANGES)  # three times a second
-NEAREST = (1.5 * math.cos(-0.5), 1.5 * math.sin(-0.5), 0.0)  # [m]
+NEAREST = (1.5 * math.cos(0.5), 1.5 * math.sin(0.5), 0.0)  # [m]
 
 JOINT_WAVE = Task(
     "week02.joint_wave",
@@ -102,11 +103,13 @@ TWO_LINK = Task(
                 Call(2.0, 1.0, math.pi / 2, math.pi / 2),
                 # Lengths in fractions of a metre, so that rounding shows.
                 Call(0.6, 0.35, 0.0, math.pi / 2),
+                Call(0.5, 0.4, -math.pi / 2, math.pi / 2),
             ),
             checks=(
                 expect_value([2.0, 1.0], call=0, unit="m", name="the tip, elbow bent by 90°"),
                 expect_value([-1.0, 2.0], call=1, unit="m", name="the tip, both bent by 90°"),
                 expect_value([0.6, 0.35], call=2, unit="m", name="the tip of a small arm, elbow bent by 90°"),
+                expect_value([0.4, -0.5], call=3, unit="m", name="the tip below the x axis"),
             ),
         ),
     ),

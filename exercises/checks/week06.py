@@ -212,6 +212,7 @@ CAMERA_MONITOR = Task(
 ONE = [["/scan", 10.0, 400.0, 4000.0, 0.1]]
 THREE = [
     ["/image", 1.0, 500.0, 500.0, 1.0],
+    ["/map", 0.01, 9000.0, 90.0, 100.0],
     ["/imu", 10.0, 8.0, 80.0, 0.1],
     ["/silent", 0.0, 0.0, 0.0, 0.0],
 ]
@@ -234,8 +235,16 @@ PERFORMANCE_TABLE = Task(
             calls=(
                 Call({"/scan": [(0.0, 400), (0.1, 400), (0.2, 400)]}),
                 Call({"/load": [(1.0, 8)], "/image": [(0.5, 1000), (0.75, 2000), (1.5, 4000)]}),
-                # The images have the highest bandwidth, the imu the highest rate, which /silent must not get.
-                Call({"/imu": [(0.0, 8), (0.1, 8)], "/silent": [], "/image": [(0.0, 500), (1.0, 500)]}),
+                # The images have the highest bandwidth, the map the largest size, and the imu the highest
+                # rate, which /silent must not get.
+                Call(
+                    {
+                        "/imu": [(0.0, 8), (0.1, 8)],
+                        "/silent": [],
+                        "/map": [(0.0, 9000), (100.0, 9000)],
+                        "/image": [(0.0, 500), (1.0, 500)],
+                    }
+                ),
             ),
             checks=lightly(
                 expect_value(ONE, call=0, name="the table of one topic", parts=COLUMNS),

@@ -37,10 +37,10 @@ def standing(lift: Any) -> dict[str, Any]:
     return {"ur10shoulder_lift_joint": lift, "ur10elbow_joint": 0.5, **others}
 
 
-def robot(at: float, base: tuple[float, float, float], height: float) -> Message:
-    """The base in map and the wrist in the base, [m], `at` [s] after the start."""
+def robot(at: float, base: tuple[float, float, float], height: float, yaw: float = 0.0) -> Message:
+    """The base in map and the wrist in the base, [m], `at` [s] after the start; the base has a yaw [rad]."""
     wrist = inputs.pose("base_link", "ur10wrist_3_link", (1.0, 0.2, height))
-    return inputs.transforms((inputs.pose("map", "base_link", base), wrist), at)
+    return inputs.transforms((inputs.pose("map", "base_link", base, yaw), wrist), at)
 
 
 def motion() -> Iterable[Message]:
@@ -125,18 +125,28 @@ SLOWLY = [(0.0, 0.0, 0.7 + 0.006 * step) for step in range(1, 6)]
 SLOW = [*[(0.0, 0.0, z) for z in (0.5, 0.6, 0.7)], *SLOWLY, (0.0, 0.0, 0.75), (0.0, 0.0, 0.77)]
 SMALL_DRIVE = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.06, 0.0, 0.6), (0.06, 0.0, 0.7), (0.06, 0.0, 0.8)]
 FAR_IN_STEPS = [(0.0, 0.0, 0.5), (0.0, 0.0, 0.6), (0.08, 0.0, 0.6), (0.16, 0.0, 0.6), (0.16, 0.0, 0.8)]
+# The base turns by 0.2 rad per step. Its distance from where it was is 0, but not that of the map's origin
+# from the base.
+TURN = 0.2  # [rad]
+ON_THE_SPOT = [(2.0, 0.0, z) for z in (0.5, 0.6, 0.7, 0.8, 0.9)]
 TWO_DRIVES = [(x, 0.0, z) for x in (0.0, 0.2, 0.4) for z in (0.5, 0.6, 0.7, 0.7)]
 
 
-def painted(steps: Sequence[tuple[float, float, float]]) -> list[list[tuple[float, float, float]]]:
-    """The stripes by the two rules, for x and z of the base and the height of the wrist, [m]."""
+def painted(
+    steps: Sequence[tuple[float, float, float]], turn: float = 0.0
+) -> list[list[tuple[float, float, float]]]:
+    """The stripes by the two rules, for x and z of the base and the height of the wrist, [m].
+
+    The base turns by `turn` [rad] in each step.
+    """
     stripes: list[list[tuple[float, float, float]]] = []
     last: tuple[float, float] | None = None
-    for (_, _, before), (x, z, height) in pairwise(steps):
+    for number, ((_, _, before), (x, z, height)) in enumerate(pairwise(steps), 1):
         if abs(height - before) > 0.01 and height > 0.5:
             if last is None or math.dist(last, (x, z)) > 0.1:
                 stripes.append([])
-            stripes[-1].append((x + 1.0, 0.2, z + height))
+            sine, cosine = math.sin(turn * number), math.cos(turn * number)
+            stripes[-1].append((x + cosine - 0.2 * sine, sine + 0.2 * cosine, z + height))
             last = (x, z)
     return stripes
 
@@ -146,11 +156,12 @@ def each_point(stripes: Sequence[Sequence[Any]]) -> Check:
     return expect_topic(PAINT, "visualization_msgs/msg/Marker", at_least=sum(map(len, stripes))).worth(0)
 
 
-def rule(name: str, steps: Sequence[tuple[float, float, float]]) -> Scenario:
+def rule(name: str, steps: Sequence[tuple[float, float, float]], turn: float = 0.0) -> Scenario:
     """A scenario of a few steps, one per 0.1 s, that shows whether one rule is kept."""
-    moves = (robot(0.05 + 0.1 * n, (x, 0.0, z), height) for n, (x, z, height) in enumerate(steps))
-    each = each_point(painted(steps)).titled(f"{name}: each point is published")
-    found = [expect_marker(PAINT, points=stripe).requiring(each) for stripe in painted(steps)]
+    moves = (robot(0.05 + 0.1 * n, (x, 0.0, z), height, turn * n) for n, (x, z, height) in enumerate(steps))
+    expected = painted(steps, turn)
+    each = each_point(expected).titled(f"{name}: each point is published")
+    found = [expect_marker(PAINT, points=stripe).requiring(each) for stripe in expected]
     stripes = [check.titled(f"{name}: stripe {number}") for number, check in enumerate(found, 1)]
     count = expect_marker_count(PAINT, len(stripes), type="LINE_STRIP").requiring(*stripes)
     count = count.titled(f"{name}: the number of stripes")
@@ -189,6 +200,7 @@ PAINT_NODE = Task(
         rule("a wrist that moves by 0.006 m paints nothing, by 0.02 m it does", SLOW),
         rule("a drive of less than 0.1 m does not begin a stripe", SMALL_DRIVE),
         rule("two small drives together begin a stripe", FAR_IN_STEPS),
+        rule("a base that turns on the spot does not begin a stripe", ON_THE_SPOT, TURN),
         rule("each of three stripes has an id of its own", TWO_DRIVES),
     ),
     ghost=tuple(

@@ -82,10 +82,16 @@ HIDDEN = {
     "week02.two_link": (
         Scenario(
             "other arms",
-            calls=(Call(1.0, 0.5, math.pi / 6, -math.pi / 2), Call(0.3, 0.4, -math.pi / 3, math.pi)),
+            calls=(
+                Call(1.0, 0.5, math.pi / 6, -math.pi / 2),
+                Call(0.3, 0.4, -math.pi / 3, math.pi),
+                # The tip is below the x axis.
+                Call(0.5, 0.4, -math.pi / 2, math.pi / 2),
+            ),
             checks=(
                 expect_value([math.sqrt(3) / 2 + 0.25, 0.5 - math.sqrt(3) / 4], call=0, unit="m"),
                 expect_value([-0.05, 0.05 * math.sqrt(3)], call=1, unit="m"),
+                expect_value([0.4, -0.5], call=2, unit="m"),
             ),
         ),
     ),

@@ -42,24 +42,32 @@ LATE = 0.75  # start of the TF broadcasts [s]
 ONE_SWEEP: list[Step] = [(0.1, 0.0, 0.38 + 0.05 * step) for step in range(9)]
 
 
-def painted(steps: Sequence[Step] = STEPS) -> list[list[tuple[float, float, float]]]:
+# The base stands 2 m from the origin and turns by 0.2 rad per step. Its distance from where it was is
+# 0, but not that of the origin as seen from the base.
+TURN = 0.2  # [rad]
+TURNING: list[Step] = [(2.0, 0.0, z) for _, _, z in ONE_SWEEP]
+
+
+def painted(steps: Sequence[Step] = STEPS, turn: float = 0.0) -> list[list[tuple[float, float, float]]]:
     """The stripes that belong there, by the two rules; points in map, [m]."""
     stripes: list[list[tuple[float, float, float]]] = []
     last: tuple[float, float] | None = None
-    for (_, _, before), (x, z, height) in pairwise(steps):
+    for number, ((_, _, before), (x, z, height)) in enumerate(pairwise(steps), 1):
         if abs(height - before) > 0.01 and height > 0.5:
             if last is None or math.dist(last, (x, z)) > 0.1:
                 stripes.append([])
-            stripes[-1].append((x + 0.9, -0.1, z + height))
+            sine, cosine = math.sin(turn * number), math.cos(turn * number)
+            stripes[-1].append((x + 0.9 * cosine + 0.1 * sine, 0.9 * sine - 0.1 * cosine, z + height))
             last = (x, z)
     return stripes
 
 
-def motion(steps: Sequence[Step] = STEPS) -> Iterable[Message]:
-    """The steps, one per 0.1 s, half way between two ticks of the painter."""
+def motion(steps: Sequence[Step] = STEPS, turn: float = 0.0) -> Iterable[Message]:
+    """The steps, one per 0.1 s, half way between two ticks of the painter, each with a turn [rad]."""
     for number, (x, z, height) in enumerate(steps):
         wrist = inputs.pose("base_link", "ur10wrist_3_link", (0.9, -0.1, height))
-        yield inputs.transforms((inputs.pose("map", "base_link", (x, 0.0, z)), wrist), LATE + 0.1 * number)
+        base = inputs.pose("map", "base_link", (x, 0.0, z), turn * number)
+        yield inputs.transforms((base, wrist), LATE + 0.1 * number)
 
 
 def standing(lift: Any) -> dict[str, Any]:
@@ -82,6 +90,7 @@ POINTWISE, ONE_BY_ONE = (
 )
 STRIPES = [expect_marker(PAINT, frame="map", points=stripe).requiring(POINTWISE) for stripe in painted()]
 SWEEP = expect_marker(PAINT, frame="map", points=painted(ONE_SWEEP)[0]).requiring(ONE_BY_ONE)
+WHILE_TURNING = expect_marker(PAINT, frame="map", points=painted(TURNING, TURN)[0]).requiring(ONE_BY_ONE)
 LIFT_ANGLE = (0,)  # index of the angle that may differ by a full turn
 NEAR_PLACE = expect_value([-0.4, 1.1], call=0, unit="rad", angles=LIFT_ANGLE)
 WITH_PARTS_BESIDE = expect_value((0.1 * 1.0 + 0.2 * 2.0) / 4.0, call=0, tolerance=0.01)
@@ -133,6 +142,13 @@ HIDDEN = {
             seed=12,
             inputs=tuple(motion(ONE_SWEEP)),
             checks=(SWEEP.worth(0.5),),
+        ),
+        Scenario(
+            "a base that turns on the spot",
+            seconds=3.0,  # [s]
+            seed=13,
+            inputs=tuple(motion(TURNING, TURN)),
+            checks=(WHILE_TURNING.worth(0.5),),
         ),
     ),
     "week08.lift_and_elbow": (

@@ -59,7 +59,9 @@ def test_swing_time_may_start_one_period_before_the_first_message(evidence: Make
         ),
         ({"amplitude": -0.5}, "phase error of 3.14 rad; half a turn means a wrong sign", "sign"),
         ({"phase": math.pi / 2}, "a phase error of 1.57 rad", "phase"),
-        ({"hz": 1.0}, "does not follow a sine at 0.50 Hz", "does not swing as expected"),
+        ({"hz": 1.0}, "pan swings 1.00 times a second, expected 0.50", "the frequency of a joint"),
+        ({"hz": 0.5 / math.tau}, "pan swings 0.0796 times a second, expected 0.50", "the frequency"),
+        ({"hz": 0.6}, "does not follow a sine at 0.50 Hz", "does not swing as expected"),
         ({"middle": 0.0}, "the middle of pan is 0.00 rad, expected 0.20 rad", "middle position"),
         ({"amplitude": 0.0}, "pan stands still, expected it to swing by 0.50 rad", "stands still"),
         ({"middle": math.nan}, "a position of pan is not finite", "not finite"),
@@ -123,7 +125,7 @@ def test_positions_of_several_still_joints_are_checked_together(evidence: MakeEv
     recorded = evidence(*swing(amplitude=0.0))
     assert expect_joints_still({"pan": 0.2, "lift": 1.0}).judge(recorded).message == "as expected"
     verdict = expect_joints_still({"pan": 0.2, "lift": 0.5, "knee": 0.0}).judge(recorded)
-    assert "the middle of lift is 1.00 rad, expected 0.50 rad" in verdict.message
+    assert "lift stands at 1.00 rad, expected 0.50 rad" in verdict.message
     assert "no position of knee was published on /joint_states" in verdict.message
 
 

@@ -66,6 +66,49 @@ def test_failure_message_reports_received_and_expected_values(
     assert (verdict.score, verdict.message, verdict.mistake) == (0, message, mistake)
 
 
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        # A quarter turn about x leaves a cube as it is, and lays a cylinder down.
+        ({"type": Marker.CUBE, "orientation": (1.0, 0.0, 0.0, 1.0)}, "as expected"),
+        ({"type": Marker.CUBE, "orientation": (0.0, 0.0, 0.4, 0.9)}, "as expected"),
+        (
+            {"type": Marker.CUBE, "orientation": (0.383, 0.0, 0.0, 0.924)},
+            "the cube is tilted by pose.orientation: it is 1.41 m high, expected 1.00 m",
+        ),
+        ({"type": Marker.CYLINDER, "orientation": (1.0, 0.0, 0.0, 0.0)}, "as expected"),
+        ({"type": Marker.CYLINDER, "orientation": (0.0, 0.0, 0.0, 0.0)}, "as expected"),
+        (
+            {"type": Marker.CYLINDER, "orientation": (0.0, 1.0, 0.0, 1.0), "scale__z": 3.0},
+            "the cylinder is tilted by pose.orientation: it is 1.00 m high, expected 3.00 m",
+        ),
+        ({"type": Marker.SPHERE, "orientation": (0.383, 0.0, 0.0, 0.924)}, "as expected"),
+    ],
+)
+def test_height_of_a_tilted_shape_is_not_its_scale(
+    evidence: MakeEvidence, cube: MakeCube, changes: dict[str, Any], message: str
+) -> None:
+    x, y, z, w = changes.pop("orientation")
+    marker = cube(**changes)
+    turn = marker.pose.orientation
+    turn.x, turn.y, turn.z, turn.w = x, y, z, w
+    check = expect_marker(TOPIC, scale=(1.0, 1.0, changes.get("scale__z", 1.0)))
+    assert check.judge(evidence((1, TOPIC, marker))).message == message
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        (2, "none was added; action is DELETE (2), not ADD (0)"),
+        (7, "none was added; action is 7, not ADD (0)"),
+    ],
+)
+def test_action_is_reported_if_no_marker_is_added(
+    evidence: MakeEvidence, cube: MakeCube, action: int, message: str
+) -> None:
+    assert message in RED_CUBE.judge(evidence((1, TOPIC, cube(action=action)))).message
+
+
 def test_invisible_cube_is_reported(evidence: MakeEvidence, cube: MakeCube) -> None:
     verdict = RED_CUBE.judge(evidence((1, TOPIC, cube(color__a=0.0))))
     assert "it is invisible" in verdict.message

@@ -66,6 +66,29 @@ def test_faults_of_a_circular_motion_are_reported(
     assert verdict.mistake.startswith(mistake)
 
 
+def moved(evidence: MakeEvidence, cube: MakeCube, angles: list[float]) -> Evidence:
+    """Return the evidence of a marker at these angles [rad], one in each 0.1 s."""
+    rows = []
+    for tick, angle in enumerate(angles):
+        x, y = 2.0 * math.cos(angle), 2.0 * math.sin(angle)
+        marker = cube(pose__position__x=x, pose__position__y=y, pose__position__z=1.0)
+        rows.append((tick / 10, TOPIC, marker))
+    return evidence(*rows, seconds=len(angles) / 10)
+
+
+def test_motion_in_steps_fails_the_check_of_the_period(evidence: MakeEvidence, cube: MakeCube) -> None:
+    verdict = CIRCLE.judge(moved(evidence, cube, [tick // 10 * math.tau / 10 for tick in range(101)]))
+    assert verdict.message == (
+        "the marker does not move in 90 of 100 messages, and jumps by 36° in others, expected an even motion"
+    )
+
+
+def test_single_jump_is_not_taken_for_degrees(evidence: MakeEvidence, cube: MakeCube) -> None:
+    verdict = CIRCLE.judge(moved(evidence, cube, [tick * math.tau / 100 % math.pi for tick in range(80)]))
+    assert verdict.mistake == "an angle is set back"
+    assert verdict.message.startswith("the marker jumps by 176° from one message to the next, after 5.00 s")
+
+
 def test_circle_without_a_period_needs_half_a_turn(going_round: MakeRound) -> None:
     check = expect_circle(TOPIC, radius=2.0)
     assert check.judge(going_round(seconds=6.0)).score == 1

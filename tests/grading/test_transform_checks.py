@@ -129,6 +129,13 @@ def test_single_pose_is_not_a_circle(evidence: MakeEvidence) -> None:
     assert verdict.message == "base moves for only 0.00 s of 3 s"
 
 
+def test_transform_the_wrong_way_round_is_reported(evidence: MakeEvidence) -> None:
+    check = expect_circling_frame("base", "map", radius=2.0)
+    assert check.judge(evidence(*circling())).message == (
+        "'map' is the parent of 'base' on /tf, expected the other way round"
+    )
+
+
 def test_wrong_parent_frame_is_reported(evidence: MakeEvidence) -> None:
     check = expect_circling_frame("world", "base", radius=2.0)
     assert check.judge(evidence(*circling())).message == "the parent of 'base' is 'map', expected 'world'"

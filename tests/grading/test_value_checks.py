@@ -90,6 +90,11 @@ def test_length_of_a_list_in_a_list_is_a_kind_of_its_own(evidence: MakeEvidence)
         ({}, {"x": 1}, "the value has no 'x'"),
         ([1], [1, 2], "the value has 1 item, expected 2"),
         ([1, 2], [], "the value has 2 items, expected none"),
+        (
+            [[1, 2]],
+            [1, 2],
+            "the value has 1 item, expected 2: it is a list in a list, leave out the outer [ ]",
+        ),
         (3.0, [3.0], "the value is 3.0, expected a list of 1"),
         (None, [], "the value is None, expected an empty list"),
         ([1], {"x": 1}, "the value is [1], expected a dict"),

@@ -19,7 +19,7 @@ fails, the last check of a marker fails, so that surplus markers always cost som
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
@@ -124,12 +124,21 @@ def no_markers_problem(evidence: Evidence, topic: str, at: float | None = None) 
         message = f"{topic} carries {evidence.topics[topic]}, expected {' or '.join(MARKER_MESSAGES)}"
         return Problem(message, "a topic has the wrong message type")
     why = "all were deleted, or their lifetime is over"
-    if not any(marker.action == ADD for _, marker in iter_markers(evidence, topic)):
-        why = "none was added"
+    actions = {marker.action for _, marker in iter_markers(evidence, topic)}
+    if ADD not in actions:
+        why = f"none was added{_describe_actions(actions)}"
     if at is not None and not any(seconds <= at for seconds, _ in iter_markers(evidence, topic)):
         why = "the first one is published later"
     mistake = "no marker is left at the end" if at is None else "no marker is shown in between"
     return Problem(f"{topic} shows no marker {describe_moment(at)}: {why}", mistake)
+
+
+def _describe_actions(actions: Collection[int]) -> str:
+    """Return the end of a message about markers whose actions are all wrong, or ""."""
+    names = {DELETE: "DELETE (2)", DELETE_ALL: "DELETEALL (3)"}
+    if not actions or ADD in actions:
+        return ""
+    return f"; action is {' or '.join(names.get(one, str(one)) for one in sorted(actions))}, not ADD (0)"
 
 
 def invisibility_reason(marker: Any) -> str:
@@ -534,6 +543,9 @@ def _marker_problems(_: Evidence, arguments: Arguments, marker: Any) -> list[Pro
         if (expected := arguments[name]) is not None:
             texts = find(marker, expected, arguments["tolerance"])
             marker_problems += [Problem(f"{noun}{text}", mistake) for text in texts]
+    if not marker_problems and arguments["scale"] is not None:
+        texts = _compare_height(marker, arguments["tolerance"])
+        marker_problems = [Problem(f"{noun}{text}", "a marker is tilted") for text in texts]
     return marker_problems
 
 
@@ -600,6 +612,8 @@ def _reason_for_missing(
     added_markers = [(seconds, marker) for seconds, marker in marker_rows if marker.action == ADD]
     if not marker_rows:
         return "; its arrays are empty", "no marker is added"
+    if actions := _describe_actions({marker.action for _, marker in marker_rows}):
+        return actions, "no marker is added"
     other_types = sorted({type_of(marker) for _, marker in added_markers} - {kind}) if kind else []
     if other_types and not any(type_of(marker) == kind for _, marker in added_markers):
         return f"; its markers are of type {other_types[0]}", WRONG_TYPE
@@ -656,6 +670,23 @@ def _compare_scale(
             yield f": scale.{axis} is {format_number(value, 'm')}, expected {format_number(target, 'm')}"
 
 
+def _compare_height(marker: Any, tolerance: float) -> Iterator[str]:
+    """Yield a message if a standing shape is tilted, so that its height is not scale.z."""
+    kind, size, q = type_of(marker), marker.scale, marker.pose.orientation
+    length = math.hypot(q.x, q.y, q.z, q.w)
+    # RViz2 draws a marker whose quaternion is all zeros without a rotation.
+    if kind not in ("CUBE", "CYLINDER") or not 0 < length < math.inf:
+        return
+    x, y, z, w = (one / length for one in (q.x, q.y, q.z, q.w))
+    # The z axis of the frame, as seen from the shape.
+    up = (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
+    parts = [abs(part * scale) for part, scale in zip(up, (size.x, size.y, size.z), strict=True)]
+    height = sum(parts) if kind == "CUBE" else math.hypot(*parts[:2]) + parts[2]
+    if not is_close(height, abs(size.z), tolerance):
+        actual, expected = format_number(height, "m"), format_number(abs(size.z), "m")
+        yield f" is tilted by pose.orientation: it is {actual} high, expected {expected}"
+
+
 def _compare_yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
     q = marker.pose.orientation
     value = yaw_of(q.x, q.y, q.z, q.w)
@@ -675,6 +706,8 @@ def _compare_yaw(marker: Any, expected: float, _: float) -> Iterator[str]:
         axis = max("xyz", key=lambda name: abs(getattr(q, name)))
         if axis != "z" and abs(getattr(q, axis)) > YAW_TOLERANCE:
             explanations = [f"it is turned about {axis} instead"]
+        if type_of(marker) == "ARROW" and marker.points:
+            explanations = ["points are another way to set a direction, and leave pose.orientation as it is"]
         yield message + "".join(f": {cause}" for cause in explanations[:1])
 
 

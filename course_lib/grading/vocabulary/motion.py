@@ -45,6 +45,7 @@ PERIOD_TOLERANCE = 0.02
 LEAST_TURN = math.pi  # [rad] minimum angle for a path to count as a circle
 # [rad]: with larger steps between messages, the direction of rotation is ambiguous.
 LARGEST_STEP = math.pi / 2
+STILL = 1e-6  # [rad] between two messages
 NAMING = ("type", "ns", "id")
 NOT_MOVING = "a marker does not move as expected"
 # Kinds of mistakes by the exception of tf2.
@@ -197,18 +198,15 @@ def check_turn(
     total_angle, seconds = sum(steps), path[-1][0] - path[0][0]
     if sum(abs(step) for step in steps) < 1e-3:
         return [Problem(f"{noun} stands still, expected it to move along a circle", NOT_MOVING)]
-    if (jump := max(map(abs, steps))) > LARGEST_STEP:
-        message = f"{noun} jumps by {math.degrees(jump):.0f}° from one message to the next"
-        return [
-            Problem(
-                f"{message}: are degrees used instead of radians?", "an angle jumps from message to message"
-            )
-        ]
+    if problem := _find_jump(path, steps, noun):
+        return [problem]
     if counter_clockwise is not None and (total_angle > 0) != counter_clockwise:
         names = ("clockwise", "counter-clockwise")
         message = f"{noun} goes {names[total_angle > 0]} (from above), expected {names[counter_clockwise]}"
         return [Problem(message, "the direction of turning is wrong")]
     if period is not None:
+        if problem := _find_standstill(steps, noun):
+            return [problem]
         actual = seconds * math.tau / abs(total_angle) if total_angle else math.inf  # [s]
         gap = describe_offset(actual, period, "too slow", "too fast", "s")
         message = f"one turn takes {format_number(actual, 's')}, expected {format_number(period, 's')}: {gap}"
@@ -216,6 +214,30 @@ def check_turn(
         return [] if right else [Problem(message, "the time of one turn is wrong")]
     message = f"{noun} turns by only {math.degrees(abs(total_angle)):.0f}°"
     return [] if abs(total_angle) >= LEAST_TURN else [Problem(message, "too little of the circle was driven")]
+
+
+def _find_jump(path: Path, steps: Sequence[float], noun: str) -> Problem | None:
+    """Return the problem of an angle that jumps: in each message, or only now and then."""
+    jump = max(steps, key=abs)
+    if abs(jump) <= LARGEST_STEP:
+        return None
+    message = f"{noun} jumps by {math.degrees(abs(jump)):.0f}° from one message to the next"
+    if np.median(np.abs(steps)) > LARGEST_STEP:
+        message = f"{message}: are degrees used instead of radians?"
+        return Problem(message, "an angle jumps from message to message")
+    seconds = path[steps.index(jump) + 1][0]
+    message = f"{message}, after {format_number(seconds, 's')}: is the angle set to another value there?"
+    return Problem(message, "an angle is set back")
+
+
+def _find_standstill(steps: Sequence[float], noun: str) -> Problem | None:
+    """Return the problem of a motion that is not even: most messages repeat a position."""
+    still = sum(abs(step) < STILL for step in steps)
+    if still <= len(steps) / 2:
+        return None
+    jump = math.degrees(max(map(abs, steps)))
+    message = f"{noun} does not move in {still} of {len(steps)} messages, and jumps by {jump:.0f}° in others"
+    return Problem(f"{message}, expected an even motion", "a position is repeated from message to message")
 
 
 @check_function("where {source} is in {target}")
@@ -281,7 +303,11 @@ def expect_circling_frame(
         message = f"every transform of {frame!r} has the stamp 0: tf2 knows it at no other time"
         return [Problem(message, "a transform has wrong stamps")]
     if not poses:
-        other_frames = sorted({pose.child for _, pose in _iter_transforms(evidence, "/tf")})
+        others = [pose for _, pose in _iter_transforms(evidence, "/tf")]
+        if any((pose.parent, pose.child) == (frame, target) for pose in others):
+            message = f"{frame!r} is the parent of {target!r} on /tf, expected the other way round"
+            return [Problem(message, "a frame has the wrong parent")]
+        other_frames = sorted({pose.child for pose in others})
         only = f", only of {', '.join(map(repr, other_frames[:MAX_NAMED]))}" if other_frames else ""
         return [Problem(f"no transform of {frame!r} was published on /tf{only}", "a transform is missing")]
     strange = sorted({pose.parent for _, pose in poses} - {target})
@@ -449,6 +475,11 @@ TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 NOT_ALL_THE_TIME = "a joint is not published all the time"
 TOLERANCE, TIME_TOLERANCE = 1e-3, 0.05  # [rad], [s]
 UNIT_TOLERANCE = 0.01  # tolerance of a quaternion's length
+# Actual divided by expected frequency: twice or half, 2 pi left out, a period for a frequency.
+OTHER_FREQUENCIES = (
+    *(0.5, 2.0, 0.25, 4.0, 1 / math.tau, math.tau, 1 / math.pi, math.pi),
+    *(1 / 3, 3.0, 1.5, 2 / 3, 8.0, 16.0, 0.125, 1 / 16),
+)
 
 
 @check_function("every joint has a name and a position")
@@ -574,11 +605,15 @@ def _compare_swing(
         yield Problem(message, "a joint moves that should stand still")
         return
     if max_residual > max(tolerance, 0.05 * actual):
-        message = f"{joint} does not follow a sine at {format_number(hz)} Hz"
-        yield Problem(
-            f"{message}: it is up to {format_number(max_residual, 'rad')} off",
-            "a joint does not swing as expected",
-        )
+        if amplitude is None or (other := _frequency_of(wave, positions, hz, tolerance / 20)) is None:
+            message = f"{joint} does not follow a sine at {format_number(hz)} Hz"
+            yield Problem(
+                f"{message}: it is up to {format_number(max_residual, 'rad')} off",
+                "a joint does not swing as expected",
+            )
+        else:
+            message = f"{joint} swings {format_number(other)} times a second, expected {format_number(hz)}"
+            yield Problem(message, "the frequency of a joint's position is wrong")
         return
     if amplitude is None:
         if actual <= tolerance:
@@ -600,8 +635,31 @@ def _compare_swing(
         )
         yield Problem(message, "the phase or the sign of a joint's position is wrong")
     if not is_close(came_middle, middle, tolerance):
-        message = f"the middle of {joint} is {_format_angles(came_middle, middle)}"
-        yield Problem(message, "the middle position of a joint is wrong")
+        angles = _format_angles(came_middle, middle)
+        if amplitude == 0:
+            yield Problem(f"{joint} stands at {angles}", "a joint stands at the wrong position")
+        else:
+            yield Problem(f"the middle of {joint} is {angles}", "the middle position of a joint is wrong")
+
+
+def _frequency_of(
+    wave: np.ndarray[Any, Any], positions: np.ndarray[Any, Any], hz: float, tolerance: float
+) -> float | None:
+    """Return the frequency [Hz] of another sine that the positions follow, or None.
+
+    Args:
+        wave: The angle of the expected sine at each position [rad].
+        positions: The positions [rad].
+        hz: The expected frequency.
+        tolerance: The largest difference from a sine [rad]. Slow sines differ little from each other,
+            so that it has to be small.
+    """
+    for ratio in OTHER_FREQUENCIES:
+        columns = np.array([np.sin(ratio * wave), np.cos(ratio * wave), np.ones(len(wave))]).T
+        fit = np.linalg.lstsq(columns, positions)[0]
+        if np.abs(columns @ fit - positions).max() <= tolerance:
+            return ratio * hz
+    return None
 
 
 def _format_angles(actual: float, expected: float) -> str:

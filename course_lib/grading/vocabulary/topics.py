@@ -311,7 +311,9 @@ def expect_stamps(
         stamp = message.header.stamp
         lateness = stamp.sec - START_NS // 10**9 + stamp.nanosec / 1e9 - seconds  # [s]
         if stamp.sec == 0:
-            return [Problem(f"header.stamp on {topic} is not set (sec = 0)", "a stamp is not set")]
+            # A stamp that belongs to the input must not be set to the time of publishing.
+            mistake = "a stamp is not copied" if delay else "a stamp is not set"
+            return [Problem(f"header.stamp on {topic} is not set (sec = 0)", mistake)]
         if delay and not is_close(lateness, -delay, tolerance):
             by = format_number(abs(lateness + delay), "s")
             how = "later" if lateness > -delay else "earlier"
