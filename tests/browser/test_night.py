@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Locator, expect
 
 from course_lib.course.questions import load_prediction, load_quiz
-from tests.browser.jupyterlab import Lab, Notebook, opened, red_pixels
+from tests.browser.jupyterlab import KERNEL, Lab, Notebook, opened, red_pixels
 from tests.browser.waiting import A_FRAME, wait_until
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -212,3 +212,23 @@ def test_open_page_reports_the_end_of_its_kernel_and_the_continue_button_starts_
     expect(cell.locator(".course-saved")).to_have_count(0)
     expect(cell.locator("input[type=radio]").first).to_be_visible()
     assert reopened.errors() == []
+
+
+def test_controls_of_a_restarted_kernel_become_text_without_broken_links(reopened: Notebook) -> None:
+    reopened.run_all()
+    sliders = reopened.cell("joint_sliders(")
+    number = sliders.get_by_role("spinbutton", name="elbow_joint, as a number")
+    number.fill("0.75")
+    number.press("Enter")
+    reopened.page.evaluate(f"{KERNEL}.restart()")
+    expect(saved(sliders).get_by_text("The kernel has ended.")).to_be_visible()
+    expect(sliders.get_by_text("0.750", exact=True)).to_be_visible()
+    expect(sliders.locator("input")).to_have_count(0)
+    live = reopened.cell("run_live(")
+    expect(live.get_by_text("idler ran here. Run this cell to start it again.")).to_be_visible()
+    view = reopened.cell("viewer.add")
+    expect(view.locator("canvas").first).to_be_visible()
+    icons = """cell => [...cell.querySelectorAll(".jupyter-widgets-disconnected")]
+        .map(widget => getComputedStyle(widget, "::before").content)"""
+    assert set(view.evaluate(icons)) <= {"none"}
+    picture(reopened, "night_restarted")

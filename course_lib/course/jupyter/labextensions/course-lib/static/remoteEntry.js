@@ -75,13 +75,17 @@
     await app.commands.execute("notebook:run-cell");
   }
 
-  /** Show what was saved beside a widget in the place of the widget. */
-  async function showSaved(app, tracker, rendermime, renderer, model) {
-    const type = SAVED.find((one) => model.data[one]);
-    const text = [model.data["text/plain"] ?? ""].flat().join("");
-    const isEmpty = !type || (type === "text/plain" && REPR.test(text));
+  /** Return the type of what was saved beside a widget, or undefined. */
+  function savedType(data) {
+    const type = SAVED.find((one) => data[one]);
+    return type === "text/plain" && REPR.test([data[type]].flat().join("")) ? undefined : type;
+  }
+
+  /** Show what was saved beside a widget in the place of the widget, and a line below it. */
+  async function showSaved(app, tracker, rendermime, renderer, model, line = LINE) {
+    const type = savedType(model.data);
     const parts = [];
-    if (!isEmpty) {
+    if (type) {
       const saved = rendermime.createRenderer(type);
       await saved.renderModel(model);
       parts.push(saved.node);
@@ -89,7 +93,7 @@
     const cell = await waitForCell(tracker, renderer);
     if (renderer.isDisposed || renderer.widgets.length) return;
     renderer.node.replaceChildren(); // before looking for a line: this may be the second time
-    parts.push(...lineFor(app, tracker, cell, isEmpty ? NOTHING : LINE));
+    parts.push(...lineFor(app, tracker, cell, type ? line : NOTHING));
     renderer.show();
     renderer.node.replaceChildren(...parts);
   }
@@ -112,21 +116,28 @@
     return [line];
   }
 
+  /** Hide the broken links that ipywidgets draws at each control of a kernel that has ended: a line says it once. */
+  function hideBrokenLinks() {
+    const style = document.createElement("style");
+    style.textContent = ".jp-Cell:has(.course-saved) .jupyter-widgets-disconnected::before { content: none; }";
+    document.head.append(style);
+  }
+
   /** Have all widgets' outputs fall back to what was saved, and say below them that their kernel has ended. */
   function keep(app, rendermime, tracker) {
-    /** Outputs of widgets. */
-    const renderers = new Set();
+    /** The models of outputs of widgets. */
+    const models = new Map();
     const sample = rendermime.createRenderer(WIDGET);
     const prototype = Object.getPrototypeOf(sample);
     sample.dispose();
     const render = prototype.renderModel;
     prototype.renderModel = async function (model) {
       const id = model.data[WIDGET]?.model_id;
+      if (!models.has(this)) this.disposed.connect(() => models.delete(this));
+      models.set(this, model);
       // The widget is there already: only what is saved beside it has changed.
       if (id && this.courseShows === id && this.widgets.length) return;
       this.courseShows = id;
-      if (!renderers.has(this)) this.disposed.connect(() => renderers.delete(this));
-      renderers.add(this);
       const showUnlessThere = () => {
         if (!this.isDisposed && !this.widgets.length) showSaved(app, tracker, rendermime, this, model);
       };
@@ -137,10 +148,17 @@
     };
     return (notebook) => {
       if (notebook.isDisposed) return;
-      for (const renderer of renderers) {
+      savePictures(notebook);
+      for (const [renderer, model] of [...models]) {
         const cell = cellOf(tracker, renderer);
-        const isOfNotebook = cell && notebook.content.widgets.includes(cell);
-        if (isOfNotebook && renderer.widgets.length) renderer.node.append(...lineFor(app, tracker, cell, ENDED));
+        if (!cell || !notebook.content.widgets.includes(cell) || !renderer.widgets.length) continue;
+        // A view can still be turned. A control would look as if it worked.
+        const isView = renderer.node.querySelector(".course-keeps");
+        if (isView || !savedType(model.data)) renderer.node.append(...lineFor(app, tracker, cell, ENDED));
+        else {
+          for (const widget of [...renderer.widgets]) widget.parent = null;
+          showSaved(app, tracker, rendermime, renderer, model, ENDED);
+        }
       }
     };
   }
@@ -176,6 +194,7 @@
     controlsOf(copy).forEach((control, i) => {
       const value = document.createElement("span");
       value.style.whiteSpace = "pre-wrap";
+      if (live[i].type === "number") value.style.cssText = "display: inline-block; min-width: 4em"; // as a column
       value.textContent = valueOf(live[i]);
       control.replaceWith(value);
     });
@@ -298,6 +317,7 @@
       autoStart: true,
       requires: [IRenderMimeRegistry, INotebookTracker, base.IJupyterWidgetRegistry],
       activate: (app, rendermime, tracker) => {
+        hideBrokenLinks();
         const sayEnded = keep(app, rendermime, tracker);
         arrangePanels(app, tracker);
         const watch = (panel) => {
