@@ -1,18 +1,20 @@
 """Which files are collected, and which worker of pytest-xdist runs which of them.
 
-Pages draw in software, and their live nodes work for as long as a test waits: a few of them keep all
-processors busy. Most other tests wait without work. In the order of their names, all workers would run
-browsers at the same time, and later all of them would wait.
+Pages draw in software, and their live nodes work for as long as a test waits: one browser keeps a processor
+busy. Tests of networks wait without work. In the order of their names, all workers would run browsers at the
+same time, and later all of them would wait.
 """
 
 import re
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pytest
 from xdist.scheduler import LoadFileScheduling  # type: ignore[import-untyped]  # ships no types
 
+# Tests that wait for links, kernels and processes take less than a third of a processor.
+WAITING = ("tests/gateway/", "tests/real/", "tests/ros/dds/", "tests/ros/zenoh/")
 BROWSER = "tests/browser/"
 # The longest files, first those that take minutes. If one of them began last, the other workers would
 # wait for its end.
@@ -29,30 +31,43 @@ LONGEST = (
     "tests/authoring/test_guide.py",
     "tests/tools/test_determinism.py",
 )
+Kind = Literal["browser", "busy", "waiting"]
+# The kinds that the first worker runs first, the second and the third one, and again from the fourth one on.
+FIRST: tuple[Kind, ...] = ("browser", "busy", "waiting")
+# What a worker takes that has no files of its kind left. A browser and a JupyterLab would be started for it.
+AFTERWARDS: tuple[Kind, ...] = ("busy", "waiting", "browser")
 
 
-class BrowsersBesideOthers(LoadFileScheduling):  # type: ignore[misc]  # as above
-    """Assign the files with browsers to every second worker first, and other files to the others.
+def kind_of(file: str) -> Kind:
+    """Return what a file's tests do most of the time."""
+    if file.startswith(BROWSER):
+        return "browser"
+    return "waiting" if file.startswith(WAITING) else "busy"
 
-    A worker runs the files of one kind one after the other: they share a browser and a JupyterLab.
+
+class ByKind(LoadFileScheduling):  # type: ignore[misc]  # as above
+    """Assign browsers to one of three workers, waiting tests to another one, other files to the third one.
+
+    A worker runs the files of one kind one after the other: those with browsers share one and a JupyterLab.
     The longest files of each kind come first.
     """
 
     def _assign_work_unit(self, node: Any) -> None:
-        takes_browsers = self.nodes.index(node) % 2 == 0
+        own = FIRST[self.nodes.index(node) % len(FIRST)]
 
-        def order(file: str) -> tuple[bool, int]:
+        def order(file: str) -> tuple[bool, int, int]:
+            kind = kind_of(file)
             rank = LONGEST.index(file) if file in LONGEST else len(LONGEST)
-            return file.startswith(BROWSER) != takes_browsers, rank
+            return kind != own, AFTERWARDS.index(kind), rank
 
         self.workqueue.move_to_end(min(self.workqueue, key=order), last=False)
         super()._assign_work_unit(node)
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> BrowsersBesideOthers | None:
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> ByKind | None:
     """Use this order where files are distributed."""
-    return BrowsersBesideOthers(config, log) if config.getoption("dist") == "loadfile" else None
+    return ByKind(config, log) if config.getoption("dist") == "loadfile" else None
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:

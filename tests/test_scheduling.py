@@ -1,4 +1,4 @@
-"""Workers of pytest-xdist run browsers beside other files, long files first, and collect no file in vain."""
+"""Workers of pytest-xdist run files of different kinds at a time, long ones first, and none in vain."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,10 +7,17 @@ from typing import Any
 
 import pytest
 
-from tests.scheduling import BROWSER, LONGEST, BrowsersBesideOthers, may_be_slow, pytest_ignore_collect
+from tests.scheduling import LONGEST, WAITING, ByKind, kind_of, may_be_slow, pytest_ignore_collect
 
 BROWSER_FILES = [f"tests/browser/test_{name}.py" for name in "bcd"]
-FILES = ["tests/book/test_a.py", *BROWSER_FILES, *(f"tests/ros/test_{name}.py" for name in "efghijk")]
+WAITING_FILES = [f"tests/gateway/test_{name}.py" for name in "ef"]
+FILES = [
+    "tests/book/test_a.py",
+    *BROWSER_FILES,
+    *WAITING_FILES,
+    *(f"tests/ros/test_{x}.py" for x in "ghijkl"),
+]
+Order = Callable[[list[str], int], list[list[str]]]
 
 
 class Worker:
@@ -29,15 +36,13 @@ class Worker:
 
 
 @pytest.fixture
-def order(
-    pytestconfig: pytest.Config, monkeypatch: pytest.MonkeyPatch
-) -> Callable[[list[str]], list[list[str]]]:
-    """Distribute files of one test each, all of which take equally long, to two workers."""
-    monkeypatch.setattr(pytestconfig.option, "tx", ["2*popen"])
+def order(pytestconfig: pytest.Config, monkeypatch: pytest.MonkeyPatch) -> Order:
+    """Distribute files with one test each, all of which take equally long, to workers."""
     monkeypatch.setattr(pytestconfig.option, "loadscopereorder", False)
 
-    def order(files: list[str]) -> list[list[str]]:
-        scheduler, workers = BrowsersBesideOthers(pytestconfig), [Worker(), Worker()]
+    def order(files: list[str], count: int) -> list[list[str]]:
+        monkeypatch.setattr(pytestconfig.option, "tx", [f"{count}*popen"])
+        scheduler, workers = ByKind(pytestconfig), [Worker() for _ in range(count)]
         for worker in workers:
             node: Any = worker
             scheduler.add_node(node)
@@ -53,19 +58,25 @@ def order(
     return order
 
 
-def test_every_second_worker_starts_with_browsers_and_helps_the_others_afterwards(
-    order: Callable[[list[str]], list[list[str]]],
+@pytest.mark.parametrize(
+    ("count", "expected"), [(1, ["bcdaghijklef"]), (2, ["bcdike", "aghjlf"]), (3, ["bcdj", "aghk", "efil"])]
+)
+def test_each_worker_starts_with_files_of_one_kind_and_helps_the_others_afterwards(
+    count: int, expected: list[str], order: Order
 ) -> None:
-    assert ["".join(file[-4] for file in files) for files in order(FILES)] == ["bcdgik", "aefhj"]
+    assert ["".join(file[-4] for file in files) for files in order(FILES, count)] == expected
 
 
-def test_longest_files_start_first_on_the_workers_of_their_kind(
-    order: Callable[[list[str]], list[list[str]]],
-) -> None:
-    first, second = order([*FILES, *reversed(LONGEST)])
-    browsers = [file for file in LONGEST if file.startswith(BROWSER)]
-    assert first[: len(browsers)] == browsers
-    assert second[: len(LONGEST) - len(browsers)] == [file for file in LONGEST if file not in browsers]
+@pytest.mark.parametrize("kind", ["browser", "busy"])
+def test_longest_files_of_each_kind_start_first(kind: str, order: Order) -> None:
+    (files,) = order([*FILES, *reversed(LONGEST)], 1)
+    expected = [file for file in LONGEST if kind_of(file) == kind]
+    assert [file for file in files if kind_of(file) == kind][: len(expected)] == expected
+
+
+@pytest.mark.parametrize("folder", WAITING)
+def test_folder_of_waiting_tests_exists(folder: str, pytestconfig: pytest.Config) -> None:
+    assert (pytestconfig.rootpath / folder).is_dir()
 
 
 @pytest.mark.parametrize("file", LONGEST)
