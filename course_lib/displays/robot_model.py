@@ -155,7 +155,7 @@ class LinkSettings:
 
 
 class DrawnLink:
-    """A link below its node of the scene. Invisible parts are not created."""
+    """The scene nodes of a link. Invisible parts have no nodes."""
 
     def __init__(self, scene: Scene, path: str, link: Link, file: Path | None) -> None:
         self.name = link.name

@@ -333,7 +333,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Fault:
-    """An error of the kit or the machine, because of which a submission has no judgement."""
+    """An error of the kit or the machine that prevented the judgement of a submission."""
 
     kind: str
     text: str

@@ -109,7 +109,7 @@ def waypoints_of(message: JointTrajectory, joints: Sequence[str], now: Time) -> 
     order = [list(message.joint_names).index(joint) for joint in joints]
     waypoints = []
     for point in message.points:
-        # Positions, velocities and accelerations count up to the first empty field.
+        # Only the fields before the first empty one are used.
         fields = list(takewhile(len, (getattr(point, name) for name in _FIELDS)))
         waypoints.append(Waypoint(_seconds(point), np.array(fields)[:, order]))
     return waypoints

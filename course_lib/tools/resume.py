@@ -197,7 +197,7 @@ def _run(shell: "InteractiveShell", source: str) -> str:
     from IPython.utils.capture import capture_output
 
     # Messages of JupyterLab's widgets arrive in another thread while a cell runs. For each of them
-    # the kernel calls `set_parent` of the display publisher, which only its own publisher has.
+    # the kernel calls `set_parent` of the display publisher, a method that the capturing one lacks.
     receiving = patch.object(
         CapturingDisplayPublisher, "set_parent", lambda publisher, parent: None, create=True
     )

@@ -524,7 +524,7 @@ _IDENTITY = np.eye(4)
 class Visualizer(meshcat.Visualizer):  # type: ignore[misc]  # meshcat has no types
     """A meshcat.Visualizer that draws into a scene: ``MeshcatVisualizer.initViewer(viewer=...)``."""
 
-    # The path as the scene writes it.
+    # The path as a string, as the scene uses it.
     __slots__ = ("place",)
 
     def __init__(self, scene: Scene) -> None:

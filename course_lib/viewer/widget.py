@@ -37,7 +37,7 @@ class SidePanel:
         self._panel: Widget | None = None
 
     def take(self, widget: "SceneWidget") -> None:
-        """Show a widget, which a cell is about to display, in the panel, if the notebook uses one."""
+        """Dock a widget that a cell is about to display, if the notebook uses the panel."""
         with self._lock:
             if self.is_wanted:
                 self._add(widget)

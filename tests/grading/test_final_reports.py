@@ -55,7 +55,7 @@ def test_reports_are_not_final_while_a_mark_is_open(
 ) -> None:
     write_notebook(tmp_path / "in/bob/week01_exercise.ipynb", right, student="eve")
     grade(tmp_path / "in", graded, jobs=1, course=course, resume=True)
-    with pytest.raises(CourseError, match=r"1 mark of week01_exercise not final yet \(bob\): mark or grade"):
+    with pytest.raises(CourseError, match=r"1 open mark of week01_exercise \(bob\): mark or grade"):
         show_hidden_checks(graded, EXERCISE, course=course)
     with pytest.raises(CourseError, match="no results for --exercise week09_exercise; it has"):
         show_hidden_checks(graded, "week09", course=course)

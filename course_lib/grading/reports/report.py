@@ -449,7 +449,7 @@ def show_hidden_checks(
         waiting = [one.student for one in results if one.row.status in OPEN]
         if is_final and waiting:
             raise CourseError(
-                f"{format_count(len(waiting), 'mark')} of {exercise} not final yet "
+                f"{format_count(len(waiting), 'open mark')} of {exercise} "
                 f"({join_few(waiting)}): mark or grade them first; gradebook.csv has the reasons"
             )
         exercises = final_exercises(out) - {exercise} | ({exercise} if is_final else set())

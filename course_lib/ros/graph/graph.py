@@ -265,11 +265,11 @@ class Graph:
         return [node for node in self._nodes.values() if node.id not in self._hidden_nodes]
 
     def endpoints(self) -> list[EndpointInfo]:
-        """List the publishers and subscriptions in the order of their creation."""
+        """List the publishers and subscriptions, sorted by creation."""
         return [info for info in self._topics.endpoints() if info.node not in self._hidden_nodes]
 
     def endpoints_on(self, topic: str) -> list[EndpointInfo]:
-        """List the publishers and subscriptions of a topic in the order of their creation."""
+        """List the publishers and subscriptions of a topic, sorted by creation."""
         return [info for info in self._topics.endpoints_on(topic) if info.node not in self._hidden_nodes]
 
     def incompatible_policy(

@@ -569,11 +569,11 @@ class RemoteGraph(Graph):
         return [NodeInfo(*row) for row in self._channel.receive()[1]]
 
     def endpoints(self) -> list[EndpointInfo]:
-        """List the publishers and subscriptions in the order of their creation."""
+        """List the publishers and subscriptions, sorted by creation."""
         return self._request_endpoints(["endpoints"])
 
     def endpoints_on(self, topic: str) -> list[EndpointInfo]:
-        """List the publishers and subscriptions of a topic in the order of their creation."""
+        """List the publishers and subscriptions of a topic, sorted by creation."""
         return self._request_endpoints(["endpoints_on", topic])
 
     def _request_endpoints(self, frame: list[Any]) -> list[EndpointInfo]:

@@ -196,12 +196,12 @@ class Topics:
         self._receivers: dict[int, list[Subscription]] = {}
 
     def endpoints(self) -> list[EndpointInfo]:
-        """List all endpoints in the order of their creation."""
+        """List all endpoints, sorted by creation."""
         infos = [p.info for p in self.publishers.values()] + [s.info for s in self.subscriptions.values()]
         return sorted(infos, key=lambda info: info.id)
 
     def endpoints_on(self, topic: str) -> list[EndpointInfo]:
-        """List the endpoints of a topic in the order of their creation."""
+        """List the endpoints of a topic, sorted by creation."""
         endpoints = (*self._publishers_by_topic.get(topic, ()), *self._subscriptions_by_topic.get(topic, ()))
         return sorted((endpoint.info for endpoint in endpoints), key=lambda info: info.id)
 

@@ -322,7 +322,7 @@ def drive_between_cells(graph: Graph) -> None:
 
 
 def drive_threads() -> None:
-    """Drive threads of cells that wait for robot time, such as one in `rclpy.spin`, between the cells."""
+    """Drive the graph between the cells while threads wait for robot time, for example in `rclpy.spin`."""
     graph = current_graph()
     if time_lock.has_waiting_threads(graph) and pace.mode() == "real":
         drive_between_cells(graph)

@@ -206,7 +206,7 @@ class TimeLock:
         self._polls_in_cells = 0
         self._waiting: list[ProgramThread] = []
         self._holder: ProgramThread | None = None
-        # Numbers for threads, in the order of their creation.
+        # Numbers of threads, ascending by creation.
         self._numbers = itertools.count(1)
         self._mutex = _thread.allocate_lock()
         self._is_signalled = False

@@ -156,7 +156,7 @@ def _gray(planes: Mapping[str, Pixels], weights: Mapping[str, int], bits: int) -
 
 
 def _yuv_planes(pixels: Pixels, chroma: int, luma: int) -> dict[str, Pixels]:
-    """Return the color planes of pixels of which each pair shares U and V."""
+    """Return the color planes of a 4:2:2 image, in which two neighboring pixels share U and V."""
     bright = np.maximum(pixels[..., luma].astype(np.int64) - 16, 0) * _LUMA
     u, v = (np.repeat(pixels[:, start::2, chroma].astype(np.int64) - 128, 2, axis=1) for start in (0, 1))
     sums = {name: bright + u * for_u + v * for_v for name, (for_u, for_v) in _CHROMA.items()}

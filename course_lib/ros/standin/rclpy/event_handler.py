@@ -42,7 +42,7 @@ class QoSRequestedDeadlineMissedInfo:
 
 @dataclass
 class QoSRequestedIncompatibleQoSInfo(QoSRequestedDeadlineMissedInfo):
-    """The number of incompatible endpoints, and the policy because of which the last one was rejected."""
+    """The number of incompatible endpoints, and the policy that rejected the last one."""
 
     last_policy_kind: RmwPolicyKind
 

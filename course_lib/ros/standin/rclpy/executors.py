@@ -487,7 +487,7 @@ class Executor(AbstractContextManager["Executor"]):
         return self.__next_callback()
 
     def __tasks_in_order(self) -> list[Task]:
-        """List the tasks that can continue in the order of their creation."""
+        """List the tasks that can continue, sorted by creation."""
         ready = (task for task in self._tasks if task._course_can_go_on())
         return sorted(ready, key=lambda task: task._course_number)
 

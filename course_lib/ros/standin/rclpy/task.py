@@ -212,7 +212,7 @@ class Task(_AnyFuture):
         elif not inspect.iscoroutine(handler):
             self._handler = partial(_call, handler, args, kwargs or {})
         self._course_awaited: Future[Any] | None = None
-        # The position among the tasks of its executor, in the order of their creation.
+        # The position among the tasks of its executor, sorted by creation.
         self._course_number = next(order)
         self._executing = False
 
