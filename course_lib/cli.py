@@ -66,10 +66,10 @@ def robot(
     with_parent: Annotated[bool, typer.Option("--with-parent", hidden=True)] = False,
 ) -> None:
     """Run a simulated robot, whose topics, services and actions are available over the network."""
-    from course_lib.gateway.robot import THIS_COMPUTER, RobotPlace
+    from course_lib.gateway.robot import THIS_COMPUTER, SimulatedRobotAddress
     from course_lib.gateway.robot import robot as run_robot
 
-    place = RobotPlace(THIS_COMPUTER if dds or ros else listen, domain, ros)
+    place = SimulatedRobotAddress(THIS_COMPUTER if dds or ros else listen, domain, ros)
     raise typer.Exit(run_robot(kind, place, typer.echo, with_parent=with_parent))
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from unittest.mock import patch
 
 from course_lib.displays.display import DrawnDisplay
-from course_lib.displays.properties import Limited, Property, PropertyHolder
+from course_lib.displays.properties import LimitedConversion, Property, PropertyHolder
 from course_lib.displays.registry import REGISTRY, short_name
 from course_lib.displays.views import VIEWS
 from course_lib.recording import Recording
@@ -68,7 +68,7 @@ def _shown(value: object) -> str:
 
 
 def _takes(row: Property) -> str:
-    if not isinstance(row.convert, Limited):
+    if not isinstance(row.convert, LimitedConversion):
         return TAKES.get(getattr(row.convert, "__name__", ""), "text")
     if row.convert.editor == "enum":
         return ", ".join(option for option in row.convert.options if option)
@@ -76,7 +76,7 @@ def _takes(row: Property) -> str:
     return " ".join([kind, *_bounds(row.convert)])
 
 
-def _bounds(limits: Limited) -> Iterator[str]:
+def _bounds(limits: LimitedConversion) -> Iterator[str]:
     if abs(limits.low) < 2**31 - 1:
         yield f"from {limits.low:g}"
     if abs(limits.high) < 2**31 - 1:

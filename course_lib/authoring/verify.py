@@ -398,7 +398,7 @@ class WeekReport:
     kept: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def replace(self) -> int:
+    def placeholder_count(self) -> int:
         """The number of remaining template placeholders."""
         return sum(self.placeholders.values())
 
@@ -611,7 +611,7 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
         for r in reports
         for place, count in r.placeholders.items()
     ]
-    output += [_kept_line(report) for report in reports if report.kept]
+    output += [_wrong_answer_points_line(report) for report in reports if report.kept]
     aspects: Mapping[str, str] = {f.aspect: ASPECTS[f.aspect] for r in reports for f in r.flaws}
     requirements = [f"{aspect}: {text}" for aspect, text in aspects.items()]
     week_count = sum(bool(report.flaws) for report in reports)
@@ -625,9 +625,9 @@ def lines(reports: Sequence[WeekReport], course: Course) -> list[str]:
 
 def _open_question_lines(reports: Iterable[WeekReport]) -> list[str]:
     return [
-        f"{r.week}: {format_count(r.replace, 'place')} of the template left, look for {PLACEHOLDER}"
+        f"{r.week}: {format_count(r.placeholder_count, 'place')} of the template left, look for {PLACEHOLDER}"
         for r in reports
-        if r.replace
+        if r.placeholder_count
     ]
 
 
@@ -638,7 +638,7 @@ def report_placeholders(course: Course) -> list[str]:
     )
 
 
-def _kept_line(report: WeekReport) -> str:
+def _wrong_answer_points_line(report: WeekReport) -> str:
     """Return a line with the median and the maximum of the points that wrong answers earn."""
     slowest = max(report.kept, key=lambda name: report.kept[name])
     count, middle = format_count(len(report.kept), "wrong answer"), median(report.kept.values())

@@ -220,7 +220,7 @@ data-label="{label}" data-alone="false" data-plays="{plays}">\
 
 
 @dataclass
-class _Playing:
+class _LiveScene:
     """A viewer that is updated while the following cells run."""
 
     name: str
@@ -270,14 +270,14 @@ class Scenes:
     def __init__(self, lesson: str, folder: Path, link: str) -> None:
         self._lesson, self._folder, self._link = lesson, folder, link
         self._count = 0
-        self._playing: _Playing | None = None
+        self._live_scene: _LiveScene | None = None
         self._saved_scenes: list[tuple[str, _Scripts, Scene]] = []
 
     def add_viewer(self, viewer: Viewer) -> dict[str, Any]:
         """Start the scene of a viewer and return the HTML that its cell displays."""
         self.end()
         name, summary, recording = self._next(), viewer.summary(), viewer.film
-        self._playing = _Playing(name, viewer, recording.time, recording.time, copy_of(recording.scene))
+        self._live_scene = _LiveScene(name, viewer, recording.time, recording.time, copy_of(recording.scene))
         return self._scene_html(name, summary)
 
     def add_resting_view(self, view: RestingView) -> dict[str, Any]:
@@ -306,16 +306,18 @@ class Scenes:
         In JupyterLab, live nodes run on while the user looks at a new view. Here they run for
         WATCHED seconds.
         """
-        if self._playing is not None:
-            if not self._playing.viewer.film.duration and live_runs(current_graph()):
+        if self._live_scene is not None:
+            if not self._live_scene.viewer.film.duration and live_runs(current_graph()):
                 spin_for(WATCHED)
-            self._playing.follow()
+            self._live_scene.follow()
 
     def end(self) -> None:
         """Finish the scene of the current viewer."""
-        if self._playing is not None:
-            self._saved_scenes.append((self._playing.name, _fit(self._playing.packed), self._playing.scene))
-        self._playing = None
+        if self._live_scene is not None:
+            self._saved_scenes.append(
+                (self._live_scene.name, _fit(self._live_scene.packed), self._live_scene.scene)
+            )
+        self._live_scene = None
 
     def write(self) -> None:
         """Write the files of all scenes, with their meshes and preview pictures."""

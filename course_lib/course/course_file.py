@@ -20,7 +20,7 @@ Counts = Literal["last", "best"]
 
 
 @dataclass(frozen=True)
-class Late:
+class LatePolicy:
     """The late policy: a deduction in percent of the mark for each started day after a grace period.
 
     Args:
@@ -135,7 +135,7 @@ class CourseFile:
     weeks: Mapping[str, WeekSettings]
     # None means the time zone of this machine.
     time_zone: ZoneInfo | None = None
-    late: Late = Late()
+    late: LatePolicy = LatePolicy()
     limits: Limits = Limits()
     # Which of several submissions is used.
     counts: Counts = "last"

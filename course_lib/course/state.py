@@ -118,7 +118,7 @@ class LastCheck:
 
 
 @dataclass(frozen=True)
-class Packed:
+class PackedSubmission:
     """The last file that `course submit` wrote for an exercise.
 
     Args:
@@ -167,12 +167,12 @@ def last_check(state: State, task_id: str) -> LastCheck | None:
     return None
 
 
-def save_packed(state: State, exercise: str, packed: Packed) -> None:
+def save_packed(state: State, exercise: str, packed: PackedSubmission) -> None:
     """Store what `course submit` has packed."""
     state.put(PACKED, exercise, asdict(packed))
 
 
-def last_packed(state: State, exercise: str) -> Packed | None:
+def last_packed(state: State, exercise: str) -> PackedSubmission | None:
     """Return the last packed submission, or None if there is none or its entry is unreadable."""
     match state.get(PACKED, exercise):
         case {
@@ -184,7 +184,7 @@ def last_packed(state: State, exercise: str) -> Packed | None:
         }:
             pairs = (pair for pair in tasks if isinstance(pair, list) and len(pair) == 2)
             of_tasks = tuple((str(name), str(stood)) for name, stood in pairs)
-            return Packed(time, file, source, notebook, of_tasks)
+            return PackedSubmission(time, file, source, notebook, of_tasks)
     return None
 
 
@@ -306,24 +306,24 @@ def solutions_dir() -> Path:
 
 
 @dataclass(frozen=True)
-class Finding:
+class VersionCheck:
     """The required and the installed version of a package."""
 
     name: str
-    wanted: str
+    required: str
     installed: str | None
-    fits: bool
+    is_satisfied: bool
 
     @property
     def line(self) -> str:
         """The result as a line of text."""
-        if self.fits:
+        if self.is_satisfied:
             return f"✔ {self.name} {self.installed}"
         actual = f"version {self.installed} is installed" if self.installed else "not installed"
-        return f"✘ {self.name}: {actual}, wanted {self.wanted or 'any version'}. In a terminal: {REPAIR}"
+        return f"✘ {self.name}: {actual}, required: {self.required or 'any version'}. In a terminal: {REPAIR}"
 
 
-def find_versions() -> Iterator[Finding]:
+def find_versions() -> Iterator[VersionCheck]:
     """Yield the packages that the kit requires on this platform."""
     from packaging.requirements import Requirement
 
@@ -335,15 +335,15 @@ def find_versions() -> Iterator[Finding]:
         try:
             version = metadata.version(need.name)
         except metadata.PackageNotFoundError:
-            yield Finding(need.name, str(need.specifier), None, False)
+            yield VersionCheck(need.name, str(need.specifier), None, False)
         else:
-            yield Finding(need.name, str(need.specifier), version, need.specifier.contains(version))
+            yield VersionCheck(need.name, str(need.specifier), version, need.specifier.contains(version))
 
 
 def check_versions() -> None:
     """Print Python and each package with ✔ or ✘, and how to fix each ✘."""
     findings = list(find_versions())
-    unmet = [finding for finding in findings if not finding.fits]
+    unmet = [finding for finding in findings if not finding.is_satisfied]
     print(f"✔ Python {platform.python_version()} on {platform.system()} ({sys.prefix})")  # noqa: T201  output
     print("\n".join(finding.line for finding in findings))  # noqa: T201  the cell's output
     verdict = f"{len(unmet)} of {len(findings)} need to be fixed" if unmet else "Everything is fine."

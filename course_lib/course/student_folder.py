@@ -44,7 +44,7 @@ from course_lib.course.state import (
     PACKAGE,
     STATE_FOLDER,
     WRITTEN_FOLDER,
-    Packed,
+    PackedSubmission,
     State,
     checkout_root,
     course_package,
@@ -424,7 +424,7 @@ class Progress:
     # Time of the last `course submit`.
     packed: datetime | None
     # The packed file, unless an older version of the kit wrote it.
-    file: Packed | None = None
+    file: PackedSubmission | None = None
     # Whether the notebook has changed since then.
     changed: bool = False
 

@@ -58,7 +58,7 @@ _NOT_SPUN = "The server answers while its node is spun, for instance by spin_for
 
 
 @dataclass(frozen=True)
-class Actions:
+class ClientCallbacks:
     """Callbacks of a client."""
 
     # Replaces all markers.
@@ -86,7 +86,7 @@ class MarkerClient:
         context: Context,
         namespace: str,
         statuses: Statuses,
-        actions: Actions,
+        actions: ClientCallbacks,
         transparent: bool,
     ) -> None:
         self._context, self._namespace, self._statuses = context, namespace, statuses
@@ -404,7 +404,7 @@ class SceneMarker:
             requested, self._requested = self._requested, None
             self.move(*requested)
 
-    def ask(self, control: SceneControl, point: Floats | None) -> None:
+    def open_menu(self, control: SceneControl, point: Floats | None) -> None:
         """Store the position at which the menu was opened."""
         self._menu_request = control.message.name, point
 
@@ -609,7 +609,7 @@ class InteractiveMarkersDisplay(Display):
         is_asked = order.button == _RIGHT or (order.button == _LEFT and mode == MENU)
         if order.event != "up" or not is_asked:
             return ()
-        marker.ask(control, point)
+        marker.open_menu(control, point)
         return tuple(_items(marker.message.menu_entries))
 
     def show_only(self, path: str | None) -> None:
@@ -642,7 +642,7 @@ class InteractiveMarkersDisplay(Display):
         if name == "/":
             self.statuses.set("error", LABEL, "Error connecting: empty namespace")
             return
-        actions = Actions(self._begin, self._follow, self._clear)
+        actions = ClientCallbacks(self._begin, self._follow, self._clear)
         transparent = self["Enable Transparency"]
         self._client = MarkerClient(self.context, name, self.statuses, actions, transparent)
         updates = f"{name}/update"

@@ -24,7 +24,7 @@ _Place: TypeAlias = tuple[str | int, ...]
 
 
 @dataclass
-class Parsed:
+class ParsedYaml:
     """The value of a file, with the position of each entry."""
 
     value: Any = None
@@ -54,7 +54,7 @@ class Parsed:
         return None if not node.style and node.value in _NULLS else node.value
 
 
-def parse_yaml(text: str) -> Parsed:
+def parse_yaml(text: str) -> ParsedYaml:
     """Parse the first document of a string.
 
     Raises:
@@ -63,7 +63,7 @@ def parse_yaml(text: str) -> Parsed:
     import yaml  # type: ignore[import-untyped]
 
     # Some builds of PyYAML lack libyaml.
-    parsed, loader = Parsed(), getattr(yaml, "CBaseLoader", yaml.BaseLoader)
+    parsed, loader = ParsedYaml(), getattr(yaml, "CBaseLoader", yaml.BaseLoader)
     try:
         node = next(yaml.compose_all(text, Loader=loader), None)
         parsed.value = None if node is None else parsed.take(node)
@@ -239,7 +239,7 @@ def text_at(config: Config, label: str) -> str:
 class _LayoutReader:
     """Reads the parts of a parsed file, and collects errors about parts with an invalid structure."""
 
-    def __init__(self, parsed: Parsed) -> None:
+    def __init__(self, parsed: ParsedYaml) -> None:
         self._parsed = parsed
         self._problems: list[str] = []
 

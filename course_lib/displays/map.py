@@ -95,7 +95,7 @@ class MapDisplay(DrawnDisplay):
         qos = qos_of(self, _UPDATES)
         return (
             *super().make_subscriptions(),
-            self.subscription(self[_UPDATES], _UPDATE, self._take_update, qos),
+            self.subscription(self[_UPDATES], _UPDATE, self._apply_update, qos),
         )
 
     def process(self, message: Any) -> None:
@@ -144,7 +144,7 @@ class MapDisplay(DrawnDisplay):
         if transform is not None:
             self.context.scene.set_transform(node, pose_in_fixed_frame(transform, self._map.info.origin))
 
-    def _take_update(self, update: Any) -> None:
+    def _apply_update(self, update: Any) -> None:
         """Apply an update to a part of the map."""
         if self._map is None:
             return

@@ -23,7 +23,7 @@ class KnownAttributes:
             caller = sys._getframe(1)
             is_kit = str(caller.f_globals.get("__name__", "")).startswith("course_lib.")
             if not is_kit and caller.f_locals.get("self") is not self:
-                instead = self._instead(name)
+                instead = self._suggest(name)
                 write = f" Write: {instead} = {value!r}" if instead else ""
                 raise CourseError(f"{self!r} has no attribute {name!r}.{write}")
         super().__setattr__(name, value)
@@ -32,7 +32,7 @@ class KnownAttributes:
         """Return the expression for the object as written in lessons."""
         return type(self).__name__.lower()
 
-    def _instead(self, name: str) -> str:
+    def _suggest(self, name: str) -> str:
         """Return an expression for the property that a misspelled attribute means, or ""."""
         kind = type(self)
         names = [attribute for attribute in dir(kind) if not attribute.startswith("_")]
@@ -81,7 +81,7 @@ class Property:
 
 
 @dataclass(frozen=True)
-class Limited:
+class LimitedConversion:
     """A conversion with the limits for its control."""
 
     convert: Convert
@@ -95,16 +95,16 @@ class Limited:
         return self.convert(value)
 
 
-def number(low: float = -math.inf, high: float = math.inf) -> Limited:
+def number(low: float = -math.inf, high: float = math.inf) -> LimitedConversion:
     """Return a conversion to a finite number, clipped to `low` and `high` as in RViz."""
 
     def convert(value: Any) -> float:
         return min(max(_finite(value), low), high)
 
-    return Limited(_with_expectation("a number", convert), "number", low, high)
+    return LimitedConversion(_with_expectation("a number", convert), "number", low, high)
 
 
-def integer(low: int, high: int = 2**31 - 1) -> Limited:
+def integer(low: int, high: int = 2**31 - 1) -> LimitedConversion:
     """Return a conversion to an integer, clipped to `low` and `high` as in RViz."""
 
     def convert(value: Any) -> int:
@@ -113,7 +113,7 @@ def integer(low: int, high: int = 2**31 - 1) -> Limited:
             raise ValueError
         return min(max(number, low), high)
 
-    return Limited(_with_expectation("an integer", convert), "integer", low, high)
+    return LimitedConversion(_with_expectation("an integer", convert), "integer", low, high)
 
 
 def flag(value: Any) -> bool:
@@ -136,7 +136,7 @@ def frame(value: Any) -> str:
     return text(value).removeprefix("/")
 
 
-def words(*options: str) -> Limited:
+def words(*options: str) -> LimitedConversion:
     """Return a conversion that accepts only the strings in `options`."""
 
     def convert(value: Any) -> str:
@@ -144,7 +144,7 @@ def words(*options: str) -> Limited:
             raise ValueError(f"one of {', '.join(map(repr, options))}")
         return str(value)
 
-    return Limited(convert, "enum", options=options)
+    return LimitedConversion(convert, "enum", options=options)
 
 
 def color(value: Any) -> Color:
@@ -226,14 +226,14 @@ class PropertyHolder(KnownAttributes):
 
         def __getattr__(self, name: str) -> Any:
             # Python calls this for attributes that do not exist.
-            instead = "" if name.startswith("_") else self._instead(name)
+            instead = "" if name.startswith("_") else self._suggest(name)
             write = f". Write: {instead}" if instead else ""
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{write}")
 
-    def _instead(self, name: str) -> str:
+    def _suggest(self, name: str) -> str:
         labels = {prop.path[-1].replace(" ", "_"): prop.label for prop in self.properties}
         label = labels.get(nearest(name, labels, 0.6), "") or labels.get(name, "")
-        return f'{self._expression()}["{label}"]' if label else super()._instead(name)
+        return f'{self._expression()}["{label}"]' if label else super()._suggest(name)
 
     def get(self, label: str, default: Any) -> Any:
         """Return a property by its full label, or a default if there is none."""

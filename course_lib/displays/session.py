@@ -52,7 +52,7 @@ _TF_TOPICS = {"/tf": Qos(depth=100), "/tf_static": Qos(depth=100, durability="tr
 
 
 @dataclass
-class _Attached:
+class _AttachedNode:
     """A node of the scene that follows a frame ("" is the fixed frame), and the state drawn last."""
 
     frame: str
@@ -108,7 +108,7 @@ class RvizSession:
         self.tools = all_tools()
         self.after_frame: list[Callable[[], None]] = []
         # Nodes of the scene that follow a frame, by their paths.
-        self._attached: dict[str, _Attached] = {}
+        self._attached: dict[str, _AttachedNode] = {}
         self._match_qos = match_qos
         # Message types by the topics on which messages were received.
         self.types: dict[str, str] = {}
@@ -357,7 +357,7 @@ class RvizSession:
         """
         transform_node_to_frame = np.eye(4)
         transform_node_to_frame[:3, 3] = at
-        self._attached[path] = _Attached(frame, transform_node_to_frame)
+        self._attached[path] = _AttachedNode(frame, transform_node_to_frame)
         self.refresh()
 
     def _place_attached(self) -> None:

@@ -158,8 +158,8 @@ class Viewer(KnownAttributes):
         """The displays, in the order of RViz's tree."""
         return list(self._session.displays)
 
-    def _instead(self, name: str) -> str:
-        return super()._instead(name) or self.options._instead(name)
+    def _suggest(self, name: str) -> str:
+        return super()._suggest(name) or self.options._suggest(name)
 
     def __repr__(self) -> str:
         names = ", ".join(display.name for display in self.displays) or "no display"

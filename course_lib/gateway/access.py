@@ -130,7 +130,7 @@ THE_ROBOT = f"({ROBOT})"
 
 
 @dataclass(frozen=True)
-class Access:
+class GatewayUser:
     """A user of the gateway.
 
     Args:
@@ -149,7 +149,7 @@ class Access:
         return f"{protocol}/{self.name}:{self.token}@{host}"
 
 
-def load_users(folder: Path, roster: Path | None, id_column: str, place: str) -> list[Access]:
+def load_users(folder: Path, roster: Path | None, id_column: str, place: str) -> list[GatewayUser]:
     """Return the robot and the class, whose tokens are kept, and write the private files.
 
     Args:
@@ -170,7 +170,7 @@ def load_users(folder: Path, roster: Path | None, id_column: str, place: str) ->
     before = [student for student in tokens if student != THE_ROBOT]
     ids = [THE_ROBOT, *(read_class(roster, id_column) if roster else before or [GUEST])]
     names = _ros_names(ids)
-    users = [Access(one, names[one], tokens.get(one) or secrets.token_urlsafe(18)) for one in ids]
+    users = [GatewayUser(one, names[one], tokens.get(one) or secrets.token_urlsafe(18)) for one in ids]
     text = io.StringIO(newline="")
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(("student", "name", "token", "address"))
@@ -181,7 +181,7 @@ def load_users(folder: Path, roster: Path | None, id_column: str, place: str) ->
     return users
 
 
-def find_student(users: Sequence[Access], query: str) -> Access:
+def find_student(users: Sequence[GatewayUser], query: str) -> GatewayUser:
     """Return the student with an ID or a name.
 
     Raises:

@@ -184,10 +184,10 @@ class DdsBridge:
     def _add(self, entity: Entity) -> None:
         """Declare an endpoint of the robot."""
         node = self._nodes.get(entity.node_key)
-        known_hash = entity.type_hash or _hash_here(entity.type_name)
+        known_hash = entity.type_hash or _local_type_hash(entity.type_name)
         is_service = entity.kind in ("server", "client")
         # DDS transmits the hash of a request, which does not determine the hash of the service.
-        if node is None or not known_hash or (is_service and not _hash_here(entity.type_name)):
+        if node is None or not known_hash or (is_service and not _local_type_hash(entity.type_name)):
             if entity.topic in self._calls | self._sends:
                 self._report_once(
                     f"type {entity.topic}",
@@ -286,7 +286,7 @@ class DdsBridge:
             self._report(line)
 
 
-def _hash_here(type_name: str) -> str:
+def _local_type_hash(type_name: str) -> str:
     """Return the hash of a type as defined on this computer; "" for an unknown type."""
     try:
         return type_hash(type_name)

@@ -31,7 +31,7 @@ from course_lib.gateway.access import (
     PRIVATE,
     THE_ROBOT,
     TOKENS,
-    Access,
+    GatewayUser,
     access_control,
     find_student,
     load_users,
@@ -167,12 +167,12 @@ class Gateway:
     def __init__(
         self,
         settings: Settings,
-        users: Sequence[Access],
+        users: Sequence[GatewayUser],
         passwords: Path,
         report: Callable[[str], None],
     ) -> None:
         self.settings, self.users = settings, users
-        self.driver: Access | None = None
+        self.driver: GatewayUser | None = None
         # Number of commands by the student's name.
         self.passed, self.held = Counter[str](), Counter[str]()
         self._names = {user.name for user in users} - {ROBOT}
@@ -223,7 +223,7 @@ class Gateway:
         ]
         self._peer_addresses = self._show_driver()
 
-    def set_driver(self, driver: Access | None) -> None:
+    def set_driver(self, driver: GatewayUser | None) -> None:
         """Change the driver. The robot is stopped first."""
         with self._lock:
             if driver != self.driver:

@@ -29,7 +29,7 @@ READY = "The robot is ready"
 
 
 @dataclass(frozen=True)
-class RobotPlace:
+class SimulatedRobotAddress:
     """The address of a simulated robot.
 
     Args:
@@ -45,7 +45,7 @@ class RobotPlace:
 
 def robot(
     kind: str,
-    place: RobotPlace,
+    place: SimulatedRobotAddress,
     write: Callable[[str], None],
     *,
     with_parent: bool = False,
@@ -140,7 +140,7 @@ class RobotProcess:
         software: The ROS software on which it runs.
     """
 
-    def __init__(self, process: "subprocess.Popen[str]", place: RobotPlace, software: str) -> None:
+    def __init__(self, process: "subprocess.Popen[str]", place: SimulatedRobotAddress, software: str) -> None:
         self._process, self._software = process, software
         self.address, self.domain = place.address, place.domain
 
@@ -185,13 +185,13 @@ def start_robot(link: Literal["zenoh", "dds"] = "zenoh") -> RobotProcess:
         require_zenoh(WITHOUT_ZENOH)
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
-            place = RobotPlace(f"tcp/127.0.0.1:{free.getsockname()[1]}")
+            place = SimulatedRobotAddress(f"tcp/127.0.0.1:{free.getsockname()[1]}")
         options = ["--listen", place.address]
     else:
         from course_lib.real.environment import find_environment
         from course_lib.real.process import free_domain
 
-        place = RobotPlace(THIS_COMPUTER, free_domain())
+        place = SimulatedRobotAddress(THIS_COMPUTER, free_domain())
         options = ["--dds", "--domain", str(place.domain)]
         try:
             software = f"the real {find_environment()}"

@@ -76,7 +76,7 @@ class Advice:
     """
 
     def __init__(self) -> None:
-        self._before: dict[str, _Standing] = {}
+        self._before: dict[str, _TaskProgress] = {}
         self._steps: Counter[str] = Counter()
 
     def hint(self, task: Task, result: TaskResult, source: str = "") -> list[str]:
@@ -93,7 +93,7 @@ class Advice:
             # The cell and the line change from run to run.
             causes = [re.sub(r" \((cell In\[\d+\], )?line \d+.*", "", result.errors[0], flags=re.DOTALL)]
         passed_count = sum(check.passed for check in result.checks)
-        now, before = _Standing(tuple(causes), passed_count, result.fraction), self._before.get(task.id)
+        now, before = _TaskProgress(tuple(causes), passed_count, result.fraction), self._before.get(task.id)
         self._before[task.id] = now
         code = Code(source)
         texts = [_hint_by_cause(task, cause) for cause in causes]
@@ -104,13 +104,13 @@ class Advice:
         elif result.errors:
             texts = [AFTER_AN_ERROR]
         elif causes[:1] == [SILENT]:
-            texts = [_missing_call(code, result) or task.mistakes.get(SILENT) or _why_silent(code), *texts]
+            texts = [_missing_call(code, result) or task.mistakes.get(SILENT) or _silence_hint(code), *texts]
         slip = find_slip(source) if too_much or not result.errors else ""
         if not slip and not result.errors:
-            slip = _unheard_topic(task, code)
+            slip = _missing_subscription_hint(task, code)
         if not slip and (too_much or not result.errors):
-            slip = _growing_list(task, result, source)
-        best_hint = slip or next((text for text in texts if text and not code.does(text)), "")
+            slip = _growing_list_hint(task, result, source)
+        best_hint = slip or next((text for text in texts if text and not code.follows(text)), "")
         lines = [f"Hint: {best_hint}"] if best_hint else []
         if before is not None and (now.passed, now.fraction) > (before.passed, before.fraction):
             of = f"{now.passed} of {len(result.checks)}"
@@ -126,7 +126,7 @@ class Advice:
 
     def _next_step(self, task: Task, code: "Code") -> list[str]:
         """Return the next step of the ladder, or the last step again."""
-        steps = [number for number, text in enumerate(task.hints, 1) if not code.does(text)]
+        steps = [number for number, text in enumerate(task.hints, 1) if not code.follows(text)]
         if not steps:
             return []
         later = [number for number in steps if number > self._steps[task.id]]
@@ -135,7 +135,7 @@ class Advice:
 
 
 @dataclass(frozen=True)
-class _Standing:
+class _TaskProgress:
     """A student's progress at a check: the first cause of failure, passed checks and share of points."""
 
     causes: tuple[str, ...]
@@ -158,7 +158,7 @@ class Code:
         """Return whether the code calls a method, or passes it on to be called."""
         return any(isinstance(node, ast.Attribute) and node.attr == method for node in self._nodes)
 
-    def names_topic(self, topic: str) -> bool:
+    def mentions_topic(self, topic: str) -> bool:
         """Return whether a string in the code is the name of a topic, with or without the slash."""
         strings = (node.value for node in self._nodes if isinstance(node, ast.Constant))
         return any(isinstance(one, str) and one.strip("/") == topic.strip("/") for one in strings)
@@ -183,7 +183,7 @@ class Code:
         ]
         return bases == ["Node"]
 
-    def does(self, hint: str) -> bool:
+    def follows(self, hint: str) -> bool:
         """Return whether a hint contains code in backticks that the student's code already contains."""
         snippets = _SNIPPET.findall(hint)
         return bool(snippets) and all(self.has(snippet) for snippet in snippets)
@@ -221,7 +221,7 @@ def _expressions(tree: ast.AST, *, whole: bool = False) -> set[str]:
     return texts
 
 
-def _unheard_topic(task: Task, code: Code) -> str:
+def _missing_subscription_hint(task: Task, code: Code) -> str:
     """Return a hint if a node subscribes to none of the topics on which messages arrive, or ""."""
     inputs = {
         message.topic: None
@@ -244,7 +244,7 @@ def _missing_call(code: Code, result: TaskResult) -> str:
     topic = next((found[1] for found in silent if found), "")
     if not topic:
         return ""
-    if code.calls("create_publisher") and not code.names_topic(topic) and code.calls("publish"):
+    if code.calls("create_publisher") and not code.mentions_topic(topic) and code.calls("publish"):
         return f"No string in your code is {topic}: compare the name in create_publisher letter by letter."
     if not code.is_plain_node:
         return ""
@@ -255,7 +255,7 @@ def _missing_call(code: Code, result: TaskResult) -> str:
     return ""
 
 
-def _why_silent(code: Code) -> str:
+def _silence_hint(code: Code) -> str:
     """Return a suggestion for a node that publishes nothing, depending on its timers, or ""."""
     if not code.is_plain_node:
         return ""
@@ -271,7 +271,7 @@ def _why_silent(code: Code) -> str:
     )
 
 
-def _growing_list(task: Task, result: TaskResult, source: str) -> str:
+def _growing_list_hint(task: Task, result: TaskResult, source: str) -> str:
     """Return a sentence about a list that grows, or "".
 
     It is a reason only if a failed check found too many or old items.

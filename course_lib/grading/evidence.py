@@ -185,7 +185,7 @@ class Evidence:
             self._decoded[topic] = [((ns - START_NS) / 1e9, m) for ns, m in pairs if m is not None]
         return self._decoded[topic]
 
-    def once(self, make: Callable[[Evidence], Found]) -> Found:
+    def compute_once(self, make: Callable[[Evidence], Found]) -> Found:
         """Return `make(self)`, computed once and shared by all checks."""
         if make not in self._computed:
             self._computed[make] = make(self)

@@ -47,7 +47,7 @@ from course_lib.grading.reports.tables import review_reasons, write_check_times,
 from course_lib.grading.run.run import Job, StoredRun, plan_scenarios, prepare, run, store_evidence, unpack
 from course_lib.grading.store import (
     Course,
-    OutError,
+    RecordsWriteError,
     catalog_of,
     digest_of,
     evidence_path,
@@ -280,7 +280,7 @@ def grade(
         course: The course; default: the one of this checkout.
 
     Raises:
-        OutError: `out` can't be written.
+        RecordsWriteError: `out` can't be written.
         CourseError: Nothing can be graded.
     """
     course = course or this_course()
@@ -422,7 +422,7 @@ def _grade_all(work: Pending, jobs: int, dask: str | None) -> Iterator[Gradebook
         for one, future in flow(judge_executor, judge_mark_report, calls, window):
             try:
                 yield future.result()
-            except OutError:
+            except RecordsWriteError:
                 raise
             except Exception as error:
                 # The judging process died, so the records are written here, with the reason.
@@ -445,7 +445,7 @@ def _await_evidence(
     for key, future in ran:
         try:
             store_evidence(work.out, key, future.result())
-        except OutError:
+        except RecordsWriteError:
             raise
         except Exception as error:
             # An error of the kit in one submission must not stop the class.
@@ -471,7 +471,7 @@ def judge_mark_report(
             if the checks are the same.
 
     Raises:
-        OutError: The folder can't be written.
+        RecordsWriteError: The folder can't be written.
     """
     stored, catalog = _read_stored(attempts, out) if resume else None, catalog_of(course)
     previous = stored if stored and stored.digest == attempts.digest else None

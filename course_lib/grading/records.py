@@ -25,7 +25,7 @@ from typing import Any, Literal, TypeVar
 
 import msgspec
 
-from course_lib.course.course_file import Counts, Late
+from course_lib.course.course_file import Counts, LatePolicy
 from course_lib.errors import format_count
 from course_lib.files import write_atomically
 from course_lib.grading.store import result_path
@@ -47,11 +47,11 @@ OLD_SUBMISSION = (
 OLD_RECEIVED = {"time": "received", "source": "received_from", "late": "late", "receipt": "receipt_time"}
 OLD_LATE = ("percent_per_day", "max_percent", "accepted_days")
 OLD_JUDGEMENT = ("tasks", "isolation", "cell_errors", "output", "digests", "limit")
-NO_PENALTY = Late(0.0)
+NO_PENALTY = LatePolicy(0.0)
 
 
 @dataclass(frozen=True)
-class Received:
+class ReceiptTime:
     """The best known time of receipt.
 
     Args:
@@ -75,7 +75,7 @@ class Received:
         """True if the platform or the instructor recorded the time."""
         return self.time is not None and self.source != RECEIPT_TIME
 
-    def days_late(self, deadline: datetime | None, policy: Late) -> int:
+    def days_late(self, deadline: datetime | None, policy: LatePolicy) -> int:
         """Return the started days after the deadline; 1 if the platform marks it as late without a time."""
         if deadline is None:
             return 0
@@ -83,7 +83,7 @@ class Received:
             return int(self.late is True)
         return count_days_late(self.time, deadline, policy)
 
-    def remark(self, deadline: datetime | None, policy: Late) -> str:
+    def remark(self, deadline: datetime | None, policy: LatePolicy) -> str:
         """Return the gradebook's remark about an uncertain time, or ""."""
         if deadline is None or self.is_trusted:
             return ""
@@ -96,7 +96,7 @@ class Received:
             "time of receipt unknown: not late according to the platform"
         )  # fmt: skip
 
-    def contradictions(self, deadline: datetime | None, policy: Late) -> list[str]:
+    def contradictions(self, deadline: datetime | None, policy: LatePolicy) -> list[str]:
         """Return notes for staff if two sources disagree about lateness."""
         if deadline is None:
             return ["the platform marks it as late, but course.toml has no deadline"] if self.late else []
@@ -116,7 +116,7 @@ class Received:
         return notes
 
 
-def count_days_late(received: datetime, deadline: datetime | None, late: Late) -> int:
+def count_days_late(received: datetime, deadline: datetime | None, late: LatePolicy) -> int:
     """Return the number of started days after the deadline plus the minutes of grace.
 
     A day lasts until the same local time of the next day, even if the clocks change in between.
@@ -163,7 +163,7 @@ class Submission:
     student: str
     exercise: str
     path: Path
-    received: Received
+    received: ReceiptTime
     notebook: Notebook | None = None
     files: Mapping[str, str] = field(default_factory=dict)
     claimed: str | None = None
@@ -356,7 +356,7 @@ class Attempt:
     """
 
     key: str
-    received: Received
+    received: ReceiptTime
     id_flag: str = ""
     final: float | None = None
 
@@ -372,7 +372,7 @@ class Mark:
     final: float
 
     @classmethod
-    def of(cls, tasks: Sequence[TaskResult], days_late: int, late: Late) -> "Mark":
+    def of(cls, tasks: Sequence[TaskResult], days_late: int, late: LatePolicy) -> "Mark":
         """Add up the points of tasks, bonus on top, and deduct the late penalty."""
         score = round(sum(task.score for task in tasks), 2)
         max_score = sum(task.points for task in tasks if not task.bonus)
@@ -406,7 +406,7 @@ class Result:
     message: str = ""
     judgement: Judgement | None = None
     days_late: int = 0
-    late: Late = NO_PENALTY
+    late: LatePolicy = NO_PENALTY
     notes: tuple[str, ...] = ()
     remark: str = ""
     attempts: tuple[Attempt, ...] = ()

@@ -43,7 +43,7 @@ def find_slip(source: str) -> str:
                 for slip in _slips(function, attributes):
                     return slip
         if isinstance(outer, ast.ClassDef):
-            for slip in (*_repeated_timers(outer), *_ended_by_callbacks(outer)):
+            for slip in (*_repeated_timers(outer), *_destructive_callbacks(outer)):
                 return slip
     return ""
 
@@ -65,13 +65,13 @@ def _slips(function: Function, attributes: set[str]) -> Iterator[str]:
     if function.args.args[:1] and function.args.args[0].arg == "self":
         yield from _blocking_calls(function)
         yield from _waiting_loops(function)
-        yield from _timers_of_python(function)
+        yield from _python_timers(function)
         yield from _early_lookups(function)
         yield from _idle_lambdas(function)
     yield from _other_files(function)
     yield from _lost_locals(function, attributes)
     yield from _plain_strings(function)
-    yield from _whole_quotients(function)
+    yield from _integer_quotients(function)
 
 
 def _blocks(function: Function) -> Iterator[Sequence[ast.stmt]]:
@@ -364,7 +364,7 @@ def _only_waits(statement: ast.stmt) -> bool:
     return False
 
 
-def _timers_of_python(function: Function) -> Iterator[str]:
+def _python_timers(function: Function) -> Iterator[str]:
     for node in ast.walk(function):
         match node:
             case ast.Call(
@@ -568,7 +568,7 @@ _ENDINGS = {
 }
 
 
-def _ended_by_callbacks(cls: ast.ClassDef) -> Iterator[str]:
+def _destructive_callbacks(cls: ast.ClassDef) -> Iterator[str]:
     """Yield a sentence for each callback that ends its node, its timer or its publisher."""
     for function in _callbacks_of(cls):
         if "create_timer" in ast.unparse(function):
@@ -583,18 +583,18 @@ def _ended_by_callbacks(cls: ast.ClassDef) -> Iterator[str]:
                     )
 
 
-def _whole_quotients(function: Function) -> Iterator[str]:
+def _integer_quotients(function: Function) -> Iterator[str]:
     """Yield a question about // where the result is neither an index nor a count."""
     whole: set[int] = set()
     counts = {
         name.id
         for node in ast.walk(function)
-        for part in _places_of_whole_numbers(node)
+        for part in _integer_operands(node)
         for name in ast.walk(part)
         if isinstance(name, ast.Name)
     }
     for node in ast.walk(function):
-        inner = list(_places_of_whole_numbers(node))
+        inner = list(_integer_operands(node))
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value) if name in counts:
                 inner.append(value)
@@ -605,7 +605,7 @@ def _whole_quotients(function: Function) -> Iterator[str]:
                 yield f"{_quote(node)} leaves out the fraction: is a whole number meant? / divides."
 
 
-def _places_of_whole_numbers(node: ast.AST) -> Iterator[ast.AST]:
+def _integer_operands(node: ast.AST) -> Iterator[ast.AST]:
     """Yield the subexpressions that must be integers."""
     match node:
         case ast.Subscript(slice=index):

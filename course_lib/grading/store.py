@@ -137,7 +137,7 @@ def report_path(out: Path, student: str, exercise: str) -> Path:
     return out / "reports" / student / f"{exercise}.html"
 
 
-class OutError(CourseError):
+class RecordsWriteError(CourseError):
     """Raised if the folder of records can't be written.
 
     Grading stops, and continues with --resume.
@@ -146,15 +146,15 @@ class OutError(CourseError):
 
 @contextmanager
 def writing(out: Path) -> Iterator[None]:
-    """Turn an error of the file system, such as a full disk, into an `OutError`.
+    """Turn an error of the file system, such as a full disk, into a `RecordsWriteError`.
 
     Raises:
-        OutError: A file of the folder could not be written.
+        RecordsWriteError: A file of the folder could not be written.
     """
     try:
         yield
     except OSError as error:
-        raise OutError(
+        raise RecordsWriteError(
             f"{out} can't be written: {error.strerror or error}. Fix that and run the command "
             "again (grade with --resume: nothing is lost), or use another folder"
         ) from error
@@ -172,7 +172,7 @@ def lock_folder(out: Path, waiting: Callable[[str], None] | None = None) -> Iter
             of waiting.
 
     Raises:
-        OutError: The folder can't be written.
+        RecordsWriteError: The folder can't be written.
         CourseError: Another process holds the lock, and `waiting` is None.
     """
     # Imported late, because Windows lacks this module (and cannot grade).
@@ -211,7 +211,7 @@ def lock_marks(out: Path) -> Iterator[None]:
     """Lock the files of marks, also while another process uses the folder of records.
 
     Raises:
-        OutError: The folder can't be written.
+        RecordsWriteError: The folder can't be written.
         CourseError: Another process holds this lock for more than TURN_SECONDS.
     """
     # Imported late, because Windows lacks this module (and cannot grade).

@@ -391,7 +391,7 @@ class ScenarioOnRos:
         finally:
             programs.end(graph.advance)
             graph.close()
-        self.packages = programs.packages_of_the_kit()
+        self.packages = programs.kit_packages()
         text, errors = (output.read_text(encoding="utf-8", errors="replace") for output in outputs)
         lines = [line for line in errors.splitlines() if line.strip()]
         raised = (lines[-1] if lines else f"It ended with exit code {code}.",) if is_early and code else ()

@@ -92,7 +92,7 @@ def pins() -> dict[str, str]:
     return dict(_PIN.findall(REQUIREMENTS.read_text(encoding="utf-8")))
 
 
-def why_not_supported() -> str:
+def unsupported_reason() -> str:
     """Return why the real rclpy cannot be installed on this computer, or ""."""
     if sys.platform != "linux" or platform.machine() != "x86_64":
         platform_name = f"{platform.system()} on {platform.machine()}"
@@ -123,7 +123,7 @@ def find_environment() -> RealEnvironment:
     if not python.exists():
         if configured:
             raise CourseError(f"{PYTHON} is {configured}, where there is no Python. Correct it, or unset it.")
-        reason = why_not_supported()
+        reason = unsupported_reason()
         if reason:
             raise CourseError(f"The real ROS 2 cannot be installed here: {reason}.")
         raise CourseError(f"The real ROS 2 is not installed ({SIZE}). Install it: {INSTALL}")
@@ -140,7 +140,7 @@ def install(report: Callable[[str], None]) -> RealEnvironment:
     Raises:
         CourseError: The wheels do not support this computer, or pip fails.
     """
-    reason = why_not_supported()
+    reason = unsupported_reason()
     if reason:
         raise CourseError(f"The real ROS 2 cannot be installed here: {reason}. The kit works without it.")
     folder = default_folder()

@@ -157,7 +157,7 @@ class RealProcesses:
         failed = [code for code in codes if code not in (0, -signal.SIGINT)]
         return next((code if code > 0 else SIGNALED - code for code in failed), 0)
 
-    def packages_of_the_kit(self) -> list[str]:
+    def kit_packages(self) -> list[str]:
         """Return the imported packages that are from the kit, not from ROS."""
         return sorted(set(self._used.read_text(encoding="utf-8").split("\n")) - {""})
 
@@ -306,7 +306,7 @@ def run_on_ros(
             print_to_stderr(f"  {topic} [{one.type_name}]: {one}")
         if not traffic:
             print_to_stderr("  Nothing was published.")
-        kits = programs.packages_of_the_kit()
+        kits = programs.kit_packages()
         print_to_stderr(f"{NOT_ROS_OWN}: {', '.join(kits)}." if kits else "All packages were ROS's own.")
     return code
 

@@ -100,7 +100,7 @@ class JointStatePublisher(Node):
         self.on_robot: list[Callable[[], None]] = []
         self._zeros = {**(zeros or {}), **zeros_from_parameters}
         # The joint that each joint follows, in the order of the file.
-        self._follows: dict[str, Mimic] = {}
+        self._mimics: dict[str, Mimic] = {}
         try:
             period = period_of(self._parameter("rate"))
             self._check_dependent_joints()
@@ -152,7 +152,7 @@ class JointStatePublisher(Node):
         joints = {
             joint.name: self._free_joint(joint) for joint in moving if follows[joint.name].joint == joint.name
         }
-        self.joints, self._follows = joints, follows
+        self.joints, self._mimics = joints, follows
         for tell in self.on_robot:
             tell()
 
@@ -195,7 +195,7 @@ class JointStatePublisher(Node):
                     setattr(self.joints[name], kind, values[index])
 
     def _publish(self) -> None:
-        state = JointState(name=list(self._follows))
+        state = JointState(name=list(self._mimics))
         state.header.stamp = self.get_clock().now().to_msg()
         delta = self._parameter("delta")
         for joint in self.joints.values() if delta > 0 else ():
@@ -205,8 +205,8 @@ class JointStatePublisher(Node):
                 name: value for name, one in self.joints.items() if (value := getattr(one, kind)) is not None
             }
             # Dependent joints have positions even if the position of no other joint is known.
-            if known_values or (kind == "position" and len(self.joints) < len(self._follows)):
-                values = [_mimic_value(kind, follow, known_values) for follow in self._follows.values()]
+            if known_values or (kind == "position" and len(self.joints) < len(self._mimics)):
+                values = [_mimic_value(kind, follow, known_values) for follow in self._mimics.values()]
                 setattr(state, kind, values)
         if state.name:
             self._publisher.publish(state)

@@ -40,7 +40,7 @@ from course_lib.ros.near_names import (
     surplus_hint,
     synonyms,
 )
-from course_lib.ros.programs.missing_packages import why_not_offered
+from course_lib.ros.programs.missing_packages import unavailable_reason
 from course_lib.ros.syntax_hints import decimal_comma_hint, syntax_hint
 
 # Limit on the characters of an error's text that are examined.
@@ -92,7 +92,7 @@ def hint(error: BaseException) -> str:
     if isinstance(error, NameError) and (found := _missing_self_hint(error, text) or name_hint(error)):
         return found
     if isinstance(error, ModuleNotFoundError):
-        found = why_not_offered((error.name or "").split(".")[0]) or module_hint(error)
+        found = unavailable_reason((error.name or "").split(".")[0]) or module_hint(error)
         if found:
             return found
     if (

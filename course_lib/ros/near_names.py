@@ -874,11 +874,11 @@ def _importable(frame: FrameType) -> dict[str, str]:
     }
     own_imports = {**_LAUNCH_IMPORTS, **_IMPORTS, **(_IN_LAUNCH_FILES if is_launch else {})}
     modules = {name: f"import {name}" for name in _STDLIB}
-    return {**_names_of_the_kit(), **messages, **modules, **own_imports}
+    return {**_kit_names(), **messages, **modules, **own_imports}
 
 
 @cache
-def _names_of_the_kit() -> dict[str, str]:
+def _kit_names() -> dict[str, str]:
     # Functions of displays and sensors are left out, because names like `text` and `box` are common
     # variables.
     return {

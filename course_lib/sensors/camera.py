@@ -12,7 +12,7 @@ from std_msgs.msg import Header
 
 from course_lib.arrays import AnyArray, Bytes, Floats
 from course_lib.errors import CourseError
-from course_lib.sensors.sensor_node import Common, SensorNode
+from course_lib.sensors.sensor_node import SensorNode, SensorOptions
 from course_lib.sensors.world import Pose, World, check_count, check_number
 
 # Fraction of ambient light.
@@ -91,12 +91,14 @@ class CameraNode(SensorNode):
         prefix: str = "camera",
         pinhole: Pinhole | None = None,
         compressed: Literal["png", "jpeg"] | None = "png",
-        **common: Unpack[Common],
+        **common: Unpack[SensorOptions],
     ) -> None:
         if compressed not in ("png", "jpeg", None):
             raise CourseError(f"compressed is {compressed!r}; give 'png', 'jpeg' or None.")
         self.pinhole, self.compressed = pinhole or Pinhole(), compressed
-        super().__init__(world, pose, **(Common(name="camera", frame_id="camera_optical_frame") | common))
+        super().__init__(
+            world, pose, **(SensorOptions(name="camera", frame_id="camera_optical_frame") | common)
+        )
         topic, qos = f"{prefix}/image_raw", qos_profile_sensor_data
         self.images = self.create_publisher(Image, topic, qos)
         self.infos = self.create_publisher(CameraInfo, f"{prefix}/camera_info", qos)

@@ -8,7 +8,7 @@ from sensor_msgs.msg import LaserScan, PointCloud2, PointField, Range
 from std_msgs.msg import Header
 
 from course_lib.arrays import Floats
-from course_lib.sensors.sensor_node import Common, SensorNode
+from course_lib.sensors.sensor_node import SensorNode, SensorOptions
 from course_lib.sensors.world import Pose, World, check_count, check_limits, check_number
 
 _POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
@@ -47,14 +47,14 @@ class LaserScanNode(SensorNode):
         angle_max: float = np.pi,
         range_min: float = 0.1,
         range_max: float = 30.0,
-        **common: Unpack[Common],
+        **common: Unpack[SensorOptions],
     ) -> None:
         self.limits = check_limits("range", "m", range_min, range_max)
         self.angles = np.linspace(
             *check_limits("angle", "rad", angle_min, angle_max), check_count("beams", beams)
         )
         self.rays = beams_at(self.angles, np.zeros(beams))
-        super().__init__(world, pose, **(Common(name="lidar", frame_id="laser") | common))
+        super().__init__(world, pose, **(SensorOptions(name="lidar", frame_id="laser") | common))
         self.publisher = self.create_publisher(LaserScan, topic, qos_profile_sensor_data)
 
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
@@ -95,14 +95,14 @@ class PointCloudNode(SensorNode):
         opening: float = np.pi / 12,
         range_min: float = 0.3,
         range_max: float = 30.0,
-        **common: Unpack[Common],
+        **common: Unpack[SensorOptions],
     ) -> None:
         self.limits = check_limits("range", "m", range_min, range_max)
         opening = check_number("opening [rad]", opening, low=0, high=np.pi / 2)
         around = np.linspace(-np.pi, np.pi, check_count("columns", columns), endpoint=False)
         up = np.linspace(-opening, opening, check_count("rings", rings))
         self.rays = beams_at(np.tile(around, rings), np.repeat(up, columns))
-        super().__init__(world, pose, **(Common(name="lidar_3d", frame_id="laser") | common))
+        super().__init__(world, pose, **(SensorOptions(name="lidar_3d", frame_id="laser") | common))
         self.publisher = self.create_publisher(PointCloud2, topic, qos_profile_sensor_data)
 
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:
@@ -163,13 +163,13 @@ class RangeNode(SensorNode):
         range_min: float = 0.02,
         range_max: float = 4.0,
         radiation_type: int = Range.ULTRASOUND,
-        **common: Unpack[Common],
+        **common: Unpack[SensorOptions],
     ) -> None:
         self.limits = check_limits("range", "m", range_min, range_max)
         self.field_of_view = check_number("field_of_view [rad]", field_of_view, above=0, high=np.pi)
         self.rays = cone_rays(self.field_of_view, check_count("rays", rays))
         self.radiation_type = radiation_type
-        super().__init__(world, pose, **(Common(name="range_finder", frame_id="range") | common))
+        super().__init__(world, pose, **(SensorOptions(name="range_finder", frame_id="range") | common))
         self.publisher = self.create_publisher(Range, topic, qos_profile_sensor_data)
 
     def measure(self, header: Header, seconds: float, chance: np.random.Generator) -> None:

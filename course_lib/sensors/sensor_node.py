@@ -13,7 +13,7 @@ from course_lib.ros.graph.graph import START_NS
 from course_lib.sensors.world import Pose, World, check_number, pose_function
 
 
-class Common(TypedDict, total=False):
+class SensorOptions(TypedDict, total=False):
     """Keyword arguments of every sensor."""
 
     name: str

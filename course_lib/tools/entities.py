@@ -168,12 +168,12 @@ def _send_goal(source: Source, arguments: Namespace, write: Write) -> None:
         handle = answer(source, goal_future, name, source.limit(), has_server)
         if handle.accepted:
             write(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n\n")
-            _wait_for_the_end(source, handle, write, has_server)
+            _wait_for_goal_end(source, handle, write, has_server)
         else:
             write("Goal was rejected.\n")
 
 
-def _wait_for_the_end(source: Source, handle: Any, write: Write, has_server: Callable[[], bool]) -> None:
+def _wait_for_goal_end(source: Source, handle: Any, write: Write, has_server: Callable[[], bool]) -> None:
     from rclpy.action.server import STATES
 
     future = handle.get_result_async()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import Graph, current_graph
 from course_lib.ros.programs.package_programs import Executables, RunProgram
-from course_lib.ros.programs.packages import LAUNCH_IN_WORDS, find_package, why_not_found
+from course_lib.ros.programs.packages import LAUNCH_IN_WORDS, find_package, not_found_reason
 from course_lib.ros.programs.process import Processes
 from course_lib.ros.time.driving import LiveRun, live_runs, start_live_run
 from course_lib.ros.time.time_lock import time_lock
@@ -83,7 +83,7 @@ def _launch(executables: Executables, source: Source, arguments: Namespace, writ
         and len(launch_arguments) > 1
         and ":=" not in launch_arguments[1]
     ):
-        raise CourseError(why_not_found(launch_arguments[0]))
+        raise CourseError(not_found_reason(launch_arguments[0]))
     if package is not None and not Path(launch_arguments[0]).is_file():
         file, settings = _find_in_package(package.share, launch_arguments), launch_arguments[2:]
     else:

@@ -71,14 +71,14 @@ def _executables(
 
 
 def _prefix(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
-    folder = (_share if arguments.share else _prefix_of)(executables, arguments.package_name)
+    folder = (_share_folder if arguments.share else _prefix_of)(executables, arguments.package_name)
     write(f"{folder}\n")
 
 
 def _xml(executables: "Executables", source: Source, arguments: Namespace, write: Write) -> None:
     from xml.etree import ElementTree
 
-    manifest = _share(executables, arguments.package_name) / "package.xml"
+    manifest = _share_folder(executables, arguments.package_name) / "package.xml"
     if not manifest.is_file():
         raise CourseError(
             f"Package XML manifest not found: {arguments.package_name} is part of the kit, not a "
@@ -99,11 +99,11 @@ def _names(executables: "Executables") -> list[str]:
 
 
 def _prefix_of(executables: "Executables", package: str) -> Path:
-    share = _share(executables, package)
+    share = _share_folder(executables, package)
     return share.parents[1] if share.parent.name == "share" else share.parent
 
 
-def _share(executables: "Executables", package: str) -> Path:
+def _share_folder(executables: "Executables", package: str) -> Path:
     names = _names(executables)
     if package not in names:
         raise CourseError(f"Package not found{did_you_mean(package, names)}")

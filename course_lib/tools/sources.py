@@ -103,7 +103,7 @@ class Source(ABC):
         """Yield the messages of topics, and ticks."""
 
     @abstractmethod
-    def why_silent(self, topic: str, qos: Qos) -> str:
+    def silence_reason(self, topic: str, qos: Qos) -> str:
         """Return why a topic has no messages, as a sentence after a space, or ""."""
 
 
@@ -150,7 +150,7 @@ class GraphSource(Source):
                 elif graph.ended or (deadlines_ns and graph.now_ns >= min(deadlines_ns)):
                     return
 
-    def why_silent(self, topic: str, qos: Qos) -> str:
+    def silence_reason(self, topic: str, qos: Qos) -> str:
         """Report missing publishers, incompatible QoS or missing nodes."""
         publishers = self.endpoints(topic, "pub")
         if not publishers:
@@ -217,7 +217,7 @@ class RecordingSource(Source):
             if (sample.topic, sample.type_name) in topics:
                 yield sample.stamp_ns, sample
 
-    def why_silent(self, topic: str, qos: Qos) -> str:
+    def silence_reason(self, topic: str, qos: Qos) -> str:
         """Report that all messages of the topic were recorded after the time limit."""
         return " All of them were recorded later."
 

@@ -145,7 +145,7 @@ def silence_message(source: Source, topic: str, qos: Qos, since_ns: int) -> str:
     seconds = (source.graph.now_ns - since_ns) * 1e-9
     return (
         f"No message came on {topic} in {seconds:.4g} s of robot "
-        f"time.{source.why_silent(topic, qos)} {describe_topics(source)}"
+        f"time.{source.silence_reason(topic, qos)} {describe_topics(source)}"
     )
 
 

@@ -342,7 +342,7 @@ def bounds_of(scene: Scene, paths: Iterable[str]) -> Floats | None:
 
 def _box(scene: Scene, path: str, drawable: Drawable) -> Floats | None:
     """Return the corners of an object's box in the scene's frame, or None if it has no position."""
-    points, reach = _places(drawable)
+    points, reach = _points_and_extent(drawable)
     transform = scene.world_transform(path)
     # Distant points may overflow; such boxes are left out.
     with np.errstate(all="ignore"):
@@ -357,7 +357,7 @@ def _box(scene: Scene, path: str, drawable: Drawable) -> Floats | None:
         return np.stack([low.min(axis=0), high.max(axis=0)])
 
 
-def _places(drawable: Drawable) -> tuple[Reals, Reals]:
+def _points_and_extent(drawable: Drawable) -> tuple[Reals, Reals]:
     """Return the points of an object, shape (N, 3), and its extent beyond them, shape (N or 1, 3)."""
     nothing = np.zeros((1, 3))
     if isinstance(drawable, Solids):

@@ -284,17 +284,17 @@ class SceneRecording:
         now = self._now()
         newest = self._frames.newest
         if now < (newest.time if newest else self._start):
-            self._fold(len(self._frames))
+            self._merge_oldest(len(self._frames))
             self._start, newest = now, None
         if newest is None or now - newest.time >= self._interval:
             self._frames.begin(now)
         self._frames.add(kind, path, _value(self.scene, kind, path))
         seconds, size = self._limits
         while len(self._frames) > 1 and (now - self._start > seconds or self._frames.size > size):
-            self._fold(1)
+            self._merge_oldest(1)
             self._start, self.is_truncated = self._frames.start, True
 
-    def _fold(self, count: int) -> None:
+    def _merge_oldest(self, count: int) -> None:
         """Merge the oldest frames into the initial scene."""
         for _ in range(count):
             _apply(self._initial_scene, self._frames.drop_oldest())

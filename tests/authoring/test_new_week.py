@@ -23,10 +23,10 @@ def test_new_week_passes_every_verification(course: Course) -> None:
     (report,) = verify(course, ["week09"], jobs=2)
     assert [str(flaw) for flaw in report.flaws] == []
     assert {report.cell(aspect) for aspect in ASPECTS} == {"✔"}
-    assert f"week09: {report.replace} places of the template left, look for REPLACE" in lines(
+    assert f"week09: {report.placeholder_count} places of the template left, look for REPLACE" in lines(
         [report], course
     )
-    assert report.replace >= 8
+    assert report.placeholder_count >= 8
     lesson = "notebooks/week09_occupancy_maps.ipynb, in its metadata: 1 REPLACE"
     assert lesson in lines([report], course)
 

@@ -14,7 +14,7 @@ import pytest
 
 from course_lib import cli
 from course_lib.course import student_folder
-from course_lib.course.course_file import CourseFile, Late, WeekSettings
+from course_lib.course.course_file import CourseFile, LatePolicy, WeekSettings
 from course_lib.course.exercise import BEGIN, END, read_notebook, source
 from course_lib.course.state import checkout_root, lessons_dir, solutions_dir
 from course_lib.course.student_folder import EXTENSIONS, SOLUTIONS, _copy, _without_extensions, release
@@ -73,7 +73,9 @@ def test_exercises_contain_no_line_of_an_answer(out: Path) -> None:
 def settings(**late: float) -> CourseFile:
     """A course whose week 1 ends on 7 March, for one student on 10 March, in UTC."""
     week = WeekSettings("One", datetime(2027, 3, 7, 12), extensions={"7": datetime(2027, 3, 10, 12)})
-    return CourseFile("", {"week01": week, "week02": WeekSettings("Two")}, ZoneInfo("UTC"), Late(**late))
+    return CourseFile(
+        "", {"week01": week, "week02": WeekSettings("Two")}, ZoneInfo("UTC"), LatePolicy(**late)
+    )
 
 
 @pytest.mark.parametrize(
@@ -86,7 +88,7 @@ def test_week_closes_after_the_last_late_day_of_the_last_extension(late: dict[st
 
 @pytest.mark.parametrize("deadline", [datetime(2026, 10, 24, 23, 59), datetime(2026, 3, 28, 23, 59)])
 def test_week_closes_when_the_late_policy_ends_although_clocks_change(deadline: datetime) -> None:
-    late = Late(accepted_days=2, grace_minutes=1)
+    late = LatePolicy(accepted_days=2, grace_minutes=1)
     course = CourseFile("", {"week01": WeekSettings("One", deadline)}, ZoneInfo("Europe/Paris"), late)
     closing = course.closing_time("week01")
     end = course.deadline("week01", "7")

@@ -13,7 +13,7 @@ from tf2_msgs.msg import TFMessage
 
 from course_lib.displays.display import Display, TopicDisplay
 from course_lib.displays.interactive import InteractiveMarkersDisplay
-from course_lib.displays.properties import Limited, Property, flag
+from course_lib.displays.properties import LimitedConversion, Property, flag
 from course_lib.displays.registry import REGISTRY
 from course_lib.displays.statuses import DisplayFaultWarning
 from course_lib.errors import CourseError
@@ -108,7 +108,7 @@ def mutated_bytes(chance: random.Random, cdr: bytes) -> bytes:
 def value_for(chance: random.Random, prop: Property) -> Any:
     """Return a value that a property may be set to, right or wrong."""
     convert = prop.convert
-    if isinstance(convert, Limited) and convert.editor == "enum":
+    if isinstance(convert, LimitedConversion) and convert.editor == "enum":
         return chance.choice(convert.options)
     if convert is flag:
         return chance.random() < 0.5

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from course_lib.displays.display import TopicDisplay
-from course_lib.displays.properties import Limited, Property, color, flag, vector
+from course_lib.displays.properties import LimitedConversion, Property, color, flag, vector
 from course_lib.displays.registry import REGISTRY
 from course_lib.ros.graph.topics import Qos
 from tests.displays.bench import Bench
@@ -159,9 +159,9 @@ def others(prop: Property) -> list[Any]:
     convert, default = prop.convert, prop.default
     if prop.label in VALUES:
         return [VALUES[prop.label]]
-    if isinstance(convert, Limited) and convert.editor == "enum":
+    if isinstance(convert, LimitedConversion) and convert.editor == "enum":
         return [option for option in convert.options if option != default]
-    if isinstance(convert, Limited):
+    if isinstance(convert, LimitedConversion):
         tried = (0.5 if default == 1.0 else default * 2 + 1, default // 2, convert.low, convert.high)
         values = (convert(value if convert.editor == "number" else round(value)) for value in tried)
         return [next(value for value in values if value != default)]

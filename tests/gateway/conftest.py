@@ -9,7 +9,7 @@ import pytest
 import zenoh
 from zenoh.handlers import Callback
 
-from course_lib.gateway.access import PASSWORDS, Access, load_users
+from course_lib.gateway.access import PASSWORDS, GatewayUser, load_users
 from course_lib.gateway.gateway import SILENCE, TURN, Gateway, Settings
 from tests.patience import PATIENCE, join
 from tests.ports import free_port
@@ -31,7 +31,7 @@ def opened() -> Iterator[Opened]:
     sessions: list[zenoh.Session] = []
 
     def open_one(
-        place: str = "", user: Access | None = None, mode: str = "client", **more: Any
+        place: str = "", user: GatewayUser | None = None, mode: str = "client", **more: Any
     ) -> zenoh.Session:
         settings = {
             "mode": mode,
@@ -79,7 +79,7 @@ class Classroom:
         while not self._ended.wait(TURN):
             self.gateway.stop(older_than=SILENCE)
 
-    def student(self, user: Access, mode: str = "client") -> zenoh.Session:
+    def student(self, user: GatewayUser, mode: str = "client") -> zenoh.Session:
         session = self._opened(self.place, user, mode)
         wait_for(lambda: [*session.info.routers_zid()], f"{user.name} reaches the gateway")
         return session

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from course_lib.errors import CourseError
-from course_lib.gateway.access import PASSWORDS, Access, load_users
+from course_lib.gateway.access import PASSWORDS, GatewayUser, load_users
 from course_lib.gateway.gateway import SILENCE, TURN, Gateway, Settings
 from course_lib.ros.dds.link import DdsLink
 from course_lib.ros.graph.topics import Qos
@@ -109,7 +109,7 @@ class DdsClassroom:
             self.gateway.stop(older_than=SILENCE)
             self.gateway.wait(TURN)
 
-    def student(self, user: Access) -> RobotGraph:
+    def student(self, user: GatewayUser) -> RobotGraph:
         """Link a student's kit to the gateway."""
         link = ZenohLink(user.address(self._place), self.domain)
         self.graphs.append(RobotGraph(link, Permissions.from_names(["/cmd_vel"], CALLED), self.lines.append))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from course_lib.gateway.access import Access, load_users
+from course_lib.gateway.access import GatewayUser, load_users
 from tests.gateway.conftest import ROSTER, wait_for
 from tests.patience import PATIENCE
 from tests.ports import free_port
@@ -50,7 +50,7 @@ class Lab:
         users = load_users(folder / "course_router", None, "", self._place)
         self.ann, self.bob = users[1:]
 
-    def ros2(self, user: Access, *words: str, send: str = "", call: str = "") -> str:
+    def ros2(self, user: GatewayUser, *words: str, send: str = "", call: str = "") -> str:
         """Return the output of `course ros2` in a student's kit."""
         options = ["--robot", user.address(self._place), "--domain", str(self.domain)]
         options += ["--send", send] * bool(send) + ["--call", call] * bool(call)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from course_lib import CourseError, start_robot
-from course_lib.gateway.robot import RobotPlace, RobotProcess
+from course_lib.gateway.robot import RobotProcess, SimulatedRobotAddress
 from tests.gateway.conftest import ROSTER, wait_for
 from tests.gateway.test_router import Started, course, says, started, users_in
 from tests.patience import PATIENCE
@@ -124,7 +124,7 @@ def test_robot_process_that_does_not_end_is_killed(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("course_lib.gateway.robot.END_SECONDS", 0.1)
     command = [sys.executable, "-c", "import time; time.sleep(600)"]
     with Program(command, stdin=subprocess.PIPE) as process:
-        RobotProcess(process, RobotPlace("tcp/127.0.0.1:1"), "no software").stop()
+        RobotProcess(process, SimulatedRobotAddress("tcp/127.0.0.1:1"), "no software").stop()
         assert process.returncode == -signal.SIGKILL
 
 

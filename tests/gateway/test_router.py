@@ -17,7 +17,7 @@ import pytest
 import zenoh
 
 from course_lib.errors import CourseError
-from course_lib.gateway.access import Access, load_users
+from course_lib.gateway.access import GatewayUser, load_users
 from course_lib.gateway.gateway import Settings, router
 from tests.gateway.conftest import ROSTER, Opened, hears, wait_for
 from tests.gateway.test_driving import AHEAD, KEY, STAND
@@ -92,7 +92,7 @@ def course(folder: Path, *words: str) -> str:
     return process.stdout + process.stderr
 
 
-def users_in(folder: Path) -> list[Access]:
+def users_in(folder: Path) -> list[GatewayUser]:
     return load_users(folder / "course_router", None, "", "tcp/anywhere:1")
 
 
@@ -140,7 +140,7 @@ def test_driver_command_changes_the_driver_and_the_page(
     del alive  # until here it is there
 
 
-def student_process(code: str, place: str, user: Access, key: str) -> Program:
+def student_process(code: str, place: str, user: GatewayUser, key: str) -> Program:
     settings = {
         "mode": "client",
         "connect/endpoints": [place],

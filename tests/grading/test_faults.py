@@ -17,7 +17,7 @@ import pytest
 
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.store import Course, OutError, lock_folder
+from course_lib.grading.store import Course, RecordsWriteError, lock_folder
 from tests.grading.conftest import write_course
 from tests.grading.graders import fingerprint, start_grader, write_class
 from tests.patience import PATIENCE
@@ -103,7 +103,7 @@ def test_killed_worker_processes_do_not_change_marks(
 def test_full_disk_stops_grading_with_one_line_and_resume_completes_it(
     course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
 ) -> None:
-    with pytest.raises(OutError, match=r"No space left.*--resume") as stopped:
+    with pytest.raises(RecordsWriteError, match=r"No space left.*--resume") as stopped:
         grade(top / "in", small_disk / "out", jobs=1, course=course)
     assert "\n" not in str(stopped.value)
     subprocess.run(("mount", "-o", "remount,size=9m", str(small_disk)), check=True, timeout=PATIENCE)
@@ -116,7 +116,7 @@ def test_read_only_disk_is_reported_before_grading_starts(
     course: Course, top: Path, undisturbed: dict[str, str], tmp_path: Path, small_disk: Path
 ) -> None:
     subprocess.run(("mount", "-o", "remount,ro", str(small_disk)), check=True, timeout=PATIENCE)
-    with pytest.raises(OutError, match="Read-only file system"):
+    with pytest.raises(RecordsWriteError, match="Read-only file system"):
         grade(top / "in", small_disk / "out", jobs=1, course=course)
     subprocess.run(("mount", "-o", "remount,rw,size=9m", str(small_disk)), check=True, timeout=PATIENCE)
     grade(top / "in", small_disk / "out", jobs=1, resume=True, course=course)

@@ -15,7 +15,7 @@ from course_lib.course.course_file import read_course_file
 from course_lib.errors import CourseError
 from course_lib.grading.marks import MarkedResult
 from course_lib.grading.platforms.gradescope import METADATA, grade_upload, results_of, write_autograder
-from course_lib.grading.records import Received, Result, Submission
+from course_lib.grading.records import ReceiptTime, Result, Submission
 from course_lib.grading.store import Course
 from tests.grading.autograder_layout import graded_upload
 from tests.grading.platforms import zipped
@@ -257,7 +257,7 @@ def test_grader_error_writes_no_results_instead_of_zero_points(root: Path, run: 
     with pytest.raises(CourseError, match=r"submission_metadata\.json can't be read"):
         run()
     assert not (root / "results/results.json").exists()
-    submission = Submission("a", "week01_exercise", Path("x"), Received(None, ""))
+    submission = Submission("a", "week01_exercise", Path("x"), ReceiptTime(None, ""))
     failed = MarkedResult(Result(submission, "grader_error", "OSError", "disk"))
     with pytest.raises(CourseError, match="not the student's fault: OSError disk"):
         results_of(failed, "hidden")

@@ -10,7 +10,7 @@ import pytest
 from course_lib.course.course_file import CourseFile, read_course_file
 from course_lib.grading.grade import grade
 from course_lib.grading.marks import MarkedResult, results_in
-from course_lib.grading.records import CheckResult, Judgement, Received, Result, Submission, TaskResult
+from course_lib.grading.records import CheckResult, Judgement, ReceiptTime, Result, Submission, TaskResult
 from course_lib.grading.reports.tables import (
     FEWEST,
     Analysis,
@@ -169,7 +169,7 @@ def test_check_longer_than_a_second_is_reported_as_slow() -> None:
 
 
 def test_item_with_a_grader_error_is_excluded_from_statistics(tmp_path: Path, settings: CourseFile) -> None:
-    submission = Submission("ada", EXERCISE, Path("ada.ipynb"), Received(None, "unknown"))
+    submission = Submission("ada", EXERCISE, Path("ada.ipynb"), ReceiptTime(None, "unknown"))
     failed = MarkedResult(Result(submission, "grader_error", "OSError", "disk"))
     analysis = analyse(EXERCISE, [failed], tmp_path)
     assert (analysis.marks, analysis.checks) == ([], [])

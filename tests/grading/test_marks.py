@@ -6,14 +6,14 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
-from course_lib.course.course_file import Late
+from course_lib.course.course_file import LatePolicy
 from course_lib.grading.evidence import Check, Evidence, Verdict, with_formal
 from course_lib.grading.judge import judge_task
 from course_lib.grading.marks import results_in
 from course_lib.grading.records import (
     CheckResult,
     Mark,
-    Received,
+    ReceiptTime,
     Result,
     Submission,
     TaskResult,
@@ -44,22 +44,22 @@ def task(points: float, score: float, *, bonus: bool = False) -> TaskResult:
     ],
 )
 def test_late_days_are_rounded_up_in_local_time(received: datetime, days: int) -> None:
-    assert count_days_late(received, DEADLINE, Late(grace_minutes=5)) == days
+    assert count_days_late(received, DEADLINE, LatePolicy(grace_minutes=5)) == days
 
 
 def test_submission_without_a_deadline_is_never_late() -> None:
-    assert count_days_late(DEADLINE, None, Late()) == 0
+    assert count_days_late(DEADLINE, None, LatePolicy()) == 0
 
 
 def test_bonus_is_added_and_penalty_is_a_fraction_of_the_score() -> None:
     tasks = [task(60, 1.0), task(40, 0.5), task(10, 1.0, bonus=True)]
-    assert Mark.of(tasks, 0, Late()) == Mark(90, 100, 0, 0, 90)
-    assert Mark.of(tasks, 2, Late()) == Mark(90, 100, 2, 18, 72)
-    assert Mark.of(tasks, 11, Late()) == Mark(90, 100, 11, 90, 0)
+    assert Mark.of(tasks, 0, LatePolicy()) == Mark(90, 100, 0, 0, 90)
+    assert Mark.of(tasks, 2, LatePolicy()) == Mark(90, 100, 2, 18, 72)
+    assert Mark.of(tasks, 11, LatePolicy()) == Mark(90, 100, 11, 90, 0)
 
 
 def test_penalty_has_a_maximum_and_ends_with_the_last_accepted_day() -> None:
-    late, tasks = Late(max_percent=30, accepted_days=7), [task(100, 0.8)]
+    late, tasks = LatePolicy(max_percent=30, accepted_days=7), [task(100, 0.8)]
     assert [Mark.of(tasks, days, late).final for days in (0, 2, 3, 7, 8)] == [80, 64, 56, 56, 0]
 
 
@@ -130,7 +130,7 @@ def test_required_check_is_evaluated_once_per_run() -> None:
 
 
 def test_formula_in_the_gradebook_is_escaped(tmp_path: Path) -> None:
-    when = Received(datetime(2026, 1, 1, tzinfo=UTC), "receipt")
+    when = ReceiptTime(datetime(2026, 1, 1, tzinfo=UTC), "receipt")
     submission = Submission("=cmd()", "week01_exercise", tmp_path / "a.ipynb", when)
     Result(submission, "rejected", "unreadable", '@SUM(A1), "quoted"').write(tmp_path)
     assert write_gradebook(tmp_path, results_in(tmp_path)).read_text().splitlines()[1] == (

@@ -9,7 +9,7 @@ import pytest
 
 from course_lib.course.course_file import Limits
 from course_lib.grading.evidence import Evidence
-from course_lib.grading.jail.launch import JailPlace, TemplateProcess, WorkerError, works
+from course_lib.grading.jail.launch import JailEnvironment, TemplateProcess, WorkerError, works
 from course_lib.grading.jail.template import enter_jail
 from course_lib.grading.run import worker
 from course_lib.grading.run.submission_run import ALL, SubmissionRun
@@ -191,7 +191,7 @@ def test_processes_and_files_of_a_submission_are_removed(
 
 
 def test_temporary_files_are_in_the_jail_even_if_their_folder_was_used_before(tmp_path: Path) -> None:
-    place = JailPlace("host", "same", os.getuid(), str(tmp_path), ())
+    place = JailEnvironment("host", "same", os.getuid(), str(tmp_path), ())
 
     def write() -> None:
         tempfile.tempdir = "/"

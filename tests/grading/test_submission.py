@@ -8,9 +8,9 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
-from course_lib.course.course_file import Late
+from course_lib.course.course_file import LatePolicy
 from course_lib.errors import CourseError
-from course_lib.grading.records import RECEIPT_TIME, Received
+from course_lib.grading.records import RECEIPT_TIME, ReceiptTime
 from course_lib.grading.submissions.notebook import parse_notebook
 from course_lib.grading.submissions.submission import find_submissions, skipped_files
 from course_lib.grading.submissions.submit import submit
@@ -137,9 +137,9 @@ def test_skipped_symlinks_and_pipes_are_listed(tmp_path: Path, write_notebook: W
 @pytest.mark.parametrize(("day", "message"), [(10, "on time"), (12, "late")])
 def test_time_known_only_from_the_receipt_has_a_remark(day: int, message: str) -> None:
     deadline = datetime(2026, 10, 11, tzinfo=UTC)
-    received = Received(datetime(2026, 10, day, tzinfo=UTC), RECEIPT_TIME)
+    received = ReceiptTime(datetime(2026, 10, day, tzinfo=UTC), RECEIPT_TIME)
     expected = f"{message} according to the receipt only, which the student's machine wrote"
-    assert received.remark(deadline, Late()) == expected
+    assert received.remark(deadline, LatePolicy()) == expected
 
 
 @pytest.mark.slow

@@ -8,10 +8,10 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
-from course_lib.course.course_file import Late
+from course_lib.course.course_file import LatePolicy
 from course_lib.errors import CourseError
 from course_lib.grading.grade import grade
-from course_lib.grading.records import Received
+from course_lib.grading.records import ReceiptTime
 from course_lib.grading.store import Course
 from course_lib.grading.submissions.collect import Collection, collect
 from course_lib.grading.submissions.submission import find_submissions
@@ -211,20 +211,20 @@ def test_receipt_never_overrides_the_late_marker_of_canvas(
     sort()
     (submission,) = find_submissions(tmp_path / "out")
     assert submission.received.time is None
-    assert submission.received.days_late(DEADLINE, Late()) == days
-    assert remark in submission.received.remark(DEADLINE, Late())
-    said = submission.received.contradictions(DEADLINE, Late())
+    assert submission.received.days_late(DEADLINE, LatePolicy()) == days
+    assert remark in submission.received.remark(DEADLINE, LatePolicy())
+    said = submission.received.contradictions(DEADLINE, LatePolicy())
     assert len(said) == len(notes)
     assert all(part in line for part, line in zip(notes, said, strict=True))
 
 
 def test_late_marker_contradicting_the_submission_time_is_reported() -> None:
-    in_time = Received(datetime(2026, 3, 1, tzinfo=UTC), "received.csv", late=True)
-    assert in_time.days_late(DEADLINE, Late()) == 0
-    assert in_time.contradictions(DEADLINE, Late()) == [
+    in_time = ReceiptTime(datetime(2026, 3, 1, tzinfo=UTC), "received.csv", late=True)
+    assert in_time.days_late(DEADLINE, LatePolicy()) == 0
+    assert in_time.contradictions(DEADLINE, LatePolicy()) == [
         "the platform marks it as late, but according to received.csv it is 0 days late"
     ]
-    assert in_time.contradictions(None, Late()) == [
+    assert in_time.contradictions(None, LatePolicy()) == [
         "the platform marks it as late, but course.toml has no deadline"
     ]
 
@@ -234,7 +234,7 @@ def test_receipt_time_is_used_without_other_sources_and_noted_in_the_gradebook(t
     (tmp_path / "ada/a.zip").write_bytes(packed("x = 1", "ada", "2026-03-20T12:00:00+00:00"))
     (submission,) = find_submissions(tmp_path)
     assert (submission.received.source, submission.received.is_trusted) == ("receipt", False)
-    assert "the student's machine" in submission.received.remark(DEADLINE, Late())
+    assert "the student's machine" in submission.received.remark(DEADLINE, LatePolicy())
 
 
 def test_student_supplied_received_csv_and_timestamp_are_ignored(tmp_path: Path, sort: Collect) -> None:

@@ -51,7 +51,7 @@ def test_missing_environment_error_shows_the_install_command(
 ) -> None:
     monkeypatch.delenv(environment.PYTHON, raising=False)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    monkeypatch.setattr(environment, "why_not_supported", lambda: "")
+    monkeypatch.setattr(environment, "unsupported_reason", lambda: "")
     with pytest.raises(CourseError, match=r"not installed .*: course ros --install"):
         find_environment()
 
@@ -77,7 +77,7 @@ def test_interrupted_installation_leaves_nothing_behind(
         raise ending
 
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    monkeypatch.setattr(environment, "why_not_supported", lambda: "")
+    monkeypatch.setattr(environment, "unsupported_reason", lambda: "")
     monkeypatch.setattr(environment, "_create", fail)
     with pytest.raises((KeyboardInterrupt, CourseError)):
         install(lambda line: None)

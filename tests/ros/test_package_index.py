@@ -13,7 +13,7 @@ import pytest
 from course_lib import load_robot
 from course_lib.errors import CourseError
 from course_lib.robots.robot import packages_only, resolve
-from course_lib.ros.programs.packages import find_package, packages, why_not_found, workspace_of
+from course_lib.ros.programs.packages import find_package, not_found_reason, packages, workspace_of
 from course_lib.ros.programs.xacro_program import run_xacro
 from course_lib.tools.run import ros2_over
 from tests.patience import PATIENCE
@@ -381,7 +381,7 @@ def test_package_ignored_by_colcon_is_reported_with_its_folder(
     files: dict[str, str], reason: str, make: Make
 ) -> None:
     make("arm", **{f"../{path}": f"<package><name>{name}</name></package>" for path, name in files.items()})
-    assert re.search(rf"^package 'leg' not found: .*{reason}", why_not_found("leg"))
+    assert re.search(rf"^package 'leg' not found: .*{reason}", not_found_reason("leg"))
 
 
 def test_robot_is_loaded_by_its_address(make: Make) -> None:
@@ -398,7 +398,7 @@ def test_robot_is_loaded_by_its_address(make: Make) -> None:
 def test_missing_package_error_does_not_list_hundreds_of_packages(make: Make) -> None:
     for number in range(20):
         make(f"package_{number:02}")
-    text = why_not_found("package_99")
+    text = not_found_reason("package_99")
     assert text.count("/ws/src'") == 1
     assert "package_11 and 8 more (ros2 pkg list)" in text
     assert "package_12" not in text

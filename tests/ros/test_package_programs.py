@@ -11,8 +11,8 @@ from course_lib import cli
 from course_lib.errors import CourseError
 from course_lib.ros.graph.graph import START_NS, Graph, use_graph
 from course_lib.ros.hints import hint
-from course_lib.ros.programs.missing_packages import NotHereError, why_not_offered
-from course_lib.ros.programs.packages import packages, why_not_found
+from course_lib.ros.programs.missing_packages import NotHereError, unavailable_reason
+from course_lib.ros.programs.packages import not_found_reason, packages
 from course_lib.ros.programs.program import run_files
 from course_lib.tools.run import ros2_over
 
@@ -167,7 +167,7 @@ def test_compiled_executable_is_rejected_with_the_reason(
     ],
 )
 def test_unavailable_ros_package_error_has_the_reason_and_the_next_step(package: str, reason: str) -> None:
-    text = why_not_found(package)
+    text = not_found_reason(package)
     assert text.startswith(f"package '{package}' not found: {reason}")
     assert text.endswith("course run FILE --robot dds/HOST.")
     assert hint(ModuleNotFoundError(f"No module named '{package}.x'", name=f"{package}.x")) in text
@@ -196,7 +196,7 @@ def test_unavailable_ros_package_error_has_the_reason_and_the_next_step(package:
     ],
 )
 def test_custom_types_and_packages_are_accepted(package: str) -> None:
-    assert why_not_offered(package) == ""
+    assert unavailable_reason(package) == ""
 
 
 @pytest.mark.parametrize(
@@ -280,7 +280,7 @@ def test_missing_source_package_gets_the_command_that_clones_it(package: str) ->
     assert re.fullmatch(
         f"it is a source package: clone it into the workspace's src, with {command}.", hint(error)
     )
-    assert re.search(f"^package '{package}' not found: .* {command}.$", why_not_found(package))
+    assert re.search(f"^package '{package}' not found: .* {command}.$", not_found_reason(package))
 
 
 def test_packages_of_a_layout_are_found_from_any_folder(

@@ -158,7 +158,7 @@ class ViewerCell:
             view.keeps = owner = viewer_reference()
             if not count and owner is not None:
                 view.keeps = None
-                _forget(owner)
+                _remove_from_history(owner)
 
         view.on_views = on_views
         return view
@@ -182,11 +182,11 @@ class ViewerCell:
 
 
 def _end(view: "RestingView") -> None:
-    _forget(view)
+    _remove_from_history(view)
     view.close()
 
 
-def _forget(result: object) -> None:
+def _remove_from_history(result: object) -> None:
     """Remove a cell's result from IPython's history (Out, _, __, _7, ...), which would keep it alive."""
     from IPython.core.getipython import get_ipython
 

@@ -56,7 +56,7 @@ from course_lib.displays.panel.protocol import (
 from course_lib.displays.panel.tools import publish, settings_of
 from course_lib.displays.properties import (
     Convert,
-    Limited,
+    LimitedConversion,
     Property,
     PropertyHolder,
     booleans,
@@ -232,7 +232,7 @@ def mark_of(level: Level) -> LevelMark:
 
 def _editor(prop: Property, holder: PropertyHolder) -> Editor:
     """Return the control that edits a property, with its limits."""
-    if isinstance(prop.convert, Limited):
+    if isinstance(prop.convert, LimitedConversion):
         low, high = (limit if isfinite(limit) else None for limit in (prop.convert.low, prop.convert.high))
         return Editor(prop.convert.editor, low, high, tuple(prop.convert.options))
     # The attribute is read from the class, because an instance without it would search for similar
@@ -249,7 +249,7 @@ _LONGEST = 16
 _FOLDERS = ("", "my_files")
 
 
-class OrderDesk:
+class OrderHandler:
     """Executes the orders of a page.
 
     `rows` are the page's rows, `notice` is the response to the last order.
@@ -450,7 +450,7 @@ class Desk:
 
     def __init__(self, session: RvizSession, link: PageLink, graph: Graph | None = None) -> None:
         self._session, self._link, self._graph = session, link, graph
-        self._orders = OrderDesk(session)
+        self._orders = OrderHandler(session)
         self._sent_state: PanelState | None = None
         self._sent_rows: dict[str, PanelRow] = {}
         # The pages with an open panel. Only these receive new rows, because computing them is slow.

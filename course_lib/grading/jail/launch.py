@@ -273,7 +273,7 @@ FIRST_USER, USERS = 61184, 4336
 
 
 @dataclass(frozen=True)
-class JailPlace:
+class JailEnvironment:
     """The root, the user and the folders of submissions.
 
     Args:
@@ -302,7 +302,7 @@ class JailPlace:
 def settle(
     roots: Collection[Root], users: Sequence[User], scratch: str, read: Sequence[str], listed: Sequence[str],
     links: Sequence[tuple[str, str]],
-) -> JailPlace:  # fmt: skip
+) -> JailEnvironment:  # fmt: skip
     """Switch this process to the first root folder and user that work.
 
     Each pair is tried in a forked process.
@@ -325,7 +325,7 @@ def settle(
             # In a root of its own, everything that it contains is readable.
             tops = sorted({"/" + path.split("/")[1] for path in read})
             folder, visible_paths = (INSIDE, tops) if has_own else (scratch, read)
-            place = JailPlace(root, user, number, folder, tuple(visible_paths), tuple(listed))
+            place = JailEnvironment(root, user, number, folder, tuple(visible_paths), tuple(listed))
             if works(lambda place=place: _try(place, read, links)):  # type: ignore[misc]
                 if has_own:
                     os.rmdir(scratch)
@@ -362,7 +362,7 @@ def _try_in_fork(layer: Callable[[], object]) -> bytes:
     return answer
 
 
-def _move(place: JailPlace, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
+def _move(place: JailEnvironment, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
     if place.root == "host":
         os.chown(place.scratch, place.owner, -1)
     if place.user != "same":
@@ -372,7 +372,7 @@ def _move(place: JailPlace, read: Sequence[str], links: Sequence[tuple[str, str]
         layers.enter_root(visible_paths, place.listed, links, place.scratch)
 
 
-def _try(place: JailPlace, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
+def _try(place: JailEnvironment, read: Sequence[str], links: Sequence[tuple[str, str]]) -> None:
     _move(place, read, links)
     if place.user != "same":
         drop_capabilities()
@@ -381,7 +381,7 @@ def _try(place: JailPlace, read: Sequence[str], links: Sequence[tuple[str, str]]
             raise OSError(f"another user can't read {unreadable[0]}")
 
 
-def _change_user(place: JailPlace) -> None:
+def _change_user(place: JailEnvironment) -> None:
     """Change the user, but keep the capabilities that building the root requires."""
     user = place.number
     # The owner of new files is unchanged, but the kernel counts processes of the real user.

@@ -32,7 +32,7 @@ from course_lib.grading.jail.filters import (
     prctl,
     restrict_files,
 )
-from course_lib.grading.jail.launch import DEVICES, HOMES, JailPlace, settle, works
+from course_lib.grading.jail.launch import DEVICES, HOMES, JailEnvironment, settle, works
 from course_lib.grading.jail.layers import (
     EVERY,
     apply_limits,
@@ -48,7 +48,7 @@ from course_lib.ros.graph.remote import Channel
 from course_lib.third_party import read_json
 
 
-def working_layers(place: JailPlace, off: Collection[str]) -> list[str]:
+def working_layers(place: JailEnvironment, off: Collection[str]) -> list[str]:
     """Return the isolation layers that work here, without the layers in `off`.
 
     Each is tried in a forked process.
@@ -71,7 +71,7 @@ def working_layers(place: JailPlace, off: Collection[str]) -> list[str]:
     return layers
 
 
-def enter_jail(place: JailPlace, layers: Collection[str], limits: Limits) -> None:
+def enter_jail(place: JailEnvironment, layers: Collection[str], limits: Limits) -> None:
     """Enter the jail irrevocably. With namespaces, only a fork of this process returns from here.
 
     Raises:
@@ -102,7 +102,7 @@ def enter_jail(place: JailPlace, layers: Collection[str], limits: Limits) -> Non
         filter_calls()
 
 
-def _enter_namespaces(place: JailPlace, limits: Limits) -> None:
+def _enter_namespaces(place: JailEnvironment, limits: Limits) -> None:
     enter_namespaces()
     first = os.fork()
     if first:
@@ -110,11 +110,11 @@ def _enter_namespaces(place: JailPlace, limits: Limits) -> None:
     mount_files(place.scratch, limits.scratch_megabytes)
 
 
-def _restrict_files(place: JailPlace, folder: str) -> None:
+def _restrict_files(place: JailEnvironment, folder: str) -> None:
     restrict_files([*place.read, *DEVICES], [folder, os.devnull], place.listed)
 
 
-def _require_process_limit(place: JailPlace, layers: Collection[str]) -> None:
+def _require_process_limit(place: JailEnvironment, layers: Collection[str]) -> None:
     """Raise OSError unless a limit on processes is effective."""
     enter_jail(place, {"namespaces"} & set(layers), Limits())
     resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
@@ -136,7 +136,7 @@ class Template:
         off: Layers to disable.
     """
 
-    def __init__(self, control: socket.socket, place: JailPlace, off: Collection[str]) -> None:
+    def __init__(self, control: socket.socket, place: JailEnvironment, off: Collection[str]) -> None:
         self._control, self._place = control, place
         self._shell = warm_up()
         self._submission = 0  # process id of the submission's first process, or 0

@@ -33,7 +33,7 @@ from course_lib.grading.marks import (
     standing_marks,
     stored_result,
 )
-from course_lib.grading.records import HandMark, Received, Result, Submission, TaskResult
+from course_lib.grading.records import HandMark, ReceiptTime, Result, Submission, TaskResult
 from course_lib.grading.reports.report import report
 from course_lib.grading.reports.table import say, strip_control_characters
 from course_lib.grading.reports.tables import write_tables
@@ -267,7 +267,7 @@ class MarkingQueue:
 
         Raises:
             MarksConflictError: Someone else has marked the task since that revision.
-            OutError: The folder can't be written.
+            RecordsWriteError: The folder can't be written.
             CourseError: The task or row does not exist, or has fewer points.
         """
         item = self.item(key)
@@ -425,7 +425,7 @@ def mark_without_file(
     path = result_path(out, student, exercise)
     with lock_folder(out, say), writing(out):
         is_new = not path.is_file()
-        result = _no_file(student, exercise) if is_new else read_result(path).result
+        result = _result_without_file(student, exercise) if is_new else read_result(path).result
         if result.judgement is not None and not withdraw:
             raise CourseError(
                 f"{exercise} of {student} has a file that was graded: enter points for its tasks, "
@@ -444,13 +444,13 @@ def mark_without_file(
     return f"{student} {exercise}{new}: {stored_mark.points:g} without a file; now graded"
 
 
-def _no_file(student: str, exercise: str) -> Result:
+def _result_without_file(student: str, exercise: str) -> Result:
     """Return the result of a student who has not submitted a file."""
     nothing = Submission(
         student,
         exercise,
         Path(f"{student}/{exercise}.ipynb"),
-        Received(None, UNKNOWN),
+        ReceiptTime(None, UNKNOWN),
         problem="no file was submitted",
         reason="no file",
     )

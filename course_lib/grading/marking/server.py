@@ -33,7 +33,7 @@ from course_lib.grading.reports.table import fill, printable, strip_control_char
 from course_lib.grading.reports.tables import write_tables
 from course_lib.grading.store import (
     Course,
-    OutError,
+    RecordsWriteError,
     catalog_of,
     lock_folder,
     report_path,
@@ -70,7 +70,7 @@ def follow_marks(
             of waiting.
 
     Raises:
-        OutError: The folder can't be written.
+        RecordsWriteError: The folder can't be written.
         CourseError: The folder is in use, or a file in it is damaged.
     """
     require_results(out)
@@ -156,7 +156,7 @@ MAX_MARKS = 50  # marks per request
 
 
 @dataclass(frozen=True)
-class Save:
+class SaveRequest:
     """A grader's marks for one task, and the revision that the grader has seen."""
 
     by: str
@@ -164,7 +164,7 @@ class Save:
     given: tuple[MarkEntry, ...]
 
 
-def read_save(body: bytes) -> Save:
+def read_save(body: bytes) -> SaveRequest:
     """Decode a request to save marks.
 
     Raises:
@@ -176,7 +176,7 @@ def read_save(body: bytes) -> Save:
         raise CourseError("the page sent invalid JSON: reload it") from error
     match content:
         case {"by": str(by), "revision": str(revision), "marks": [_, *_] as marks} if len(marks) <= MAX_MARKS:
-            return Save(read_name(by), revision, tuple(map(_decode_mark, marks)))
+            return SaveRequest(read_name(by), revision, tuple(map(_decode_mark, marks)))
     raise CourseError('the page sent no marks: expected {"by": …, "revision": …, "marks": [one or more]}')
 
 
@@ -226,7 +226,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class MarkingDesk:
+class MarkingState:
     """The state that the request handlers share.
 
     Args:
@@ -265,7 +265,7 @@ class MarkingDesk:
 
 
 class _MarkingHandler(Guarded):
-    def initialize(self, desk: MarkingDesk) -> None:
+    def initialize(self, desk: MarkingState) -> None:
         self.desk, self.port, self.token = desk, desk.port, desk.token
 
     def set_default_headers(self) -> None:
@@ -292,14 +292,14 @@ class PageFileHandler(_MarkingHandler):
         self.finish((FOLDER / (name or "marking.html")).read_bytes())
 
 
-class _Answer(_MarkingHandler):
+class _JsonHandler(_MarkingHandler):
     async def answer(self, call: Callable[..., Any], *args: Any) -> None:
         """Call a function in a thread, and respond with its plain data or its error message."""
         try:
             content, code = await asyncio.get_running_loop().run_in_executor(None, call, *args), 200
         except MarksConflictError as error:
             content, code = {"error": str(error)}, 409
-        except OutError as error:
+        except RecordsWriteError as error:
             content, code = {"error": str(error)}, 503
         except CourseError as error:
             content, code = {"error": str(error)}, 400
@@ -313,7 +313,7 @@ class _Answer(_MarkingHandler):
         return self.desk.queue.set_open_item(page, read_name(person), key) if page else {}
 
 
-class QueueHandler(_Answer):
+class QueueHandler(_JsonHandler):
     """Serves the list of items."""
 
     async def get(self, _: str) -> None:
@@ -328,7 +328,7 @@ class QueueHandler(_Answer):
         return changes | {"others": self.others(), "state": self.desk.follower.state}
 
 
-class ItemHandler(_Answer):
+class ItemHandler(_JsonHandler):
     """Serves one item."""
 
     async def get(self, _: str, key: str) -> None:
@@ -442,7 +442,7 @@ def serve(
 async def _serve(out: Path, port: int | None, browser: bool, course: Course) -> None:
     sockets = _sockets(port)
     follower = Follower(out, course)
-    desk = MarkingDesk(MarkingQueue(out), follower, course, sockets[0].getsockname()[1])
+    desk = MarkingState(MarkingQueue(out), follower, course, sockets[0].getsockname()[1])
     routes = [(pattern, handler, {"desk": desk}) for pattern, handler in ROUTES]
     application = Application(routes, None, None, log_function=lambda _: None)
     server = HTTPServer(application, max_body_size=MAX_BODY, max_buffer_size=2 * MAX_BODY)
@@ -462,7 +462,7 @@ def _sockets(port: int | None) -> Sequence[Any]:
         return bound(0)
 
 
-def _announce(desk: MarkingDesk, browser: bool) -> None:
+def _announce(desk: MarkingState, browser: bool) -> None:
     """Print the URL.
 
     A browser gets it in a private file, because command lines are visible to all users.

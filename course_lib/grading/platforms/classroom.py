@@ -127,7 +127,7 @@ def _stage_all(
         elif student in receipts:
             lines.append(f"refused: {clone.name}: {student} has two clones")
         elif not _stage(clone, place / student):
-            lines.append(f"{student}: no exercise in {_folder(clone)} differs from the released one")
+            lines.append(f"{student}: no exercise in {_exercise_folder(clone)} differs from the released one")
         else:
             receipts[student] = PlatformTime(times.get(_head(clone), ""), "GitHub, push", True)
     return lines, receipts
@@ -140,14 +140,14 @@ def _student(name: str, members: ClassList) -> str:
     return max(fits, key=lambda one: len(one.login)).id if fits else ""
 
 
-def _folder(clone: Path) -> Path:
+def _exercise_folder(clone: Path) -> Path:
     """Return the folder of a clone that contains the exercises."""
     return clone / FOLDER if (clone / FOLDER).is_dir() else clone
 
 
 def _stage(clone: Path, place: Path) -> bool:
     """Copy the changed exercises with their working files, and return whether there are any."""
-    folder = _folder(clone)
+    folder = _exercise_folder(clone)
     changed_files = {path.name for path in _changed_files(folder)}
     if not changed_files:
         return False

@@ -146,7 +146,7 @@ class Upload:
     student: str
     named: bool
     time: str
-    stranger: str = ""
+    unknown_address: str = ""
 
 
 def grade_upload(
@@ -184,14 +184,14 @@ def grade_upload(
             grade(top, out, jobs=1, only=only, need=need, course=course)
             result = stored_result(out, upload.student, exercise)
             note = ""
-            if upload.stranger:
-                result, note = _without_personal_points(result, upload.stranger, catalog_of(course))
+            if upload.unknown_address:
+                result, note = _without_personal_points(result, upload.unknown_address, catalog_of(course))
             report = results_of(result, hidden, show_total=show_total, note=note)
         else:
             submission = root / "submission"
             there = sorted(path.name for path in submission.iterdir())
             names = ", ".join(map(printable, there[:MOST_NAMED])) or "nothing"
-            report = _no_points(
+            report = _ungraded_results(
                 f"{exercise}.ipynb is missing, or the zip that `course submit` writes. "
                 f"You submitted: {names}."
             )
@@ -215,8 +215,8 @@ def _read_upload(path: Path, course: Course) -> Upload:
     except (OSError, ValueError, LookupError, TypeError) as error:
         raise CourseError(f"{path} can't be read: {error!r}. Gradescope writes it") from error
     student = next((one.id for email in emails for one in members if email and one.email == email), "")
-    stranger = ", ".join(filter(None, emails)) or "no address" if members and not student else ""
-    return Upload(student or normalise(f"{UNKNOWN}{number}"), bool(student), created, stranger)
+    unknown_address = ", ".join(filter(None, emails)) or "no address" if members and not student else ""
+    return Upload(student or normalise(f"{UNKNOWN}{number}"), bool(student), created, unknown_address)
 
 
 def _collect(submission: Path, upload: Upload, work: Path, course: Course) -> set[str]:
@@ -281,7 +281,7 @@ def _needs_id(check: Check, task: Task) -> bool:
     return bool(task.personal) and (check.origin is None or is_personal(check.origin.arguments))
 
 
-def _no_points(text: str) -> dict[str, Any]:
+def _ungraded_results(text: str) -> dict[str, Any]:
     """Return the results of a submission that is not graded, with the reason."""
     return {"score": 0.0, "output": _text([text]), "output_format": "text", "tests": []}
 
@@ -312,7 +312,7 @@ def results_of(
     judgement, mark, note = result.judgement, result.mark, note or result.submission.id_note
     if judgement is None or mark is None:
         lines = [note, row.reason, row.message]
-        return {**_no_points("\n".join(lines)), "extra_data": {"status": row.status, "isolation": ""}}
+        return {**_ungraded_results("\n".join(lines)), "extra_data": {"status": row.status, "isolation": ""}}
     is_other = result.submission.id_flag == MISMATCH
     lines = [OTHER_STUDENT.format(note) if is_other else note, result.remark]
     if mark.days_late:

@@ -226,7 +226,7 @@ def store_evidence(out: Path, key: str, ran: StoredRun) -> None:
     """Write evidence and usage, each file completely or not at all.
 
     Raises:
-        OutError: They can't be written.
+        RecordsWriteError: They can't be written.
     """
     with writing(out):
         write_atomically(usage_path(out, key), json.dumps(asdict(ran.usage)).encode())

@@ -92,7 +92,7 @@ def _check_count(count: int, max_count: int) -> None:
 
 
 @dataclass(frozen=True)
-class Arrival:
+class ReceivedFile:
     """A file of a download or a folder of submissions.
 
     Args:
@@ -107,7 +107,7 @@ class Arrival:
 
 
 @dataclass
-class Arrivals:
+class ReceivedFileReader:
     """A reader of one folder or zip file.
 
     Args:
@@ -123,7 +123,7 @@ class Arrivals:
     _bytes: Counter[str] = field(default_factory=Counter)
     _exhausted_owners: set[str] = field(default_factory=set)
 
-    def read(self, top: Path) -> Iterator[Arrival]:
+    def read(self, top: Path) -> Iterator[ReceivedFile]:
         """Yield all files of a folder or zip file, including files in nested zip files.
 
         Raises:
@@ -138,7 +138,7 @@ class Arrivals:
             for arrival in self._members(archive, ()):
                 yield from self._open(arrival, 1)
 
-    def _walk(self, top: Path) -> Iterator[Arrival]:
+    def _walk(self, top: Path) -> Iterator[ReceivedFile]:
         for folder, folders, names in os.walk(top):
             folder_path = Path(folder)
             links = [name for name in folders if (folder_path / name).is_symlink()]
@@ -158,9 +158,9 @@ class Arrivals:
                     self.refuse("/".join(parts), f"can't be read: {error.strerror}")
                 else:
                     if (content := self._limit_content(parts, data)) is not None:
-                        yield Arrival(parts, content, time)
+                        yield ReceivedFile(parts, content, time)
 
-    def _open(self, arrival: Arrival, depth: int) -> Iterator[Arrival]:
+    def _open(self, arrival: ReceivedFile, depth: int) -> Iterator[ReceivedFile]:
         """Yield the file, or the contents of an archive unless `course submit` wrote it."""
         if not arrival.components[-1].lower().endswith(".zip"):
             yield arrival
@@ -177,7 +177,7 @@ class Arrivals:
         except CourseError as error:
             self.refuse("/".join(arrival.components), str(error))
 
-    def _members(self, archive: zipfile.ZipFile, above: tuple[str, ...]) -> Iterator[Arrival]:
+    def _members(self, archive: zipfile.ZipFile, above: tuple[str, ...]) -> Iterator[ReceivedFile]:
         names: set[str] = set()
         for info in archive.infolist():
             name = _member_name(info)
@@ -204,7 +204,7 @@ class Arrivals:
                 self.refuse("/".join(parts), str(error))
                 continue
             if (content := self._limit_content(parts, data)) is not None:
-                yield Arrival(parts, content, _time(info))
+                yield ReceivedFile(parts, content, _time(info))
 
     def _unpack(
         self,

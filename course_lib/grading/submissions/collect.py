@@ -26,7 +26,7 @@ from course_lib.course.state import exercises_dir
 from course_lib.errors import CourseError, format_count
 from course_lib.files import write_atomically
 from course_lib.grading.reports.table import escape_formula, printable
-from course_lib.grading.submissions.archives import Arrival, Arrivals, list_paths, path_problem
+from course_lib.grading.submissions.archives import ReceivedFile, ReceivedFileReader, list_paths, path_problem
 from course_lib.grading.submissions.notebook import (
     claimed_id,
     find_exercise_name,
@@ -111,7 +111,7 @@ class Choice:
     lines: list[str] = field(default_factory=list)
 
 
-def inspect_file(arrival: Arrival, download_name: DownloadName) -> DownloadedFile:
+def inspect_file(arrival: ReceivedFile, download_name: DownloadName) -> DownloadedFile:
     """Determine the kind, the exercise and the ID of a downloaded file.
 
     Raises:
@@ -148,7 +148,7 @@ def inspect_file(arrival: Arrival, download_name: DownloadName) -> DownloadedFil
     return DownloadedFile(arrival.components, download_name)
 
 
-def _notebook(arrival: Arrival, download_name: DownloadName, data: bytes, name: str) -> DownloadedFile:
+def _notebook(arrival: ReceivedFile, download_name: DownloadName, data: bytes, name: str) -> DownloadedFile:
     try:
         notebook = parse_notebook(data, name)
     except CourseError as error:
@@ -471,7 +471,7 @@ class Download:
 
     def arrivals(
         self, done: Collection | None = None, refused: list[tuple[str, str]] | None = None
-    ) -> Iterator[Arrival]:
+    ) -> Iterator[ReceivedFile]:
         """Yield the files, including files in archives; record and skip unsafe files."""
 
         def refuse(name: str, why: str) -> None:
@@ -481,7 +481,9 @@ class Download:
                 refused.append((name, why))
 
         owner = self.layout.owner
-        return Arrivals(refuse, owner, lambda parts: not self.layout.is_extra(parts)).read(self.source)
+        return ReceivedFileReader(refuse, owner, lambda parts: not self.layout.is_extra(parts)).read(
+            self.source
+        )
 
 
 def collect(
@@ -573,8 +575,8 @@ def _is_download(path: Path, zone: ZoneInfo) -> bool:
         return False
 
 
-def _read_extras(source: Path, is_wanted: Callable[[tuple[str, ...]], bool]) -> Iterator[Arrival]:
-    return Arrivals(lambda name, why: None, is_wanted=is_wanted).read(source)
+def _read_extras(source: Path, is_wanted: Callable[[tuple[str, ...]], bool]) -> Iterator[ReceivedFile]:
+    return ReceivedFileReader(lambda name, why: None, is_wanted=is_wanted).read(source)
 
 
 def _inspect_all(
@@ -608,7 +610,7 @@ def _inspect_all(
     return items, refused
 
 
-def _is_stamp(arrival: Arrival, layout: Layout) -> bool:
+def _is_stamp(arrival: ReceivedFile, layout: Layout) -> bool:
     """Return whether a file is nbgrader's time stamp.
 
     On other platforms, a student may use its name.
@@ -726,7 +728,7 @@ def _store_all(
 
 
 def _store(
-    arrival: Arrival,
+    arrival: ReceivedFile,
     item: DownloadedFile,
     out: Path,
     zone: ZoneInfo,

@@ -205,8 +205,8 @@ def _normalize_statement(statement: Sequence[Raw], own_names: set[str]) -> Itera
 class Pair:
     """Two students, and the common fraction of the shorter solution, from 0 to 1."""
 
-    one: str
-    other: str
+    first: str
+    second: str
     share: float
 
 
@@ -255,10 +255,10 @@ def compare(
     pairs = [Pair(names[a], names[b], float(share[a, b])) for a, b in zip(first, second, strict=True)]
     for weight, members in zip(amount, groups.values(), strict=True):
         if weight >= MIN_SHARED:
-            pairs += _join(members)
+            pairs += _pairs_of_equal_solutions(members)
     for solution_lines, members in _group_equal(lines).items():
         if len(solution_lines) >= MIN_LINES:
-            pairs += _join(members)
+            pairs += _pairs_of_equal_solutions(members)
     pairs += _text_pairs(texts or {})
     return Comparison(_clusters(pairs), limit, median)
 
@@ -274,7 +274,7 @@ def _text_pairs(texts: Mapping[str, frozenset[str]]) -> Iterator[Pair]:
             owners[text].append(student)
     for students in owners.values():
         if len(students) <= max(FEW, COMMON * len(texts)):
-            yield from _join(students)
+            yield from _pairs_of_equal_solutions(students)
 
 
 def _group_equal(solutions: Mapping[str, Own]) -> dict[Own, list[str]]:
@@ -285,7 +285,7 @@ def _group_equal(solutions: Mapping[str, Own]) -> dict[Own, list[str]]:
     return groups
 
 
-def _join(students: Sequence[str]) -> list[Pair]:
+def _pairs_of_equal_solutions(students: Sequence[str]) -> list[Pair]:
     """Return pairs that join the students of equal solutions."""
     return [Pair(students[0], other, 1.0) for other in students[1:]]
 
@@ -340,15 +340,15 @@ def _clusters(pairs: Sequence[Pair]) -> tuple[Cluster, ...]:
     """Return the connected students, each cluster with the strongest pairs that suffice to connect it."""
     cluster_of: dict[str, set[str]] = {}
     kept_pairs = list[Pair]()
-    for pair in sorted(pairs, key=lambda pair: (-pair.share, pair.one, pair.other)):
-        one, other = (cluster_of.setdefault(name, {name}) for name in (pair.one, pair.other))
+    for pair in sorted(pairs, key=lambda pair: (-pair.share, pair.first, pair.second)):
+        one, other = (cluster_of.setdefault(name, {name}) for name in (pair.first, pair.second))
         if one is not other:
             one |= other
             cluster_of |= dict.fromkeys(other, one)
             kept_pairs.append(pair)
     clusters = {id(members): members for members in cluster_of.values()}.values()
     found_clusters = [
-        Cluster(tuple(sorted(members)), tuple(pair for pair in kept_pairs if pair.one in members))
+        Cluster(tuple(sorted(members)), tuple(pair for pair in kept_pairs if pair.first in members))
         for members in clusters
     ]
     return tuple(sorted(found_clusters, key=lambda cluster: (-cluster.pairs[0].share, cluster.students)))
@@ -539,7 +539,7 @@ def copies_page(
 
 def _pair(pair: Pair, works: Mapping[str, Work], released: ReleasedCode) -> dict[str, object]:
     """Return the data of a pair. The submission that was received first is on the left."""
-    names = sorted((pair.one, pair.other), key=lambda name: (works[name].received, name))
+    names = sorted((pair.first, pair.second), key=lambda name: (works[name].received, name))
     first, second = (fingerprint(works[name].cells) for name in names)
     likes = (_match_lines(first, second, released.runs), _match_lines(second, first, released.runs))
     blocks = [_blocks(works[name], like, released) for name, like in zip(names, likes, strict=True)]

@@ -9,7 +9,7 @@ from typing import Any
 from zoneinfo import ZoneInfo
 
 from course_lib.errors import CourseError
-from course_lib.grading.records import RECEIPT_TIME, Received
+from course_lib.grading.records import RECEIPT_TIME, ReceiptTime
 from course_lib.grading.submissions.readers import STAMP, YEARS, LmsFile, parse_times, platform_name
 from course_lib.third_party import check_regular
 
@@ -66,7 +66,7 @@ class Ledger:
                 entries |= _entries(path, zone)
         return cls(top, zone, entries)
 
-    def received(self, path: Path, receipt: Mapping[str, Any]) -> Received:
+    def received(self, path: Path, receipt: Mapping[str, Any]) -> ReceiptTime:
         """Return the most reliable known time of a file.
 
         The list takes precedence, then nbgrader's time stamp next to the file, then the platform's
@@ -99,7 +99,7 @@ class Ledger:
         elif time is None:
             time, source = (receipt_time, RECEIPT_TIME) if receipt_time else (None, UNKNOWN)
         original_name = entry.handed_in_as if entry else ""
-        return Received(time, source, is_late, receipt_time, tuple(notes), original_name)
+        return ReceiptTime(time, source, is_late, receipt_time, tuple(notes), original_name)
 
     @property
     def refused(self) -> Mapping[str, Entry]:

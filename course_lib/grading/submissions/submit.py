@@ -13,7 +13,7 @@ from typing import Any
 from course_lib.course.exercise import current_identity, find_notebook
 from course_lib.course.state import (
     LastCheck,
-    Packed,
+    PackedSubmission,
     State,
     cell_digest,
     exercises_dir,
@@ -41,7 +41,7 @@ NO_ID = "It has no student ID: enter your ID (open {}) and submit again."
 
 
 @dataclass(frozen=True)
-class Standing:
+class TaskState:
     """The state of a task: an outcome for lists, and the text of a warning after the task's name."""
 
     outcome: str
@@ -75,7 +75,7 @@ class NotebookReview:
         self._released_digests = _released_digests(notebook.exercise or "")
 
     @cached_property
-    def tasks(self) -> dict[str, Standing]:
+    def tasks(self) -> dict[str, TaskState]:
         """The state of each task, by its short name."""
         return {task.id.split(".")[1]: self._assess(task) for task in self._tasks}
 
@@ -98,25 +98,25 @@ class NotebookReview:
             )
         return problems
 
-    def _assess(self, task: Task) -> Standing:
+    def _assess(self, task: Task) -> TaskState:
         cell, last = self._own_cell(task), self._last_checks.get(task.id)
         if cell is None:
-            return Standing("missing", f"is missing: no cell defines {task.name}")
+            return TaskState("missing", f"is missing: no cell defines {task.name}")
         as_checked = last is not None and cell.digest in last.cells
         if last is not None and last.passed and as_checked:
-            return Standing("passed")
+            return TaskState("passed")
         if cell.digest in self._released_digests:
-            return Standing("empty", f"is empty: {cell.name} is unchanged")
+            return TaskState("empty", f"is empty: {cell.name} is unchanged")
         if cell.is_stub:
-            return Standing("empty", f"is not complete: {cell.name} still raises NotImplementedError")
+            return TaskState("empty", f"is not complete: {cell.name} still raises NotImplementedError")
         if cell.syntax_error:
-            return Standing("broken", f"cannot run: {cell.name} is not valid Python")
+            return TaskState("broken", f"cannot run: {cell.name} is not valid Python")
         if last is None:
-            return Standing("unchecked", "was never checked")
+            return TaskState("unchecked", "was never checked")
         if last.cells and not as_checked:
             text = f"has changed since its last check: run {cell.name} and check it again"
-            return Standing("changed since its check", text)
-        return Standing("passed") if last.passed else Standing("failed", "failed its last check")
+            return TaskState("changed since its check", text)
+        return TaskState("passed") if last.passed else TaskState("failed", "failed its last check")
 
     def _own_cell(self, task: Task) -> CodeCell | None:
         """Return the cell that defines a task's object, or the stub in its place."""
@@ -272,5 +272,5 @@ def _record_submission(path: Path, notebook: Notebook, out: Path, time: str) -> 
     if folder is not None and path.suffix == ".ipynb":
         tasks = tuple((name, one.outcome) for name, one in hand_in.tasks.items())
         files = str(out.resolve()), str(path.resolve())
-        save_packed(state, exercise, Packed(time, *files, digest_of_cells(path), tasks))
+        save_packed(state, exercise, PackedSubmission(time, *files, digest_of_cells(path), tasks))
     return hand_in.warnings()

@@ -292,7 +292,7 @@ def _check_surplus(
     and so does the last check of the class. `expect_displays_on` counts displays itself.
     """
     own_arguments = {key: plain(value) for key, value in arguments.items()}
-    everything = evidence.once(_display_checks)
+    everything = evidence.compute_once(_display_checks)
     rows = [row for row in everything if row.arguments["call"] == own_arguments["call"]]
     own_row = next(
         (row for row in rows if (row.check_function, row.arguments) == (check_name, own_arguments)), None

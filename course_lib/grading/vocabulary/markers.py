@@ -435,7 +435,7 @@ def _is_misnamed(marker: Any, arguments: Arguments) -> bool:
 
 
 def _scene(evidence: Evidence, topic: str, at: float | None) -> MarkerScene:
-    scenes = evidence.once(_scenes)
+    scenes = evidence.compute_once(_scenes)
     if (topic, at) not in scenes:
         scenes[topic, at] = MarkerScene(evidence, topic, at, (), ())
     return scenes[topic, at]

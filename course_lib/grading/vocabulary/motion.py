@@ -97,7 +97,7 @@ def _circle_problems(evidence: Evidence, arguments: Arguments, marker: Any) -> l
     are tried as well, because a node may give each position a new id and delete the previous one.
     """
     topic = arguments["topic"]
-    paths = evidence.once(_marker_paths).get(topic, {})
+    paths = evidence.compute_once(_marker_paths).get(topic, {})
     if not paths:
         raise no_markers_problem(evidence, topic)
     if marker is not None and not matches(marker, *(arguments[name] for name in NAMING)):
@@ -264,7 +264,7 @@ def expect_transform(
         message = f"{source} is broadcast repeatedly on /tf, expected once on /tf_static"
         return [Problem(message, "a transform that never moves is not static")]
     try:
-        transform = evidence.once(transform_buffer).lookup(
+        transform = evidence.compute_once(transform_buffer).lookup(
             target, source, 0 if at is None else START_NS + round(at * 1e9)
         )
     except TransformException as error:
@@ -337,7 +337,7 @@ def _check_start(frame: str, place: Sequence[float], start: float | None) -> Ite
 
 def _check_unambiguous(evidence: Evidence, frame: str) -> Iterator[Problem]:
     """Yield a problem if a frame is broadcast with different poses for one time."""
-    if frame in (conflicts := evidence.once(_find_conflicts)):
+    if frame in (conflicts := evidence.compute_once(_find_conflicts)):
         when, first, other = conflicts[frame]
         places = [f"{format_numbers(pose.translation)} m in {pose.parent!r}" for pose in (first, other)]
         message = f"{frame} is broadcast {when} at {places[0]} and at {places[1]}"

@@ -264,7 +264,7 @@ class Primitive:
     low: float = 0
     high: float = 0
     # "integer" in the text "an integer in [-128, 127]"; "" if there is no range check.
-    range_word: str = ""
+    range_noun: str = ""
 
     @property
     def dtype(self) -> "np.dtype[np.generic]":

@@ -48,10 +48,10 @@ def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
     if max_length:
         rule = f"string value not longer than {max_length}"
         return make_check(field, rule, lambda value: isinstance(value, str) and len(value) <= max_length)
-    if not primitive.range_word:
+    if not primitive.range_noun:
         return make_check(field, f"of type '{python.__name__}'", lambda value: isinstance(value, python))
     article = "an" if python is int else "a"
-    limits = f"{article} {primitive.range_word} in [{primitive.low}, {primitive.high}]"
+    limits = f"{article} {primitive.range_noun} in [{primitive.low}, {primitive.high}]"
 
     # The cast prevents mypy from narrowing the value to object.
     low, high, exact = primitive.low, primitive.high, cast("Any", python)
@@ -70,7 +70,7 @@ def scalar_check(field: FieldDefinition, primitive: Primitive) -> Check:
 
 def collection_check(field: FieldDefinition, item: type, primitive: Primitive | None) -> Check:
     """Return the check of a sequence or array of `item`. `primitive` has the range of numbers."""
-    ranged = primitive if primitive is not None and primitive.range_word else None
+    ranged = primitive if primitive is not None and primitive.range_noun else None
 
     def fits(value: Any) -> bool:
         return (
@@ -93,7 +93,7 @@ def numbers_check(field: FieldDefinition, primitive: Primitive) -> Check:
     """
     element_types = _CONVERTED[primitive.python]
     elements = _describe_collection(field, primitive.python, primitive)
-    ranged = primitive if primitive.range_word else None
+    ranged = primitive if primitive.range_noun else None
 
     def fits(value: Any) -> bool:
         return (
@@ -170,10 +170,10 @@ def _describe_collection(field: FieldDefinition, item: type, primitive: Primitiv
     if field.string_bound:
         phrases.append(f"and each string value not longer than {field.string_bound}")
     phrases.append(f"and each value of type '{item.__name__}'")
-    if primitive is not None and primitive.range_word:
+    if primitive is not None and primitive.range_noun:
         style = ".6f" if primitive.python is float else "d"
         limits = f"[{primitive.low:{style}}, {primitive.high:{style}}]"
-        phrases.append(f"and each {primitive.range_word} in {limits}")
+        phrases.append(f"and each {primitive.range_noun} in {limits}")
     return " ".join(phrases)
 
 

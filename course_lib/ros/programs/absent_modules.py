@@ -19,7 +19,7 @@ from course_lib.ros.programs.missing_packages import (
     NotHereError,
     is_tolerant,
     missing_share_folder,
-    why_not_offered,
+    unavailable_reason,
 )
 
 
@@ -35,7 +35,7 @@ class AbsentModules(Loader):
     ) -> ModuleSpec | None:
         """While a launch file is read, find a module of a package that is known not to run here."""
         package = name.partition(".")[0]
-        reason = why_not_offered(package) if is_tolerant() else ""
+        reason = unavailable_reason(package) if is_tolerant() else ""
         if not reason:
             return None
         missing_share_folder(package, f"package '{package}' not found: {reason}")
@@ -62,7 +62,7 @@ class Placeholder(Action, Substitution):
     `origin` is its name in the module.
     """
 
-    goes_on = True
+    continues = True
 
     def __init__(self, origin: str) -> None:
         Action.__init__(self)
@@ -71,7 +71,7 @@ class Placeholder(Action, Substitution):
     def visit(self, context: LaunchContext) -> NoReturn:
         """Raise the error that makes the launch skip the action."""
         package = self.origin.partition(".")[0]
-        raise NotHereError(f"package '{package}' not found: {why_not_offered(package)}")
+        raise NotHereError(f"package '{package}' not found: {unavailable_reason(package)}")
 
     def perform(self, context: LaunchContext) -> NoReturn:
         """Raise the error that makes the launch skip the action that uses the placeholder."""

@@ -38,7 +38,7 @@ from course_lib.ros.programs.missing_packages import (
     NotHereError,
     reason_in,
     tolerate_missing,
-    why_not_offered,
+    unavailable_reason,
 )
 from course_lib.ros.programs.package_programs import (
     Executables,
@@ -222,7 +222,7 @@ class LaunchProgram(Process):
         for package, reason in self._absent.items():
             # A launch file may look up the folder of a simulator that it then does not start.
             is_of_kit = any(package == owner for owner, _ in self._kit_executables)
-            if reason not in reasons and not is_of_kit and not why_not_offered(package):
+            if reason not in reasons and not is_of_kit and not unavailable_reason(package):
                 self.log("WARNING", "launch", f"{reason} Nothing of '{package}' is used.")
                 self._skipped[None] = reason
 
@@ -392,7 +392,7 @@ class LaunchProgram(Process):
         self.log("WARNING", "launch", f"{name} is left out: {text}")
         is_known = action in self._skipped or len(self._skipped) > _MAX_SKIPPED
         self._skipped[action] = reason
-        if action.goes_on and not is_known:
+        if action.continues and not is_known:
             self.emit(ProcessStarted(action))
             self.emit(ProcessExited(action))
             self._due_actions.append(partial(self._context.complete, action))

@@ -65,7 +65,7 @@ _ENTRIES = tomllib.loads(_TABLE.read_text(encoding="utf-8"))
 _PROJECTS, _SOURCES = _ENTRIES["project"], _ENTRIES["source"]
 
 
-def why_not_offered(package: str) -> str:
+def unavailable_reason(package: str) -> str:
     """Return why a package is not available and what to do instead; "" for all other packages."""
     for project in _PROJECTS:
         if re.fullmatch(project["names"], package):

@@ -10,12 +10,12 @@ from typing import Any
 
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.ros.programs.build_files import malformed_script
-from course_lib.ros.programs.missing_packages import NotHereError, why_not_offered
+from course_lib.ros.programs.missing_packages import NotHereError, unavailable_reason
 from course_lib.ros.programs.packages import (
     Package,
     find_package,
+    not_found_reason,
     python_path,
-    why_not_found,
 )
 from course_lib.ros.programs.process import Function, Program
 
@@ -77,7 +77,7 @@ def find_executable(
             "Python only. Build it with colcon on a computer with ROS 2, or write the node in "
             "Python."
         )
-    if package_found is None and (why := why_not_offered(package)):
+    if package_found is None and (why := unavailable_reason(package)):
         is_partly_here = any(owner == package for owner, _ in kit_executables)
         subject = f"executable '{executable}' of package" if is_partly_here else "package"
         raise NotHereError(f"{subject} '{package}' not found: {why}")
@@ -93,7 +93,7 @@ def find_executable(
         *(name for owner, name in kit_executables if owner == package),
     ]
     if not names and package_found is None:
-        raise NotHereError(why_not_found(package))
+        raise NotHereError(not_found_reason(package))
     advice = ""
     if package_found is not None:
         advice = malformed_script(package_found.share / "setup.py") or (
@@ -120,7 +120,7 @@ def find_component(package: str, plugin: str, kit_executables: Executables) -> C
         return partial(_spin_component, package_found, *package_found.components[plugin])
     if plugin in _AS_EXECUTABLE:
         return find_executable(package, _AS_EXECUTABLE[plugin], kit_executables)
-    if why := why_not_offered(package):
+    if why := unavailable_reason(package):
         raise CourseError(f"component '{plugin}' is left out: {why}")
     raise CourseError(
         f"component '{plugin}' of package '{package}' is left out: it is a C++ plugin, and this "

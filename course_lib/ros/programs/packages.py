@@ -24,7 +24,7 @@ from xml.etree import ElementTree
 
 from course_lib.errors import CourseError, did_you_mean, location_of
 from course_lib.ros.programs.build_files import Executable, is_python, read_build_files
-from course_lib.ros.programs.missing_packages import clone_instructions, why_not_offered
+from course_lib.ros.programs.missing_packages import clone_instructions, unavailable_reason
 from course_lib.ros.time import wall
 from course_lib.third_party import read_bytes, read_text
 
@@ -288,11 +288,11 @@ def prefix_of(share: Path) -> Path:
     return share.parent.parent if share.parent.name == "share" else share.parent
 
 
-def why_not_found(name: str) -> str:
+def not_found_reason(name: str) -> str:
     """Explain that a package is missing, list the available packages, and explain how to add it."""
-    if reason := why_not_offered(name):
+    if reason := unavailable_reason(name):
         return f"package '{name}' not found: {reason}"
-    if reason := _why_skipped(name):
+    if reason := _skipped_folder_reason(name):
         return f"package '{name}' not found: {reason}"
     if reason := clone_instructions(name):
         return f"package '{name}' not found: {reason}."
@@ -307,7 +307,7 @@ def why_not_found(name: str) -> str:
     )
 
 
-def _why_skipped(name: str) -> str:
+def _skipped_folder_reason(name: str) -> str:
     """Explain why a folder of the workspace that has a package's manifest is not searched; "" if none has."""
     roots = [root.resolve() for root in source_roots()]
     walks = (os.walk(root) for root in roots)
@@ -434,11 +434,13 @@ def share_folder(name: str, sources: Path) -> Path:
     places = dict.fromkeys(
         (str(at.relative_to(share)), file) for at, file in installed if at.is_relative_to(share)
     )
-    relocated = tuple((place, file) for place, file in places if not _is_in_place(file, sources / place))
+    relocated = tuple(
+        (place, file) for place, file in places if not _is_at_source_path(file, sources / place)
+    )
     return _create_links(sources, relocated) if relocated else sources
 
 
-def _is_in_place(file: Path, place: Path) -> bool:
+def _is_at_source_path(file: Path, place: Path) -> bool:
     """Return whether an installed file, or each file of a folder, has the same path in the sources."""
     if place.exists() and (place.samefile(file) or not place.is_dir() or not file.is_dir()):
         return True

@@ -72,7 +72,7 @@ def clock_warning(skew: float) -> str:
     )
 
 
-def no_answer(link: Link) -> str:
+def no_answer_message(link: Link) -> str:
     """Return a message about a robot that does not answer."""
     seconds = link.silent_seconds()
     return f"{link.address} has not answered " + (f"for {seconds:.0f} s." if seconds else "yet.")

@@ -42,7 +42,7 @@ from course_lib.ros.robot.reports import (
     SIMULATED_TIME,
     STOP_IS_DUE,
     clock_warning,
-    no_answer,
+    no_answer_message,
     qos_warning,
     second_driver_warning,
     type_warning,
@@ -424,8 +424,12 @@ class RobotGraph(Graph):
     def link_error(self) -> str:
         """Return why nothing is received from the robot, or "" if the link works."""
         if not self._is_up:
-            return f"The link to {self.link.address} is lost." if self._down_since else no_answer(self.link)
-        return no_answer(self.link) if self._is_silent else ""
+            return (
+                f"The link to {self.link.address} is lost."
+                if self._down_since
+                else no_answer_message(self.link)
+            )
+        return no_answer_message(self.link) if self._is_silent else ""
 
     def take_blocked_calls(self) -> list[str]:
         """Return the services whose calls have been blocked since the last call."""
@@ -582,7 +586,7 @@ class RobotGraph(Graph):
             self._report(f"The link to {address} is back after {wall.monotonic() - self._down_since:.1f} s.")
         was_silent, self._is_silent = self._is_silent, self.link.silent_seconds() > SILENT_SECONDS
         if self._is_silent and not was_silent:
-            self._report(no_answer(self.link))
+            self._report(no_answer_message(self.link))
         self._is_up = is_up
 
     def _state(self) -> str:

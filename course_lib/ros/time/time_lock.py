@@ -358,7 +358,7 @@ class TimeLock:
             # Otherwise this wait is inside an event, and the outer wait is already queued.
             if outer_wait is None:
                 self._waiting.append(me)
-            self._run_others(me, graph)
+            self._run_other_threads(me, graph)
         finally:
             me.wait = outer_wait
             if outer_wait is None:
@@ -440,7 +440,7 @@ class TimeLock:
         if state is not None and not current_graph().ended:
             state.pending_error = CtrlC()
 
-    def _run_others(self, me: ProgramThread, graph: Graph) -> None:
+    def _run_other_threads(self, me: ProgramThread, graph: Graph) -> None:
         """Run other threads and events until the wait of the calling thread is over."""
         # `wait` has checked the condition immediately before.
         can_run = graph.ended or me.pending_error is not None

@@ -47,7 +47,7 @@ _USAGE = f"Write %rqt {' | '.join(VIEWS)}."
 class OpenViews:
     """The open views of a run by their arguments."""
 
-    by_words: dict[tuple[str, ...], RqtView] = field(default_factory=dict)
+    by_arguments: dict[tuple[str, ...], RqtView] = field(default_factory=dict)
 
 
 def rqt(words: Sequence[str]) -> None:
@@ -74,7 +74,7 @@ def _show(view: RqtView) -> None:
 
     Without a page, the view receives messages for a fixed time and is displayed as a picture.
     """
-    opened = current_graph().state(OpenViews).by_words
+    opened = current_graph().state(OpenViews).by_arguments
     key = (view.name, *view.words)
     # A cell that is run again replaces its view.
     if key in opened:

@@ -3,7 +3,7 @@
 import pytest
 from visualization_msgs.msg import InteractiveMarkerControl as C
 
-from course_lib.displays.panel.desk import OrderDesk
+from course_lib.displays.panel.desk import OrderHandler
 from tests.displays.interactive.control_stage import Stage, box
 from tests.displays.interactive.pointing import order
 
@@ -24,7 +24,7 @@ def test_other_controls_are_hidden_during_a_drag_unless_always_visible(stage: St
     stage.show(box(C.MOVE_AXIS))
     session = stage.viewer.session
     session.tools[0]["Hide Inactive Objects"] = hides
-    desk = OrderDesk(session)
+    desk = OrderHandler(session)
     desk.carry_out(order(f"{HELD}/0/mesh", "down", (0.5, 0.0, 0.0)))
     desk.carry_out(order(f"{HELD}/0/mesh", "move", (0.6, 0.0, 0.0)))
     assert visibilities(stage) == [True, not hides, not hides, True]

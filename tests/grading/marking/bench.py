@@ -16,7 +16,7 @@ from course_lib.grading.records import (
     Attempt,
     CheckResult,
     Judgement,
-    Received,
+    ReceiptTime,
     Result,
     Submission,
     TaskResult,
@@ -85,7 +85,7 @@ def write_results(
         path = out.parent / "in" / student / "week05_exercise.ipynb"
         path.parent.mkdir(parents=True)
         path.write_bytes(data)
-        received = Received(None, "unknown")
+        received = ReceiptTime(None, "unknown")
         submission = Submission(
             student, "week05_exercise", path, received, sha256=content_hash(data, {}), key="none"
         )

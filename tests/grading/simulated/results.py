@@ -8,7 +8,15 @@ from pathlib import Path
 
 from course_lib.course.course_file import CourseFile
 from course_lib.grading.marks import MarkEntry, add_marks, mark
-from course_lib.grading.records import CheckResult, Fault, Judgement, Received, Result, Submission, TaskResult
+from course_lib.grading.records import (
+    CheckResult,
+    Fault,
+    Judgement,
+    ReceiptTime,
+    Result,
+    Submission,
+    TaskResult,
+)
 from course_lib.grading.store import marks_path
 
 STATES = ("graded",) * 14 + ("missing",) * 3 + ("rejected", "grader_error", "by hand")
@@ -39,7 +47,7 @@ def _result(student: str, week: str, state: str, course: CourseFile, chance: ran
     assert deadline is not None
     hours = chance.choice((-48, -1, -0.1, 0.2, 5, 30, 80, 500))
     time = deadline.astimezone(UTC) + timedelta(hours=hours)
-    received = Received(None if chance.random() < 0.05 else time, "received.csv")
+    received = ReceiptTime(None if chance.random() < 0.05 else time, "received.csv")
     one = Submission(student, f"{week}_exercise", Path(student, f"{week}_exercise.ipynb"), received)
     if state == "rejected":
         return mark([replace(one, problem="not JSON")], [None], course, "d")

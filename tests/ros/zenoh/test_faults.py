@@ -339,4 +339,4 @@ def test_silence_of_a_robot_topic_is_not_attributed_to_its_qos(kits: Kits) -> No
     talker(robot, "/scan", qos=BEST_EFFORT)
     kits.until(lambda: "/scan" in topics(student, "pub"), "the publisher")
     with use_graph(student):
-        assert "QoS" not in GraphSource(student).why_silent("/scan", Qos())
+        assert "QoS" not in GraphSource(student).silence_reason("/scan", Qos())

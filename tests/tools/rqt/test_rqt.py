@@ -190,9 +190,9 @@ def test_rerun_cell_closes_its_previous_view(
     show: Show, graph: Graph, arm: Node, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     show("graph")
-    (previous,) = graph.state(OpenViews).by_words.values()
+    (previous,) = graph.state(OpenViews).by_arguments.values()
     closed: list[bool] = []
     monkeypatch.setattr(previous, "close", lambda: closed.append(True))
     show("graph")
     assert closed == [True]
-    assert len(graph.state(OpenViews).by_words) == 1
+    assert len(graph.state(OpenViews).by_arguments) == 1

@@ -23,7 +23,7 @@ def get_package_share_path(package_name: str, print_warning: bool = True) -> Pat
     Raises:
         PackageNotFoundError: There is no such package.
     """
-    share = _share(package_name)
+    share = _share_folder(package_name)
     return share if share.parent.name == "share" else share_folder(package_name, share)
 
 
@@ -46,7 +46,7 @@ def get_package_prefix(package_name: str) -> str:
     """
     if packages.find_package(package_name) is None and package_name in provided_packages():
         return str(INSTALLED.parent)
-    return str(packages.prefix_of(_share(package_name)))
+    return str(packages.prefix_of(_share_folder(package_name)))
 
 
 def get_packages_with_prefixes() -> dict[str, str]:
@@ -54,11 +54,11 @@ def get_packages_with_prefixes() -> dict[str, str]:
     return get_resources("packages")
 
 
-def _share(name: str) -> Path:
+def _share_folder(name: str) -> Path:
     package = packages.find_package(name)
     if package is not None:
         return package.share
-    reason = packages.why_not_found(name)
+    reason = packages.not_found_reason(name)
     absent = missing_share_folder(name, reason)
     if absent is None:
         raise PackageNotFoundError(reason)

@@ -13,7 +13,7 @@ from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError
 
-from course_lib.ros.programs.missing_packages import NotHereError, why_not_offered
+from course_lib.ros.programs.missing_packages import NotHereError, unavailable_reason
 from launch.conditions import as_bool
 from launch.entities import (
     Action,
@@ -261,7 +261,7 @@ class ExecuteLocal(Action):
         options: `condition`; other options, such as `output`, have no effect here.
     """
 
-    goes_on = True
+    continues = True
 
     def __init__(
         self,
@@ -286,7 +286,7 @@ class ExecuteLocal(Action):
         if name == "ros2" and program_arguments[:1] == ["control"]:
             # Only ros2_control provides this command, which launch files use to start its
             # controllers.
-            raise NotHereError(f"`ros2 control` cannot run here: {why_not_offered('ros2_control')}")
+            raise NotHereError(f"`ros2 control` cannot run here: {unavailable_reason('ros2_control')}")
         if name == "ros2" and program_arguments[:1] == ["component"]:
             raise NotHereError(
                 f"`{shlex.join([name, *program_arguments])}` cannot run here: there are no "
@@ -309,7 +309,7 @@ class ExecuteLocal(Action):
         else:
             command, reason = (
                 shlex.join([program, *program_arguments]),
-                why_not_offered(_PROJECTS.get(name, name)),
+                unavailable_reason(_PROJECTS.get(name, name)),
             )
             if reason:
                 raise NotHereError(f"`{command}` cannot run here: {reason}")
@@ -376,7 +376,7 @@ class OpaqueCoroutine(Action):
     It receives the context unless `ignore_context`.
     """
 
-    goes_on = True
+    continues = True
 
     def __init__(
         self,
@@ -472,7 +472,7 @@ class TimerAction(Action):
     `cancel_on_shutdown` has no effect here: a shutdown of the launch always cancels the timer.
     """
 
-    goes_on = True
+    continues = True
 
     def __init__(
         self,

@@ -180,7 +180,7 @@ class Action(LaunchDescriptionEntity):
     """
 
     # Whether the action is still running after `execute` returns.
-    goes_on = False
+    continues = False
     # The name, pid and cmd of its last process, or None.
     process_details: dict[str, Any] | None = None
 
@@ -205,7 +205,7 @@ class Action(LaunchDescriptionEntity):
         if self.condition is not None and not self.condition.evaluate(context):
             return None
         entities = self.execute(context)
-        if not self.goes_on:
+        if not self.continues:
             context.complete(self)
         return entities
 

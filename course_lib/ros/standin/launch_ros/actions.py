@@ -221,7 +221,7 @@ class Node(Action):
             here.
     """
 
-    goes_on = True
+    continues = True
 
     def __init__(
         self,

@@ -10,7 +10,7 @@ from typing import Any, NoReturn, TypeAlias
 
 from course_lib.errors import did_you_mean
 from course_lib.ros.programs.missing_packages import NotHereError
-from course_lib.ros.programs.packages import why_not_found
+from course_lib.ros.programs.packages import not_found_reason
 from launch.conditions import IfCondition, UnlessCondition
 from launch.entities import Action, Condition, InvalidLaunchFileError, LaunchContext, LaunchDescription
 from launch.frontend.entity import Entity, EntityError, read_entity
@@ -95,7 +95,7 @@ def _action(entity: Entity) -> Action:
     if element is not None:
         action = built(entity, element)
     elif entity.type_name in _OF_SIMULATOR:
-        action = Action(partial(_leave_out, why_not_found(_OF_SIMULATOR[entity.type_name])))
+        action = Action(partial(_leave_out, not_found_reason(_OF_SIMULATOR[entity.type_name])))
     else:
         name = entity.type_name
         other = f" in ROS 2: {_OF_ROS_1[name]}" if name in _OF_ROS_1 else did_you_mean(name, ELEMENTS)
