@@ -69,6 +69,9 @@ PROBES: dict[str, dict[str, Difference]] = {
     "running": {
         "parameter_client.get_text": Difference(_FIELD, "The 'names' field must be a set or sequence"),
     },
+    "changes": {
+        "pre_set.class": Difference(_ASSERTIONS, "TypeError: 'type' object is not iterable"),
+    },
     "corners": {
         "corner.constant_of_the_class": Difference(_CONSTANT, "None"),
         "corner.constant": Difference(_CONSTANT, "7"),

@@ -162,5 +162,5 @@ def test_incompatible_qos_callback_replaces_the_default_warning(
     silent = PublisherEventCallbacks(use_default_callbacks=False)
     node.create_publisher(String, "x", 10, event_callbacks=silent)
     rclpy.spin_once(node, timeout_sec=0)
-    assert messages == [QoSRequestedIncompatibleQoSInfo(1, 1, RmwPolicyKind.DURABILITY)]
+    assert messages == [QoSRequestedIncompatibleQoSInfo(1, 1, RmwPolicyKind.RMW_QOS_POLICY_DURABILITY)]
     assert capsys.readouterr().err == ""

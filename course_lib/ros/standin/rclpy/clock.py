@@ -74,12 +74,12 @@ class TimeJump:
         """The difference in time: negative for a jump backwards, zero at a change of the time source."""
         return self._delta
 
-    def exceeds(self, threshold: JumpThreshold) -> bool:
-        """Return whether the jump has to be reported according to a threshold."""
-        forward, backward = threshold.min_forward, threshold.min_backward
+    def exceeds(self, handle: "JumpHandle") -> bool:
+        """Return whether the jump has to be reported according to the threshold of a handle."""
+        forward, backward = handle.limits
         changes = self._clock_change in (ClockChange.ROS_TIME_ACTIVATED, ClockChange.ROS_TIME_DEACTIVATED)
         return (
-            (changes and threshold.on_clock_change)
+            (changes and handle.on_clock_change)
             or (forward is not None and self._delta >= forward)
             or (backward is not None and self._delta <= backward)
         )
@@ -101,7 +101,8 @@ class JumpHandle(AbstractContextManager["JumpHandle"]):
         for name, callback in (("pre_callback", pre_callback), ("post_callback", post_callback)):
             if callback is not None and not callable(callback):
                 raise ValueError(f"{name} must be callable if given")
-        self.threshold = threshold
+        self.limits = threshold.min_forward, threshold.min_backward
+        self.on_clock_change = threshold.on_clock_change
         self.before = pre_callback or (lambda: None)
         self.after = post_callback or (lambda jump: None)
         self._clock: Clock | None = clock
@@ -150,7 +151,7 @@ class ClockHandle:
 
         A callback that raises prevents the callbacks after it, but not the jump.
         """
-        concerned = [one for one in self.jump_handles if jump.exceeds(one.threshold)]
+        concerned = [one for one in self.jump_handles if jump.exceeds(one)]
         try:
             for one in concerned:
                 one.before()
@@ -210,9 +211,9 @@ class Clock:
         post_callback: Callable[[TimeJump], object] | None = None,
     ) -> JumpHandle:
         """Register callbacks for jumps that exceed a threshold, until the handle is unregistered."""
-        return JumpHandle(
-            clock=self, threshold=threshold, pre_callback=pre_callback, post_callback=post_callback
-        )
+        # As in rclpy, an object that cannot be called counts as no `post_callback`.
+        after = post_callback if callable(post_callback) else None
+        return JumpHandle(clock=self, threshold=threshold, pre_callback=pre_callback, post_callback=after)
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
         """Sleep until a time of this clock. Return False if the sleep ended earlier.

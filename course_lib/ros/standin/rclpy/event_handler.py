@@ -15,18 +15,18 @@ from rclpy.qos import QoSPolicyKind
 
 
 class RmwPolicyKind(IntEnum):
-    """A QoS policy as events report it, with the string representation of rclpy's C layer."""
+    """A QoS policy as events report it, with the names of rclpy's C layer."""
 
-    INVALID = QoSPolicyKind.INVALID
-    DURABILITY = QoSPolicyKind.DURABILITY
-    DEADLINE = QoSPolicyKind.DEADLINE
-    LIVELINESS = QoSPolicyKind.LIVELINESS
-    RELIABILITY = QoSPolicyKind.RELIABILITY
-    HISTORY = QoSPolicyKind.HISTORY
-    LIFESPAN = QoSPolicyKind.LIFESPAN
+    RMW_QOS_POLICY_INVALID = QoSPolicyKind.INVALID
+    RMW_QOS_POLICY_DURABILITY = QoSPolicyKind.DURABILITY
+    RMW_QOS_POLICY_DEADLINE = QoSPolicyKind.DEADLINE
+    RMW_QOS_POLICY_LIVELINESS = QoSPolicyKind.LIVELINESS
+    RMW_QOS_POLICY_RELIABILITY = QoSPolicyKind.RELIABILITY
+    RMW_QOS_POLICY_HISTORY = QoSPolicyKind.HISTORY
+    RMW_QOS_POLICY_LIFESPAN = QoSPolicyKind.LIFESPAN
 
     def __str__(self) -> str:
-        return f"rmw_qos_policy_kind_t.RMW_QOS_POLICY_{self.name}"
+        return f"rmw_qos_policy_kind_t.{self.name}"
 
     def __repr__(self) -> str:
         return f"<{self}: {self.value}>"
@@ -145,6 +145,15 @@ class EventCallbacks:
         self.use_default_callbacks = use_default_callbacks
         for name in self._events:
             setattr(self, name, callbacks.get(name))
+
+    @classmethod
+    def require(cls, given: object) -> None:
+        """Raise rclpy's error unless an object is None or has the event callbacks of this side."""
+        if isinstance(given, EventCallbacks) and not isinstance(given, cls):
+            raise TypeError("__init__(): incompatible constructor arguments.")
+        if not isinstance(given, EventCallbacks | None):
+            kind = type(given).__name__
+            raise AttributeError(f"'{kind}' object has no attribute 'create_event_handlers'")
 
     def bind(self, node: NodeHandle, topic: str, callback_group: CallbackGroup) -> Events:
         """Create the receivers of events.

@@ -460,8 +460,7 @@ class Node:
             publisher_class: The class of the publisher.
         """
         group, events = callback_group or self.default_callback_group, event_callbacks
-        if not isinstance(events, PublisherEventCallbacks | None):
-            raise TypeError("__init__(): incompatible constructor arguments.")
+        PublisherEventCallbacks.require(events)
         node, full_topic = self.handle, self._course_resolve(topic, "topic")
         node.require("Failed to create publisher")
         require_type(msg_type, "message")
@@ -501,8 +500,7 @@ class Node:
             raw: Whether the callback receives serialized bytes instead of messages.
         """
         group, events = callback_group or self.default_callback_group, event_callbacks
-        if not isinstance(events, SubscriptionEventCallbacks | None):
-            raise TypeError("__init__(): incompatible constructor arguments.")
+        SubscriptionEventCallbacks.require(events)
         full_topic = self._course_resolve(topic, "topic")
         self.handle.require("Failed to create subscription")
         require_type(msg_type, "message")

@@ -15,10 +15,16 @@ def serialize_message(message: RosMessage) -> bytes:
     return serialize(message)
 
 
-def deserialize_message(serialized_message: bytes, message_type: type[MsgT]) -> MsgT:
-    """Deserialize a message. Raise a CourseError if the bytes are not a message of this type."""
+def deserialize_message(serialized_message: bytes, message_type: type[MsgT] | MsgT) -> MsgT:
+    """Deserialize a message, of a class or, as in rclpy, of the class of a given message.
+
+    Raises:
+        CourseError: The bytes are not a message of this type.
+    """
+    if isinstance(message_type, RosMessage):
+        message_type = type(message_type)
     if not (isinstance(message_type, type) and issubclass(message_type, RosMessage)):
-        raise AttributeError(NO_TYPE_SUPPORT.format("type"))
+        raise AttributeError(NO_TYPE_SUPPORT.format(type(message_type).__name__))
     if not isinstance(serialized_message, bytes):
         raise TypeError("rclpy_deserialize(): incompatible function arguments.")
     return deserialize(serialized_message, message_type)

@@ -10,7 +10,7 @@ from course_lib.ros.mistakes import Mistake, marked
 from rclpy.event_handler import Deadline, Events, RmwPolicyKind
 from rclpy.exceptions import InvalidHandle, RCLError
 from rclpy.impl.node_handle import NodeHandle
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSPolicyKind, QoSProfile
 
 MsgT = TypeVar("MsgT", bound=RosMessage)
 
@@ -109,7 +109,7 @@ def _report_pair(
         elif change > 0 and publisher.type_name != subscription.type_name:
             side.count("incompatible_type")
         elif change > 0 and policy is not None:
-            side.count("incompatible_qos", last_policy_kind=RmwPolicyKind[policy])
+            side.count("incompatible_qos", last_policy_kind=RmwPolicyKind(QoSPolicyKind[policy]))
 
 
 def _sides(graph: Graph, *infos: EndpointInfo) -> list[Events]:
