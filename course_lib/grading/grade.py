@@ -68,6 +68,7 @@ from course_lib.grading.submissions.submission import (
     plan_attempts,
     skipped_files,
     store_places,
+    unfinished_lines,
 )
 
 STUDENT = "preflight"  # the student ID that determines the personal values
@@ -331,7 +332,7 @@ def _find(submissions: Path, course: Course) -> list[Submission]:
     all_submissions = find_submissions(
         submissions, settings.counts, settings.zone, with_refused=True, is_accepted=is_accepted
     )
-    for line in skipped_files(submissions):
+    for line in (*skipped_files(submissions), *unfinished_lines(submissions)):
         say(line)
     # Paths in results are relative to the folder of submissions, so that both can be moved.
     return [

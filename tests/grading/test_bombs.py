@@ -82,6 +82,41 @@ def test_zip_bomb_is_limited_and_affects_only_its_student(
     assert [one.student for one in find_submissions(tmp_path / "out")] == ["zoe"]
 
 
+def test_zip_bomb_in_one_of_several_inner_folders_does_not_hide_the_layout(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The folders may be students, so the limit must not apply to all of them together."""
+    monkeypatch.setattr(archives, "MAX_UNPACKED_BYTES", MEGABYTE)
+    files = {"class/ada/bomb.zip": zips_in_a_zip(1, 3, MEGABYTE)}
+    files |= {f"class/{name}/{NAME}": notebook(name, student=name) for name in ("bob", "zoe")}
+    (tmp_path / "in.zip").write_bytes(zipped(files))
+    with pytest.raises(
+        CourseError, match="class holds 2 files of week01_exercise with different student IDs"
+    ):
+        collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    assert not (tmp_path / "out").exists()
+
+
+def test_many_refused_files_of_one_student_are_summed_up_in_a_line(tmp_path: Path) -> None:
+    inner = zipped({f"{n}.exe": b"" for n in range(900)})
+    (tmp_path / "in.zip").write_bytes(zipped({"ada/files.zip": inner, "zoe/a.exe": b"1"}))
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    assert len(collection.refused) == 12
+    assert collection.refused[10] == "refused: 890 more files of ada"
+    assert ", 901 refused" in collection.summary(tmp_path / "out")
+
+
+def test_archive_entries_of_one_file_are_refused_once(tmp_path: Path) -> None:
+    """A small archive can have a thousand entries for one large file."""
+    data = zipped({NAME: notebook()})
+    start, end = data.index(b"PK\1\2"), data.index(b"PK\5\6")
+    entries = data[start:end] * 900
+    tail = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, 900, 900, len(entries), start, 0)
+    (tmp_path / "in.zip").write_bytes(zipped({"ada/files.zip": data[:start] + entries + tail}))
+    collection = collect(tmp_path / "in.zip", tmp_path / "out", UTC)
+    assert [line.split(": ")[-1] for line in collection.refused] == ["the archive contains this name twice"]
+
+
 @pytest.mark.parametrize("name", ["", "\0", "\0/x", "a//"])
 def test_archive_member_with_an_unusual_name_does_not_affect_other_members(tmp_path: Path, name: str) -> None:
     inner = zipped({name: b"1", NAME: notebook()})

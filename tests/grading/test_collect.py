@@ -1,3 +1,4 @@
+import errno
 import os
 import stat
 import struct
@@ -13,7 +14,7 @@ from course_lib.errors import CourseError
 from course_lib.grading.submissions import archives
 from course_lib.grading.submissions.collect import Collection, collect
 from course_lib.grading.submissions.notebook import parse_notebook
-from course_lib.grading.submissions.submission import find_submissions
+from course_lib.grading.submissions.submission import find_submissions, unfinished_lines
 from tests.grading.platforms import notebook, zipped
 
 AMMAN = ZoneInfo("Asia/Amman")
@@ -227,7 +228,24 @@ def test_name_with_a_null_byte_and_locked_file_are_rejected(sort: Sort, tmp_path
     (tmp_path / "in.zip").write_bytes(data)
     collection = collect(tmp_path / "in.zip", tmp_path / "out", AMMAN)
     assert len(collection.refused) == 2
+    assert "it is encrypted. Submit it without a password" in collection.refused[1]
     assert collected_files(tmp_path / "out") == ["received.csv", f"zoe/{NAME}"]
+
+
+def test_grading_reports_a_collection_that_did_not_finish(
+    sort: Sort, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as full:
+        full.setattr("course_lib.grading.submissions.collect.write_list", fail)
+        with pytest.raises(OSError, match="No space left"):
+            sort({f"zoe/{NAME}": notebook()})
+    (line,) = unfinished_lines(tmp_path / "out")
+    assert "course collect in.zip" in line
+    sort({f"zoe/{NAME}": notebook()})
+    assert unfinished_lines(tmp_path / "out") == []
 
 
 def test_nested_archive_exceeding_the_size_limit_is_not_unpacked_further(

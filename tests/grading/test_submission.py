@@ -1,3 +1,4 @@
+import errno
 import json
 import os
 import zipfile
@@ -70,7 +71,23 @@ def test_invalid_submission_is_rejected_with_one_line(
 def test_unwritable_out_file_is_reported(tmp_path: Path, write_notebook: WriteNotebook) -> None:
     exercise = write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1")
     with pytest.raises(CourseError, match="can't be written"):
-        submit(exercise, tmp_path / "nowhere/out.zip")
+        submit(exercise, exercise / "out.zip")
+
+
+def test_full_disk_leaves_the_former_packed_file_unchanged(
+    tmp_path: Path, write_notebook: WriteNotebook, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    exercise = write_notebook(tmp_path / "week01_exercise.ipynb", "x = 1")
+    out = submit(exercise).file
+    before = out.read_bytes()
+    monkeypatch.setattr("os.fsync", fail)
+    with pytest.raises(CourseError, match="can't be written: No space left on device"):
+        submit(exercise)
+    assert out.read_bytes() == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([exercise.name, out.name])
 
 
 def test_notebook_source_may_be_a_list_of_lines_and_metadata_arbitrary() -> None:
@@ -132,6 +149,25 @@ def test_skipped_symlinks_and_pipes_are_listed(tmp_path: Path, write_notebook: W
         "skipped: ada/week02_exercise.ipynb: it is a pipe or a device, not a file",
         "skipped: bob/week01_exercise.ipynb: it is a link, not a file",
     ]
+
+
+def test_symlinks_are_rejected_submissions_of_their_students(
+    tmp_path: Path, write_notebook: WriteNotebook
+) -> None:
+    top = tmp_path / "in"
+    ada = write_notebook(top / "ada/week01_exercise.ipynb", "x = 1")
+    (top / "bob").mkdir()
+    (top / "bob/week01_exercise.ipynb").symlink_to(ada)
+    (top / "cleo").symlink_to(ada.parent)
+    (top / "ada/week01_exercise (1).ipynb").symlink_to(ada)
+    submissions = {one.student: one for one in find_submissions(top, with_refused=True)}
+    assert {name: (one.exercise, one.reason) for name, one in submissions.items()} == {
+        "ada": ("week01_exercise", ""),
+        "bob": ("week01_exercise", "refused"),
+        "cleo": ("week01_exercise", "refused"),
+    }
+    assert submissions["ada"].refused == ("ada/week01_exercise (1).ipynb",)
+    assert submissions["cleo"].problem.startswith("it is a link, not a file. Copy the file")
 
 
 @pytest.mark.parametrize(("day", "message"), [(10, "on time"), (12, "late")])

@@ -27,7 +27,7 @@ MAX_ENTRIES = 20 * MAX_MEMBERS  # archives stored in an archive have directories
 ENTRY = b"PK\x01\x02"  # signature of each entry in an archive's directory
 # zipfile decompresses other methods without a size limit.
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-UTF_8 = 0x800  # flag of a name in UTF-8
+ENCRYPTED, UTF_8 = 0x1, 0x800  # flags of a file, and of its name
 MAX_DEPTH = 3  # nesting depth of archives
 MAX_NAME = 200  # [B] per path component
 MAX_PATH = 1000  # [B] per path
@@ -77,6 +77,8 @@ def read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo | str, max_byt
     """
     try:
         info = archive.getinfo(member) if isinstance(member, str) else member
+        if info.flag_bits & ENCRYPTED:
+            raise ValueError("it is encrypted. Submit it without a password")
         if info.compress_type not in METHODS:
             raise ValueError(f"compression method {info.compress_type}, expected stored or deflated")
         with archive.open(info) as file:
@@ -178,7 +180,7 @@ class ReceivedFileReader:
             self.refuse("/".join(arrival.components), str(error))
 
     def _members(self, archive: zipfile.ZipFile, above: tuple[str, ...]) -> Iterator[ReceivedFile]:
-        names: set[str] = set()
+        names = Counter[str]()
         for info in archive.infolist():
             name = _member_name(info)
             if above and "/" not in name:
@@ -190,8 +192,10 @@ class ReceivedFileReader:
             parts = (*above, *inner)
             if not above and not self.is_wanted(parts):
                 continue
-            duplicate = "the archive contains this name twice" if name in names else ""
-            names.add(name)
+            names[name] += 1
+            if names[name] > 2:
+                continue
+            duplicate = "the archive contains this name twice" if names[name] == 2 else ""
             if problem := duplicate or path_problem(inner) or _type_problem(info.external_attr >> 16):
                 self.refuse("/".join(parts), problem)
                 continue

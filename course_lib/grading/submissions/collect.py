@@ -51,7 +51,7 @@ from course_lib.grading.submissions.readers import (
     sakai_key,
     sakai_time,
 )
-from course_lib.grading.submissions.received import COLUMNS, ID_FROM, LIST
+from course_lib.grading.submissions.received import COLUMNS, ID_FROM, LIST, UNFINISHED
 from course_lib.grading.submissions.roster import PLATFORM, ROSTER, Times, has_key, read_ids, read_times
 from course_lib.grading.submissions.submission import lesson_of, read_packed_zip, released_digest
 
@@ -60,6 +60,7 @@ WORKING = (".rviz", ".yaml", ".yml", ".py")
 ACCEPTED_SUFFIXES = (".ipynb", ".zip", *WORKING)
 ADVICE = "Submit {}.ipynb, or the zip that `course submit` writes"
 MOST_NAMED = 3  # files per reason
+MOST_LINES = 10  # refused files of an owner that are listed
 Kind = Literal["notebook", "working"]
 
 
@@ -406,7 +407,7 @@ class Collection:
     Args:
         count: Number of files that were kept.
         students: Students with kept files.
-        refused: A line for each file that was skipped.
+        skipped: The owner of each file that was skipped, and a line.
         notes: Notes for the instructor.
         aside: A line for each file that does not count for this exercise.
         rows: Rows of received.csv, by file.
@@ -416,21 +417,37 @@ class Collection:
 
     count: int = 0
     students: set[str] = field(default_factory=set)
-    refused: list[str] = field(default_factory=list)
+    skipped: list[tuple[str, str]] = field(default_factory=list)
     notes: set[str] = field(default_factory=set)
     aside: list[str] = field(default_factory=list)
     rows: dict[str, dict[str, str]] = field(default_factory=dict)
     late: int = 0
     rejected: set[str] = field(default_factory=set)
 
-    def refuse(self, name: str, why: str) -> None:
+    def refuse(self, name: str, why: str, owner: str) -> None:
         """Record a file that is skipped."""
-        self.refused.append(printable(f"refused: {name}: {why}"))
+        self.skipped.append((owner, printable(f"refused: {name}: {why}")))
+
+    @property
+    def refused(self) -> list[str]:
+        """A line for each file that was skipped, and one for all further files of an owner.
+
+        The archive of one student may have a thousand files, which would hide those of the others.
+        """
+        lines_by_owner = defaultdict[str, list[str]](list)
+        for owner, line in self.skipped:
+            lines_by_owner[owner].append(line)
+        listed = list[str]()
+        for owner, lines in lines_by_owner.items():
+            listed += lines[:MOST_LINES]
+            if (more := len(lines) - MOST_LINES) > 0:
+                listed.append(printable(f"refused: {format_count(more, 'more file')} of {owner}"))
+        return listed
 
     def summary(self, out: Path) -> str:
         """Return a summary, and the next command to type."""
         details = f", {self.late} late according to the platform" if self.late else ""
-        details += f", {len(self.refused)} refused" if self.refused else ""
+        details += f", {len(self.skipped)} refused" if self.skipped else ""
         aside_count = sum(not line.startswith("ignored:") for line in self.aside)
         details += f", {aside_count} set aside" if aside_count else ""
         if self.rejected:
@@ -464,10 +481,20 @@ class Exports:
 
 @dataclass(frozen=True)
 class Download:
-    """A platform's download: its path and its layout."""
+    """A platform's download: its path, its layout, and whether all its folders are in a single one."""
 
     source: Path
     layout: Layout
+    is_wrapped: bool = False
+
+    def owner(self, path: tuple[str, ...]) -> str:
+        """Return a name of the owner, whose archives share a limit.
+
+        If all folders are in a single one, each of them may be a student.
+        """
+        if self.is_wrapped and len(path) > 2 and not is_zip(path[1]):
+            return "/".join(path[:2])
+        return self.layout.owner(path)
 
     def arrivals(
         self, done: Collection | None = None, refused: list[tuple[str, str]] | None = None
@@ -476,12 +503,11 @@ class Download:
 
         def refuse(name: str, why: str) -> None:
             if done is not None:
-                done.refuse(name, why)
+                done.refuse(name, why, self.owner(tuple(name.split("/"))))
             if refused is not None:
                 refused.append((name, why))
 
-        owner = self.layout.owner
-        return ReceivedFileReader(refuse, owner, lambda parts: not self.layout.is_extra(parts)).read(
+        return ReceivedFileReader(refuse, self.owner, lambda parts: not self.layout.is_extra(parts)).read(
             self.source
         )
 
@@ -523,7 +549,7 @@ def collect(
     download = _download(source, zone, layout)
     exports = _read_exports(download, zone, roster, id_column, times, collection)
     items, refused = _inspect_all(download, collection)
-    if not items and not collection.refused:
+    if not items and not collection.skipped:
         raise CourseError(f"{source} contains no files. Pass the platform's download.")
     _reject_collisions(
         (*(item.download_name for item in items), *(download_name for download_name, _, _ in refused)),
@@ -531,9 +557,12 @@ def collect(
     )
     choice = choose(items, refused, download.layout, exercise)
     collection.aside = [printable(line) for line in choice.lines]
+    # It stays if this process is killed or the disk is full, and `course grade` reports it.
+    write_atomically(out / UNFINISHED, source.name.encode("utf-8", "replace"))
     _store_all(download, choice, out, zone, collection, exports)
     _reject(choice, out, zone, collection, exports)
     write_list(out / LIST, collection.rows.values())
+    (out / UNFINISHED).unlink(missing_ok=True)
     return collection
 
 
@@ -563,7 +592,10 @@ def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
         stamps = _read_extras(source, lambda path: bool(sakai_key(path)))
         times = {sakai_key(one.components): {"time": sakai_time(one.data)} for one in stamps}
         download_layout = replace(download_layout, records=times)
-    return Download(source, download_layout)
+    is_wrapped = download_layout.name == FOLDERS and len({path[0] for path in paths}) == 1
+    return Download(
+        source, download_layout, is_wrapped and len({path[1] for path in paths if len(path) > 2}) > 1
+    )
 
 
 def _is_download(path: Path, zone: ZoneInfo) -> bool:
@@ -594,12 +626,12 @@ def _inspect_all(
         try:
             download_name = download.layout.read(arrival.components)
         except CourseError as error:
-            collection.refuse("/".join(arrival.components), str(error))
+            collection.refuse("/".join(arrival.components), str(error), download.owner(arrival.components))
             continue
         try:
             items.append(inspect_file(arrival, download_name))
         except CourseError as error:
-            collection.refuse("/".join(arrival.components), str(error))
+            collection.refuse("/".join(arrival.components), str(error), download.owner(arrival.components))
             refused.append((download_name, download_name.below[-1], str(error)))
     for name, why in unsafe:
         try:
@@ -722,7 +754,8 @@ def _store_all(
             except OSError as error:
                 if error.errno not in BAD_PATHS:
                     raise
-                collection.refuse("/".join(arrival.components), f"can't be kept: {error.strerror}")
+                why = f"can't be kept: {error.strerror}"
+                collection.refuse("/".join(arrival.components), why, download.owner(arrival.components))
             else:
                 collection.notes |= set(_platform_notes(item.download_name, exports, download.layout))
 

@@ -14,6 +14,7 @@ from course_lib.grading.submissions.readers import STAMP, YEARS, LmsFile, parse_
 from course_lib.third_party import check_regular
 
 LIST = "received.csv"
+UNFINISHED = ".collecting"  # exists while `course collect` writes the folder
 ID_FROM = "id_from"  # whether the student's ID is from the roster
 COLUMNS = ("file", "received", "late", "source", "name", "handed_in_as", ID_FROM, "exercise", "refused")
 # levels below the top: STUDENT/ in folders made by hand, and nbgrader's STUDENT/ASSIGNMENT/

@@ -28,7 +28,7 @@ from course_lib.errors import CourseError
 from course_lib.files import write_atomically
 from course_lib.grading.marks import attempt_of, dates_of
 from course_lib.grading.records import Result, Submission, to_plain
-from course_lib.grading.reports.table import MOST_NAMED, join_few
+from course_lib.grading.reports.table import MOST_NAMED, join_few, printable
 from course_lib.grading.run.run import Job, plan_scenarios
 from course_lib.grading.store import Course, catalog_of, digest_of, rules_of
 from course_lib.grading.submissions.archives import RECEIPT, open_zip, read_member, working_files
@@ -41,14 +41,14 @@ from course_lib.grading.submissions.notebook import (
     parse_notebook,
     without_outputs,
 )
-from course_lib.grading.submissions.received import Ledger
+from course_lib.grading.submissions.received import UNFINISHED, Ledger
 from course_lib.third_party import check_regular, read_bytes, read_json
 
 UTC = ZoneInfo("UTC")
 NAMES = re.compile(r"\.(ipynb(\.txt|\.json)?|zip)$|^week\d\d_exercise.*\.json$", re.IGNORECASE)
 RESERVED = (".html", ".js")  # files next to the students' folders of reports
 NO_EXERCISE = "is not an exercise of this course: expected a file like week01_exercise.ipynb"
-REFUSED = "refused"  # reason of a result if `course collect` kept no file
+REFUSED = "refused"  # reason of a result if `course collect` kept no file, or the file is a link
 MANY = 3  # names per note
 LESSON_SHARE = 0.5  # fraction of a lesson's cells from which a notebook is a lesson
 
@@ -68,7 +68,7 @@ def find_submissions(
         counts: Which of several submissions counts.
         zone: The zone of times in received.csv without one.
         with_refused: Whether to include a submission without a file for each student whose files
-            were all rejected by `course collect`.
+            were all rejected by `course collect`, or are links.
         is_accepted: Whether the late policy accepts a submission. One that is not accepted never
             replaces one that is.
 
@@ -86,16 +86,19 @@ def find_submissions(
         one = read_submission(path, ledger)
         groups[one.student, one.exercise].append(one)
     ordered = {key: sort_submissions(group, top, counts, is_accepted) for key, group in groups.items()}
-    for file, entry in ledger.refused.items() if with_refused else ():
-        folder = file.split("/")[0]
+    rejected = [(file, entry.exercise, entry.refused) for file, entry in ledger.refused.items()]
+    exercises = sorted({exercise for _, exercise in ordered if find_exercise_name(exercise) == exercise})
+    rejected += _rejected_links(top, exercises)
+    for file, exercise, why in rejected if with_refused else ():
+        folder = file.split("/")[0].removesuffix(".ipynb")
         student = claimed_id({"student": folder}) or folder
-        if previous := ordered.get((student, entry.exercise)):
+        if previous := ordered.get((student, exercise)):
             previous[-1] = replace(previous[-1], refused=(*previous[-1].refused, file))
             continue
         path = top / file
-        when, why = ledger.received(path, {}), entry.refused
-        ordered[student, entry.exercise] = [
-            Submission(student, entry.exercise, path, when, problem=why, reason=REFUSED, named=file)
+        when = ledger.received(path, {})
+        ordered[student, exercise] = [
+            Submission(student, exercise, path, when, problem=why, reason=REFUSED, named=file)
         ]
     if not ordered:
         raise CourseError(f"{top} contains no submissions: expected STUDENT/week01_exercise.ipynb")
@@ -105,15 +108,40 @@ def find_submissions(
 
 def skipped_files(top: Path) -> list[str]:
     """Return a line for each file that is skipped because it is a link or a device."""
-    lines = []
+    return [f"skipped: {path.relative_to(top).as_posix()}: {why}" for path, why in _links_and_devices(top)]
+
+
+def unfinished_lines(top: Path) -> list[str]:
+    """Return a warning if `course collect` was killed while it wrote the folder, or the disk was full."""
+    mark = top / UNFINISHED
+    if not mark.is_file():
+        return []
+    source = printable(mark.read_text(encoding="utf-8", errors="replace"))
+    problem = f"course collect {source} --out {top} did not finish, so files of students may be missing"
+    return [f"warning: {problem}. Collect again, then grade again"]
+
+
+def _rejected_links(top: Path, exercises: Sequence[str]) -> Iterator[tuple[str, str, str]]:
+    """Yield (file, exercise, reason) for each link or device with a submission's name.
+
+    A link to a folder may stand for any exercise of the class.
+    """
+    for path, why in _links_and_devices(top):
+        file, reason = path.relative_to(top).as_posix(), f"{why}. Copy the file that it stands for"
+        if NAMES.search(path.name):
+            yield file, find_exercise_name(path.name) or path.name, reason
+        elif path.is_symlink() and path.is_dir():
+            yield from ((file, exercise, reason) for exercise in exercises)
+
+
+def _links_and_devices(top: Path) -> Iterator[tuple[Path, str]]:
+    """Yield each file that is a link or a device, and the reason to skip it."""
     for folder, folders, names in os.walk(top):
         links = [name for name in folders if Path(folder, name).is_symlink()]
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for path in (Path(folder, name) for name in sorted((*names, *links)) if not name.startswith(".")):
             if path.is_symlink() or not (path.is_file() or path.is_dir()):
-                kind = "a link" if path.is_symlink() else "a pipe or a device"
-                lines.append(f"skipped: {path.relative_to(top).as_posix()}: it is {kind}, not a file")
-    return lines
+                yield path, f"it is {'a link' if path.is_symlink() else 'a pipe or a device'}, not a file"
 
 
 def sort_submissions(

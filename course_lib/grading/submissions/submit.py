@@ -1,7 +1,9 @@
 """`course submit`: write one file to submit, with a receipt and with warnings."""
 
 import ast
+import io
 import json
+import os
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -25,6 +27,7 @@ from course_lib.course.state import (
 )
 from course_lib.course.student_folder import content_hash as digest_of_cells
 from course_lib.errors import CourseError, format_count
+from course_lib.files import write_atomically
 from course_lib.grading.submissions.archives import RECEIPT, WORKING_FOLDER, working_files
 from course_lib.grading.submissions.notebook import (
     NOT_SUBMITTED,
@@ -243,17 +246,19 @@ def submit(path: Path, out: Path | None = None) -> Receipt:
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     out = out or path.with_name(f"{notebook.exercise}_{student or 'no_id'}.zip")
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(f"{notebook.exercise}.ipynb", data)
+        archive.writestr(RECEIPT, json.dumps(receipt, indent=1))
+        for name, text in files.items():
+            archive.writestr(WORKING_FOLDER + name, text)
     try:
-        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr(f"{notebook.exercise}.ipynb", data)
-            archive.writestr(RECEIPT, json.dumps(receipt, indent=1))
-            for name, text in files.items():
-                archive.writestr(WORKING_FOLDER + name, text)
+        write_atomically(Path(os.path.realpath(out)), packed.getvalue())
     except OSError as error:
         raise CourseError(f"{out} can't be written: {error.strerror}. Choose another: --out FILE") from error
     try:
         warnings = _record_submission(path, notebook, out, str(receipt["time"]))
-    except CourseError as error:
+    except (CourseError, OSError) as error:
         # The file is packed already, so an error in the folder's state is only a warning.
         warnings = [str(error)]
     return Receipt(out, receipt, tuple(warnings))
