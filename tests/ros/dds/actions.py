@@ -64,6 +64,52 @@ for order in range({GOALS}):
     result = wait(goal.get_result_async())
     print(result.status, list(result.result.sequence), feedback, flush=True)
 """
+# Its process ends while a goal is executed: by an exception, or by a signal in place of END.
+DYING_SERVER = """
+import os
+import signal
+
+import rclpy
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionServer
+
+rclpy.init()
+node = rclpy.create_node("server")
+
+
+def execute(goal):
+    goal.publish_feedback(Fibonacci.Feedback(sequence=[1]))
+    END
+
+
+server = ActionServer(node, Fibonacci, "fib", execute)
+print("up", flush=True)
+rclpy.spin(node)
+"""
+WAITING_CLIENT = """
+import rclpy
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionClient
+
+rclpy.init()
+node = rclpy.create_node("client")
+client = ActionClient(node, Fibonacci, "fib")
+client.wait_for_server()
+sent = client.send_goal_async(Fibonacci.Goal(order=1))
+rclpy.spin_until_future_complete(node, sent)
+goal = sent.result()
+result = goal.get_result_async()
+print("accepted", goal.accepted, flush=True)
+while client.server_is_ready():
+    rclpy.spin_once(node, timeout_sec=0.1)
+rclpy.spin_until_future_complete(node, result, timeout_sec=0.5)
+print("result", result.done(), client.wait_for_server(timeout_sec=0.1), flush=True)
+cancel = goal.cancel_goal_async()
+rclpy.spin_until_future_complete(node, cancel, timeout_sec=0.5)
+print("canceled", cancel.done(), flush=True)
+"""
+ENDS = {"exits": "raise SystemExit", "is killed": "os.kill(os.getpid(), signal.SIGKILL)"}
+ENDED = "accepted True\nresult False False\ncanceled False\n"
 EXPECTED = "".join(f"4 [{order}] {list(range(FEEDBACK))}\n" for order in range(GOALS))
 LOSSY = """
 import random, sys
