@@ -371,7 +371,12 @@ def collect(
     collection = sort(source, out, zone, roster, id_column, times or (), exercise=exercise, layout=layout)
     if course.zone_note and not time_zone:
         typer.echo(course.zone_note)
-    for line in (*collection.refused, *collection.aside, *sorted(collection.notes), collection.summary(out)):
+    for line in (
+        *collection.refused,
+        *collection.set_aside,
+        *sorted(collection.notes),
+        collection.summary(out),
+    ):
         typer.echo(line)
     raise typer.Exit(NOT_PASSED if collection.refused else 0)
 

@@ -337,20 +337,20 @@ class Group:
         self,
         name: str = "",
         config: Mapping[str, Any] | None = None,
-        ticked: bool = True,
+        is_enabled: bool = True,
     ) -> None:
         self.name = name
         self.config = dict(config or {})
-        self.ticked = ticked
+        self.is_enabled = is_enabled
         self.members: list[Display | Group] = []
 
     def update_visibility(self, above: bool = True) -> None:
         """Show the displays whose enclosing groups are all enabled, and hide the others."""
         for member in self.members:
             if isinstance(member, Group):
-                member.update_visibility(above and self.ticked)
+                member.update_visibility(above and self.is_enabled)
             else:
-                member.set_group_visible(above and self.ticked)
+                member.set_group_visible(above and self.is_enabled)
 
     def displays(self) -> Iterator[Display]:
         """Iterate over the displays at any depth, in the order of the tree."""

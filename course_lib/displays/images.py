@@ -302,7 +302,7 @@ class CameraDisplay(PictureDisplay):
     class_name = "rviz_default_plugins/Camera"
     properties = (
         *FILTER_PROPERTIES,
-        # The check boxes by display name. A display without an entry is ticked.
+        # The check boxes by display name. A display without an entry is enabled.
         Property("Visibility", {}, booleans),
         Property("Image Rendering", _BOTH, words(_BACK, _OVER, _BOTH)),
         Property("Overlay Alpha", 0.5, number(0.0, 1.0)),

@@ -365,8 +365,8 @@ _RULES = (
     ),
     Rule(
         lambda m: not is_unit(m.pose.orientation, 1e-3) and not _is_zero(m),
-        "orientation ({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) does not have length 1: RViz2 draws another "
-        "rotation than intended. Divide it by its length.",
+        "orientation ({q.x:g}, {q.y:g}, {q.z:g}, {q.w:g}) does not have length 1: RViz2 draws a wrong "
+        "rotation. Divide it by its length.",
     ),
 )
 
@@ -500,7 +500,7 @@ class MarkerStore:
 
     def _show(self, key: Key, marker: Any, received_ns: int) -> None:
         if not self.namespaces.setdefault(marker.ns, True):
-            self._statuses.hint("Namespaces", f"{marker.ns!r} is not ticked: its markers are not shown.")
+            self._statuses.hint("Namespaces", f"{marker.ns!r} is not enabled: its markers are not shown.")
             return
         name = label(marker)
         self._statuses.delete(name)

@@ -375,9 +375,9 @@ class RobotModelDisplay(TopicDisplay):
             if not is_changed and link.is_shown_as_lost == (transform is None):
                 continue
             row = f"Links/{link.name}"
-            ticked = self[row] if link.has_geometry else True
-            visibility = {kind: ticked and self[label] for kind, label in _SWITCHES.items()}
-            visibility |= {kind: ticked and self[f"{row}/{label}"] for kind, label in _OF_LINKS.items()}
+            is_enabled = self[row] if link.has_geometry else True
+            visibility = {kind: is_enabled and self[label] for kind, label in _SWITCHES.items()}
+            visibility |= {kind: is_enabled and self[f"{row}/{label}"] for kind, label in _OF_LINKS.items()}
             alpha = self["Alpha"] * self[f"{row}/Alpha"]
             link.show(LinkSettings(visibility, alpha, transform is None, self.context.is_seen))
 

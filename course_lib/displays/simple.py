@@ -550,7 +550,7 @@ class EffortDisplay(DrawnDisplay):
         self.keep({**oldest, **{name: effort for name, effort in efforts.items() if effort}})
 
     def drawables(self) -> Mapping[str, Drawable]:
-        """Return circles and tips for the ticked joints."""
+        """Return circles and tips for the enabled joints."""
         width, scale = self["Width"], self["Scale"]
         drawables: dict[str, Drawable] = {}
         for index, efforts in enumerate(self.kept):

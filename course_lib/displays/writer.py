@@ -82,7 +82,7 @@ def _options(options: Options) -> dict[str, Any]:
 def member_config(member: Display | Group) -> dict[str, Any]:
     """Return the configuration of a display or group."""
     if isinstance(member, Group):
-        entries_of_group = {"Class": GROUP, "Name": member.name, "Enabled": member.ticked}
+        entries_of_group = {"Class": GROUP, "Name": member.name, "Enabled": member.is_enabled}
         displays = [member_config(inner) for inner in member.members]
         return {**member.config, **entries_of_group, "Displays": displays or None}
     entries = {"Name": member.name, "Enabled": member["Enabled"]}

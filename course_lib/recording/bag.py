@@ -364,8 +364,7 @@ def read_bag(folder: str | Path) -> Recording:
     complete message, with a warning on standard error.
 
     Raises:
-        CourseError: The bag does not exist, has no complete message, or another serialization format than
-            CDR.
+        CourseError: The bag does not exist, has no complete message, or is not serialized as CDR.
     """
     from rosbags.rosbag2 import Reader
 

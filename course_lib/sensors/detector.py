@@ -191,7 +191,7 @@ class DetectorNode(Node):
         self.timer = self.create_timer(period, self.publish_detections)
 
     def publish_detections(self) -> None:
-        """Detect things now and publish them."""
+        """Detect the things at the current time, and publish the detections."""
         now = self.get_clock().now()
         header = Header(stamp=now.to_msg(), frame_id=self.frame_id)
         detected = self.detector.detect((now.nanoseconds - START_NS) * 1e-9)

@@ -11,7 +11,7 @@ from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph.graph import EndpointInfo
 from course_lib.ros.graph.topics import SERVICE_TOPICS
 from course_lib.ros.messages import RosMessage, action_class, message_class, service_class, type_name
-from course_lib.ros.messages.conversions import Style, to_yaml
+from course_lib.ros.messages.conversions import PrintOptions, to_yaml
 from course_lib.ros.messages.definitions import (
     DEFAULTS,
     FIRST_PARTS,
@@ -188,7 +188,7 @@ def _wait_for_goal_end(source: Source, handle: Any, write: Write, has_server: Ca
 
 
 def _text(message: RosMessage) -> str:
-    return to_yaml(message, Style(truncate=None))
+    return to_yaml(message, PrintOptions(truncate=None))
 
 
 def _actions(source: Source, with_hidden: bool = True) -> dict[str, list[str]]:
@@ -425,7 +425,7 @@ def _print_prototype(source: Source, arguments: Namespace, write: Write) -> None
     name = _check_type_name(arguments.type)
     message = message_class(name + FIRST_PARTS[name.split("/")[1]])()
     quote = "" if arguments.no_quotes else '"'
-    write(f"{quote}{to_yaml(message, Style(truncate=None))}{quote}\n")
+    write(f"{quote}{to_yaml(message, PrintOptions(truncate=None))}{quote}\n")
 
 
 def _kinds(arguments: Namespace) -> list[str]:

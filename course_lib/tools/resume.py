@@ -28,7 +28,8 @@ _QUESTION_CALLS = {"ask_identity", "check", "compare", "predict", "quiz", "resum
 _PACE = "COURSE_PACE"
 # Sources that `resume` has run in this kernel.
 _resumed: set[str] = set()
-# Whether `resume` is running cells. One of them may call `resume` itself: the places to stop do.
+# Whether `resume` is running cells. One of them may call `resume` itself, as cells at
+# a place to stop do.
 _is_resuming = False
 
 

@@ -13,7 +13,7 @@ from course_lib.errors import CourseError, did_you_mean, format_count
 from course_lib.ros.graph.graph import EndpointInfo, NodeInfo
 from course_lib.ros.graph.topics import CLOCK, Qos, read_tick
 from course_lib.ros.messages import RosMessage, message_class, type_name
-from course_lib.ros.messages.conversions import Style, to_csv, to_yaml
+from course_lib.ros.messages.conversions import PrintOptions, to_csv, to_yaml
 from course_lib.ros.time.interrupts import until_interrupted
 from course_lib.tools.sources import NODE_NAME, Listening, Source, TimedSample, own_node
 from course_lib.tools.verb import (
@@ -341,7 +341,7 @@ def _info(source_ns: int, received_ns: int) -> dict[str, int | None]:
 
 def _text(selected: Any, arguments: Namespace, info: Mapping[str, int | None]) -> str:
     """Format a message or one of its fields, preceded by its info if requested."""
-    style = Style(
+    style = PrintOptions(
         truncate=None if arguments.full_length else arguments.truncate_length,
         no_arrays=arguments.no_arr,
         no_strings=arguments.no_str,

@@ -111,13 +111,13 @@ class Flow:
         is_new = name not in self.pages
         page = self.pages.setdefault(name, Page(number))
         page.number, page.ack = number, self._requested
-        self.settle()
+        self.remove_acknowledged()
         return is_new
 
     def remove(self, name: str) -> None:
         """Remove a page."""
         self.pages.pop(name, None)
-        self.settle()
+        self.remove_acknowledged()
 
     def count_message(self, number: int, size: int) -> bool:
         """Count a message of `size` bytes, and return whether it must request an acknowledgement.
@@ -150,7 +150,7 @@ class Flow:
         self.pages = {name: page for name, page in up_to_date.items() if page.ack >= ack}
         self._pending.clear()
 
-    def settle(self) -> None:
+    def remove_acknowledged(self) -> None:
         """Remove the pending acknowledgements that all visible pages have sent."""
         pages = [page for page in tuple(self.pages.values()) if page.sight == "ready"]
         slowest = min((page.number for page in pages), default=-1)
@@ -380,7 +380,7 @@ class PageLink:
         if kind in get_args(Sight):
             # Pages that are not visible may sleep, so their acknowledgements are not awaited.
             page_state.sight = cast("Sight", kind)
-            self._flow.settle()
+            self._flow.remove_acknowledged()
         if page_state.sight != "ready":
             if not self.is_watched:
                 self.disconnect()

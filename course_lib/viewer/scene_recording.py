@@ -359,7 +359,7 @@ def copy_of(scene: Scene) -> Scene:
     return copy
 
 
-# The attribute of a node that has the value of each kind of change.
+# Attributes of a node by kind of change.
 _ATTRIBUTES: dict[ChangeKind, str] = {
     "object": "object",
     "transform": "matrix",

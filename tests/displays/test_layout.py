@@ -117,7 +117,7 @@ def test_displays_in_a_disabled_group_are_not_shown(tmp_path: Path) -> None:
     assert boxes["Enabled"]
     assert not boxes.enabled
     group = session.tree.find_group_of(boxes)
-    group.ticked = True
+    group.is_enabled = True
     session.tree.update_visibility()
     assert boxes.enabled
 

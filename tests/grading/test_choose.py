@@ -84,9 +84,10 @@ def test_other_weeks_in_a_zip_are_ignored_and_listed(tmp_path: Path) -> None:
         "week01_exercise.ipynb",
         "week02_exercise.ipynb",
     ]
-    (aside, other), ignored = collection.aside[:2], collection.aside[2]
+    (set_aside, other), ignored = collection.set_aside[:2], collection.set_aside[2]
     assert (
-        "week01_exercise.ipynb: it is week01_exercise, but this download counts for week02_exercise" in aside
+        "week01_exercise.ipynb: it is week01_exercise, but this download counts for week02_exercise"
+        in set_aside
     )
     assert "week02_lesson.ipynb: it is not an exercise" in other
     assert ", 2 set aside." in collection.summary(tmp_path)
@@ -101,7 +102,7 @@ def test_exercise_submitted_by_every_student_is_detected(tmp_path: Path) -> None
     assert exercises_by_student(tmp_path / "out") == {"1": ["week01_exercise"], "2": ["week01_exercise"]}
     assert any(
         "it is week02_exercise, but this download counts for week01_exercise" in line
-        for line in collection.aside
+        for line in collection.set_aside
     )
 
 
@@ -150,7 +151,7 @@ def test_unchanged_copy_does_not_replace_edited_work_in_the_same_submission(tmp_
     (one,) = find_submissions(tmp_path / "out")
     assert one.notebook is not None
     assert one.notebook.cells == ("mine = 1",)
-    assert collection.aside == ["ignored: Ada: 1 exercise as released: week01_exercise"]
+    assert collection.set_aside == ["ignored: Ada: 1 exercise as released: week01_exercise"]
 
 
 def test_unchanged_exercise_alone_is_a_submission(tmp_path: Path) -> None:
@@ -170,7 +171,7 @@ def test_nbgrader_folder_with_several_assignments_is_sorted_by_assignment(tmp_pa
     collection = collect(tmp_path / "in", tmp_path / "out", UTC)
     both = ["week01_exercise", "week02_exercise"]
     assert exercises_by_student(tmp_path / "out") == {"ada": both, "bob": both}
-    assert len(collection.aside) == 1
+    assert len(collection.set_aside) == 1
     bobs = {one.exercise: one.path for one in find_submissions(tmp_path / "out") if one.student == "bob"}
     assert bobs["week01_exercise"].parent.name == "week01"
     collect(tmp_path / "in", tmp_path / "2", UTC, exercise="week02")

@@ -43,7 +43,7 @@ def test_collect_grade_and_export_commands_convert_a_zip_to_a_csv(
     exported = in_process("mark", "graded", "--lms", "roster.csv", *names, "--to", "filled.csv", cwd=tmp_path)
     assert exported.returncode == 0, exported.stderr
     assert exported.stdout.splitlines()[:2] == [
-        "roster.csv: row 3, B2: rejected, left as it is",
+        "roster.csv: row 3, B2: rejected, row unchanged",
         "roster.csv: row 4, C3: no mark",
     ]
     grades = [row["Grade"] for row in csv.DictReader((tmp_path / "filled.csv").read_text().splitlines())]

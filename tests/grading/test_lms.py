@@ -76,7 +76,7 @@ def test_canvas_csv_is_unchanged_except_for_the_marks(fill: Fill, encoding: str,
     expected = CANVAS.replace('"R ""2""",,', '"R ""2""",81.45,').replace("bob2,S,7", "bob2,S,50")
     assert filled == bytes_of(expected)
     assert lines == [
-        "lms.csv: row 6, cleo3: grader_error, left as it is",
+        "lms.csv: row 6, cleo3: grader_error, row unchanged",
         "lms.csv: row 7, dora4: no mark",
         "gradebook.csv: ghost9: no such ID in lms.csv",
         lines[-1],

@@ -102,7 +102,7 @@ SYNTAX = [
         "course check week01_exercise.ipynb",
         "course is a command of a terminal: type it there (in JupyterLab: File → New → Terminal).",
     ),
-    ("lambda = 0.5", "lambda is a word of Python's own: choose another name."),
+    ("lambda = 0.5", "lambda is a keyword of Python: choose another name."),
     ("a = # later", "the value behind = is missing."),
     (
         "a = b +",

@@ -12,7 +12,7 @@ from visualization_msgs.msg import Marker
 
 from course_lib.errors import CourseError
 from course_lib.ros.messages import RosMessage
-from course_lib.ros.messages.conversions import Style, to_yaml
+from course_lib.ros.messages.conversions import PrintOptions, to_yaml
 from course_lib.tools.verb import fill
 
 
@@ -56,7 +56,7 @@ def test_now_and_auto_are_replaced_at_publishing_time() -> None:
 def test_echo_output_is_accepted_by_pub(data: list[float], label: str, x: float) -> None:
     for message in (Float64MultiArray(data=data), JointState(name=[label]), Marker(text=label)):
         if "\x85" not in label and label.isprintable():  # YAML keeps these only as escapes
-            assert filled(type(message), to_yaml(message, Style(truncate=None))) == message
+            assert filled(type(message), to_yaml(message, PrintOptions(truncate=None))) == message
 
 
 @pytest.mark.parametrize(

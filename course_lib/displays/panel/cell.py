@@ -33,7 +33,7 @@ class ViewerCell:
         self._view: SceneWidget | None = None
         self._server: PageServer | None = None
         # Functions that close the widgets and servers created for pages.
-        self._ends: list[Callable[[], None]] = []
+        self._close_callbacks: list[Callable[[], None]] = []
         session.time.is_hidden = self._is_hidden
         # Called with each click into the view.
         self.on_click: list[Callable[[Click], None]] = []
@@ -98,9 +98,9 @@ class ViewerCell:
         """Remove the viewer from all cells."""
         pace.pages.discard(self._is_displayed)
         pace.views.discard(self._is_displayed)
-        for end in self._ends:
+        for end in self._close_callbacks:
             end()
-        self._ends.clear()
+        self._close_callbacks.clear()
         self._view = self._server = None
 
     def open_page(self, port: int, token: str | None) -> str:
@@ -136,7 +136,7 @@ class ViewerCell:
         desk = Desk(self._session, link, self._graph)
         time_panel = TimePanel(self._session, link, LiveTime(self._graph, self._session.time))
         link.on_click.append(self._click)
-        self._ends += [desk.close, time_panel.close, close]
+        self._close_callbacks += [desk.close, time_panel.close, close]
 
     def _widget(self, viewer: object) -> "SceneWidget":
         # The page may have closed it.

@@ -152,9 +152,9 @@ class Rows(dict[str, RowEntry]):
                 self.put(f"{key}#{name}", key, name or "(no name)", tick, editor=Editor("bool"), value=on)
 
     @staticmethod
-    def _set_check_box(holder: PropertyHolder, label: str, name: str, ticked: Any) -> None:
+    def _set_check_box(holder: PropertyHolder, label: str, name: str, is_enabled: Any) -> None:
         """Set one entry of a map of check boxes."""
-        holder[label] = {**holder[label], name: ticked}
+        holder[label] = {**holder[label], name: is_enabled}
 
 
 def display_rows(session: RvizSession) -> Rows:
@@ -201,11 +201,11 @@ def _put_member(rows: Rows, session: RvizSession, member: Display | Group, paren
     if isinstance(member, Group):
 
         def tick(on: Any) -> None:
-            member.ticked = flag(on)
+            member.is_enabled = flag(on)
             session.tree.update_visibility()
             session.refresh()
 
-        rows.put(key, parent, member.name, tick, member, checked=member.ticked)
+        rows.put(key, parent, member.name, tick, member, checked=member.is_enabled)
         return
 
     def enable(on: Any) -> None:
@@ -556,7 +556,7 @@ class Desk:
         working_folder = Path.cwd()
         files = (path for folder in _FOLDERS for path in sorted((working_folder / folder).glob("*.rviz")))
         layouts = tuple(path.relative_to(working_folder).as_posix() for path in files)
-        # The status line has the first of the worst statuses; if all are ok, the number of
+        # The status line shows the first of the worst statuses; if all are ok, the number of
         # displays.
         statuses = session.rows()
         level = worst_of(row.level for row in statuses)

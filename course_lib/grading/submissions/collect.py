@@ -409,7 +409,7 @@ class Collection:
         students: Students with kept files.
         skipped: The owner of each file that was skipped, and a line.
         notes: Notes for the instructor.
-        aside: A line for each file that does not count for this exercise.
+        set_aside: A line for each file that does not count for this exercise.
         rows: Rows of received.csv, by file.
         late: Number of files that the platform marks as late.
         rejected: Students none of whose files was kept.
@@ -419,7 +419,7 @@ class Collection:
     students: set[str] = field(default_factory=set)
     skipped: list[tuple[str, str]] = field(default_factory=list)
     notes: set[str] = field(default_factory=set)
-    aside: list[str] = field(default_factory=list)
+    set_aside: list[str] = field(default_factory=list)
     rows: dict[str, dict[str, str]] = field(default_factory=dict)
     late: int = 0
     rejected: set[str] = field(default_factory=set)
@@ -448,7 +448,7 @@ class Collection:
         """Return a summary, and the next command to type."""
         details = f", {self.late} late according to the platform" if self.late else ""
         details += f", {len(self.skipped)} refused" if self.skipped else ""
-        aside_count = sum(not line.startswith("ignored:") for line in self.aside)
+        aside_count = sum(not line.startswith("ignored:") for line in self.set_aside)
         details += f", {aside_count} set aside" if aside_count else ""
         if self.rejected:
             details += (
@@ -556,7 +556,7 @@ def collect(
         exports,
     )
     choice = choose(items, refused, download.layout, exercise)
-    collection.aside = [printable(line) for line in choice.lines]
+    collection.set_aside = [printable(line) for line in choice.lines]
     # It stays if this process is killed or the disk is full, and `course grade` reports it.
     write_atomically(out / UNFINISHED, source.name.encode("utf-8", "replace"))
     _store_all(download, choice, out, zone, collection, exports)
@@ -567,7 +567,7 @@ def collect(
 
 
 def _download(source: Path, zone: ZoneInfo, layout: str) -> Download:
-    """Determine the layout of a download by its names, and read the platform's own files about owners."""
+    """Determine the layout of a download from its file names, and read the platform's list of owners."""
     paths = list_paths(source)
     if source.is_dir() and len(paths) == 1 and len(paths[0]) == 1 and is_zip(paths[0][0]):
         inner = source / paths[0][0]

@@ -184,11 +184,11 @@ def _key(text: str) -> str:
 def _problem(key: str, mark: dict[str, str] | None, count: int, is_short: bool) -> str:
     """Return why a row is left unchanged, or ""."""
     if key and count > 1:
-        return "more than one row has this ID, left as they are"
+        return "more than one row has this ID; they are unchanged"
     if mark is None:
         return "no mark"
     if mark["status"] not in FINAL:
-        return f"{mark['status']}, left as it is"
+        return f"{mark['status']}, row unchanged"
     return "the row is too short" if is_short else ""
 
 

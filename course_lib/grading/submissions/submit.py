@@ -135,7 +135,7 @@ class NotebookReview:
         return next((cell for cell in (*unparsable, *before) if cell.syntax_error or cell.is_stub), None)
 
     def _unchecked_cells(self) -> Iterator[str]:
-        """Yield a warning for each cell up to the last check on which a task depends, but that no check ran.
+        """Yield a warning for each unchecked cell before the last check, if a task depends on it.
 
         Students measure and try things in other cells, which need no check.
         """

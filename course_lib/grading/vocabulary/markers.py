@@ -388,7 +388,7 @@ class MarkerScene:
         )
 
     def _is_missing(self, subject: Iterable[int], marker: int) -> bool:
-        """Return whether the ns or id of the bound marker differs from the subject."""
+        """Return whether the ns or id of the bound marker differs from those of the subject."""
         return any(_is_misnamed(self.markers[marker], self.asked[i].arguments) for i in subject)
 
     def _misfit_key(self, subject: Sequence[int], marker: int) -> tuple[float, ...]:

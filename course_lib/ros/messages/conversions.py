@@ -77,7 +77,7 @@ def _set(message: RosMessage, values: Any, clock: _PublishTimes) -> None:
 
 
 @dataclass(frozen=True)
-class Style:
+class PrintOptions:
     """The parts omitted from printed messages: the rest of long values, arrays, strings."""
 
     # Limit on the elements of a sequence and the characters of a string.
@@ -88,7 +88,7 @@ class Style:
     flow: bool = False
 
 
-def to_yaml(message: RosMessage, style: Style) -> str:
+def to_yaml(message: RosMessage, style: PrintOptions) -> str:
     """Convert a message to YAML, which ends with a newline."""
     import yaml  # type: ignore[import-untyped]  # PyYAML ships no types
 
@@ -102,13 +102,13 @@ def to_yaml(message: RosMessage, style: Style) -> str:
     return text
 
 
-def to_dict(message: RosMessage, style: Style) -> dict[str, Any]:
+def to_dict(message: RosMessage, style: PrintOptions) -> dict[str, Any]:
     """Convert a message to dicts, lists, strings and numbers, in the order of the fields."""
     plain: dict[str, Any] = _insert_notes(message, to_plain(message, style.truncate), style)
     return plain
 
 
-def to_csv(value: Any, style: Style) -> str:
+def to_csv(value: Any, style: PrintOptions) -> str:
     """Convert a message's values to one line, separated by commas."""
     if isinstance(value, RosMessage):
         items = _items(value)
@@ -130,7 +130,7 @@ def _join_values(parts: list[str]) -> str:
     return text
 
 
-def _insert_notes(value: Any, plain: Any, style: Style) -> Any:
+def _insert_notes(value: Any, plain: Any, style: PrintOptions) -> Any:
     """Replace omitted arrays and strings by notes, in the plain form of a message."""
     if isinstance(value, RosMessage):
         for field, item in _items(value):
@@ -156,7 +156,7 @@ def _string_note(value: str) -> str:
     return f"<string length: <{len(value)}>>"
 
 
-def _array_note(value: Any, field: FieldDefinition, style: Style) -> str:
+def _array_note(value: Any, field: FieldDefinition, style: PrintOptions) -> str:
     """Return the note that replaces an omitted array, or ""."""
     if field.container == "scalar" or not style.no_arrays:
         return ""

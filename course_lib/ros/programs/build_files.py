@@ -263,7 +263,7 @@ class _Values:
 def _read_cmake(name: str, cmake: Path, build_files: BuildFiles) -> None:
     """Read the executables, Python packages and installed files of a CMakeLists.txt.
 
-    Only variables that are lists are known.
+    Of variables, only lists are evaluated.
     """
     if not cmake.is_file():
         return

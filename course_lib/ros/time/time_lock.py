@@ -389,7 +389,7 @@ class TimeLock:
         advance.
 
         Args:
-            describe_unmet: Describes what is not there yet, for the hint if the run ends during
+            describe_unmet: Describes the unmet condition, for the hint if the run ends during
                 the loop.
             reads_clock: Whether the call only reads the clock, which a loop may do while it waits
                 for the last poll's condition.

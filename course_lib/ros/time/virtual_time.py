@@ -76,7 +76,7 @@ def install() -> None:
         setattr(owner, name, replacement)
     busy_loops.install()
     streams = sys.modules.get("ipykernel.iostream")
-    # A thread of Jupyter's own sends a kernel's output.
+    # Jupyter sends a kernel's output from a separate thread.
     if streams is not None:
         real_flush = streams.OutStream.flush
 

@@ -204,10 +204,10 @@ def open_session(address: str, login: Login = NO_LOGIN) -> zenoh.Session:
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        raise CourseError(_unreachable(address, login)) from error
+        raise CourseError(_unreachable_message(address, login)) from error
 
 
-def _unreachable(address: str, login: Login) -> str:
+def _unreachable_message(address: str, login: Login) -> str:
     """Return the error text for an address that does not answer."""
     if login.name:
         return (

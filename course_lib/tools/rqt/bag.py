@@ -9,7 +9,7 @@ import numpy as np
 
 from course_lib.errors import CourseError, format_count
 from course_lib.recording import read_bag
-from course_lib.ros.messages.conversions import Style, to_yaml
+from course_lib.ros.messages.conversions import PrintOptions, to_yaml
 from course_lib.ros.time import wall
 from course_lib.tools.rqt.view import RqtView, drawing, tag, text
 from course_lib.tools.sources import PLAYER
@@ -86,7 +86,7 @@ class BagView(RqtView):
         if sample is None:
             return "<p class='rqt-dim'>Choose a topic to see its last message before the cursor.</p>"
         stamp = (sample.stamp_ns - self._recording.start_ns) * 1e-9
-        text = escape(to_yaml(sample.message(), Style()))
+        text = escape(to_yaml(sample.message(), PrintOptions()))
         return f"<p><b>{escape(sample.topic)}</b> at {stamp:.3f} s</p><pre>{text}</pre>"
 
     def _index(self, seconds: float) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 
 from course_lib.errors import format_count
 from course_lib.ros.graph.graph import Sample
-from course_lib.ros.messages.conversions import Style, to_csv, to_yaml
+from course_lib.ros.messages.conversions import PrintOptions, to_csv, to_yaml
 from course_lib.tools.rqt.view import RqtView, colour_of, drawing, icon, table, tag
 from course_lib.tools.topic import in_bytes
 
@@ -131,7 +131,7 @@ class TopicView(RqtView):
             about.value = _cells(self.cells(topic, topics[topic]))
             button.icon = "caret-down" if button.value else "caret-right"
             last = self._last_samples.get(topic)
-            text = to_yaml(last.message(), Style()) if last and button.value else "no message yet"
+            text = to_yaml(last.message(), PrintOptions()) if last and button.value else "no message yet"
             value.value = f"<pre>{escape(text)}</pre>" if button.value else ""
         self.table.children = tuple(self.rows[topic] for topic in topics)
 
@@ -163,7 +163,7 @@ class TopicView(RqtView):
             (bandwidth,) = in_bytes(sum(size for _, size in window[1:]) / seconds)
             rates = [f"{bandwidth}/s", f"{(len(window) - 1) / seconds:.2f}"]
         last = self._last_samples.get(topic)
-        value = to_csv(last.message(), Style(truncate=8))[:200] if last else "no message yet"
+        value = to_csv(last.message(), PrintOptions(truncate=8))[:200] if last else "no message yet"
         return [", ".join(types), *rates, value]
 
 

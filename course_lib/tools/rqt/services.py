@@ -8,7 +8,7 @@ from typing import Any
 from course_lib.errors import CourseError, did_you_mean
 from course_lib.ros.graph.graph import Sample
 from course_lib.ros.messages import message_class, service_class
-from course_lib.ros.messages.conversions import Style, to_yaml
+from course_lib.ros.messages.conversions import PrintOptions, to_yaml
 from course_lib.tools.param import find_node, parameter_client, parameter_nodes
 from course_lib.tools.rqt.view import RqtView, table
 from course_lib.tools.sources import answer, own_node
@@ -61,7 +61,7 @@ class ServiceCallerView(RqtView):
         """Fill the request with its default values."""
         if type_name := self._services().get(self["Service"]):
             request = message_class(f"{type_name}_Request")()
-            self.request.value = to_yaml(request, Style(truncate=None))
+            self.request.value = to_yaml(request, PrintOptions(truncate=None))
             self._message = f"<p class='rqt-dim'>{type_name}: not called yet.</p>"
         self.refresh()
 
@@ -79,7 +79,7 @@ class ServiceCallerView(RqtView):
             response = answer(
                 self.source, node.create_client(kind, name).call_async(request), name, ANSWER_LIMIT
             )
-        self._message = f"<b>Response</b><pre>{escape(to_yaml(response, Style()))}</pre>"
+        self._message = f"<b>Response</b><pre>{escape(to_yaml(response, PrintOptions()))}</pre>"
 
 
 _EVENTS = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"

@@ -162,7 +162,7 @@ def test_disabled_namespace_loses_its_markers_until_they_are_published_again() -
     assert bench.marker_names() == ["b/0"]
     bench.show(marker(ns="a"), at=1.0)
     assert bench.marker_names() == ["b/0"]
-    assert any("'a' is not ticked" in hint for hint in bench.hints(bench.array))
+    assert any("'a' is not enabled" in hint for hint in bench.hints(bench.array))
     bench.array["Namespaces"] = {"a": True}
     assert bench.marker_names() == ["b/0"]
     bench.show(marker(ns="a"), at=2.0)

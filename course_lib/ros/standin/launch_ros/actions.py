@@ -295,7 +295,7 @@ class LifecycleNode(Node):
     ) -> None:
         super().__init__(name=name, namespace=namespace, **options)
         self._autostart = autostart
-        # The fully qualified name, once the node was started.
+        # The fully qualified name, "" before the node is started.
         self.node_name = ""
         self._given_name = name
 

@@ -139,7 +139,7 @@ def spin_until_future_complete(
 def _with_node(executor: Executor | None, node: Node, *, keep: bool = False) -> Iterator[Executor]:
     """Add a node to an executor for the length of the block.
 
-    With `keep`, a node that was there before stays.
+    With `keep`, a node that was added before remains.
     """
     used_executor = executor or get_global_executor()
     is_new = used_executor.add_node(node)

@@ -3,7 +3,7 @@
 from collections import OrderedDict
 from typing import Any
 
-from course_lib.ros.messages.conversions import Style, to_csv, to_dict, to_yaml
+from course_lib.ros.messages.conversions import PrintOptions, to_csv, to_dict, to_yaml
 
 
 def message_to_yaml(
@@ -15,21 +15,21 @@ def message_to_yaml(
     flow_style: bool = False,
 ) -> str:
     """Convert a message to YAML, in block or flow style. Long values can be truncated."""
-    return to_yaml(msg, Style(truncate_length, no_arr, no_str, flow_style))
+    return to_yaml(msg, PrintOptions(truncate_length, no_arr, no_str, flow_style))
 
 
 def message_to_csv(
     msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
 ) -> str:
     """Convert a message's values to comma-separated text."""
-    return to_csv(msg, Style(truncate_length, no_arr, no_str))
+    return to_csv(msg, PrintOptions(truncate_length, no_arr, no_str))
 
 
 def message_to_ordereddict(
     msg: Any, *, truncate_length: int | None = None, no_arr: bool = False, no_str: bool = False
 ) -> "OrderedDict[str, Any]":
     """Convert a message to nested dictionaries in the order of its fields."""
-    ordered: OrderedDict[str, Any] = _ordered(to_dict(msg, Style(truncate_length, no_arr, no_str)))
+    ordered: OrderedDict[str, Any] = _ordered(to_dict(msg, PrintOptions(truncate_length, no_arr, no_str)))
     return ordered
 
 

@@ -242,7 +242,7 @@ PLAIN_PYTHON = [
     (
         "{'x': 1}[[0.0]]",
         "TypeError: unhashable type: 'list'",
-        "a list cannot be a key: are two arguments the wrong way round?",
+        "a list cannot be a key: are two arguments swapped?",
     ),
     (
         "def two_link(lift, elbow): ...\ntwo_link(1.0, 1.0, 0.0, 0.0)",

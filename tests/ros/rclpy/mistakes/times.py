@@ -26,7 +26,7 @@ TIMES = [
     (
         "stamp = node.get_clock().now().to_msg()\nstamp - stamp",
         "TypeError: unsupported operand type(s) for -: 'Time' and 'Time'",
-        "messages cannot be subtracted: `Time.from_msg(stamp)` can.",
+        "messages cannot be subtracted. Convert both: `Time.from_msg(stamp)`.",
     ),
     (
         "node.get_clock().now() - 1.0",
