@@ -26,7 +26,14 @@ from course_lib.grading.evidence import Evidence
 from course_lib.grading.judge import NEEDS_ANOTHER
 from course_lib.grading.records import TaskResult
 from course_lib.grading.run.submission_run import NO_NODE
-from course_lib.grading.slips import IN_PLACE, Function, find_growing_list, find_slip, parse
+from course_lib.grading.slips import (
+    IN_PLACE,
+    Function,
+    find_growing_list,
+    find_hidden_error,
+    find_slip,
+    parse,
+)
 from course_lib.grading.task import HINTS, Task
 from course_lib.ros.messages import to_plain
 
@@ -104,10 +111,11 @@ class Advice:
         elif result.errors:
             texts = [AFTER_AN_ERROR]
         elif causes[:1] == [SILENT]:
-            texts = [_missing_call(code, result) or task.mistakes.get(SILENT) or _silence_hint(code), *texts]
+            own = _missing_call(code, result) or find_hidden_error(source) or task.mistakes.get(SILENT)
+            texts = [own or _silence_hint(code), *texts]
         slip = find_slip(source) if too_much or not result.errors else ""
         if not slip and not result.errors:
-            slip = _missing_subscription_hint(task, code)
+            slip = _missing_subscription_hint(task, code) or _late_timer_hint(task, source)
         if not slip and (too_much or not result.errors):
             slip = _growing_list_hint(task, result, source)
         best_hint = slip or next((text for text in texts if text and not code.follows(text)), "")
@@ -236,6 +244,33 @@ def _missing_subscription_hint(task: Task, code: Code) -> str:
     if any(topic.startswith("~") or topic.strip("/") == expected[0].strip("/") for topic in topics):
         return ""
     return f"Your node subscribes to {' and '.join(topics)}, but the messages arrive on {expected[0]}."
+
+
+def _late_timer_hint(task: Task, source: str) -> str:
+    """Return a sentence about a timer that is due only after the longest scenario, or ""."""
+    seconds = max((one.seconds for one in task.scenarios), default=0.0)  # [s]
+    for node in ast.walk(parse(source)):
+        match node:
+            case ast.Call(func=ast.Attribute(attr="create_timer"), args=[period, callback, *_]):
+                if 0 < seconds < (value := _constant_value(period)):
+                    return (
+                        f"The timer calls {ast.unparse(callback)} for the first time after "
+                        f"{value:g} s, and the check runs for {seconds:g} s: a period is in "
+                        "seconds, 0.1 for 10 times a second."
+                    )
+    return ""
+
+
+def _constant_value(node: ast.expr) -> float:
+    """Return the value of a number, a product or a quotient of numbers, or NaN."""
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return float(value)
+        case ast.BinOp(left=left, op=ast.Mult(), right=right):
+            return _constant_value(left) * _constant_value(right)
+        case ast.BinOp(left=left, op=ast.Div(), right=right) if _constant_value(right):
+            return _constant_value(left) / _constant_value(right)
+    return math.nan
 
 
 def _missing_call(code: Code, result: TaskResult) -> str:
@@ -428,17 +463,25 @@ def _is_super_init(node: ast.AST) -> TypeGuard[ast.Call]:
     return False
 
 
-def reliable_subscription_hint(evidence: Iterable[Evidence]) -> list[str]:
-    """Return a sentence about the first topic of which a Reliable subscription receives nothing, or []."""
-    warning = r"New publisher discovered on topic '(\S+)', offering incompatible QoS\..* policy: RELIABILITY"
+# What a subscription requests and the publisher does not offer, and what to pass instead.
+_POLICIES = {
+    "RELIABILITY": "it is published with Best Effort, and your subscription requests Reliable, as each "
+    "number like 10 does. Pass qos_profile_sensor_data",
+    "DURABILITY": "it is published as Volatile, and your subscription requests Transient Local. Pass a "
+    "number like 10",
+}
+
+
+def incompatible_policy_hint(evidence: Iterable[Evidence]) -> list[str]:
+    """Return a sentence about the first topic of which a subscription receives nothing, or []."""
+    warning = r"New publisher discovered on topic '(\S+)', offering incompatible QoS\..* policy: (\w+)"
     found = (re.search(warning, one.output) for one in evidence)
-    topics = [match[1] for match in found if match]
     return [
-        f"Hint: Nothing arrives from {topic}: it is published with Best Effort, and your "
-        "subscription requests Reliable, as each number like 10 does. Pass qos_profile_sensor_data "
-        "as the last argument of create_subscription."
-        for topic in topics[:1]
-    ]
+        f"Hint: Nothing arrives from {match[1]}: {_POLICIES[match[2]]} as the last argument of "
+        "create_subscription."
+        for match in found
+        if match and match[2] in _POLICIES
+    ][:1]
 
 
 def large_message_hint(evidence: Iterable[Evidence]) -> list[str]:

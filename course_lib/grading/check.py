@@ -15,12 +15,12 @@ from course_lib.errors import CourseError
 from course_lib.grading.advice import (
     Advice,
     best_effort_hint,
+    incompatible_policy_hint,
     large_message_hint,
     missing_node_hint,
     missing_return_hint,
     nan_hint,
     parameter_order_hint,
-    reliable_subscription_hint,
     wrong_type_hint,
 )
 from course_lib.grading.evidence import Evidence
@@ -174,7 +174,7 @@ def table_of(
             parameter_order_hint(task, source)
             or missing_return_hint(task, evidence, source)
             or wrong_type_hint(evidence)
-            or reliable_subscription_hint(evidence)
+            or incompatible_policy_hint(evidence)
             or missing_node_hint(evidence, source)
             or [*nan_hint(evidence), *hints]
         )

@@ -5,6 +5,7 @@ import re
 import textwrap
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
 from itertools import pairwise
 
 # Methods of lists, dictionaries and sets that change them and return None.
@@ -43,7 +44,12 @@ def find_slip(source: str) -> str:
                 for slip in _slips(function, attributes):
                     return slip
         if isinstance(outer, ast.ClassDef):
-            for slip in (*_repeated_timers(outer), *_destructive_callbacks(outer)):
+            for slip in (
+                *_repeated_timers(outer),
+                *_destructive_callbacks(outer),
+                *_generators(outer),
+                *_misspelled_attributes(outer),
+            ):
                 return slip
     return ""
 
@@ -65,6 +71,7 @@ def _slips(function: Function, attributes: set[str]) -> Iterator[str]:
     if function.args.args[:1] and function.args.args[0].arg == "self":
         yield from _blocking_calls(function)
         yield from _waiting_loops(function)
+        yield from _endless_loops(function)
         yield from _python_timers(function)
         yield from _early_lookups(function)
         yield from _idle_lambdas(function)
@@ -72,6 +79,7 @@ def _slips(function: Function, attributes: set[str]) -> Iterator[str]:
     yield from _lost_locals(function, attributes)
     yield from _plain_strings(function)
     yield from _integer_quotients(function)
+    yield from _cut_quotients(function)
 
 
 def _blocks(function: Function) -> Iterator[Sequence[ast.stmt]]:
@@ -103,6 +111,10 @@ def _idle_statements(block: Sequence[ast.stmt]) -> Iterator[str]:
                 )
             ):
                 yield f"{_quote(statement)} changes nothing: write {name} {_SIGNS[type(sign)]}= 1."
+            case ast.Expr(value=ast.BinOp()):
+                yield (
+                    f"{_quote(statement)} computes a value that is not used: write a name and = before it."
+                )
             case ast.Expr(value=ast.Attribute() as named):
                 yield f"{_quote(statement)} names {named.attr} and does not call it: write ( ) after it."
             case ast.Expr(
@@ -355,6 +367,40 @@ def _waiting_loops(function: Function) -> Iterator[str]:
                 )
 
 
+def _endless_loops(function: Function) -> Iterator[str]:
+    """Yield a sentence for each loop that publishes and never ends, as programs of ROS 1 have it."""
+    for node in ast.walk(function):
+        match node:
+            case ast.While(test=test, body=body) if _is_endless(test) and not _leaves(body):
+                methods = {
+                    call.func.attr
+                    for call in ast.walk(node)
+                    if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)
+                }
+                if methods & set(_SENDING) or _calls_own_method(node):
+                    yield (
+                        f'"while {ast.unparse(test)}" in {function.name} never ends, so that no callback of '
+                        "the node is called. A timer repeats the work: self.create_timer(period, function)."
+                    )
+
+
+def _is_endless(test: ast.expr) -> bool:
+    return ast.unparse(test) in ("True", "1", "rclpy.ok()", "not rospy.is_shutdown()")
+
+
+def _leaves(body: Sequence[ast.stmt]) -> bool:
+    return any(isinstance(node, ast.Break | ast.Return) for one in body for node in ast.walk(one))
+
+
+def _calls_own_method(loop: ast.While) -> bool:
+    return any(
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Call)
+        and ast.unparse(node.value.func).startswith("self.")
+        for node in loop.body
+    )
+
+
 def _only_waits(statement: ast.stmt) -> bool:
     match statement:
         case ast.Pass() | ast.Continue() | ast.Expr(value=ast.Constant()):
@@ -451,6 +497,37 @@ def _renewed_receivers(cls: ast.ClassDef) -> Iterator[str]:
                         f"{_quote(node)} is in {function.name}: each call creates a new one, "
                         "which has received nothing yet. Create it once, in __init__."
                     )
+
+
+def _generators(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each callback that yields: a call of it runs none of its lines."""
+    for function in _callbacks_of(cls):
+        if any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(function)):
+            yield (
+                f"yield makes {function.name} a generator, and a call runs none of its lines: leave it out."
+            )
+
+
+def _misspelled_attributes(cls: ast.ClassDef) -> Iterator[str]:
+    """Yield a sentence for each attribute that is only set and resembles one that is only read."""
+    read: set[str] = set()
+    stored: dict[str, ast.expr] = {}
+    for function in cls.body:
+        if not isinstance(function, Function):
+            continue
+        for node in ast.walk(function):
+            match node:
+                case ast.Attribute(value=ast.Name(id="self"), attr=name, ctx=ast.Load()):
+                    read.add(name)
+                case ast.Attribute(value=ast.Name(id="self"), attr=name) if function.name != "__init__":
+                    stored[name] = node
+    for name in stored.keys() - read:
+        similar = get_close_matches(name, read - stored.keys(), 1, 0.8)
+        if similar:
+            yield (
+                f"self.{name} is set and never read, and self.{similar[0]} is read and never set outside of "
+                "__init__: are they meant to be one?"
+            )
 
 
 def _replaced_methods(cls: ast.ClassDef) -> Iterator[str]:
@@ -605,6 +682,35 @@ def _integer_quotients(function: Function) -> Iterator[str]:
                 yield f"{_quote(node)} leaves out the fraction: is a whole number meant? / divides."
 
 
+def _cut_quotients(function: Function) -> Iterator[str]:
+    """Yield a question about int( ) or round( ) of a quotient that is returned or set."""
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(
+                targets=[ast.Name(id=name)],
+                value=ast.Call(func=ast.Name(id="int" | "round" as cut), args=[argument]),
+            ) if any(isinstance(part, ast.Div) for part in ast.walk(argument)):
+                places = [inner for other in ast.walk(function) for inner in _integer_operands(other)]
+                if not any(_uses(place, name) for place in places):
+                    yield f"{cut}( ) leaves out the fraction of {name}: is a whole number meant?"
+
+
+def find_hidden_error(source: str) -> str:
+    """Return a sentence about a handler of every error that does nothing, or ""."""
+    for node in ast.walk(parse(source)):
+        match node:
+            case ast.ExceptHandler(
+                type=None | ast.Name(id="Exception" | "BaseException"),
+                body=[ast.Pass() | ast.Continue() | ast.Return()],
+            ):
+                head = ast.unparse(node).splitlines()[0]
+                return (
+                    f'"{head}" also hides your own errors, like a misspelled name: print the error there, '
+                    "or catch only the exception that you expect."
+                )
+    return ""
+
+
 def _integer_operands(node: ast.AST) -> Iterator[ast.AST]:
     """Yield the subexpressions that must be integers."""
     match node:
@@ -612,6 +718,10 @@ def _integer_operands(node: ast.AST) -> Iterator[ast.AST]:
             yield index
         case ast.Call(func=ast.Name(id="range" | "int" | "divmod" | "chr"), args=args):
             yield from args
+        case ast.keyword(arg="id" | "sec" | "nanosec" | "nanoseconds" | "depth", value=value):
+            yield value
+        case ast.Assign(targets=[ast.Attribute(attr="id" | "sec" | "nanosec")], value=value):
+            yield value
 
 
 def _odd_operators(function: Function) -> Iterator[str]:

@@ -21,11 +21,13 @@ import course_lib.grading.vocabulary
 from course_lib.course.state import exercises_dir, solutions_dir
 from course_lib.grading.advice import (
     AFTER_AN_ERROR,
+    SILENT,
     TOO_MUCH,
     Advice,
     Code,
     best_effort_hint,
     hints_by_mistake,
+    incompatible_policy_hint,
     large_message_hint,
     missing_node_hint,
     missing_return_hint,
@@ -270,6 +272,31 @@ def test_after_an_exception_hints_on_missing_messages_are_omitted() -> None:
     )
     messages = [advice.hint(TASK, stopped) for _ in range(2)]
     assert messages == [[f"Hint: {AFTER_AN_ERROR}"], [f"Hint: {AFTER_AN_ERROR}", "Hint 1 of 3: one"]]
+
+
+@pytest.mark.parametrize(
+    ("policy", "sentence"),
+    [
+        ("RELIABILITY", "Hint: Nothing arrives from /scan: it is published with Best Effort"),
+        ("DURABILITY", "Hint: Nothing arrives from /scan: it is published as Volatile"),
+    ],
+)
+def test_incompatible_policy_of_a_subscription_is_reported(policy: str, sentence: str) -> None:
+    log = (
+        "[WARN] [n]: New publisher discovered on topic '/scan', offering incompatible QoS. No "
+        f"messages will be received from it. Last incompatible policy: {policy}"
+    )
+    (hint,) = incompatible_policy_hint([Evidence("week01.half", "public", 1.0, output=log)])
+    assert hint.startswith(sentence)
+
+
+@pytest.mark.parametrize("period", ["60", "1000 * 1.0", "1 / 0.01"])
+def test_timer_that_is_due_after_the_scenario_is_reported(period: str) -> None:
+    code = f"class A(Node):\n    def __init__(self):\n        self.create_timer({period}, self.tick)"
+    task = replace(TASK, scenarios=(Scenario("public", seconds=6.0),))
+    shown = Advice().hint(task, result(failing(SILENT)), code)
+    assert shown[0].startswith("Hint: The timer calls self.tick for the first time after ")
+    assert "timer calls" not in str(Advice().hint(task, result(failing(SILENT)), code.replace(period, "6.0")))
 
 
 def test_run_that_exceeds_its_limit_has_a_hint_for_the_cause() -> None:

@@ -12,7 +12,7 @@ from std_msgs.msg import Float64
 
 from course_lib.course.course_file import Limits
 from course_lib.errors import CourseError
-from course_lib.grading.advice import reliable_subscription_hint
+from course_lib.grading.advice import incompatible_policy_hint
 from course_lib.grading.evidence import Evidence
 from course_lib.grading.inputs import set_parameters
 from course_lib.grading.run.outcome import RAISED
@@ -58,10 +58,10 @@ def test_best_effort_input_does_not_reach_a_reliable_subscription_and_causes_a_h
     inputs = (Message("/in", NUMBER, {"data": 1.0}, at=0.5, best_effort=True),)
     evidence = run(Doubler, inputs=inputs, seconds=1.0)
     assert numbers(evidence) == []
-    (hint,) = reliable_subscription_hint([evidence])
+    (hint,) = incompatible_policy_hint([evidence])
     assert hint.startswith("Hint: Nothing arrives from /in: it is published with Best Effort")
     reliable = run(Doubler, inputs=(Message("/in", NUMBER, {"data": 1.0}, at=0.5),), seconds=1.0)
-    assert reliable_subscription_hint([reliable]) == []
+    assert incompatible_policy_hint([reliable]) == []
 
 
 def test_best_effort_changes_the_key_of_a_run_and_its_default_does_not() -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from course_lib.grading.slips import find_growing_list, find_slip
+from course_lib.grading.slips import find_growing_list, find_hidden_error, find_slip
 from tests.notebooks.graded import WEEKS, cells_of, solution
 
 NODE = """class Lamp(Node):
@@ -92,11 +92,28 @@ SLIPS = [
         ("return self.buffer.lookup_transform('map', 'base', self.get_clock().now())",),
         "self.get_clock().now() in lookup_transform is later than the last transform",
     ),
+    (("place @ matrix", "return place"), '"place @ matrix" computes a value that is not used'),
+    (
+        ("while rclpy.ok():", "    self.p.publish(marker)", "    rate.sleep()"),
+        '"while rclpy.ok()" in tick never ends, so that no callback of the node is called',
+    ),
+    (("while True:", "    self.paint()"), '"while True" in tick never ends'),
+    (("u = round(self.t / 2)", "return u"), "round( ) leaves out the fraction of u"),
+    (
+        ("before, self.agnle = self.angle, 1.0", "return before"),
+        "self.agnle is set and never read, and self.angle is read and never set outside of __init__",
+    ),
     (("return np.matmul(a, b, c)",), "np.matmul multiplies two matrices; the third is where"),
     (("marker.text = '{found.score:.2f} m'",), "the string '{found.score:.2f} m' has names in { }"),
 ]
 RIGHT = [
     ("viewer.save_rviz('a.rviz')", "return Path('a.rviz').read_text()"),
+    ("while True:", "    if self.paint():", "        break"),
+    ("n = int(self.width / 0.1)", "return range(n)"),
+    ("marker = Marker(id=number // 2)", "return marker"),
+    ("stamp.sec = self.now // 10**9", "return stamp"),
+    ("self.timer = 1", "return self.angle"),
+    ("self.angles = [self.angle]", "self.angle = self.angles[0]"),
     ("row = index // width", "return image[row]"),
     ("return range(count // 2)",),
     ("half = items[: len(items) // 2]", "return half"),
@@ -133,6 +150,29 @@ def test_buffer_created_in_a_callback_is_reported() -> None:
     source = method("self.buffer = Buffer()").replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")
     assert find_slip(source).startswith('"Buffer()" is in tick: each call creates a new one')
     assert find_slip(source.replace("self.create_timer(1.0, self.tick)", "self.tick()")) == ""
+
+
+def test_callback_that_is_a_generator_is_reported() -> None:
+    source = method("yield 1").replace("self.angle = 0.0", "self.create_timer(1.0, self.tick)")
+    assert find_slip(source).startswith("yield makes tick a generator")
+    assert find_slip(method("yield 1")) == ""
+
+
+@pytest.mark.parametrize(
+    ("handler", "is_hiding"),
+    [
+        (("except:", "return"), True),
+        (("except Exception:", "pass"), True),
+        (("except Exception as error:", "print(error)"), False),
+        (("except TransformException:", "return"), False),
+    ],
+)
+def test_handler_of_every_error_that_does_nothing_is_reported(
+    handler: tuple[str, str], is_hiding: bool
+) -> None:
+    head, body = handler
+    sentence = find_hidden_error(method("try:", "    self.paint()", head, f"    {body}"))
+    assert sentence.startswith(f'"{head}" also hides your own errors') == is_hiding
 
 
 def test_broadcaster_created_in_a_callback_is_accepted_as_it_sends() -> None:

@@ -90,6 +90,7 @@ def test_length_of_a_list_in_a_list_is_a_kind_of_its_own(evidence: MakeEvidence)
         ({}, {"x": 1}, "the value has no 'x'"),
         ([1], [1, 2], "the value has 1 item, expected 2"),
         ([1, 2], [], "the value has 2 items, expected none"),
+        ([[1, 2]], [[1, 2], [3, 4]], "the value has 1 item, expected 2"),
         (
             [[1, 2]],
             [1, 2],

@@ -171,7 +171,9 @@ def _compare_lists(
 ) -> Iterator[Problem]:
     if len(value) != len(expected):
         message = f"{name} has {format_count(len(value), 'item')}, expected {len(expected) or 'none'}"
-        if len(value) == 1 and isinstance(value[0], list) and len(value[0]) == len(expected):
+        is_nested = len(value) == 1 and isinstance(value[0], list) and len(value[0]) == len(expected)
+        # A row of a table is a list, too.
+        if is_nested and not any(isinstance(item, list) for item in expected):
             message = f"{message}: it is a list in a list, leave out the outer [ ]"
         if _INDEX.match(name):
             yield Problem(message, "a list in a list has the wrong length")
