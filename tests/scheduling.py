@@ -13,8 +13,8 @@ from typing import Any, Literal
 import pytest
 from xdist.scheduler import LoadFileScheduling  # type: ignore[import-untyped]  # ships no types
 
-# Tests that wait for links, kernels and processes take less than a third of a processor.
-WAITING = ("tests/gateway/", "tests/real/", "tests/ros/dds/", "tests/ros/zenoh/")
+# Tests that wait for links and processes, and notebooks that watch nodes, take less than half a processor.
+WAITING = ("notebooks/", "solutions/", "tests/gateway/", "tests/real/", "tests/ros/dds/", "tests/ros/zenoh/")
 BROWSER = "tests/browser/"
 # The longest files, first those that take minutes. If one of them began last, the other workers would
 # wait for its end.
